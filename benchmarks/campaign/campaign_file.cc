@@ -201,7 +201,15 @@ Json ReadCampaignFile(const std::string& path) {
   const JsonField campaign(document, path);
   campaign["schema"].Choice<bool>({{kSchema, true}});
   campaign["environment"].Members();
-  for (const char* member : {"environment_hash", "started"}) campaign[member].String();
+  for (const char* member : {"name", "environment_hash", "started"}) campaign[member].String();
+  for (const JsonField& manifest : campaign["manifests"].Items()) {
+    for (const char* member : {"name", "version", "sha256"}) manifest[member].String();
+  }
+  for (const JsonField& solver : campaign["solvers"].Items()) {
+    for (const char* member : {"key", "setting", "base", "origin"}) solver[member].String();
+    solver["available"].Boolean();
+  }
+  for (const JsonField& tier : campaign["tiers"].Items()) tier.Number();
   campaign["lines"].IndexBelow(std::numeric_limits<int>::max());
   return Json::parse(text);  // its members in their order
 }

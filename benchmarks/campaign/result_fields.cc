@@ -311,15 +311,16 @@ struct Type {
   const Kind* kind;
 };
 
-void RequireRecord(const nlohmann::json& value, std::string_view record) {
-  if (!value.is_object()) throw InputError("another value, an object");
+// @param place  of the record in its line, "" for the line
+void RequireRecord(const nlohmann::json& value, std::string_view record, const std::string& place = "") {
+  if (!value.is_object()) throw InputError("field '" + place + "' that is not an object");
   static const std::vector<RecordSchema> schemas = ResultSchema();
   const auto schema =
       std::find_if(schemas.begin(), schemas.end(), [record](const auto& one) { return one.record == record; });
   for (const ResultField& field : schema->fields) {
     const auto found = value.find(field.name);
     const Type type(field.type);
-    const std::string name = std::string("field '") + field.name + "'";
+    const std::string name = "field '" + place + (place.empty() ? "" : "/") + field.name + "'";
     if (found == value.end() && IsOptional(field)) continue;
     if (found == value.end()) throw InputError("no " + name + " (" + type.Words() + ")");
     if (!type.Fits(*found)) {
@@ -332,7 +333,9 @@ void RequireRecord(const nlohmann::json& value, std::string_view record) {
 void RequireRecords(const nlohmann::json& line, const char* list, std::string_view record) {
   if (!line.contains(list)) return;
   if (!line[list].is_array()) throw InputError(std::string("field '") + list + "' that is not a list");
-  for (const nlohmann::json& entry : line[list]) RequireRecord(entry, record);
+  for (std::size_t k = 0; k < line[list].size(); ++k) {
+    RequireRecord(line[list][k], record, std::string(list) + "/" + std::to_string(k));
+  }
 }
 
 }  // namespace
@@ -340,6 +343,7 @@ void RequireRecords(const nlohmann::json& line, const char* list, std::string_vi
 void RequireFields(const nlohmann::json& line) {
   const bool is_pass = line.contains("sequence");
   if (!is_pass && line.contains("problem")) return RequireRecord(line, "problem");
+  if (!is_pass && !line.contains("kind")) throw InputError("no field 'problem', 'sequence' or 'kind'");
   RequireRecord(line, is_pass ? "pass" : "line");
   RequireRecords(line, "retried", "retry");
   const bool has_kind = is_pass || std::find(kLineKinds.begin(), kLineKinds.end(), line["kind"]) != kLineKinds.end();
@@ -351,7 +355,8 @@ void RequireFields(const nlohmann::json& line) {
   }
   RequireRecord(line, line["kind"].get_ref<const std::string&>());
   RequireRecords(line, "exceptions", "exception");
-  if (line.contains("disturbance") && !line["disturbance"].is_null()) RequireRecord(line["disturbance"], "disturbance");
+  if (line.contains("disturbance") && !line["disturbance"].is_null())
+    RequireRecord(line["disturbance"], "disturbance", "disturbance");
 }
 
 Json ResultJsonSchema() {

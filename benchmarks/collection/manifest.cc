@@ -130,6 +130,7 @@ struct Reader {
   void Must(const char* name, auto& value) {
     known.push_back(name);
     Get(field[name], &value);
+    if (field[name].IsString()) RequireText(field[name]);
   }
   void May(const char* name, auto& value) {
     known.push_back(name);
@@ -160,10 +161,10 @@ struct Reader {
     }
   }
 
-  static void Get(const JsonField& from, std::string* value) {
-    *value = from.String();
-    if (value->empty()) from.Mismatch("a text that is not empty");
+  static void RequireText(const JsonField& from) {
+    if (from.String().empty()) from.Mismatch("a text that is not empty");
   }
+  static void Get(const JsonField& from, std::string* value) { *value = from.String(); }
   static void Get(const JsonField& from, bool* value) { *value = from.Boolean(); }
   static void Get(const JsonField& from, double* value) { *value = from.Number(); }
   static void Get(const JsonField& from, Index* value) { *value = from.IndexBelow(std::numeric_limits<int>::max()); }
@@ -377,14 +378,16 @@ std::vector<Json> DescribeFill(const Manifest& manifest) {
 void ReadFillClass(const JsonField& field, Manifest* manifest) {
   FillClass fill;
   field.RequireOnlyKeys({"size_class", "problems", "refused_by_reason", "sha256", "recipes"});
-  Reader::Get(field["size_class"], &fill.size_class);
+  fill.size_class = field["size_class"].String();
+  Reader::RequireText(field["size_class"]);
   if (field.Has("refused_by_reason")) Reader::Get(field["refused_by_reason"], &fill.refused);
   fill.sha256 = ReadHash(field["sha256"]);
   const size_t before = manifest->fill.size();
   for (const JsonField& group : field["recipes"].Items()) {
     Recipe recipe;
     group.RequireOnlyKeys({"scene", "rows", "seeds"});
-    Reader::Get(group["scene"], &recipe.scene);
+    recipe.scene = group["scene"].String();
+    Reader::RequireText(group["scene"]);
     recipe.rows = PositiveInteger(group["rows"]);
     for (const JsonField& seed : group["seeds"].Items()) {
       recipe.seed = Seed(seed);
@@ -478,8 +481,9 @@ Manifest ReadManifest(const std::string& path) {
   }
   Manifest manifest;
   std::map<std::string, int> refusals;
-  Reader::Get(root["name"], &manifest.name);
-  Reader::Get(root["version"], &manifest.version);
+  manifest.name = root["name"].String();
+  manifest.version = root["version"].String();
+  for (const char* name : {"name", "version"}) Reader::RequireText(root[name]);
   if (root.Has("purpose")) manifest.purpose = root["purpose"].String();
   if (root.Has("references")) {
     manifest.references = root["references"].String();

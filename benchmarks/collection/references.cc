@@ -24,16 +24,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr size_t kExcerpt = 40;
-
 // Of a line; where it stands first, as our files have it, without parsing the numbers behind it.
-std::string IdOf(const std::string& line) {
+std::string IdOf(const std::string& line, const std::string& where) {
   constexpr std::string_view kStart = R"({"id":")";
   if (line.starts_with(kStart)) {
     const std::size_t end = line.find_first_of("\"\\", kStart.size());
     if (end != std::string::npos && line[end] == '"') return line.substr(kStart.size(), end - kStart.size());
   }
-  return Json::parse(line).at("id").get<std::string>();
+  const nlohmann::json json = ParseJsonObject(line, where);
+  return JsonField(json, where)["id"].String();
 }
 
 Eigen::VectorXd Numbers(const JsonField& field, Index size) {
@@ -184,12 +183,8 @@ References::References(const Manifest& manifest, const std::string& folder) {
   LineReader lines(name_);
   std::string line;
   while (lines.Next(&line)) {
-    try {
-      std::string id = IdOf(line);
-      lines_[std::move(id)] = std::move(line);
-    } catch (const Json::exception&) {
-      throw InputError(name_ + ": expected lines with an id, found '" + line.substr(0, kExcerpt) + "'");
-    }
+    std::string id = IdOf(line, name_ + ":" + std::to_string(lines.number()));
+    lines_[std::move(id)] = std::move(line);
   }
 }
 

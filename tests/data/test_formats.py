@@ -57,6 +57,13 @@ def _line(name):
     return line | {"disturbance": record("disturbance")}
 
 
+def _short(document):
+    """With two items of every list."""
+    if isinstance(document, list):
+        return [_short(item) for item in document[:2]]
+    return {key: _short(value) for key, value in document.items()} if isinstance(document, dict) else document
+
+
 def _small_manifest():
     """One of everything."""
     sets = [json_of(_ROOT / "data" / f"{name}.json") for name in ("smoke", "standard", "sequences")]
@@ -80,7 +87,7 @@ _DOCUMENTS = {
         {"b": [1], "J": {"shape": [1, 3], "row": [0], "col": [2], "val": [1]}, "invM": [1, 1, 1], "id": 7}],
         _SIZES + r"|/shape/\d: expected \d+, found|inverse mass|is not compressed"),
     "sequence": ([{**_PROBLEM, "previous": [-1, -1], "floor": 1e-12}], _SIZES + "|a row of the line before"),
-    "reference": ([{"id": "two", "kind": "certified", "status": "solved", "f_unique": True, "w": [0, 1], "f_minnorm": [1, 0]},
+    "reference": ([{"id": "two", "kind": "certified", "status": "solved", "f_unique": True, "w": [0, 1], "f_minnorm": [1, 0], "f": [1, 1]},
                    {"id": "two", "status": "solved", "w": [0, 1], "f": [1, 0], "f_unique": None}, {"id": "two", "status": "infeasible"}],
                   _SIZES + "|id: not found"),
     "contact_record": ([{"id": "s", "bodies": [_BODY], "contacts": [_CONTACT | {"feature2": feature} for feature in _FEATURES]},
@@ -93,9 +100,9 @@ _DOCUMENTS = {
     "scene": ([json_of(_ROOT / "tests/fuzz/corpus/every_edge.json"), json_of(_ROOT / "tests/fuzz/corpus/every_shape.json")], ".*"),
     "manifest": ([_small_manifest()], "an id of its own|ids of their own|the number of seeds|within the manifest's folder|name a file|"
                                       "/(base|origin): expected"),
-    "recommendation": ([json_of(_ROOT / "data/recommendation.json")], "the key of a solver"),
-    "tuned": ([json_of(_ROOT / "data/tuned.json")], "$^"),
-    "campaign": ([json_of(_ROOT / "report/reference/core/campaign.json")], "$^"),
+    "recommendation": ([_short(json_of(_ROOT / "data/recommendation.json"))], "the key of a solver"),
+    "tuned": ([_short(json_of(_ROOT / "data/tuned.json"))], "$^"),
+    "campaign": ([_short(json_of(_ROOT / "report/reference/core/campaign.json"))], "$^"),
     "campaign_lines": ([_line(name) for name in ("problem", "judge", "fresh", "parts", "again", "pass")], "$^"),
 }
 
@@ -144,6 +151,7 @@ def _read(name, texts):
 class Formats(unittest.TestCase):
     def test_readers_and_schemas_agree(self):
         for name, (documents, beyond) in _DOCUMENTS.items():
+            documents = json.loads(json.dumps(documents))  # without members in common
             validator = validator_of(name)
             most = 4000 // len(documents)
             cases = [((), document) for document in documents] + [case for document in documents for case in _changes(document, most)]
@@ -156,8 +164,8 @@ class Formats(unittest.TestCase):
                     self.assertTrue(path, said)
                     if is_valid:
                         self.assertRegex(said, beyond)
-                    names = [key for key in path if isinstance(key, str)]
-                    self.assertTrue(any(key in said for key in names), said)
+                    else:
+                        self.assertTrue(any(key in said for key in path if isinstance(key, str)), said)
 
     def test_keys_that_stand_twice_and_numbers_that_are_none_are_refused_by_name(self):
         for name, (documents, _) in _DOCUMENTS.items():
@@ -173,10 +181,12 @@ class Formats(unittest.TestCase):
                     self.assertIn("beyond the range of double", said)
 
     def test_what_is_refused_has_exit_status_2_and_one_line(self):
-        commands = {"problem": ["solve"], "contact_record": ["assemble"], "replay_record": ["replay"], "scene": ["scene"],
-                    "manifest": ["run", "--list", "--suite"], "tuned": ["run", "--list", "--tuned"],
-                    "recommendation": ["recommend", str(_ROOT / "examples/problem.jsonl"), "--rules"]}
         with tempfile.TemporaryDirectory() as folder:
+            problem = Path(folder, "good.jsonl")
+            problem.write_text(json.dumps(_PROBLEM) + "\n")
+            commands = {"problem": ["solve", "--solver", "dantzig"], "contact_record": ["assemble"], "replay_record": ["replay"], "scene": ["scene"],
+                        "manifest": ["run", "--benchmark_list_tests", "--suite"], "tuned": ["run", "--benchmark_list_tests", "--tuned"],
+                        "recommendation": ["recommend", problem, "--rules"]}
             for name, words in commands.items():
                 path = Path(folder, f"{name}.json")
                 document = _DOCUMENTS[name][0][0]
@@ -205,7 +215,7 @@ class Formats(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             problems = Path(folder, "p.jsonl")
             problems.write_text(json.dumps(_PROBLEM) + '\n{"A": [[0]], "b": [-1]}\n')
-            for name, words in {"solve_result": ["solve"], "certified_answer": ["certify"]}.items():
+            for name, words in {"solve_result": ["solve", "--solver", "dantzig"], "certified_answer": ["certify"]}.items():
                 run = subprocess.run([_COMMAND, *words, problems], capture_output=True, text=True, check=False)
                 lines = run.stdout.splitlines()
                 self.assertEqual(len(lines), 2, run.stderr)

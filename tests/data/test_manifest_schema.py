@@ -22,8 +22,8 @@ _MALFORMED = [
     (("refused", 0, "reason"), REMOVED),
     (("refused_by_reason",), {"f = 0": 0}),
     *((("problems", 0, key), value) for key, value in (
-        ("id", ""), ("recipe", REMOVED), ("file", {"path": "a.jsonl", "line": 1}), ("rank", -1), ("rank_method", ""),
-        ("condition", 0.5), ("fraction_active", 1.5), ("licence", ""), ("origin", "imagined"), ("base", ""),
+        ("id", ""), ("recipe", REMOVED), ("file", {"path": "a.jsonl", "line": 1}), ("rank", -1), ("rank_method", None),
+        ("condition", 0.5), ("fraction_active", 1.5), ("licence", None), ("origin", "imagined"), ("base", ""),
         ("sha256", "0123"), ("colour", "red"))),
     *((("problems", 0, "recipe", key), value) for key, value in (
         ("rows", 0), ("seed", -1), ("changes", [{"name": "magic", "amount": 1}]))),

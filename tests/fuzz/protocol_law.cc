@@ -6,6 +6,7 @@
 #include <exception>
 #include <limits>
 #include <memory>
+#include <new>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -157,6 +158,8 @@ std::string BrokenProtocolLaw(const std::string& bytes) {
   hello.name = "echo";
   try {
     ServeFrames(sent.descriptor(), answered.descriptor(), hello, [] { return std::make_unique<Echo>(); });
+  } catch (const std::bad_alloc&) {
+    return "a message asks for more memory than there is";
   } catch (const std::exception& error) {
     if (std::string broken = BrokenErrorLaw(error.what(), ""); !broken.empty()) return broken;
   }
