@@ -41,7 +41,8 @@ struct ListFields {
 
   void Declare(CLI::App& app) {
     app.add_flag("--json", as_json, "As one JSON object, by which report/ checks what it reads");
-    app.add_flag("--schema", as_schema, "As a JSON Schema (docs/formats/campaign_lines.schema.json)")->excludes("--json");
+    app.add_flag("--schema", as_schema, "As a JSON Schema (docs/formats/campaign_lines.schema.json)")
+        ->excludes("--json");
   }
 
   int Run() const {
