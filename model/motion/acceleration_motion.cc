@@ -808,6 +808,7 @@ class AccelerationMotion final : public Motion {
 
  private:
   void Move(double duration) override {
+    if (!CanAdvance(duration, options_.largest_step)) return;
     const double end = time_ + duration;
     while (status_ == MotionStatus::kMoving && time_ < end) Step(end);
   }

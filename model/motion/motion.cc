@@ -58,6 +58,13 @@ void Motion::Stall(const std::string& why) {
   detail_ = why;
 }
 
+bool Motion::CanAdvance(double duration, double step) {
+  const double end = time_ + duration;
+  if (end - step < end) return true;
+  Stall("steps of " + NumberText(step) + " s do not advance the time t = " + NumberText(end) + " s");
+  return false;
+}
+
 void Motion::RequireAdvance(std::span<const Body> before, double step, double least) {
   for (std::size_t i = 0; i < before.size(); ++i) {
     const Body& from = before[i];

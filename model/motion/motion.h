@@ -113,6 +113,8 @@ class Motion {
   void NoteGaps(const std::vector<RowInfo>& rows);
   /// Ends the motion as kStalled.
   void Stall(const std::string& why);
+  /// The same, and false, where steps of that length are below the spacing of doubles before `duration` is over.
+  bool CanAdvance(double duration, double step);
   /// The same where a movable body did not move in `step` [s] although both its velocities, before and now, move it by
   /// more than `least` [m]: doubles are too coarse where it is.
   void RequireAdvance(std::span<const Body> before, double step, double least);

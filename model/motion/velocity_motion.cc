@@ -8,7 +8,6 @@
 #include "model/contact/loads.h"
 #include "model/motion/contact_finder.h"
 #include "support/input_error.h"
-#include "support/number_text.h"
 
 namespace lcpbench {
 namespace {
@@ -92,10 +91,7 @@ class VelocityMotion final : public Motion {
     constexpr double kWhole = 1e-9;
     const double count = std::max(1.0, std::ceil(duration / options_.step - kWhole));
     const double h = duration / count;
-    const double end = time_ + duration;
-    if (!(end - h < end)) {
-      return Stall("steps of " + NumberText(h) + " s do not advance the time t = " + NumberText(end) + " s");
-    }
+    if (!CanAdvance(duration, h)) return;
     for (double k = 0; k < count && status_ == MotionStatus::kMoving; ++k) Step(h);
   }
 

@@ -63,6 +63,9 @@ TEST(Advance, StepsBelowTheSpacingOfDoublesEndTheMotion) {
     ExpectStalled(started, "do not advance the time t = 0.05 s");
     EXPECT_EQ(started.motion->statistics().steps, 0);
   }
+  Started started(MotionLevel::kAcceleration, WithOneBody({0, 3}, {0, 1}));
+  started.motion->Advance(1e25);
+  ExpectStalled(started, "do not advance the time t = 1e+25 s");
 }
 
 // Past each other at a speed that allows steps of 1e-14 s at most.
