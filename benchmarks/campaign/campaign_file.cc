@@ -19,6 +19,7 @@
 #include "solvers/registry.h"
 #include "support/append_only_file.h"
 #include "support/input_error.h"
+#include "support/json_field.h"
 #include "support/text_file.h"
 
 namespace lcpbench {
@@ -191,8 +192,10 @@ bool SameCampaign(Json a, Json b) {
 }
 
 Json ReadCampaignFile(const std::string& path) {
+  const std::string text = ReadTextFile(path);
+  ParseJsonDocument(text, path);  // refuses keys that stand twice
   try {
-    Json json = Json::parse(ReadTextFile(path));
+    Json json = Json::parse(text);
     for (const char* member : {"environment", "environment_hash", "started", "lines"}) json.at(member);
     if (json.at("schema") != kSchema) throw InputError(path + ": expected schema " + std::string(kSchema));
     return json;
@@ -201,7 +204,12 @@ Json ReadCampaignFile(const std::string& path) {
   }
 }
 
-void WriteCampaignFile(const std::string& path, const Json& campaign) { WriteTextFile(path, campaign.dump(1) + "\n"); }
+void WriteCampaignFile(const std::string& path, const Json& campaign) {
+  TextOutput file(path);
+  file.Write(campaign.dump(1) + "\n");
+  file.Synchronise();
+  file.Close();
+}
 
 void WriteBenchmarkJson(const std::string& folder, const std::string& path) {
   Json benchmarks = Json::array();
@@ -263,6 +271,7 @@ void WriteProblems(const std::string& path, const CampaignPlan& plan, const std:
     file.Append({RecordOf<DescribedProblem>(ProblemFields(), described)});
     bar.Advance(1, entry.id);
   }
+  file.Synchronise();
 }
 
 }  // namespace lcpbench

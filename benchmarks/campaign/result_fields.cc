@@ -290,8 +290,9 @@ std::vector<RecordSchema> ResultSchema() {
       Schema("step_verdict", "An entry of `verdicts`", kStepVerdict),
       Schema("retry",
              "An entry of `retried`, which a line of streams.jsonl or steps.jsonl has where something other than the "
-             "campaign killed a worker (SIGKILL, SIGTERM): the solve was tried once more, and the line says what came "
-             "of that; killed again it is `crashed`",
+             "campaign killed a worker (SIGKILL, SIGTERM): the solve, or the pass, was tried once more, and the line "
+             "says what came of that. Killed again it is `crashed`, or of a solver in a process of its own, which alone "
+             "was killed, a numerical failure that says so",
              kRetry),
   };
 }

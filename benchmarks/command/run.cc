@@ -1,9 +1,12 @@
+#include <unistd.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -14,8 +17,11 @@
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
+#include "benchmarks/measure/allocation_count.h"
 #include "solvers/registry.h"
+#include "support/exit_status.h"
 #include "support/input_error.h"
+#include "support/json_field.h"
 #include "support/text_file.h"
 
 namespace lcpbench {
@@ -126,6 +132,7 @@ void AddTunedVariants(const std::string& path, CampaignPlan* plan, std::vector<s
   constexpr const char* kSchema = "lcpbench-tuned/1";
   using Json = nlohmann::ordered_json;
   const std::string text = ReadTextFile(path);
+  ParseJsonDocument(text, path);  // refuses keys that stand twice
   std::vector<std::string> added;
   try {
     const Json json = Json::parse(text);
@@ -217,6 +224,12 @@ struct RunCampaigns {
   }
 
   int Run() {
+    // What it has written is whole at any moment, and so is what it writes next.
+    EndWithoutMemory([] {
+      constexpr std::string_view kText = "lcpbench: not enough memory\n";
+      [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kText.data(), kText.size());
+      _exit(kMisuse);
+    });
     named.Register();
     if (ablations) RegisterAblations();
     CampaignPlan plan = CampaignOf(suite);
