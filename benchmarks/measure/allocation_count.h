@@ -11,8 +11,7 @@ long AllocationCount();
 /// False where they cannot be counted: sanitizers bring an allocator of their own.
 bool AllocationsAreCounted();
 
-/// Off at the start, and where something is timed: an allocation then costs two branches more than without this file, not
-/// an atomic addition.
+/// Off at the start, and where something is timed: an allocation then costs two branches, not an atomic addition.
 void CountAllocations(bool on);
 
 /// From now on `end` is called where there is no memory to be had, before anyone is told: libraries end the process
