@@ -31,6 +31,10 @@ FUZZ_FORMATS := json_lines matrix_market siconos_text
 FUZZ_FLAGS    = -max_total_time=$(FUZZ_SECONDS) -max_len=8192 -timeout=20 -rss_limit_mb=1024 -malloc_limit_mb=512 \
                 -artifact_prefix=build/fuzz/ -print_final_stats=1
 
+# How many problems `make attack` makes, and from which seed on.
+ATTACK_PROBLEMS ?= 10000
+ATTACK_SEED     ?= 100000
+
 # One solver under two names, and slowed by a tenth: what a campaign must find, and must not.
 CALIBRATION_RESULTS ?= build/results/calibration
 CALIBRATION = --suite standard --filter '-n(25|64|160|400)-s[123]/' --no-fills --tiers 1e-6 --solvers bpp,bpp-again,bpp-slow,pgs,pgs-again,pgs-slow \
@@ -41,7 +45,7 @@ CALIBRATION = --suite standard --filter '-n(25|64|160|400)-s[123]/' --no-fills -
 REFERENCE_RESULTS := report/reference/core --motion report/reference/motion --pictures $(PICTURES)
 REFERENCE_ABLATION := --ablation report/reference/ablation
 
-.PHONY: help deps peers configure command build test report run pictures ablation recommendation calibrate scene-benchmark slurm-try doc reference-report check format fuzz install clean
+.PHONY: help deps peers configure command build test report run pictures ablation recommendation calibrate scene-benchmark slurm-try doc reference-report check format fuzz attack install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
@@ -58,6 +62,7 @@ help:
 	@echo "make check    formatting, lint, and whether the public headers are documented"
 	@echo "make format   reformat our own code"
 	@echo "make fuzz     feed every reader of files mutated ones, each for FUZZ_SECONDS (now: $(FUZZ_SECONDS))"
+	@echo "make attack   problems of known status at extreme scales, by all own solvers (ATTACK_PROBLEMS, ATTACK_SEED; at most an hour)"
 	@echo "make install  install library, headers and command (PREFIX=/usr/local)"
 	@echo "make clean    remove build/"
 	@echo "PRESET=release|debug|asan|tsan chooses the build (now: $(PRESET))"
@@ -156,6 +161,10 @@ fuzz: deps
 # Every file is read by a child of its own: what little memory the sanitizer holds back is what little a fork copies.
 	@ASAN_OPTIONS=quarantine_size_mb=8 build/fuzz/tests/fuzz/fclib_file_fuzzer $(FUZZ_FLAGS) -max_len=32768 \
 	  $(FUZZ_CORPUS)-fclib_file tests/fuzz/fclib_file_corpus
+
+attack: configure
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target attack
+	@$(BUILD)/tests/attack --problems $(ATTACK_PROBLEMS) --first $(ATTACK_SEED) --each-tier --threads $(JOBS)
 
 install: build
 	@cmake --install $(BUILD) $(if $(PREFIX),--prefix $(PREFIX))

@@ -18,8 +18,10 @@
 #include <csignal>
 #include <cstring>
 #include <limits>
+#include <mutex>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 #include "support/clock.h"
 
@@ -79,6 +81,46 @@ void Replace(pid_t before, pid_t after) {
     pid_t expected = before;
     if (group.compare_exchange_strong(expected, after)) return;
   }
+}
+
+// A process that is told of the groups, > 0 where one begins and < 0 where it ends, and kills those that are left when
+// this process is gone: also by SIGKILL, which has no handler.
+[[noreturn]] void StandGuard(int socket) {
+  sigset_t all;
+  sigfillset(&all);
+  sigprocmask(SIG_SETMASK, &all, nullptr);
+  setpgid(0, 0);
+  // Nobody waits for the end of a file that only the guard has open.
+  if (socket > 0) close_range(0, static_cast<unsigned>(socket) - 1, 0);
+  close_range(static_cast<unsigned>(socket) + 1, ~0U, 0);
+  std::array<pid_t, kMostGroups> left{};
+  pid_t told = 0;
+  for (;;) {
+    const ssize_t got = read(socket, &told, sizeof told);
+    if (got < 0 && errno == EINTR) continue;
+    if (got != sizeof told) break;
+    const auto place = std::find(left.begin(), left.end(), told > 0 ? 0 : -told);
+    if (place != left.end()) *place = std::max(told, 0);
+  }
+  for (const pid_t leader : left) {
+    if (leader > 0) kill(-leader, SIGKILL);
+  }
+  _exit(0);
+}
+
+int guard = -1;  // the socket to it
+
+// The guard starts with the first group. Where the system has no process for it, signals with handlers have to do.
+void TellGuard(pid_t told) {
+  static std::mutex mutex;
+  const std::lock_guard lock(mutex);
+  std::array<int, 2> ends{-1, -1};
+  if (guard < 0 && socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) == 0) {
+    if (fork() == 0) StandGuard(ends[0]);
+    close(ends[0]);
+    guard = ends[1];
+  }
+  send(guard, &told, sizeof told, MSG_NOSIGNAL);
 }
 
 extern "C" void EndWithGroups(int signal) {
@@ -173,7 +215,10 @@ Subprocess::Subprocess(const SubprocessOptions& options) {
     _exit(1);
   }
   if (pid_ < 0) error = errno;
-  if (pid_ > 0 && error == 0) Replace(0, pid_);
+  if (pid_ > 0 && error == 0) {
+    Replace(0, pid_);
+    TellGuard(pid_);
+  }
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
   close(ends[1]);
   if (error != 0) {
@@ -196,6 +241,7 @@ Subprocess::Subprocess(const std::function<void(int socket)>& body) {
   if (pid_ == 0) {
     setpgid(0, 0);
     for (std::atomic<pid_t>& group : groups) group.store(0);  // none is its own
+    close(std::exchange(guard, -1));
     close(ends[0]);
     body(ends[1]);
     _exit(0);
@@ -205,6 +251,7 @@ Subprocess::Subprocess(const std::function<void(int socket)>& body) {
   if (pid_ > 0) {
     setpgid(pid_, pid_);  // here too: whoever comes first
     Replace(0, pid_);
+    TellGuard(pid_);
   }
   if (pid_ < 0) {
     close(socket_);
@@ -252,6 +299,7 @@ int Subprocess::WaitOrKill(double limit_s) {
   while (waitpid(pid_, &status_, 0) < 0 && errno == EINTR) {
   }
   Replace(pid_, 0);
+  TellGuard(-pid_);
   pid_ = -1;
   return status_;
 }

@@ -32,8 +32,8 @@ struct SubprocessOptions {
 ///
 /// No child outlives its use. It leads a process group of its own, which is killed (SIGKILL) with all that the child
 /// started where WaitOrKill ends, so also where the object ends; the child is waited for. A program is killed by the
-/// system where the thread that started it ends, however that happens. What the program started itself goes with it
-/// then only after a signal that EndSubprocessesOnSignals was told of; nothing reaches what left the group (setsid).
+/// system where the thread that started it ends, however that happens; its group by a process that waits for the end of
+/// this one, SIGKILL too. Nothing reaches what left the group (setsid).
 class Subprocess {
  public:
   /// Starts a program; without fork, as libraries of this process may hold locks and have handlers for it. Signals are

@@ -165,7 +165,9 @@ void SceneOptions::AddStep(CLI::App& command) {
 }
 
 void SceneOptions::AddBudget(CLI::App& command) {
-  command.add_option("--budget", budget_s, "Seconds for the motion; a longer one is stopped")
+  command
+      .add_option("--budget", budget_s,
+                  "Seconds for the motion, and for a picture's answer; what takes longer is stopped")
       ->default_str("")
       ->check(PositiveSeconds());
 }

@@ -58,7 +58,8 @@ struct Recommend {
     AddToleranceOption(app, &plan.tolerance);
     app.add_option("--candidates", candidates,
                    "Solver keys, or all: all own solvers [default: those that the rules name]")
-        ->delimiter(',');
+        ->delimiter(',')
+        ->allow_extra_args(false);  // the file may come next
     app.add_flag("--peers", peers, "Also try the peers that were fast in the reference");
     app.add_option("--rules", rules_file,
                    "Written by report/report.py recommendation [default: data/recommendation.json]");

@@ -57,14 +57,20 @@ struct SceneCommand {
     throw InputError("this build has no solver");
   }
 
+  LcpOptions SolverLimits() const {
+    LcpOptions options;
+    options.time_limit_s = start.budget_s;
+    return options;
+  }
+
   // The scene after --time.
   MovingScene LoadAndMove() const {
     MovingScene scene = start.Load();
     if (time == 0) return scene;
     const auto moving = MakeSolver(MovingSolver());
-    const auto motion = StartMotion(scene, {}, *moving);
+    const auto motion = StartMotion(scene, SolverLimits(), *moving);
     const BudgetClock budget(start.budget_s);
-    motion->set_observer([&budget](const MotionProblem&) { budget.Check(); });
+    motion->set_check([&budget] { budget.Check(); });
     try {
       motion->Advance(time);
     } catch (const BudgetSpent&) {
@@ -86,7 +92,7 @@ struct SceneCommand {
     const ContactSystem system =
         time > 0 ? InstantWithContacts(scene.world) : LoadInstant(start.scene, start.size, start.seed);
     const AssembledLcp lcp = AssembleContactLcp(system);
-    const std::optional<PictureSolution> solution = SolveForPicture(lcp.problem, solver);
+    const std::optional<PictureSolution> solution = SolveForPicture(lcp.problem, solver, start.budget_s);
     PictureExtras extras;
     extras.loads = &scene.world.loads;
     if (solution) extras.caption = solution->caption;
@@ -106,7 +112,7 @@ struct SceneCommand {
     const MovingScene scene = start.Load();
     const std::string key = MovingSolver();
     const auto moving = MakeSolver(key);
-    const auto motion = StartMotion(scene, {}, *moving);
+    const auto motion = StartMotion(scene, SolverLimits(), *moving);
     Animation recorded;
     {
       ProgressBar progress("animate", 1);

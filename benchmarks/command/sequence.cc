@@ -60,16 +60,18 @@ struct Sequence {
   int Run() const {
     const MovingScene scene = start.Load();
     const std::unique_ptr<LcpSolver> made = MakeSolver(solver, ParseSettings(settings));
-    const std::unique_ptr<Motion> motion = StartMotion(scene, lcp, *made);
+    LcpOptions limits = lcp;
+    limits.time_limit_s = std::min(lcp.time_limit_s, start.budget_s);
+    const std::unique_ptr<Motion> motion = StartMotion(scene, limits, *made);
     TextOutput file(output);
     SequenceWriter writer(file.stream(), solver, lcp.tolerance, with_matrix);
     const BudgetClock budget(start.budget_s);
-    motion->set_observer([&](const MotionProblem& met) {
-      // One step of many events can take long.
+    // One step of many events can take long.
+    motion->set_check([&budget] {
       Interruption::Check();
       budget.Check();
-      writer.Write(met);
     });
+    motion->set_observer([&writer](const MotionProblem& met) { writer.Write(met); });
 
     EnergyRecord energy(motion->world());
     std::optional<InputError> failure;

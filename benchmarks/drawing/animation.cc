@@ -388,10 +388,8 @@ Animation RecordAnimation(Motion* motion, const AnimationOptions& options,
   animation.fps = options.fps;
   Listener listener;
   const BudgetClock budget(options.budget_s);
-  motion->set_observer([&](const MotionProblem& problem) {
-    budget.Check();
-    listener(problem);
-  });
+  motion->set_check([&budget] { budget.Check(); });
+  motion->set_observer([&listener](const MotionProblem& problem) { listener(problem); });
   const double start = motion->time();
   animation.frames.push_back(FrameOf(*motion));
   const int frames = static_cast<int>(FrameCount(options));
@@ -411,6 +409,7 @@ Animation RecordAnimation(Motion* motion, const AnimationOptions& options,
     if (progress) progress(static_cast<double>(k) / frames);
   }
   motion->set_observer({});
+  motion->set_check([] {});
   animation.frames.front().forces = listener.first();
   animation.statistics = motion->statistics();
   if (motion->status() != MotionStatus::kMoving) animation.stopped = motion->detail();

@@ -48,8 +48,8 @@ inline constexpr double kMaxFrames = 20000;
 void RequireValid(const AnimationOptions& options);
 
 /// Moves on and takes a picture at the start and after every 1 / fps, until the duration is reached or the motion stops
-/// by itself. Takes over the motion's observer. Impulses of time steps are divided by their step, so that both levels
-/// of motion show forces. O(frames (bodies + forces)) memory.
+/// by itself. Takes over the motion's observer and check. Impulses of time steps are divided by their step, so that
+/// both levels of motion show forces. O(frames (bodies + forces)) memory.
 /// @param progress  called after every frame with the share that is done
 /// @throws InputError for options outside their ranges, and as Motion::Advance
 Animation RecordAnimation(Motion* motion, const AnimationOptions& options,

@@ -57,8 +57,11 @@ Layout MakeLayout(const std::vector<Body>& bodies, const std::vector<Vec2>& poin
   const double largest = std::max({ExtentOf(view), median, std::numeric_limits<double>::min()});
   constexpr double kWidth = kPageWidth - 2 * kPagePadding;
   // k strips are k^2 as high in total as one.
+  // What is far apart gets no more strips than this, however small its bodies become.
+  constexpr double kMostStrips = 500;
   const auto strips_of = [](const Eigen::Vector2d& size) {
-    return static_cast<int>(std::sqrt(kMaxDrawingHeight * size.x() / (kWidth * size.y())));
+    const double strips = std::sqrt(kMaxDrawingHeight * size.x() / (kWidth * size.y()));
+    return strips < kMostStrips ? static_cast<int>(strips) : static_cast<int>(kMostStrips);
   };
   // A few bodies shall not fill the page: at least two median extents in view, with room around them.
   double margin = std::max({0.04 * largest, 0.25 * median, (2 * median - largest) / 2});
@@ -480,19 +483,24 @@ std::string RenderSvg(const ContactSystem& system, const AssembledLcp& lcp, cons
   return Picture(system, lcp, f, w, extras.loads).Render(extras.caption);
 }
 
-std::optional<PictureSolution> SolveForPicture(const LcpProblem& problem, const std::string& solver_key) {
+std::optional<PictureSolution> SolveForPicture(const LcpProblem& problem, const std::string& solver_key,
+                                               double limit_s) {
   std::vector<std::string> keys = {solver_key};
   if (solver_key.empty()) {
     keys.clear();
     for (const SolverEntry& entry : AllSolvers()) {
       if (entry.available) keys.push_back(entry.key);
     }
+    limit_s = std::min(limit_s, kPictureLimit);
   }
+  const double end = SteadyNow() + limit_s;
   for (const std::string& key : keys) {
     const std::unique_ptr<LcpSolver> solver = MakeSolver(key);
     if (problem.size() == 0) return std::nullopt;
     LcpResult result;
-    const LcpOptions options;
+    LcpOptions options;
+    options.time_limit_s = end - SteadyNow();
+    if (!(options.time_limit_s > 0)) break;
     solver->Solve(problem, options, &result);
     const Verdict verdict = Verify(problem, result, options.tolerance);
     const bool is_answer = result.f.size() == problem.size() && result.f.allFinite();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -46,7 +47,10 @@ struct PictureSolution {
 /// The answer of one solver whatever the verdict, or, without a key, the first verified answer of any solver of this
 /// build; nothing where there is none, or no row.
 /// @param solver_key  a registry key, or ""
+/// @param limit_s  wall clock of the solver, > 0; without a key of all that are tried, and at most kPictureLimit
 /// @throws InputError as MakeSolver
-std::optional<PictureSolution> SolveForPicture(const LcpProblem& problem, const std::string& solver_key);
+std::optional<PictureSolution> SolveForPicture(const LcpProblem& problem, const std::string& solver_key,
+                                               double limit_s = std::numeric_limits<double>::infinity());
+inline constexpr double kPictureLimit = 60;  ///< [s]
 
 }  // namespace lcpbench

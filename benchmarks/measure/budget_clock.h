@@ -7,7 +7,7 @@
 
 namespace lcpbench {
 
-/// Thrown out of a motion's observer when its time is over: a single step may take long.
+/// Thrown out of a motion's check when its time is over: a single step may take long.
 struct BudgetSpent {};
 
 /// Wall clock that a motion may take, from now on.

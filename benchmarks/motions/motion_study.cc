@@ -178,11 +178,11 @@ class Study {
   void Drive(const MovingScene& scene, const std::string& who, double budgets, Motion* motion, const Judge& judge,
              const Done& done) {
     const BudgetClock budget(budgets * study_.budget_s);
-    motion->set_observer([&](const MotionProblem& met) {
+    motion->set_check([&budget] {
       Interruption::Check();
       budget.Check();
-      judge(met);
     });
+    motion->set_observer(judge);
     std::string stopped;
     for (int k = 1; k <= study_.steps && stopped.empty() && !Interruption::Requested(); ++k) {
       try {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "model/contact/system.h"
+#include "model/detection/narrow_phase.h"
 #include "model/shape/outline.h"
 
 namespace lcpbench {
@@ -18,6 +19,8 @@ struct DetectionOptions {
   double penetration = 0;
   /// Pairs (body1 < body2), sorted, that have no contacts with each other, such as bodies that a joint holds together.
   std::span<const std::pair<int, int>> excluded = {};
+  /// Called for every body and every pair that is near, and within long outlines; not owned.
+  const StopCheck* check = nullptr;
 };
 
 /// The contacts of bodies with outlines: every local minimum of the gap between two bodies' outlines within
@@ -33,8 +36,6 @@ struct DetectionOptions {
 /// @throws InputError for invalid options or pieces, and for a curvature match, naming the bodies and both features
 std::vector<Constraint> DetectContacts(std::span<const Body> bodies, std::span<const Outline> outlines,
                                        const DetectionOptions& options);
-
-inline constexpr int kManySpans = 32;
 
 /// The outline that Body::outline draws, its edges chained into loops where each begins at the end of the one before.
 Outline OutlineOf(const Body& body);

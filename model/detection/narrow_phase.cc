@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <tuple>
 #include <utility>
 
@@ -377,32 +378,38 @@ class SpanPair {
   std::vector<GapMinimum>* minima_;
 };
 
-}  // namespace
-
-PlacedOutline PlaceOutline(const Outline& outline, Vec2 x, double theta) {
-  PlacedOutline placed;
-  placed.x = x;
-  placed.rotation = SinCos(theta);
-  placed.spans = NormalSpans(outline, placed.rotation);
-  placed.boxes.reserve(placed.spans.size());
-  for (const NormalSpan& span : placed.spans) placed.boxes.push_back(span.Bounds());
-  return placed;
+// From one angle counter-clockwise to another, in 0..2 pi [rad].
+double Turn(double from, double to) {
+  const double turn = std::fmod(to - from, 2 * std::numbers::pi);
+  return turn < 0 ? turn + 2 * std::numbers::pi : turn;
 }
 
-void FindGapMinima(const PlacedOutline& body1, SpanRange spans1, const PlacedOutline& body2, SpanRange spans2,
-                   const GapRange& range, std::vector<GapMinimum>* minima) {
-  // A little more than the range, and the rounding of centres far from the world's origin.
-  constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
-  const double margin = 1.001 * std::max(range.gap, range.penetration) + kRounding * (Norm(body1.x) + Norm(body2.x));
-  for (int i = spans1.first; i < spans1.first + spans1.count; ++i) {
-    const BoundingBox box = Inflated(body1.boxes[static_cast<std::size_t>(i)], body1.x - body2.x, margin);
-    for (int j = spans2.first; j < spans2.first + spans2.count; ++j) {
-      if (!Overlap(box, body2.boxes[static_cast<std::size_t>(j)])) continue;
-      SpanPair(body1, i, body2, j, range, minima).Search();
-    }
-  }
+DirectionRange NormalsOf(const NormalSpan& span) {
+  const bool known = IsFinite(span.cone.first) && IsFinite(span.cone.last);
+  if (!known || (!span.is_point() && span.kind != NormalSpan::Kind::kStraight)) return {0, 2 * std::numbers::pi};
+  const double begin = std::atan2(span.cone.first.y, span.cone.first.x);
+  return {begin, Turn(begin, std::atan2(span.cone.last.y, span.cone.last.x))};
 }
 
+SpanBound Join(const SpanBound& a, const SpanBound& b) {
+  const auto from = [](const DirectionRange& p, const DirectionRange& q) {
+    const double width = std::max(p.width, Turn(p.begin, q.begin) + q.width);
+    return DirectionRange{p.begin, std::min(width, 2 * std::numbers::pi)};
+  };
+  const DirectionRange from_a = from(a.normals, b.normals);
+  const DirectionRange from_b = from(b.normals, a.normals);
+  return {Union(a.box, b.box), from_a.width <= from_b.width ? from_a : from_b};
+}
+
+// Whether spans with these normals may face each other: as straight edges and corners do, also as nearly flush ones.
+bool MayFace(const DirectionRange& a, const DirectionRange& b) {
+  constexpr double kSlack = 2 * kNearlyFlush;
+  const double turn = Turn(a.begin + std::numbers::pi, b.begin);
+  return turn <= a.width + kSlack || 2 * std::numbers::pi - turn <= b.width + kSlack;
+}
+
+// Sorts by (span1, span2) and keeps the first of minima that are the same point: feet within a few NormalSpan::kSlack
+// of the spans' lengths, and the same normal.
 void RemoveRepeated(const PlacedOutline& body1, const PlacedOutline& body2, std::vector<GapMinimum>* minima) {
   // Minima go before ends of flush edges at the same place.
   const auto before = [](const GapMinimum& a, const GapMinimum& b) {
@@ -425,10 +432,58 @@ void RemoveRepeated(const PlacedOutline& body1, const PlacedOutline& body2, std:
   minima->swap(kept);
 }
 
-std::vector<GapMinimum> FindGapMinima(const PlacedOutline& body1, const PlacedOutline& body2, const GapRange& range) {
+}  // namespace
+
+PlacedOutline PlaceOutline(const Outline& outline, Vec2 x, double theta) {
+  PlacedOutline placed;
+  placed.x = x;
+  placed.rotation = SinCos(theta);
+  placed.spans = NormalSpans(outline, placed.rotation);
+  placed.boxes.reserve(placed.spans.size());
+  for (const NormalSpan& span : placed.spans) placed.boxes.push_back(span.Bounds());
+  if (placed.spans.size() > kManySpans) {
+    for (std::size_t k = 0; k < placed.spans.size(); ++k) {
+      placed.bounds.push_back({placed.boxes[k], NormalsOf(placed.spans[k])});
+    }
+    placed.tree.emplace(placed.bounds, Join);
+  }
+  return placed;
+}
+
+std::vector<GapMinimum> FindGapMinima(const PlacedOutline& body1, const PlacedOutline& body2, const GapRange& range,
+                                      const StopCheck& check) {
+  // A little more than the range, and the rounding of centres far from the world's origin.
+  constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
+  const double margin = 1.001 * std::max(range.gap, range.penetration) + kRounding * (Norm(body1.x) + Norm(body2.x));
+  const auto in_body2 = [&](const BoundingBox& box) { return Inflated(box, body1.x - body2.x, margin); };
   std::vector<GapMinimum> minima;
-  FindGapMinima(body1, {0, static_cast<int>(body1.spans.size())}, body2, {0, static_cast<int>(body2.spans.size())},
-                range, &minima);
+  const auto search = [&](std::size_t i, std::size_t j) {
+    if (!Overlap(in_body2(body1.boxes[i]), body2.boxes[j])) return;
+    SpanPair(body1, static_cast<int>(i), body2, static_cast<int>(j), range, &minima).Search();
+  };
+  // Calls found(j) for the spans of body 2 that are near a run of spans of body 1.
+  const auto visit = [&](const SpanBound& run, const auto& found) {
+    check();
+    const BoundingBox box = in_body2(run.box);
+    body2.tree->Visit([&](const SpanBound& bound, std::size_t j, std::size_t count) {
+      if (!Overlap(box, bound.box) || !MayFace(run.normals, bound.normals)) return false;
+      if (count == 1) found(j);
+      return true;
+    });
+  };
+  if (!body2.tree) {
+    for (std::size_t i = 0; i < body1.spans.size(); ++i) {
+      for (std::size_t j = 0; j < body2.spans.size(); ++j) search(i, j);
+    }
+  } else if (body1.tree) {
+    for (std::size_t i = 0; i < body1.spans.size(); ++i) visit(body1.bounds[i], [&](std::size_t j) { search(i, j); });
+  } else if (!body1.spans.empty()) {
+    SpanBound all{body1.boxes[0], {0, 2 * std::numbers::pi}};
+    for (const BoundingBox& box : body1.boxes) all.box = Union(all.box, box);
+    visit(all, [&](std::size_t j) {
+      for (std::size_t i = 0; i < body1.spans.size(); ++i) search(i, j);
+    });
+  }
   RemoveRepeated(body1, body2, &minima);
   return minima;
 }

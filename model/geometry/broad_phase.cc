@@ -93,6 +93,10 @@ std::vector<std::pair<int, int>> FindOverlappingPairs(std::span<const BoundingBo
         const bool overlap = other.across_lower <= box.across_upper && box.across_lower <= other.across_upper;
         // A pair that shares several strips is found in the first of them.
         if (overlap && strip == std::max(box.first_strip, other.first_strip)) {
+          if (pairs.size() == kMostPairs) {
+            throw InputError("too much lies at one place: more than " + std::to_string(kMostPairs) +
+                             " pairs of bounding boxes overlap");
+          }
           pairs.push_back(std::minmax(box.index, other.index));
         }
         return false;

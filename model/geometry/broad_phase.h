@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <span>
 #include <utility>
 #include <vector>
@@ -38,7 +39,51 @@ inline BoundingBox Inflated(const BoundingBox& box, Vec2 shift, double margin) {
 /// few huge ones among them; O(n^2) only if many boxes are much longer than most.
 /// @param boxes  finite
 /// @return pairs (i, j) of indices, i < j, in lexicographic order: deterministic
-/// @throws InputError naming the first box that is not finite or has lower > upper
+/// @throws InputError naming the first box that is not finite or has lower > upper, and for more than kMostPairs pairs
 std::vector<std::pair<int, int>> FindOverlappingPairs(std::span<const BoundingBox> boxes);
+inline constexpr std::size_t kMostPairs = 50'000'000;  ///< 400 MB
+
+/// A binary tree over bounds in their given order, for pieces along a curve: near in order is near in the plane.
+template <class Bound>
+class RunTree {
+ public:
+  /// @param join  join(a, b) bounds what a and b bound.  O(n)
+  template <class Join>
+  RunTree(std::span<const Bound> bounds, const Join& join) : count_(bounds.size()) {
+    if (count_ > 0) Build(bounds, join);
+  }
+
+  /// Calls enter(bound, first, count) for runs of bounds, the whole one first, and for the halves of those for which it
+  /// returns true; single bounds come in their order.
+  template <class Enter>
+  void Visit(const Enter& enter) const {
+    if (count_ > 0) Visit(enter, 0, 0, count_);
+  }
+
+ private:
+  // A node's first half follows it, then its second half: 2 n - 1 nodes of n bounds.
+  static std::size_t SecondHalf(std::size_t node, std::size_t count) { return node + 2 * (count / 2); }
+
+  template <class Join>
+  void Build(std::span<const Bound> bounds, const Join& join) {
+    const std::size_t node = nodes_.size();
+    const std::size_t count = bounds.size();
+    nodes_.push_back(bounds.front());
+    if (count == 1) return;
+    Build(bounds.first(count / 2), join);
+    Build(bounds.subspan(count / 2), join);
+    nodes_[node] = join(nodes_[node + 1], nodes_[SecondHalf(node, count)]);
+  }
+
+  template <class Enter>
+  void Visit(const Enter& enter, std::size_t node, std::size_t first, std::size_t count) const {
+    if (!enter(nodes_[node], first, count) || count == 1) return;
+    Visit(enter, node + 1, first, count / 2);
+    Visit(enter, SecondHalf(node, count), first + count / 2, count - count / 2);
+  }
+
+  std::size_t count_;
+  std::vector<Bound> nodes_;
+};
 
 }  // namespace lcpbench

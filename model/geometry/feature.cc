@@ -48,6 +48,8 @@ std::string WhyInvalidAngles(double s_begin, double s_end, Side side) {
   return std::abs(s_end - s_begin) <= kFullTurn ? "" : "the edge runs over more than one full turn";
 }
 
+}  // namespace
+
 std::string WhyInvalid(const OutlinePiece& piece) {
   const auto [curve, s_begin, s_end] = piece;
   if (!(std::isfinite(s_begin) && std::isfinite(s_end))) return "a curve parameter is not finite";
@@ -62,8 +64,6 @@ std::string WhyInvalid(const OutlinePiece& piece) {
       },
       curve);
 }
-
-}  // namespace
 
 Feature ToFeature(const OutlineCurve& curve) {
   return std::visit([](const auto& edge) -> Feature { return edge; }, curve);

@@ -110,8 +110,11 @@ std::string WhyInvalid(const Feature& feature);
 /// @throws InputError naming the condition and the feature, unless WhyInvalid is empty
 void RequireValid(const Feature& feature);
 
-/// @throws InputError, beginning with `where`, unless the edge is valid (WhyInvalid) and the parameter range is one the
-///         kind allows, in the sense of travel that its side demands
+/// The same of a piece: its edge, and a parameter range that the kind allows, in the sense of travel that its side
+/// demands.
+std::string WhyInvalid(const OutlinePiece& piece);
+
+/// @throws InputError, beginning with `where`, unless WhyInvalid is empty
 void RequireValidPiece(const OutlinePiece& piece, const std::string& where);
 
 /// One line for error texts: the kind and its numbers.

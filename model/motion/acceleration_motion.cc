@@ -81,7 +81,8 @@ TouchPoint EvaluateRope(const Constraint& rope, const Body& body1, const Body& b
 class ContactWatch {
  public:
   // @param world  its bodies' outlines are kept, positions are given later
-  ContactWatch(const World& world, const AccelerationOptions& options) : finder_(world) {
+  // @param check  called in searches
+  ContactWatch(const World& world, const AccelerationOptions& options, const StopCheck* check) : finder_(world, check) {
     for (const Body& body : world.bodies) {
       spans_.push_back(NormalSpans(OutlineOf(body), Rotation{}));
       extents_.push_back(ExtentOf(spans_.back()));
@@ -798,7 +799,7 @@ class AccelerationMotion final : public Motion {
   AccelerationMotion(World world, const AccelerationOptions& options, LcpSolver& solver)
       : Motion(std::move(world), options.lcp, solver),
         options_(Valid(options)),
-        watch_(world_, options),
+        watch_(world_, options, &check_),
         flow_(world_, &solver_),
         next_step_(options.largest_step) {
     FollowJoints();
@@ -940,9 +941,8 @@ class AccelerationMotion final : public Motion {
       events_begin_ = time_;
     }
     if (++events_ <= options_.max_events) return;
-    status_ = MotionStatus::kStalled;
-    detail_ = "more than " + std::to_string(options_.max_events) + " events within " +
-              NumberText(options_.shortest_step) + " s at t = " + NumberText(time_) + " s, the last of them " + what;
+    Stall("more than " + std::to_string(options_.max_events) + " events or steps within " +
+          NumberText(options_.shortest_step) + " s at t = " + NumberText(time_) + " s, the last of them " + what);
   }
 
   // Everything that happens in an instant: corrections and impacts.
@@ -1038,7 +1038,9 @@ class AccelerationMotion final : public Motion {
     std::vector<Constraint> known = contacts_;
     known.insert(known.end(), reached->touching.begin(), reached->touching.end());
     UpdateContacts(known, reached->found);
-    if (reached->at_event) CountEvent("a contact that opens, closes or passes on to another edge");
+    CountEvent(reached->at_event ? "a contact that opens, closes or passes on to another edge"
+                                 : "a step that speeds or errors shorten");
+    if (!reached->at_event) RequireAdvance(begin.bodies, reached->step, options_.contact_tolerance);
   }
 
   AccelerationOptions options_;

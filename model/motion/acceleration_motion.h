@@ -32,7 +32,7 @@ struct AccelerationOptions {
   /// Tolerance and limits of every solve; initial_f is not read. Solves within a step start from the forces at its
   /// beginning.
   LcpOptions lcp;
-  /// More events than this within one shortest_step end the motion as kStalled.
+  /// More events and steps than this within one shortest_step end the motion as kStalled.
   int max_events = 10'000;
 };
 

@@ -22,14 +22,14 @@ std::vector<double> KeyOf(const Constraint& constraint, char axis) {
 
 }  // namespace
 
-ContactFinder::ContactFinder(const World& world) {
+ContactFinder::ContactFinder(const World& world, const StopCheck* check) : check_(check) {
   for (const Body& body : world.bodies) outlines_.push_back(OutlineOf(body));
   for (const Constraint& joint : world.joints) joined_.push_back(std::minmax(joint.body1, joint.body2));
   std::sort(joined_.begin(), joined_.end());
 }
 
 std::vector<Constraint> ContactFinder::Find(std::span<const Body> bodies, double tolerance, double penetration) const {
-  return DetectContacts(bodies, outlines_, {tolerance, penetration, joined_});
+  return DetectContacts(bodies, outlines_, {tolerance, penetration, joined_, check_});
 }
 
 bool ContactFinder::AreJoined(int i, int j) const {

@@ -18,7 +18,8 @@ namespace lcpbench {
 class ContactFinder {
  public:
   /// Chains every body's outline (OutlineOf) and excludes pairs that share a joint.  O(edges + joints log joints)
-  explicit ContactFinder(const World& world);
+  /// @param check  DetectionOptions::check of every search; not owned
+  explicit ContactFinder(const World& world, const StopCheck* check = nullptr);
 
   /// The contacts of the same bodies at other positions, as DetectContacts.
   /// @param tolerance, penetration  as DetectionOptions [m]
@@ -30,6 +31,7 @@ class ContactFinder {
  private:
   std::vector<Outline> outlines_;
   std::vector<std::pair<int, int>> joined_;
+  const StopCheck* check_;
 };
 
 /// How large a body is, from its outline's spans in its body frame; 0 without any.

@@ -19,6 +19,7 @@ void RequireFinite(const LcpProblem& problem, const LcpResult& result) {
 }
 
 void CountedSolver::Solve(const LcpProblem& problem, const Eigen::VectorXd* initial_f, LcpResult* result) {
+  check_();
   options_.initial_f = initial_f != nullptr && initial_f->size() == problem.size() ? initial_f : nullptr;
   const double begin = SteadyNow();
   solver_.Prepare(problem);
@@ -29,7 +30,7 @@ void CountedSolver::Solve(const LcpProblem& problem, const Eigen::VectorXd* init
 }
 
 Motion::Motion(World world, const LcpOptions& lcp, LcpSolver& solver)
-    : world_(std::move(world)), solver_(solver, lcp, &statistics_) {
+    : world_(std::move(world)), solver_(solver, lcp, &statistics_, check_) {
   RequireValid(world_);
 }
 
@@ -49,6 +50,28 @@ void Motion::NoteGaps(const std::vector<RowInfo>& rows) {
   for (const RowInfo& row : rows) {
     double& worst = row.bilateral ? statistics_.worst_joint_error : statistics_.worst_penetration;
     worst = std::max(worst, row.bilateral ? std::abs(row.d) : -row.d);
+  }
+}
+
+void Motion::Stall(const std::string& why) {
+  status_ = MotionStatus::kStalled;
+  detail_ = why;
+}
+
+void Motion::RequireAdvance(std::span<const Body> before, double step, double least) {
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const Body& from = before[i];
+    const Body& body = world_.bodies[i];
+    const auto is_lost = [&](double place, double moved, double v_before, double v) {
+      return place == moved && v_before * v > 0 && std::min(std::abs(v_before), std::abs(v)) * step > least;
+    };
+    if (body.fixed ||
+        !(is_lost(from.x.x, body.x.x, from.v.x, body.v.x) || is_lost(from.x.y, body.x.y, from.v.y, body.v.y))) {
+      continue;
+    }
+    return Stall("body '" + body.name + "' cannot advance: its way in a step of " + NumberText(step) +
+                 " s is below the spacing of doubles at its place, (" + NumberText(body.x.x) + ", " +
+                 NumberText(body.x.y) + ") m");
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "model/contact/assembly.h"
 #include "model/contact/system.h"
 #include "model/contact/world.h"
+#include "model/detection/detection.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 
@@ -39,7 +41,7 @@ using MotionObserver = std::function<void(const MotionProblem&)>;
 enum class MotionStatus {
   kMoving,
   kSolverFailed,  ///< no finite forces or impulses to go on with
-  kStalled,       ///< more events than MotionOptions allow within one step's time
+  kStalled,       ///< cannot advance: steps or bodies' displacements below the spacing of doubles, too many events
 };
 
 /// Counts and extremes since the motion began.
@@ -65,10 +67,10 @@ void RequireFinite(const LcpProblem& problem, const LcpResult& result);
 /// the best point that the solver gives.
 class CountedSolver {
  public:
-  /// @param solver, statistics  must outlive this
+  /// @param solver, statistics, check  must outlive this; check is called before every solve
   /// @param options  of every solve; initial_f is not read
-  CountedSolver(LcpSolver& solver, const LcpOptions& options, MotionStatistics* statistics)
-      : solver_(solver), options_(options), statistics_(statistics) {}
+  CountedSolver(LcpSolver& solver, const LcpOptions& options, MotionStatistics* statistics, const StopCheck& check)
+      : solver_(solver), options_(options), statistics_(statistics), check_(check) {}
 
   /// @param initial_f  warm start, nullptr for a cold one; left out where its length does not fit
   void Solve(const LcpProblem& problem, const Eigen::VectorXd* initial_f, LcpResult* result);
@@ -77,6 +79,7 @@ class CountedSolver {
   LcpSolver& solver_;
   LcpOptions options_;
   MotionStatistics* statistics_;
+  const StopCheck& check_;
 };
 
 /// A world in motion under a solver. Not thread-safe; the solver must outlive it.
@@ -97,6 +100,9 @@ class Motion {
   const std::string& detail() const { return detail_; }
   const MotionStatistics& statistics() const { return statistics_; }
   void set_observer(MotionObserver observer) { observer_ = std::move(observer); }
+  /// Called before every LCP and every search for contacts, and again and again in long ones. What it throws comes out
+  /// of Advance, within a step: the motion must not go on then.
+  void set_check(StopCheck check) { check_ = std::move(check); }
 
  protected:
   Motion(World world, const LcpOptions& lcp, LcpSolver& solver);
@@ -105,6 +111,11 @@ class Motion {
   virtual void Move(double duration) = 0;
   /// Notes the worst gaps of an instant in the statistics.
   void NoteGaps(const std::vector<RowInfo>& rows);
+  /// Ends the motion as kStalled.
+  void Stall(const std::string& why);
+  /// The same where a movable body did not move in `step` [s] although both its velocities, before and now, move it by
+  /// more than `least` [m]: doubles are too coarse where it is.
+  void RequireAdvance(std::span<const Body> before, double step, double least);
   void Observe(MotionProblemKind kind, const ContactSystem& system, const std::vector<RowInfo>& rows,
                const LcpProblem& problem, const LcpResult& result) const {
     if (observer_) observer_({kind, time_, system, rows, problem, result});
@@ -115,6 +126,7 @@ class Motion {
   MotionStatus status_ = MotionStatus::kMoving;
   std::string detail_;
   MotionStatistics statistics_;
+  StopCheck check_ = [] {};
   CountedSolver solver_;
   MotionObserver observer_;
 };

@@ -8,6 +8,7 @@
 #include "model/contact/loads.h"
 #include "model/motion/contact_finder.h"
 #include "support/input_error.h"
+#include "support/number_text.h"
 
 namespace lcpbench {
 namespace {
@@ -78,7 +79,7 @@ Eigen::VectorXd AfterImpulses(const LcpProblem& problem, const Eigen::VectorXd& 
 class VelocityMotion final : public Motion {
  public:
   VelocityMotion(World world, const VelocityOptions& options, LcpSolver& solver)
-      : Motion(std::move(world), options.lcp, solver), options_(options), finder_(world_) {
+      : Motion(std::move(world), options.lcp, solver), options_(options), finder_(world_, &check_) {
     RequireInRange(options_);
     for (const Body& body : world_.bodies) extents_.push_back(ExtentOf(NormalSpans(OutlineOf(body), Rotation{})));
     if (const double least = LeastWidth(world_, extents_); least > 0) size_ = least;
@@ -91,6 +92,10 @@ class VelocityMotion final : public Motion {
     constexpr double kWhole = 1e-9;
     const double count = std::max(1.0, std::ceil(duration / options_.step - kWhole));
     const double h = duration / count;
+    const double end = time_ + duration;
+    if (!(end - h < end)) {
+      return Stall("steps of " + NumberText(h) + " s do not advance the time t = " + NumberText(end) + " s");
+    }
     for (double k = 0; k < count && status_ == MotionStatus::kMoving; ++k) Step(h);
   }
 
@@ -237,6 +242,7 @@ class VelocityMotion final : public Motion {
     const LcpResult result = Solve(system, lcp, v_free, h);
     impulses_ = result.f;
     MoveBodies(AfterImpulses(lcp.problem, result.f, v_free), h);
+    RequireAdvance(system.bodies, h, options_.contact_gap * size_);
     time_ += h;
     ++statistics_.steps;
   }

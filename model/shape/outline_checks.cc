@@ -22,9 +22,10 @@ constexpr double kMaxExtent = 1e60;
 constexpr double kRoundingUnits = 16;
 // Coordinates so coarse that tolerances come this near to the extent describe no shape.
 constexpr double kMaxRelativeTolerance = 1e-4;
-// Comparisons of pieces, per outline and per edge, before edges count as too near to be told apart.
-constexpr int kBudget = 1000000;
-constexpr int kBudgetPerEdge = 1000;
+// Comparisons of pieces, per outline, per edge and at most, before edges count as too near to be told apart.
+constexpr double kBudget = 1e6;
+constexpr double kBudgetPerEdge = 1000;
+constexpr double kMostComparisons = 1e8;
 
 BoundingBox BoxOf(Vec2 a, Vec2 b) { return Union({a, a}, {b, b}); }
 
@@ -91,7 +92,7 @@ enum class Meeting {
 
 // Whether two pieces come nearer to each other than `tolerance` [m].
 // @param budget  comparisons left; each takes one
-Meeting FindMeeting(const EnclosedPiece& first, const EnclosedPiece& second, double tolerance, int* budget) {
+Meeting FindMeeting(const EnclosedPiece& first, const EnclosedPiece& second, double tolerance, double* budget) {
   std::vector<std::pair<EnclosedPiece, EnclosedPiece>> open = {{first, second}};
   while (!open.empty()) {
     if (--*budget < 0) return Meeting::kUndecided;
@@ -115,7 +116,7 @@ Meeting FindMeeting(const EnclosedPiece& first, const EnclosedPiece& second, dou
 // The same for q beginning where p ends: whether they meet anywhere else, or leave the joint in the same direction.
 // @param joint  pieces shorter than this [m] are not looked into: what then still runs the same way makes a cusp
 Meeting FindMeetingBeyondJoint(const EnclosedPiece& first, const EnclosedPiece& second, double tolerance, double joint,
-                               int* budget) {
+                               double* budget) {
   EnclosedPiece p = first;
   EnclosedPiece q = second;
   while (ConesOverlap(p, q)) {
@@ -135,25 +136,42 @@ Meeting FindMeetingBeyondJoint(const EnclosedPiece& first, const EnclosedPiece& 
   return Meeting::kApart;
 }
 
+using PieceTree = RunTree<BoundingBox>;
+
 // How often a closed loop of pieces runs counter-clockwise around a point that is further than `tolerance` from it.
-int WindingNumber(const std::vector<EnclosedPiece>& loop, Vec2 point, double tolerance) {
-  std::vector<EnclosedPiece> open = loop;
+// @param tree  of the pieces' bounds
+int WindingNumber(const std::vector<EnclosedPiece>& loop, const PieceTree& tree, Vec2 point, double tolerance) {
   double angle = 0;
-  while (!open.empty()) {
-    const EnclosedPiece piece = open.back();
-    open.pop_back();
-    // While the point is clear of the enclosure, the piece can be pulled taut onto its chord without passing over it.
-    const bool clear = DistanceToSegment(point, piece.begin, piece.end) > piece.height();
-    if (!clear && piece.height() > tolerance && piece.can_split()) {
-      open.push_back(piece.FirstHalf());
-      open.push_back(piece.SecondHalf());
-      continue;
-    }
-    const Vec2 from = piece.begin - point;
-    const Vec2 to = piece.end - point;
-    // Only the nearest whole number of turns counts, so that the library's atan2 is exact enough.
+  // Only the nearest whole number of turns counts, so that the library's atan2 is exact enough.
+  const auto add = [&](Vec2 begin, Vec2 end) {
+    const Vec2 from = begin - point;
+    const Vec2 to = end - point;
     angle += std::atan2(Cross(from, to), Dot(from, to));
-  }
+  };
+  const auto add_piece = [&](const EnclosedPiece& whole) {
+    std::vector<EnclosedPiece> open = {whole};
+    while (!open.empty()) {
+      const EnclosedPiece piece = open.back();
+      open.pop_back();
+      // While the point is clear of the enclosure, the piece can be pulled taut onto its chord without passing over it.
+      const bool clear = DistanceToSegment(point, piece.begin, piece.end) > piece.height();
+      if (!clear && piece.height() > tolerance && piece.can_split()) {
+        open.push_back(piece.FirstHalf());
+        open.push_back(piece.SecondHalf());
+        continue;
+      }
+      add(piece.begin, piece.end);
+    }
+  };
+  // The same holds of a run of pieces that has the point outside its box.
+  tree.Visit([&](const BoundingBox& box, std::size_t first, std::size_t count) {
+    if (!Overlap(box, {point, point})) {
+      add(loop[first].begin, loop[first + count - 1].end);
+      return false;
+    }
+    if (count == 1) add_piece(loop[first]);
+    return true;
+  });
   return static_cast<int>(std::lround(angle / (2 * std::numbers::pi)));
 }
 
@@ -274,14 +292,23 @@ class OutlineCheck {
 
   const EnclosedPiece& At(const Owner& owner) const { return pieces_[owner.loop][owner.position]; }
 
+  // Where they are too many to be looked at, no shape is known.
+  std::vector<std::pair<int, int>> PairsNear(const std::vector<BoundingBox>& boxes) const {
+    try {
+      return FindOverlappingPairs(boxes);
+    } catch (const InputError& error) {
+      throw InputError("outline '" + outline_.name + "': " + error.what());
+    }
+  }
+
   void CheckMeetings() const {
     const double touch = Tolerance(kTouchTolerance);
     const double joint = Tolerance(kMinEdgeLength);
     std::vector<BoundingBox> boxes;
     boxes.reserve(owners_.size());
     for (const Owner& owner : owners_) boxes.push_back(At(owner).Bounds(touch));
-    int budget = kBudget + kBudgetPerEdge * edges_;
-    for (const auto& [i, j] : FindOverlappingPairs(boxes)) {
+    double budget = std::min(kBudget + kBudgetPerEdge * edges_, kMostComparisons);
+    for (const auto& [i, j] : PairsNear(boxes)) {
       const Owner& p = owners_[static_cast<std::size_t>(i)];
       const Owner& q = owners_[static_cast<std::size_t>(j)];
       Meeting meeting = Meeting::kApart;
@@ -315,15 +342,30 @@ class OutlineCheck {
   }
 
   void CheckNesting() const {
+    if (pieces_.size() == 1) return;
     const double touch = Tolerance(kTouchTolerance);
+    std::vector<PieceTree> trees;
+    std::vector<BoundingBox> boxes;
+    for (const auto& loop : pieces_) {
+      std::vector<BoundingBox> bounds;
+      for (const EnclosedPiece& piece : loop) bounds.push_back(piece.Bounds(touch));
+      trees.emplace_back(bounds, Union);
+      boxes.push_back(bounds.front());
+      for (const BoundingBox& box : bounds) boxes.back() = Union(boxes.back(), box);
+    }
+    const auto winding = [&](std::size_t around, std::size_t loop) {
+      return WindingNumber(pieces_[around], trees[around], pieces_[loop][0].begin, touch);
+    };
     for (std::size_t hole = 1; hole < pieces_.size(); ++hole) {
-      const Vec2 point = pieces_[hole][0].begin;
-      if (WindingNumber(pieces_[0], point, touch) != 1) Refuse(LoopName(outline_, hole), "outside the outer boundary");
-      for (std::size_t other = 1; other < pieces_.size(); ++other) {
-        if (other != hole && WindingNumber(pieces_[other], point, touch) != 0) {
-          Refuse(LoopName(outline_, hole), "lies inside hole " + std::to_string(other));
-        }
-      }
+      if (winding(0, hole) != 1) Refuse(LoopName(outline_, hole), "outside the outer boundary");
+    }
+    // A hole in another one has its box in the other's.
+    for (const auto& [i, j] : PairsNear(boxes)) {
+      if (i == 0) continue;
+      const auto a = static_cast<std::size_t>(i);
+      const auto b = static_cast<std::size_t>(j);
+      if (winding(b, a) != 0) Refuse(LoopName(outline_, a), "lies inside hole " + std::to_string(b));
+      if (winding(a, b) != 0) Refuse(LoopName(outline_, b), "lies inside hole " + std::to_string(a));
     }
   }
 
@@ -348,7 +390,7 @@ class OutlineCheck {
   double reach_ = 0;
   double extent_ = 0;
   double rounding_ = 0;
-  int edges_ = 0;
+  double edges_ = 0;
 };
 
 }  // namespace

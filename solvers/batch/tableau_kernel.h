@@ -84,6 +84,9 @@ class TableauKernel {
   static constexpr double kLeastPivot = tableau::kLeastPivot;
   static constexpr double kNoise = tableau::kNoise;
   static constexpr double kGoodEnough = tableau::kGoodEnoughInLanes;
+  // No products of three numbers of these sizes leave the doubles (as LcpProblem::has_extreme_matrix).
+  static constexpr double kMostDiagonal = 0x1p192;
+  static constexpr double kMostUnitOfB = 0x1p224;
 
   // The biased exponents of numbers > 0, and powers of two by them.
   using Exponents [[gnu::vector_size(sizeof(V))]] = unsigned long long;
@@ -346,10 +349,10 @@ class TableauKernel {
       const V b = b_[i];
       const V least = L::Max(L::Abs(force), L::Abs(w - b)) + L::Abs(b);
       met &= L::Abs(defect) <= limit * least;
-      solid &= L::Set(0) <= d;
+      solid &= ((d == L::Set(0)) | (L::Set(1 / kMostDiagonal) <= d)) & (d <= L::Set(kMostDiagonal));
     });
     rows_met_ = met;
-    solid_ = solid;
+    solid_ = solid & (L::Set(1 / kMostUnitOfB) <= b_scale_) & (b_scale_ <= L::Set(kMostUnitOfB));
     rho_square_ = L::Set(4) * sum / b_square_;
   }
 

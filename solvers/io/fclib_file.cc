@@ -352,10 +352,6 @@ void WriteFclibProblem(const LcpProblem& problem, const std::string& path) {
     throw InputError("problem '" + problem.id() + "': expected at most " + std::to_string(kMost / kLeastDimension) +
                      " rows, found " + std::to_string(n));
   }
-  const SparseMatrix& A = problem.SparseA();
-  if (!Eigen::Map<const Eigen::VectorXd>(A.valuePtr(), A.nonZeros()).allFinite()) {
-    throw InputError("problem '" + problem.id() + "': expected factors whose product is finite, found an overflow");
-  }
   // Contacts first; and where a row stands among those of its kind.
   std::vector<int> rows, place(static_cast<size_t>(n));
   for (const bool bilateral : {false, true}) {

@@ -79,7 +79,7 @@ void EngineSolver<Options, Engine>::DoPrepare(const LcpProblem& problem) {
 
 template <typename Options, typename Engine>
 void EngineSolver<Options, Engine>::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  if (!scaling_ && !problem.has_extreme_b()) return engine_->Solve(problem, options, result);
+  if (!problem.has_extreme_matrix() && !problem.has_extreme_b()) return engine_->Solve(problem, options, result);
   if (!scaling_) scaling_.emplace(problem);  // of b alone
   scaling_->SolveScaled(problem, options, result,
                         [this](const LcpProblem& scaled, const LcpOptions& wanted, LcpResult* found) {

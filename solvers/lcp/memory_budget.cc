@@ -75,11 +75,21 @@ void RequireMemory(double bytes, const std::string& what) {
   throw MemoryRefusal(what + " needs " + Gigabytes(bytes) + ", " + Gigabytes(available) + " are available");
 }
 
+namespace {
+
+void RequireMatrices(double bytes, const char* kind, std::int64_t n, int count) {
+  const std::string size = std::string(kind) + " " + std::to_string(n) + " x " + std::to_string(n);
+  RequireMemory(count * bytes, count == 1 ? "a " + size + " matrix" : std::to_string(count) + " " + size + " matrices");
+}
+
+}  // namespace
+
 void RequireDenseMatrices(std::int64_t n, int count) {
-  const auto rows = static_cast<double>(n);
-  const std::string size = std::to_string(n) + " x " + std::to_string(n);
-  RequireMemory(count * rows * rows * sizeof(double),
-                count == 1 ? "a dense " + size + " matrix" : std::to_string(count) + " dense " + size + " matrices");
+  RequireMatrices(static_cast<double>(n) * static_cast<double>(n) * sizeof(double), "dense", n, count);
+}
+
+void RequireSparseMatrices(std::int64_t n, double entries, int count) {
+  RequireMatrices(entries * (sizeof(double) + sizeof(int)), "sparse", n, count);
 }
 
 }  // namespace lcpbench

@@ -23,6 +23,8 @@ class MemoryRefusal : public std::runtime_error {
 void RequireMemory(double bytes, const std::string& what);
 /// As RequireMemory, of so many dense n x n matrices of doubles.
 void RequireDenseMatrices(std::int64_t n, int count);
+/// As RequireMemory, of so many compressed n x n matrices with that many entries.
+void RequireSparseMatrices(std::int64_t n, double entries, int count);
 inline constexpr double kAlwaysAllowed = 64e6;  ///< bytes
 
 }  // namespace lcpbench

@@ -197,6 +197,13 @@ struct LcpProblem::Matrix {
     const SparseMatrix& J = sparse;
     const Index n = rows;
     const Eigen::SparseMatrix<double, Eigen::ColMajor, int> columns = J;
+    // An entry is a pair of rows that share a body, which has three columns.
+    double pairs = 0;
+    for (Index k = 0; k < columns.cols(); ++k) {
+      const double count = inverse_mass[k] == 0 ? 0 : columns.outerIndexPtr()[k + 1] - columns.outerIndexPtr()[k];
+      pairs += count * count;
+    }
+    RequireSparseMatrices(n, std::min(pairs / 3, static_cast<double>(n) * static_cast<double>(n)), 2);
     std::vector<double> sums(static_cast<size_t>(n), 0.0);
     std::vector<Index> last_row(static_cast<size_t>(n), -1);
     std::vector<int> pattern;
@@ -480,7 +487,7 @@ double LcpProblem::Asymmetry() const {
   std::call_once(s.asymmetry_once, [&] {
     const Eigen::VectorXd& d = DiagonalA();
     const auto relative = [&](Index i, Index j, double difference) {
-      const double scale = std::sqrt(std::abs(d[i]) * std::abs(d[j]));
+      const double scale = std::sqrt(std::abs(d[i])) * std::sqrt(std::abs(d[j]));
       return std::abs(difference) / (scale > 0 ? scale : 1.0);
     };
     double worst = 0;

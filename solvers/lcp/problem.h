@@ -138,10 +138,11 @@ class LcpProblem {
 
   /// For another problem with the same kinds of rows.
   const RowBounds& bounds() const;
-  /// Whether there is a number of A, of J or of the inverse masses, or of b, that is so large or small (but not 0) that
-  /// products of two or three of them, which solvers make, may leave the range of doubles: beyond 2^+-64 in J and the
-  /// inverse masses, 2^+-192 in A, 2^+-128 in b.
+  /// Whether A, J or the inverse masses have a number that is so large or small (but not 0) that products of two or
+  /// three of them, which solvers make, may leave the range of doubles: beyond 2^+-64 in J and the inverse masses,
+  /// 2^+-192 in A.
   bool has_extreme_matrix() const;
+  /// The same of b, beyond 2^+-128.
   bool has_extreme_b() const { return has_extreme_b_; }
 
   /// f free, w = 0: a joint.

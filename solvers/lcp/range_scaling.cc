@@ -16,98 +16,134 @@ constexpr int kNone = std::numeric_limits<int>::min();
 // floor(log2 |x|); kNone for 0.
 int ExponentOf(double x) { return x == 0 ? kNone : std::ilogb(x); }
 
-// S^-1 of the largest entries of S J C, with C = M^-1/2 by powers of two.
-LcpProblem ScaleFactors(const LcpProblem& problem, std::vector<int>* row) {
-  SparseMatrix J = problem.J();
-  Eigen::VectorXd inverse_mass = problem.inverse_mass();
-  std::vector<int> column(static_cast<size_t>(J.cols()), 0);
-  for (Index k = 0; k < J.cols(); ++k) {
-    if (inverse_mass[k] == 0) continue;
-    const int half = ExponentOf(inverse_mass[k]) >> 1;
-    column[static_cast<size_t>(k)] = half;
-    inverse_mass[k] = std::ldexp(inverse_mass[k], -2 * half);
-  }
-  for (Index i = 0; i < J.rows(); ++i) {
-    int largest = kNone;
-    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
-      if (it.value() == 0 || inverse_mass[it.col()] == 0) continue;
-      largest = std::max(largest, ExponentOf(it.value()) + column[static_cast<size_t>(it.col())]);
+// f(i, j, value) for every entry of the given form, J or A.
+template <typename F>
+void ForEachGivenEntry(const LcpProblem& problem, const F& f) {
+  if (problem.given_form() == MatrixForm::kDense) {
+    const Eigen::MatrixXd& A = problem.DenseA();
+    for (Index j = 0; j < A.cols(); ++j) {
+      for (Index i = 0; i < A.rows(); ++i) f(i, j, A(i, j));
     }
-    if (largest != kNone) (*row)[static_cast<size_t>(i)] = -largest;
-    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
-      const int exponent = (*row)[static_cast<size_t>(i)] + column[static_cast<size_t>(it.col())];
-      // What does not move does not enter A.
-      it.valueRef() = inverse_mass[it.col()] == 0 ? 0.0 : std::ldexp(it.value(), exponent);
-    }
+    return;
   }
-  return LcpProblem::FromFactors(problem.id(), std::move(J), std::move(inverse_mass),
-                                 Eigen::VectorXd::Zero(problem.size()), problem.bounds(), problem.facts());
+  const SparseMatrix& given = problem.has_factors() ? problem.J() : problem.SparseA();
+  for (Index i = 0; i < given.rows(); ++i) {
+    for (SparseMatrix::InnerIterator it(given, i); it; ++it) f(i, it.col(), it.value());
+  }
 }
 
-LcpProblem ScaleRows(const LcpProblem& problem, std::vector<int>* row) {
-  const Eigen::VectorXd& diagonal = problem.DiagonalA();
-  for (Index i = 0; i < problem.size(); ++i) {
-    if (diagonal[i] != 0) (*row)[static_cast<size_t>(i)] = -(ExponentOf(diagonal[i]) >> 1);
-  }
-  const auto scaled = [row](double value, Index i, Index j) {
-    const double result = std::ldexp(value, (*row)[static_cast<size_t>(i)] + (*row)[static_cast<size_t>(j)]);
-    return std::clamp(result, -std::numeric_limits<double>::max(), std::numeric_limits<double>::max());
+// About log2 of A_ii, or of what stands beside a zero there; kNone for rows of zeros.
+std::vector<int> RowExponents(const LcpProblem& problem) {
+  std::vector<int> row(static_cast<size_t>(problem.size()), kNone);
+  const auto take = [&row](Index i, int exponent) {
+    int& largest = row[static_cast<size_t>(i)];
+    largest = std::max(largest, exponent);
   };
+  if (problem.has_factors()) {
+    ForEachGivenEntry(problem, [&](Index i, Index k, double value) {
+      const double inverse_mass = problem.inverse_mass()[k];
+      if (value != 0 && inverse_mass != 0) take(i, 2 * ExponentOf(value) + ExponentOf(inverse_mass));
+    });
+    return row;
+  }
+  ForEachGivenEntry(problem, [&](Index i, Index j, double value) {
+    if (i == j) take(i, ExponentOf(value));
+  });
+  const std::vector<int> diagonal = row;
+  ForEachGivenEntry(problem, [&](Index i, Index j, double value) {
+    for (const Index k : {i, j}) {
+      if (diagonal[static_cast<size_t>(k)] == kNone) take(k, ExponentOf(value));
+    }
+  });
+  return row;
+}
+
+// S A S, or S J C and C^-2 M^-1 with C about M^-1/2, both by powers of two.
+LcpProblem Scaled(const LcpProblem& problem, const std::vector<int>& row) {
   const Eigen::VectorXd b = Eigen::VectorXd::Zero(problem.size());
+  std::vector<int> column = row;
+  Eigen::VectorXd inverse_mass;
+  if (problem.has_factors()) {
+    inverse_mass = problem.inverse_mass();
+    column.assign(static_cast<size_t>(inverse_mass.size()), kNone);
+    for (Index k = 0; k < inverse_mass.size(); ++k) {
+      if (inverse_mass[k] == 0) continue;
+      const int half = ExponentOf(inverse_mass[k]) >> 1;
+      column[static_cast<size_t>(k)] = half;
+      inverse_mass[k] = std::ldexp(inverse_mass[k], -2 * half);
+    }
+  }
+  const auto scaled = [&](Index i, Index j, double value) {
+    const int of_row = row[static_cast<size_t>(i)];
+    const int of_column = column[static_cast<size_t>(j)];
+    if (of_row == kNone || of_column == kNone) return 0.0;  // what does not move does not enter A
+    constexpr double kMost = std::numeric_limits<double>::max();
+    return std::clamp(std::ldexp(value, of_row + of_column), -kMost, kMost);
+  };
   if (problem.given_form() == MatrixForm::kDense) {
     Eigen::MatrixXd A = problem.DenseA();
-    for (Index j = 0; j < A.cols(); ++j) {
-      for (Index i = 0; i < A.rows(); ++i) A(i, j) = scaled(A(i, j), i, j);
-    }
+    ForEachGivenEntry(problem, [&](Index i, Index j, double value) { A(i, j) = scaled(i, j, value); });
     return LcpProblem::FromDense(problem.id(), std::move(A), b, problem.bounds(), problem.facts());
   }
-  SparseMatrix A = problem.SparseA();
-  for (Index i = 0; i < A.rows(); ++i) {
-    for (SparseMatrix::InnerIterator it(A, i); it; ++it) it.valueRef() = scaled(it.value(), i, it.col());
+  SparseMatrix given = problem.has_factors() ? problem.J() : problem.SparseA();
+  for (Index i = 0; i < given.rows(); ++i) {
+    for (SparseMatrix::InnerIterator it(given, i); it; ++it) it.valueRef() = scaled(i, it.col(), it.value());
   }
-  return LcpProblem::FromSparse(problem.id(), std::move(A), b, problem.bounds(), problem.facts());
+  if (!problem.has_factors()) {
+    return LcpProblem::FromSparse(problem.id(), std::move(given), b, problem.bounds(), problem.facts());
+  }
+  return LcpProblem::FromFactors(problem.id(), std::move(given), std::move(inverse_mass), b, problem.bounds(),
+                                 problem.facts());
 }
 
 }  // namespace
 
-RangeScaling::RangeScaling(const LcpProblem& problem)
-    : row_(static_cast<size_t>(problem.size()), 0),
-      matrix_(!problem.has_extreme_matrix() ? problem
-              : problem.has_factors()       ? ScaleFactors(problem, &row_)
-                                            : ScaleRows(problem, &row_)) {}
+RangeScaling::RangeScaling(const LcpProblem& problem) : row_(RowExponents(problem)), matrix_(problem) {
+  for (int& exponent : row_) {
+    if (exponent != kNone) exponent = problem.has_extreme_matrix() ? -(exponent >> 1) : 0;
+  }
+  if (problem.has_extreme_matrix()) matrix_ = Scaled(problem, row_);
+}
 
 RangeScaling::Load RangeScaling::Scale(const LcpProblem& problem) const {
   Eigen::VectorXd b = problem.b();
   int largest = kNone;
   for (Index i = 0; i < b.size(); ++i) {
-    if (b[i] != 0) largest = std::max(largest, ExponentOf(b[i]) + row_[static_cast<size_t>(i)]);
+    const int row = row_[static_cast<size_t>(i)];
+    if (b[i] != 0 && row != kNone) largest = std::max(largest, ExponentOf(b[i]) + row);
   }
   const int unit = largest == kNone ? 0 : -largest;
-  for (Index i = 0; i < b.size(); ++i) b[i] = std::ldexp(b[i], row_[static_cast<size_t>(i)] + unit);
-  return {matrix_.WithB(std::move(b)), unit};
+  std::vector<int> rows = row_;
+  for (Index i = 0; i < b.size(); ++i) {
+    int& row = rows[static_cast<size_t>(i)];
+    if (row == kNone) row = b[i] == 0 ? 0 : -ExponentOf(b[i]) - unit;
+    b[i] = std::ldexp(b[i], row + unit);
+  }
+  return {matrix_.WithB(std::move(b)), std::move(rows), unit};
 }
 
-std::optional<Eigen::VectorXd> RangeScaling::ScaledStart(const LcpOptions& options, const Load& load) const {
+std::optional<Eigen::VectorXd> RangeScaling::ScaledStart(const LcpOptions& options, const Load& load) {
   if (options.initial_f == nullptr) return std::nullopt;
   Eigen::VectorXd start = *options.initial_f;
-  for (Index i = 0; i < start.size(); ++i) start[i] = std::ldexp(start[i], load.unit - row_[static_cast<size_t>(i)]);
+  for (Index i = 0; i < start.size(); ++i)
+    start[i] = std::ldexp(start[i], load.unit - load.rows[static_cast<size_t>(i)]);
   if (!start.allFinite()) return std::nullopt;
   return start;
 }
 
-void RangeScaling::GiveBack(const LcpProblem& problem, const LcpOptions& options, const Load& load,
-                            LcpResult* result) const {
+void RangeScaling::GiveBack(const LcpProblem& problem, const LcpOptions& options, const Load& load, LcpResult* result) {
   const auto fail = [result](const std::string& why) {
     result->status = LcpStatus::kNumericalFailure;
     result->detail = why;
     result->farkas_ray.reset();
   };
   for (Index i = 0; i < problem.size(); ++i) {
-    result->f[i] = std::ldexp(result->f[i], row_[static_cast<size_t>(i)] - load.unit);
+    result->f[i] = std::ldexp(result->f[i], load.rows[static_cast<size_t>(i)] - load.unit);
   }
   if (!result->f.allFinite()) {
     result->f.setZero();
-    return fail("forces leave the range of doubles");
+    // A ray needs no forces.
+    if (result->status != LcpStatus::kInfeasible) return fail("forces leave the range of doubles");
   }
   if (result->status == LcpStatus::kSolved && !Verify(problem, *result, options.tolerance).passes) {
     return fail("forces, or gaps, leave the range of doubles");
@@ -117,10 +153,10 @@ void RangeScaling::GiveBack(const LcpProblem& problem, const LcpOptions& options
   Eigen::VectorXd& ray = *result->farkas_ray;
   int largest = kNone;
   for (Index i = 0; i < ray.size(); ++i) {
-    if (ray[i] != 0) largest = std::max(largest, ExponentOf(ray[i]) + row_[static_cast<size_t>(i)]);
+    if (ray[i] != 0) largest = std::max(largest, ExponentOf(ray[i]) + load.rows[static_cast<size_t>(i)]);
   }
   for (Index i = 0; i < ray.size() && largest != kNone; ++i) {
-    ray[i] = std::ldexp(ray[i], row_[static_cast<size_t>(i)] - largest);
+    ray[i] = std::ldexp(ray[i], load.rows[static_cast<size_t>(i)] - largest);
   }
   if (!VerifyFarkasRay(problem, ray).accepted) fail("the ray leaves the range of doubles");
 }

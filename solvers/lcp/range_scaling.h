@@ -11,8 +11,9 @@ namespace lcpbench {
 
 /// Brings a problem whose numbers are extreme (LcpProblem::has_extreme_matrix, has_extreme_b) into the range in which
 /// doubles can be squared: A~ = S A S, b~ = t S b, f = S f~ / t, with powers of two. The largest |J_ik| m_k^1/2 of each
-/// row becomes about 1 (A_ii in the other forms), and so does the largest |b~_i|. Nothing is rounded but what is
-/// 2^-1000 of the largest number of its row, or of b~.
+/// row becomes about 1 (A_ii in the other forms), and so does the largest |b~_i|, and that of every row of zeros, whose
+/// b says only whether there is an answer. Nothing is rounded but what is 2^-1000 of the largest number of its row, or
+/// of b~.
 class RangeScaling {
  public:
   /// Of the matrix, without b. A matrix in range is taken as it is.  O(nnz of the given form)
@@ -38,13 +39,14 @@ class RangeScaling {
  private:
   struct Load {
     LcpProblem problem;
-    int unit;  // t = 2^unit
+    std::vector<int> rows;  // S_ii = 2^rows[i]
+    int unit;               // t = 2^unit
   };
   Load Scale(const LcpProblem& problem) const;
-  std::optional<Eigen::VectorXd> ScaledStart(const LcpOptions& options, const Load& load) const;
-  void GiveBack(const LcpProblem& problem, const LcpOptions& options, const Load& load, LcpResult* result) const;
+  static std::optional<Eigen::VectorXd> ScaledStart(const LcpOptions& options, const Load& load);
+  static void GiveBack(const LcpProblem& problem, const LcpOptions& options, const Load& load, LcpResult* result);
 
-  std::vector<int> row_;  // S_ii = 2^row_[i]; before matrix_, whose making fills it
+  std::vector<int> row_;  // exponents of S; of rows of zeros none, there b decides
   LcpProblem matrix_;
 };
 

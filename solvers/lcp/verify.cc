@@ -115,8 +115,8 @@ Products Multiply(const LcpProblem& problem, const Eigen::VectorXd& x) {
   return out;
 }
 
-// diag A in extended precision, with 1 where A_ii = 0 and |A_ii| where it is negative.
-ExtendedVector ScalingDiagonal(const LcpProblem& problem) {
+// diag A in extended precision, absolute values.
+ExtendedVector AbsoluteDiagonal(const LcpProblem& problem) {
   const Index n = problem.size();
   ExtendedVector diagonal(n);
   for (Index i = 0; i < n; ++i) {
@@ -128,9 +128,14 @@ ExtendedVector ScalingDiagonal(const LcpProblem& problem) {
     } else {
       value = problem.DiagonalA()[i];
     }
-    diagonal[i] = value == 0 ? Extended(1) : std::abs(value);
+    diagonal[i] = std::abs(value);
   }
   return diagonal;
+}
+
+// With 1 where A_ii = 0.
+ExtendedVector ScalingDiagonal(const ExtendedVector& diagonal) {
+  return (diagonal.array() == 0).select(ExtendedVector::Ones(diagonal.size()), diagonal);
 }
 
 // NaN must win over every number: std::max would drop it.
@@ -172,7 +177,8 @@ Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, cons
     return m;
   }
   const Eigen::VectorXd& b = problem.b();
-  const ExtendedVector D = ScalingDiagonal(problem);
+  const ExtendedVector diagonal = AbsoluteDiagonal(problem);
+  const ExtendedVector D = ScalingDiagonal(diagonal);
   const Products Af = Multiply(problem, f);
 
   Extended r_squared = 0, b_squared = 0, b_scaled_squared = 0, siconos_squared = 0, merit = 0;
@@ -194,9 +200,7 @@ Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, cons
     b_squared += static_cast<Extended>(b[i]) * b[i];
 
     const Extended scale = Af.magnitude[i] + std::abs(static_cast<Extended>(b[i]));
-    // D_ii = 1 stands for A_ii = 0 elsewhere; here the formula's own A_ii f_i is zero then.
-    const Extended force_term = problem.DiagonalA()[i] == 0 ? Extended(0) : D[i] * fi;
-    const Extended defect = std::abs(bilateral ? wi : std::min(force_term, wi));
+    const Extended defect = std::abs(bilateral ? wi : std::min(diagonal[i] * fi, wi));
     // Where entries of A cancel (perpendicular normals, say) the terms of w do not: a defect within the rounding of its
     // own evaluation cannot be told from 0, and must not be divided by a scale that is 0 as well.
     // Nor can one below the smallest normal double: no force could be given finely enough to do better.
@@ -265,7 +269,7 @@ FarkasVerdict VerifyFarkasRay(const LcpProblem& problem, const Eigen::VectorXd& 
     verdict.reason = "rays are proofs for symmetric A only";
     return verdict;
   }
-  const ExtendedVector D = ScalingDiagonal(problem);
+  const ExtendedVector D = ScalingDiagonal(AbsoluteDiagonal(problem));
   const Products Ay = Multiply(problem, y);
   Extended b_dot_y = 0, largest = 0, largest_summed = 0, b_norm1 = 0;
   Index negative = -1;

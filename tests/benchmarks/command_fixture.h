@@ -127,10 +127,18 @@ class CommandTest : public FolderTest {
   /// @return its status, as waitpid gives it
   int RunUntil(const std::string& file, std::uintmax_t growth, int signal, bool whole_group,
                const std::string& arguments, bool once = false) const {
+    // Of the file, or of what is to take its place when it is complete (TextOutput).
     const auto size = [&] {
       std::error_code none;
       const std::uintmax_t bytes = std::filesystem::file_size(folder_ / file, none);
-      return none ? 0 : bytes;
+      if (!none) return bytes;
+      std::uintmax_t beside = 0;
+      for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+        const bool is_beside = entry.path().filename().string().starts_with(".lcpbench-");
+        const std::uintmax_t found = is_beside ? entry.file_size(none) : 0;
+        if (!none) beside += found;
+      }
+      return beside;
     };
     const std::uintmax_t enough = size() + growth;
     const pid_t child = fork();

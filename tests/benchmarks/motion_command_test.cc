@@ -193,6 +193,33 @@ TEST_F(SceneCommand, WritesASceneFileOfWhatMovesFromThenOn) {
   Succeed("scene " + Path("x.json") + " -o " + Path("x.svg"));
 }
 
+// What moves does not: each of these went on for ever.
+TEST_F(SceneCommand, WhatCannotAdvanceEndsWithTheReason) {
+  const auto ball = [&](const std::string& name, const std::string& motion, const std::string& state) {
+    Write(name, R"({"lcpbench_scene": 1, "motion": {)" + motion + R"(}, "bodies": [
+        {"name": "floor", "fixed": true, "shape": {"box": {"width": 4, "height": 1}}, "position": [0, -0.5]},
+        {"name": "ball", "density": 1, "shape": {"disc": {"radius": 1}}, )" +
+                    state + "}]}");
+    return Path(name);
+  };
+  const std::string fast =
+      ball("fast.json", R"("level": "acceleration")", R"("position": [0, 3], "velocity": [1e29, 0])");
+  const std::string far = ball("far.json", R"("level": "velocity")", R"("position": [0, 1e29], "velocity": [0, 1])");
+  const std::string tiny = ball("tiny.json", R"("level": "velocity", "step": 1e-30)", R"("position": [0, 3])");
+  for (const auto& [file, why] :
+       {std::pair(fast, "more than 10000 events or steps within"), std::pair(far, "below the spacing of doubles"),
+        std::pair(tiny, "do not advance the time")}) {
+    ExpectMistake("scene " + file + " --time 0.05 -o " + Path("x.svg"), why);
+  }
+  const CommandOutcome outcome = Run("sequence " + fast + " --steps 1");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.error.find("stopped: more than 10000 events or steps"), std::string::npos) << outcome.error;
+  // It does advance, but would take a thousand years.
+  const std::string slow = ball("slow.json", R"("level": "velocity", "step": 1e-12)", R"("position": [0, 3])");
+  ExpectMistake("scene " + slow + " --time 1000 --budget 0.2 -o " + Path("x.svg"), "not finished within 0.2 s");
+  Succeed("scene " + far + " -o " + Path("x.svg"));
+}
+
 TEST_F(SceneCommand, WritesAnAnimationPage) {
   const CommandOutcome outcome =
       Succeed("scene disc-pile --size 6 --level velocity --duration 0.1 --fps 30 --animate " + Path("x.html"));
@@ -205,7 +232,7 @@ TEST_F(SceneCommand, RefusesWithOneLine) {
   Write("wrong.json", "{}");
   const std::pair<std::string, std::string> mistakes[] = {
       {"no-such-scene", "disc-pile"},
-      {"disc-pile --size 0", "rows >= 1"},
+      {"disc-pile --size 0", "--size: expected a number >= 1"},
       {"disc-pile --solver no-such-solver", "dantzig"},
       {"disc-pile -o " + Path("x.png"), ".svg"},
       {"disc-pile -o " + Path("no/such/folder/x.svg"), "cannot be written"},

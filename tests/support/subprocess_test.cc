@@ -88,8 +88,8 @@ TEST(Subprocess, DoesNotOutliveItsParent) {
     const char* script;
   };
   for (const Case& one :
-       {Case{SIGKILL, "echo started; exec sleep 100"}, Case{SIGTERM, "sleep 100 & echo started; wait"},
-        Case{SIGINT, "sleep 100 & echo started; wait"}}) {
+       {Case{SIGKILL, "echo started; exec sleep 100"}, Case{SIGKILL, "sleep 100 & echo started; wait"},
+        Case{SIGTERM, "sleep 100 & echo started; wait"}, Case{SIGINT, "sleep 100 & echo started; wait"}}) {
     SCOPED_TRACE(one.signal);
     std::array<int, 2> ends{};
     ASSERT_EQ(pipe(ends.data()), 0);

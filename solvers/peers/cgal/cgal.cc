@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "solvers/lcp/memory_budget.h"
 #include "solvers/peers/peer_library.h"
 
 namespace lcpbench {
@@ -45,6 +46,9 @@ double Round(const Exact& numerator, const Exact& denominator) {
 
 // The lower triangle of A.
 std::map<std::pair<int, int>, Exact> EntriesOfA(const LcpProblem& problem) {
+  // An exact number with its place in a tree, here and in CGAL's program; of one triangle.
+  constexpr double kBytesPerEntry = 2 * 150;
+  RequireMemory(kBytesPerEntry * static_cast<double>(problem.SparseA().nonZeros()) / 2, "A in exact numbers");
   std::map<std::pair<int, int>, Exact> entries;
   const auto add = [&](Index i, Index j, const Exact& value) {
     if (j <= i) entries[{static_cast<int>(i), static_cast<int>(j)}] += value;

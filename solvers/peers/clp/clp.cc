@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "solvers/lcp/memory_budget.h"
 #include "solvers/peers/peer_library.h"
 
 namespace lcpbench {
@@ -47,6 +48,8 @@ class Clp : public LcpSolver {
     model_->setLogLevel(0);
     model_->loadProblem(n, 0, no_entries.data(), nullptr, nullptr, lower.data(), upper.data(), problem.b().data(),
                         nullptr, nullptr);
+    // The triangle, Clp's copy of it, and that of the model that is solved.
+    RequireSparseMatrices(n, static_cast<double>(problem.SparseA().nonZeros()), 2);
     // One triangle: an entry off the diagonal stands for both.
     const SparseMatrix A = problem.SparseA().triangularView<Eigen::Lower>();
     model_->loadQuadraticObjective(n, A.outerIndexPtr(), A.innerIndexPtr(), A.valuePtr());

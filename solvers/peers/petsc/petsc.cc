@@ -21,6 +21,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "solvers/lcp/memory_budget.h"
 #include "solvers/linear_algebra/library_threads.h"
 #include "solvers/peers/peer_library.h"
 
@@ -132,6 +133,8 @@ class PetscProblem {
   explicit PetscProblem(const LcpProblem& problem) : problem_(problem) {
     const auto n = static_cast<PetscInt>(problem.size());
     const SparseMatrix& A = problem.SparseA();
+    // The Jacobian, and what methods make of it: the part of the free rows, its factor.
+    RequireSparseMatrices(n, static_cast<double>(A.nonZeros()), 4);
     // PETSc takes arrays that it could write to.
     const auto writable = [](const auto* values) {
       return const_cast<std::remove_const_t<std::remove_pointer_t<decltype(values)>>*>(values);  // NOLINT

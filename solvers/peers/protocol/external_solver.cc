@@ -108,11 +108,15 @@ const Hello& ExternalSolver::Greet() {
   return hello_;
 }
 
-void ExternalSolver::Load(const LcpProblem& problem) {
+void ExternalSolver::Load(const LcpProblem& problem, double time_limit_s) {
   Greet();
   const bool has_matrix = loaded_ && loaded_->SharesMatrixWith(problem);
   if (has_matrix && &loaded_->b() == &problem.b()) return;
-  const double limit = options_.prepare_limit_s;
+  const auto limit = [&](const Bytes& sent) {
+    constexpr double kSlowestReader = 2e7;  // bytes/s
+    return std::min(options_.prepare_limit_s,
+                    WithGrace(time_limit_s) + static_cast<double>(sent.size()) / kSlowestReader);
+  };
   loaded_.reset();
   formed_on_host_s_ = 0;
   prepared_ = {};
@@ -125,30 +129,19 @@ void ExternalSolver::Load(const LcpProblem& problem) {
     if (hello_.form == WantedForm::kDense) wanted = InForm(wanted, MatrixForm::kDense);
     if (hello_.form == WantedForm::kSparse) wanted = InForm(wanted, MatrixForm::kSparse);
     const Bytes arrays = Encode(ProblemArrays::Of(wanted), hello_.version);
-    prepared_ = Ask(MessageType::kProblem, arrays, MessageType::kPrepared, limit, DecodePrepared);
+    prepared_ = Ask(MessageType::kProblem, arrays, MessageType::kPrepared, limit(arrays), DecodePrepared);
   } else if (has_matrix) {
-    Ask(MessageType::kOtherB, Encode(problem.b()), MessageType::kLoaded, limit, TakeAnswer);
+    const Bytes b = Encode(problem.b());
+    Ask(MessageType::kOtherB, b, MessageType::kLoaded, limit(b), TakeAnswer);
   } else {
-    Ask(MessageType::kProblem, Encode(ProblemArrays::Of(problem)), MessageType::kLoaded, limit, TakeAnswer);
+    const Bytes arrays = Encode(ProblemArrays::Of(problem));
+    Ask(MessageType::kProblem, arrays, MessageType::kLoaded, limit(arrays), TakeAnswer);
   }
   loaded_ = problem;
 }
 
-void ExternalSolver::DoPrepare(const LcpProblem& problem) {
-  failure_.clear();
-  try {
-    Load(problem);
-  } catch (const WorkerFailure& failure) {
-    if (!Retries(failure)) failure_ = failure.what();  // else the solve loads it
-  } catch (const std::exception& error) {
-    // A status of the solve that follows, not an end of the campaign.
-    failure_ = error.what();
-  }
-}
-
 LcpResult ExternalSolver::AskForSolve(const LcpProblem& problem, const LcpOptions& options) {
-  // Here too: the worker may have ended at the solve before, and b may be another one.
-  Load(problem);
+  Load(problem, options.time_limit_s);
   if (!prepared_.why_unsupported.empty()) {
     LcpResult result;
     result.f.setZero(problem.size());
@@ -162,9 +155,9 @@ LcpResult ExternalSolver::AskForSolve(const LcpProblem& problem, const LcpOption
   request.max_iterations = options.max_iterations;
   request.time_parts = options.time_parts;
   if (options.initial_f != nullptr) request.start = *options.initial_f;
-  const double limit = options.time_limit_s * (1 + options_.grace_factor) + options_.grace_s;
-  LcpResult result = Ask(MessageType::kSolve, Encode(request, hello_.version), MessageType::kResult, limit,
-                         [&](const Bytes& payload) { return DecodeResult(payload, problem.size(), hello_.version); });
+  LcpResult result =
+      Ask(MessageType::kSolve, Encode(request, hello_.version), MessageType::kResult, WithGrace(options.time_limit_s),
+          [&](const Bytes& payload) { return DecodeResult(payload, problem.size(), hello_.version); });
   if (hello_.version == 1) {
     result.own_fresh_s = formed_on_host_s_ + prepared_.convert_s + std::max(0.0, result.own_convert_s) +
                          std::max(0.0, result.own_solve_s);
@@ -173,7 +166,6 @@ LcpResult ExternalSolver::AskForSolve(const LcpProblem& problem, const LcpOption
 }
 
 void ExternalSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  if (!failure_.empty()) throw std::runtime_error(std::exchange(failure_, {}));
   try {
     *result = AskForSolve(problem, options);
     may_retry_ = true;

@@ -26,7 +26,9 @@ struct ExternalSolverOptions {
   /// Address space that the worker may use [bytes]; 0 for no limit of our own.
   std::uint64_t memory_limit = std::uint64_t{8} << 30U;
   double start_limit_s = kStartLimit;  ///< for the worker to say hello [s]; interpreters start slowly
-  double prepare_limit_s = 120;        ///< to take over a problem [s]
+  /// To take over a stream, and at most for a problem [s]. A problem has as long as a solve, see below, and a second
+  /// for every 20 MB of it.
+  double prepare_limit_s = 120;
   /// What a solve may take beyond its own time limit before the worker is killed: grace_factor times it + grace_s.
   double grace_factor = 0.5;
   double grace_s = 1;  ///< [s], see grace_factor
@@ -61,8 +63,8 @@ class WorkerFailure : public std::runtime_error {
 /// A worker that something else kills (SIGKILL, SIGTERM) says nothing of the solver: the solve, or the pass, is tried
 /// once more by a new one.
 /// What a failure leaves: a worker that ends or breaks the protocol is kNumericalFailure with the way it ended in
-/// detail; one that does not stop at its time limit is killed and kTimeLimit; f is zero then. The next solve starts a
-/// new worker. A worker's claims are verified like everyone's.
+/// detail; one that does not take the problem in time, or stop at its time limit, is killed and kTimeLimit; f is zero
+/// then. The next solve starts a new worker. A worker's claims are verified like everyone's.
 /// The worker starts with the first problem and ends with this object.
 ///
 /// For a worker of version 1, A is formed here, anew for every problem and every b; own_fresh_s is the sum of that and
@@ -96,7 +98,8 @@ class ExternalSolver : public LcpSolver {
   PassReply RunPass(const PassRequest& request, double limit_s);
 
  protected:
-  void DoPrepare(const LcpProblem& problem) override;
+  /// Nothing: what taking over a problem may take depends on the limit of its solve.
+  void DoPrepare(const LcpProblem& /*problem*/) override {}
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
 
  private:
@@ -105,9 +108,10 @@ class ExternalSolver : public LcpSolver {
   }
   void Check(Transfer outcome, double limit_s);
   Bytes Receive(MessageType expected, double limit_s);
+  double WithGrace(double time_limit_s) const { return time_limit_s * (1 + options_.grace_factor) + options_.grace_s; }
   template <typename Decode>
   auto Ask(MessageType type, const Bytes& payload, MessageType answer, double limit_s, Decode decode);
-  void Load(const LcpProblem& problem);
+  void Load(const LcpProblem& problem, double time_limit_s);
   void SendStream();
   bool Retries(const WorkerFailure& failure);
   LcpResult AskForSolve(const LcpProblem& problem, const LcpOptions& options);
@@ -116,7 +120,6 @@ class ExternalSolver : public LcpSolver {
   ExternalSolverOptions options_;
   std::unique_ptr<Subprocess> process_;
   Hello hello_;
-  std::string failure_;    // of the last DoPrepare
   bool may_retry_ = true;  // no retry yet of what is under way
   std::string retried_;
   // What the worker holds.

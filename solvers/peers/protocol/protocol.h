@@ -72,6 +72,7 @@ using Bytes = std::vector<char>;
 
 /// kRefusal: why a worker does not start, in the place of kHello.
 Bytes EncodeRefusal(const std::string& why);
+/// The opposite.
 std::string DecodeRefusal(const Bytes& payload);
 /// kHello.
 Bytes Encode(const Hello& hello);

@@ -64,12 +64,16 @@ class KeptCampaign : public CommandTest {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     return waitpid(child, status, WNOHANG) != 0;
   }
-  // 0: it has none.
+  // The one that runs another program; 0: it has none. What runs the same one only keeps watch (subprocess.cc).
   static pid_t ChildOf(pid_t parent) {
+    const auto program = [](pid_t process) { return ReadFile("/proc/" + std::to_string(process) + "/cmdline"); };
     const std::string process = std::to_string(parent);
-    pid_t child = 0;
-    if (parent > 0) std::ifstream("/proc/" + process + "/task/" + process + "/children") >> child;
-    return child;
+    std::ifstream children("/proc/" + process + "/task/" + process + "/children");
+    for (pid_t child = 0; parent > 0 && children >> child;) {
+      const std::string found = program(child);
+      if (!found.empty() && found != program(parent)) return child;
+    }
+    return 0;
   }
   // Kills so many workers, one after the other, each once `is_time`: those of the campaign, or those of its worker that
   // have the solver.

@@ -168,6 +168,15 @@ TEST(Pictures, LabelForcesWhereThereIsRoomOnly) {
   }
 }
 
+TEST(RenderSvg, IsNoLongerForBodiesThatAreFarApart) {
+  for (double far = 1; far < 1e31; far *= 1e3) {
+    Body left = MakeBody(Disc(1), 1);
+    Body right = left;
+    right.x = {far, 0};
+    EXPECT_LT(Drawn({"far", {left, right}, {}}).size(), 500'000u) << far;
+  }
+}
+
 TEST(RenderSvg, DrawsEveryBodyOfEveryFamilyInWellFormedSvg) {
   for (const SceneFamily& family : AllScenes()) {
     for (const int rows : {1, 12, 150, 400}) {

@@ -12,6 +12,7 @@
 #include "model/contact/assembly.h"
 #include "model/detection/narrow_phase.h"
 #include "model/shape/shapes.h"
+#include "tests/model/random_outlines.h"
 #include "tests/support/refusal.h"
 
 namespace lcpbench {
@@ -109,6 +110,59 @@ TEST(Detection, ABallAtTheSmoothJoinOfAStraightAndAnArcTouchesOnce) {
   for (const double x : {0.0, 1e-13, -1e-13, 1e-10, -1e-10, 1e-8, -1e-8}) {
     EXPECT_EQ(Workshop({{pipe, {}, 0, true}, {Disc(0.25), {x, 0.25}}}).Detect().size(), 1u) << x;
   }
+}
+
+// Long outlines are searched by a tree: it leaves out what holds no minimum, and nothing else.
+TEST(Detection, LongOutlinesTouchWhereAllPairsOfTheirSpansDo) {
+  testing::Random random(5);
+  std::size_t found = 0;
+  for (int k = 0; k < 300; ++k) {
+    const auto polygon = [&](int most, bool round) {
+      const int count = 10 + testing::RandomInteger(most, &random);
+      std::vector<Vec2> corners;
+      for (int i = 0; i < count; ++i) {
+        const Rotation u = SinCos(2 * kPi * i / count);
+        corners.push_back((round ? 1 : random.Uniform(0.7, 1)) * Vec2{u.cos, u.sin});
+      }
+      return testing::Polygon(corners);
+    };
+    GearShape shape;
+    shape.teeth = 5 + testing::RandomInteger(40, &random);
+    const Outline outline1 = k % 3 == 0 ? Gear(shape) : polygon(80, k % 3 == 1);
+    const Outline outline2 = k % 5 == 0 ? Box(1.5, 1.5) : polygon(60, k % 2 == 0);
+    const double turned = k % 7 == 0 ? 0 : random.Uniform(0, 6);
+    PlacedOutline placed1 = PlaceOutline(outline1, {}, 0);
+    PlacedOutline placed2 = PlaceOutline(outline2, {random.Uniform(1.6, 2), random.Uniform(-0.3, 0.3)}, turned);
+    const GapRange range{random.Uniform(0, 0.2), random.Uniform(0, 0.2)};
+    const auto by_tree = FindGapMinima(placed1, placed2, range);
+    const auto turned_round = FindGapMinima(placed2, placed1, range);
+    placed1.tree.reset();
+    placed2.tree.reset();
+    const auto same = [](const std::vector<GapMinimum>& a, const std::vector<GapMinimum>& b) {
+      return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const GapMinimum& p, const GapMinimum& q) {
+        return p.span1 == q.span1 && p.span2 == q.span2 && p.closest.d == q.closest.d;
+      });
+    };
+    EXPECT_TRUE(same(by_tree, FindGapMinima(placed1, placed2, range))) << k;
+    EXPECT_TRUE(same(turned_round, FindGapMinima(placed2, placed1, range))) << k;
+    found += by_tree.size();
+  }
+  EXPECT_GT(found, 300u);
+}
+
+// All pairs of these spans would take hours.
+TEST(Detection, OutlinesOfManyVerticesTouchSoon) {
+  constexpr int kCorners = 40'000;
+  std::vector<Vec2> corners;
+  for (int i = 0; i < kCorners; ++i) {
+    const Rotation u = SinCos(2 * kPi * i / kCorners);
+    corners.push_back({u.cos, u.sin});
+  }
+  const Outline outline = testing::Polygon(corners);
+  // With the ends of edges that are nearly flush.
+  const std::size_t found = Workshop({{outline, {}}, {outline, {2 + 1e-7, 0}, kPi / kCorners}}).Detect(0.5, 0.5).size();
+  EXPECT_GE(found, 1u);
+  EXPECT_LT(found, 500u);
 }
 
 // Gears have more spans than kManySpans, so that every one has a box of its own; the narrow phase alone must agree.

@@ -219,6 +219,25 @@ TEST(OutlineChecks, TakeLittleTimeForManyEdges) {
   EXPECT_NO_THROW(Gear(shape));
 }
 
+// Every pair of holes, or of edges, would take minutes.
+TEST(OutlineChecks, TakeLittleTimeForManyHolesOrTooMuchAtOnePlace) {
+  constexpr int kSide = 100;
+  Outline sieve = Box(kSide + 1, kSide + 1);
+  for (int k = 0; k < kSide * kSide; ++k) {
+    sieve = WithHole(std::move(sieve), {k % kSide - (kSide - 1) / 2.0, k / kSide - (kSide - 1) / 2.0}, 0.4);
+  }
+  EXPECT_NO_THROW(RequireValid(sieve));
+  Refuses(WithHole(sieve, {0.5, 0.5}, 0.1), {"hole 10001", "inside hole"});
+  // Spikes around one centre: their boxes overlap nearly all.
+  std::vector<Vec2> corners;
+  constexpr int kSpikes = 40'000;
+  for (int k = 0; k < kSpikes; ++k) {
+    const Rotation u = SinCos(2 * kPi * k / kSpikes);
+    corners.push_back((k % 2 == 0 ? 1 : 1e-2) * Vec2{u.cos, u.sin});
+  }
+  Refuses(Polygon(corners), {"too much lies at one place"});
+}
+
 std::vector<double*> NumbersIn(OutlineCurve* curve) {
   std::vector<double*> numbers;
   ForEachPoint(*curve, [&](Vec2& p) { numbers.insert(numbers.end(), {&p.x, &p.y}); });

@@ -169,6 +169,33 @@ TEST_P(SolveBatchTest, UnitsChangeNothingButTheAnswersUnits) {
   }
 }
 
+// Rows times 2^+-500, b up to the ends of the range: b, w and f may lose bits to
+// underflow, and squares leave the doubles.
+TEST_P(SolveBatchTest, ClaimsNothingWrongOfExtremeNumbers) {
+  BatchSolver solver(With());
+  int solved = 0;
+  for (unsigned seed = 0; seed < 4000; ++seed) {
+    TestRandom random(seed);
+    const TestProblem planted = PlantedExactly(seed, BatchSolver::kMaxRows, true);
+    const Index n = planted.problem.size();
+    const int common = random.Integer(-490, 490);
+    const VectorXd rows = VectorXd::NullaryExpr(n, [&] { return std::exp2(common + random.Integer(-10, 10)); });
+    const int of_b = std::clamp(random.Integer(-1070, 980) - common, -1022, 1022);
+    const TestProblem test = Rescaled(planted, rows, 1, std::exp2(of_b));
+    std::vector<std::uint32_t> joints = {0};
+    for (const Index i : test.problem.bilateral_rows()) joints[0] |= 1U << static_cast<unsigned>(i);
+    const Eigen::MatrixXd& A = test.problem.DenseA();
+    LcpResult result;
+    result.f.resize(n);
+    solver.Solve({n, 1, A.data(), test.problem.b().data(), joints.data()}, LcpOptions{}, result.f.data(),
+                 &result.status);
+    if (result.status != LcpStatus::kSolved) continue;
+    ++solved;
+    ExpectVerified(test.problem, result);
+  }
+  EXPECT_GT(solved, 2000);
+}
+
 TEST_P(SolveBatchTest, AnswersDoNotDependOnPlaceOrNeighboursOrThreadsOrEarlierBatches) {
   const std::vector<LcpProblem> problems = RandomProblems(400);
   const std::vector<LcpResult> expected = SolveWith(GetParam(), problems);

@@ -45,13 +45,14 @@ TEST(MemoryBudget, ALimitOfTheAddressSpaceCounts) {
   EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
-TEST(MemoryBudget, ADenseAIsNotFormedWhereItCannotFit) {
+TEST(MemoryBudget, AIsNotFormedWhereItCannotFit) {
   constexpr Index kRows = 10'000'000;
   SparseMatrix J(kRows, 3);
   J.reserve(Eigen::VectorXi::Ones(kRows));
   for (Index i = 0; i < kRows; ++i) J.insert(i, 0) = 1;
   const LcpProblem problem = LcpProblem::FromFactors("tall", J, Eigen::VectorXd::Ones(3), Eigen::VectorXd::Zero(kRows));
   EXPECT_THROW(static_cast<void>(problem.DenseA()), MemoryRefusal);
+  EXPECT_THROW(static_cast<void>(problem.SparseA()), MemoryRefusal);
 }
 
 }  // namespace

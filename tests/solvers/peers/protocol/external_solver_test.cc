@@ -185,6 +185,20 @@ TEST(ExternalSolver, OutlivesAWorkerThatMisbehaves) {
   }
 }
 
+// A problem that is larger than any buffer between the processes: the host waits within its writing, too.
+TEST(ExternalSolver, AWorkerThatStopsWhileItTakesAProblemIsOverAtTheTimeLimitOfTheSolve) {
+  const LcpProblem large = PlantedProblem(400, 4, 3, 2, 0).problem;
+  for (const char* manner : {"stop-before-problem", "stop-within-problem", "stop-within-answer"}) {
+    SCOPED_TRACE(manner);
+    ExternalSolverOptions options = Worker(manner);
+    options.prepare_limit_s = 1000;
+    ExternalSolver solver(options);
+    const LcpResult result = SolveThere(solver, InForm(large, MatrixForm::kDense), 0.1);
+    EXPECT_EQ(result.status, LcpStatus::kTimeLimit) << result.detail;
+    EXPECT_NE(result.detail.find("gave no answer within 0."), std::string::npos) << result.detail;
+  }
+}
+
 TEST(ExternalSolver, MemoryIsBounded) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "the address sanitizer reserves more than any limit";

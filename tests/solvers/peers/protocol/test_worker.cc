@@ -94,6 +94,22 @@ int ServeVersion1(WantedForm form) {
   return 0;
 }
 
+// Greets, and stops where its manner says: before or within what it is sent, or within its answer.
+[[noreturn]] void Stop(const Hello& hello, const std::string& manner) {
+  constexpr double kForever = 1e9;
+  WriteFrame(STDOUT_FILENO, MessageType::kHello, Encode(hello), kForever);
+  char some[20];
+  if (manner == "stop-within-problem") ReadAll(STDIN_FILENO, some, sizeof some, kForever);
+  if (manner == "stop-within-answer") {
+    MessageType type{};
+    Bytes payload;
+    ReadFrame(STDIN_FILENO, &type, &payload, kForever);
+    type = MessageType::kLoaded;
+    WriteAll(STDOUT_FILENO, &type, 3, kForever);
+  }
+  for (;;) pause();
+}
+
 }  // namespace
 }  // namespace lcpbench
 
@@ -112,6 +128,7 @@ int main(int argc, char** argv) {
   if (manner == "version-1-sparse") return ServeVersion1(WantedForm::kSparse);
   if (manner == "version-1-given") return ServeVersion1(WantedForm::kAsGiven);
   const Hello hello{kProtocolVersion, {}, manner, "1.0", "none"};
+  if (manner.rfind("stop-", 0) == 0) Stop(hello, manner);
   return RunWorker(hello, [&]() -> std::unique_ptr<LcpSolver> {
     if (manner == "dantzig") return MakeSolver("dantzig");
     if (manner == "slow") return std::make_unique<SlowSolver>();

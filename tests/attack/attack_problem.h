@@ -1,0 +1,32 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "tests/solvers/test_problems.h"
+
+namespace lcpbench {
+
+/// A problem that is solvable or not by construction, in numbers that no solver is made for.
+///
+/// Integers and powers of two first: J, M^-1 and a planted f and w, or a ray y, all exact in double, and so are A and
+/// b. Every rank from 0 on, repeated and opposed rows, joints that depend on each other, rows that nothing can move, f
+/// = w = 0, chains up to 300 rows; often a row that closes a combination of others, J^T y = 0, with b.y negative
+/// (unsolvable), 0 or barely positive. Then powers of two, which round nothing:
+///     A -> S A S,  b -> t S b,  f -> t S^-1 f,  w -> t S w,  J_ik -> S_ii J_ik / c_k,  m_k -> m_k c_k^2
+/// with S up to 2^+-500 (2^-900 by factors), t up to 2^+-1450, given as dense or sparse A or by factors.
+struct AttackProblem {
+  TestProblem test;       ///< with status and w
+  Eigen::VectorXd proof;  ///< a solution f, or a ray y
+  /// A warm start, near a solution but for some rows; of some problems.
+  std::optional<Eigen::VectorXd> start = std::nullopt;
+  /// Where kNumericalFailure is right, too: forces of this scale may leave the range of doubles, or the problem is
+  /// unsolvable by so little that no ray proves it once it is rounded to double.
+  bool may_fail = false;
+};
+
+/// The same seed gives the same problem, with one standard library. The verifier has accepted its proof, without any
+/// rounding (forces beyond the range excepted).
+AttackProblem MakeAttackProblem(unsigned seed);
+
+}  // namespace lcpbench

@@ -1,0 +1,141 @@
+// Motions that cannot advance end and say why, and a check ends those that take too long, at both levels.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "model/motion/make_motion.h"
+#include "model/scenes/random.h"
+#include "model/shape/shapes.h"
+#include "solvers/registry.h"
+#include "support/input_error.h"
+#include "tests/model/acceleration_mover.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr MotionLevel kLevels[] = {MotionLevel::kVelocity, MotionLevel::kAcceleration};
+
+struct Started {
+  explicit Started(MotionLevel level, const World& world, const MotionOptions& options = {})
+      : solver(MakeSolver("dantzig")), motion(MakeMotion(level, world, options, *solver)) {}
+  std::unique_ptr<LcpSolver> solver;
+  std::unique_ptr<Motion> motion;
+};
+
+World WithOneBody(Vec2 x, Vec2 v) {
+  Body body = Movable(Disc(0.5), x);
+  body.v = v;
+  return WorldWith("one", {Floor(), body}, {});
+}
+
+void ExpectStalled(const Started& started, const std::string& why) {
+  EXPECT_EQ(started.motion->status(), MotionStatus::kStalled);
+  EXPECT_NE(started.motion->detail().find(why), std::string::npos) << started.motion->detail();
+}
+
+TEST(Advance, ABodyWhoseWayIsBelowTheSpacingOfDoublesEndsTheMotion) {
+  for (const MotionLevel level : kLevels) {
+    for (double far = 1e17; far < 1e31; far *= 1e5) {
+      SCOPED_TRACE(far);
+      Started started(level, WithOneBody({1, far}, {0, 1}));
+      started.motion->Advance(0.1);
+      ExpectStalled(started, "below the spacing of doubles at its place");
+    }
+    // At rest it has nowhere to go, and nearer there is a way.
+    for (const World& world : {WithOneBody({1, 1e29}, {}), WithOneBody({1, 1e6}, {0, 1})}) {
+      Started started(level, world);
+      started.motion->Advance(0.1);
+      EXPECT_EQ(started.motion->status(), MotionStatus::kMoving) << started.motion->detail();
+    }
+  }
+}
+
+TEST(Advance, StepsBelowTheSpacingOfDoublesEndTheMotion) {
+  for (const double step : {1e-300, 1e-30, 1e-18}) {
+    MotionOptions options;
+    options.velocity.step = step;
+    Started started(MotionLevel::kVelocity, WithOneBody({0, 3}, {0, 1}), options);
+    started.motion->Advance(0.05);
+    ExpectStalled(started, "do not advance the time t = 0.05 s");
+    EXPECT_EQ(started.motion->statistics().steps, 0);
+  }
+}
+
+// Past each other at a speed that allows steps of 1e-14 s at most.
+TEST(Advance, SpeedsThatLeaveNoStepEndTheMotion) {
+  for (double speed = 1e13; speed < 1e31; speed *= 1e4) {
+    MotionOptions options;
+    options.acceleration.max_events = 200;
+    World world = WithOneBody({0, 3}, {speed, 0});
+    Started started(MotionLevel::kAcceleration, world, options);
+    started.motion->Advance(0.05);
+    ExpectStalled(started, "more than 200 events or steps within 1e-04 s");
+    EXPECT_LE(started.motion->statistics().steps, 201);
+  }
+}
+
+// Whatever their numbers are, motions come to an end.
+TEST(Advance, ExtremeWorldsComeToAnEnd) {
+  Random random(23);
+  int ended = 0;
+  for (int k = 0; k < 150; ++k) {
+    const auto number = [&](double usual) {
+      const double size = random.Uniform(0, 1) < 0.3 ? std::pow(10, random.Uniform(-30, 30)) : random.Uniform(0.5, 1.5);
+      return (random.Uniform(0, 1) < 0.3 ? -1 : 1) * usual * size;
+    };
+    std::vector<Body> bodies = {Floor()};
+    for (int i = 0; i < 3; ++i) {
+      const Outline shapes[] = {Disc(0.5), Box(1, 0.6), Ellipse(0.7, 0.4), Capsule(0.8, 0.2)};
+      Body body = Movable(shapes[(k + i) % 4], {number(1), number(1 + i)}, number(0.3));
+      body.v = {number(1), number(1)};
+      body.omega = number(1);
+      body.mass *= std::abs(number(1));
+      body.inertia *= std::abs(number(1));
+      bodies.push_back(body);
+    }
+    World world = WorldWith("extreme", bodies, {0, -std::abs(number(kG))});
+    if (k % 3 == 0) world.loads.springs.push_back({{1, {}}, {2, {0.1, 0}}, std::abs(number(100)), 1});
+    if (k % 4 == 0) world.joints.push_back(Joint(ConstraintType::kRope, 1, {}, 3, {}, std::abs(number(2))));
+    for (const MotionLevel level : kLevels) {
+      MotionOptions options;
+      options.acceleration.max_events = 20;
+      options.acceleration.lcp.time_limit_s = options.velocity.lcp.time_limit_s = 1;
+      try {
+        Started started(level, world, options);
+        started.motion->Advance(1e-2);
+        EXPECT_EQ(started.motion->status() == MotionStatus::kMoving, started.motion->detail().empty());
+        ++ended;
+      } catch (const InputError&) {  // geometry that is singular there
+      }
+    }
+  }
+  EXPECT_GT(ended, 100);
+}
+
+// Also where there is no LCP at all, and between two bodies of long outlines.
+TEST(Advance, ACheckEndsAMotionWithinAStep) {
+  struct Over {};
+  GearShape gear;
+  gear.teeth = 60;
+  World gears = WorldWith("gears", {Movable(Gear(gear), {}), Movable(Gear(gear), {1.9, 0})}, {});
+  for (const MotionLevel level : kLevels) {
+    for (const World& world : {WithOneBody({0, 3}, {1, 0}), gears}) {
+      int left = 0;
+      for (const int calls : {0, 1, 2}) {
+        Started started(level, world);
+        left = calls;
+        started.motion->set_check([&left] {
+          if (left-- == 0) throw Over();
+        });
+        EXPECT_THROW(started.motion->Advance(0.1), Over) << calls;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
