@@ -36,10 +36,13 @@ def _tell(line: str) -> None:
 
 
 class Parser(argparse.ArgumentParser):
-    """Tells a mistake in one line, without the usage."""
+    """Tells a mistake in one line, without the usage, and help that cannot be written."""
 
     def error(self, message: str):
         self.exit(2, f"{printable(f'{self.prog}: error: {message}')}\n")
+
+    def print_help(self, file=None):
+        (file or sys.stdout).write(self.format_help())  # argparse would not tell that it is lost
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -51,9 +54,13 @@ def main(arguments: list[str] | None = None) -> int:
         of_command = parsers.add_parser(name, help=act.__doc__, description=act.__doc__)
         for words, settings in wanted:
             of_command.add_argument(*words, **settings)
-    options = parser.parse_args(arguments)
+    options = argparse.Namespace(command=parser.prog)
     try:
-        status = _COMMANDS[options.command][0](options) or 0
+        try:
+            options = parser.parse_args(arguments)
+            status = _COMMANDS[options.command][0](options) or 0
+        except SystemExit as end:  # of parse_args, which has printed the help, or the mistake
+            status = end.code
         sys.stdout.flush()
         return status
     except ReportError as error:

@@ -11,6 +11,7 @@
 #include "support/clock.h"
 #include "support/input_error.h"
 #include "support/json_field.h"
+#include "support/output_error.h"
 #include "support/printable.h"
 
 namespace lcpbench {
@@ -44,6 +45,8 @@ std::uintmax_t ReadJsonLines(const std::string& path, const std::string& expecte
     }
     bytes += line.size() + 1;
   }
+  // Else what was not read would be taken for a torn line.
+  if (lines.bad()) throw InputError(path + ": reading failed after line " + std::to_string(number));
   return bytes;
 }
 
@@ -60,6 +63,7 @@ AppendOnlyFile::AppendOnlyFile(const std::string& path, const std::string& expec
   }
   file_ = open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (file_ < 0 || error) throw InputError(path + ": cannot be written: " + std::strerror(errno));
+  on_disk_ = static_cast<off_t>(whole);
 }
 
 AppendOnlyFile::~AppendOnlyFile() {
@@ -75,19 +79,23 @@ void AppendOnlyFile::Append(const std::vector<Json>& lines) {
   while (written < text.size()) {
     const ssize_t count = write(file_, text.data() + written, text.size() - written);
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) {
-      const std::string reason = count < 0 ? std::strerror(errno) : "nothing was written";
-      // Where that fails, too, the torn line is cut off when the file is opened again.
-      const bool is_cut = written == 0 || before < 0 || ftruncate(file_, before) == 0;
-      throw InputError(path_ + ": writing failed: " + reason + (is_cut ? "" : ", its last line is torn"));
-    }
+    if (count <= 0) CutAndFail(before, count < 0 ? errno : ENOSPC);
     written += static_cast<std::size_t>(count);
   }
-  const double now = SteadyNow();
-  if (now - synchronised_ >= kSecondsBetweenSynchronisations) {
-    fdatasync(file_);
-    synchronised_ = now;
-  }
+  if (SteadyNow() - synchronised_ >= kSecondsBetweenSynchronisations) Synchronise();
+}
+
+void AppendOnlyFile::Synchronise() {
+  // A disk that fails here may have forgotten any of it, and would not say so again. EINVAL: it knows no such thing.
+  if (fdatasync(file_) != 0 && errno != EINVAL) CutAndFail(on_disk_, errno);
+  on_disk_ = lseek(file_, 0, SEEK_END);
+  synchronised_ = SteadyNow();
+}
+
+// Where that fails, too, a torn line is cut off when the file is opened again.
+void AppendOnlyFile::CutAndFail(off_t size, int error) {
+  [[maybe_unused]] const bool is_cut = size >= 0 && ftruncate(file_, size) == 0;
+  throw OutputError(path_, error);
 }
 
 }  // namespace lcpbench

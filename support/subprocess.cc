@@ -20,6 +20,7 @@
 #include <limits>
 #include <mutex>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "support/clock.h"
@@ -64,7 +65,7 @@ Transfer MoveAll(int fd, short events, Byte* data, std::size_t size, double unti
 std::array<int, 2> SocketPair() {
   std::array<int, 2> ends{-1, -1};
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
-    throw std::runtime_error(std::string("no socket: ") + std::strerror(errno));
+    throw std::system_error(errno, std::generic_category(), "no socket");
   }
   return ends;
 }
@@ -223,7 +224,9 @@ Subprocess::Subprocess(const SubprocessOptions& options) {
   if (error != 0) {
     if (pid_ > 0) waitpid(pid_, nullptr, 0);
     close(socket_);
-    throw std::runtime_error("'" + words[0] + "' cannot be started: " + std::strerror(error));
+    const std::string what = "'" + words[0] + "' cannot be started";
+    if (pid_ < 0) throw std::system_error(error, std::generic_category(), what);
+    throw std::runtime_error(what + ": " + std::strerror(error));
   }
   if (options.memory_limit > 0 && !SanitizerReservesMemory()) {
     const rlimit both{options.memory_limit, options.memory_limit};
@@ -252,7 +255,7 @@ Subprocess::Subprocess(const std::function<void(int socket)>& body) {
   }
   if (pid_ < 0) {
     close(socket_);
-    throw std::runtime_error(std::string("no child process: ") + std::strerror(error));
+    throw std::system_error(error, std::generic_category(), "no child process");
   }
 }
 
@@ -305,6 +308,10 @@ std::string DescribeEnd(int status) {
   if (!WIFSIGNALED(status)) return "ended with exit status " + std::to_string(WEXITSTATUS(status));
   const int signal = WTERMSIG(status);
   return "was killed by signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
+}
+
+bool WasKilled(int status) {
+  return WIFSIGNALED(status) && (WTERMSIG(status) == SIGKILL || WTERMSIG(status) == SIGTERM);
 }
 
 bool SanitizerReservesMemory() {

@@ -38,11 +38,11 @@ class Subprocess {
  public:
   /// Starts a program; without fork, as libraries of this process may hold locks and have handlers for it. Signals are
   /// as at the start of this process, but SIGTTOU is ignored: the terminal is the parent's group's.
-  /// @throws std::runtime_error in words, where the system gives no process or has no such program
+  /// @throws std::system_error where the system gives no process, std::runtime_error where it has no such program
   explicit Subprocess(const SubprocessOptions& options);
   /// Forks: the child runs `body` with its end of the socket, and ends with status 0. It has what memory and files this
   /// process has, but one thread only.
-  /// @throws std::runtime_error where the system gives no process
+  /// @throws std::system_error where the system gives no process
   explicit Subprocess(const std::function<void(int socket)>& body);
   ~Subprocess();
   Subprocess(const Subprocess&) = delete;
@@ -73,6 +73,9 @@ void EndSubprocessesOnSignals();
 
 /// "was killed by signal 11 (Segmentation fault)" or "ended with exit status 3", of a status as WaitOrKill gives it.
 std::string DescribeEnd(int status);
+
+/// Whether SIGKILL or SIGTERM ended it. Where this program did not send them, that says nothing of what it was doing.
+bool WasKilled(int status);
 
 /// Whether a sanitizer runs that reserves terabytes of address space, so that it cannot be limited.
 bool SanitizerReservesMemory();

@@ -22,6 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kBeside = ".lcpbench-";
+
 [[noreturn]] void Refuse(const std::string& path, int error) {
   throw InputError(path + ": cannot be written: " + std::strerror(error));
 }
@@ -58,7 +60,18 @@ mode_t NewMode() {
 std::string ReadTextFile(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(path + ": cannot be opened for reading");
-  return {std::istreambuf_iterator<char>(file), {}};
+  try {
+    return {std::istreambuf_iterator<char>(file), {}};
+  } catch (const std::ios_base::failure& failure) {
+    throw InputError(path + ": cannot be read: " + failure.code().message());
+  }
+}
+
+void RemoveUnfinished(const std::string& folder) {
+  std::error_code none;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) {
+    if (entry.path().filename().string().starts_with(kBeside)) fs::remove(entry.path(), none);
+  }
 }
 
 void WriteTextFile(const std::string& path, const std::string& text) {
@@ -132,7 +145,7 @@ void TextOutput::Open(const std::string& path) {
     if (descriptor_ < 0) RefuseOrFail(path, errno);
     return;
   }
-  std::string beside = (target.parent_path() / ".lcpbench-XXXXXX").string();
+  std::string beside = (target.parent_path() / (kBeside + std::string("XXXXXX"))).string();
   descriptor_ = mkostemp(beside.data(), O_CLOEXEC);
   if (descriptor_ < 0) RefuseOrFail(path, errno);
   target_ = target.string();
@@ -143,6 +156,11 @@ void TextOutput::Open(const std::string& path) {
 std::ostream& TextOutput::stream() { return buffer_ ? file_ : std::cout; }
 
 void TextOutput::Write(const std::string& text) { stream() << text << std::flush; }
+
+void TextOutput::Synchronise() {
+  stream() << std::flush;
+  if (!beside_.empty() && fsync(descriptor_) != 0 && errno != EINVAL) throw OutputError(name_, errno);
+}
 
 void TextOutput::Close() {
   stream() << std::flush;

@@ -10,6 +10,9 @@ namespace lcpbench {
 /// The whole file. @throws InputError where it cannot be read
 std::string ReadTextFile(const std::string& path);
 
+/// Removes what a process that was killed left of a TextOutput in a folder that nobody else writes to.
+void RemoveUnfinished(const std::string& folder);
+
 /// Writes a whole file as TextOutput does, or to standard output for "-".
 /// @throws InputError where it cannot be created, OutputError where it cannot be written to its end
 void WriteTextFile(const std::string& path, const std::string& text);
@@ -47,7 +50,7 @@ class CheckedStandardOutput {
 /// A file that is written piece by piece, or standard output for "-". A regular file is written beside its place, as
 /// .lcpbench-XXXXXX in the same folder, and takes its place, or that of the file a symbolic link leads to, when it is
 /// closed; it has the permissions of the file that it replaces, and may be made of it. One that is not closed leaves
-/// nothing. Pipes, devices and what is below /dev and /proc are written directly.
+/// nothing, unless the process is killed. Pipes, devices and what is below /dev and /proc are written directly.
 class TextOutput {
  public:
   /// @throws InputError where the file cannot be created, OutputError where there is no space for it
@@ -60,6 +63,8 @@ class TextOutput {
   std::ostream& stream();
   /// Writes and flushes. @throws OutputError where that fails
   void Write(const std::string& text);
+  /// Waits until the disk has a regular file, so that it is complete also after a power failure. @throws OutputError
+  void Synchronise();
   /// What was written is complete. @throws OutputError where it cannot be written to its end or not take its place
   void Close();
 

@@ -215,6 +215,23 @@ class Citations(_Tree):
                 self.assertNone([f"{place} cites {cited}" for place, cited in found if not exists(place, cited)], why)
 
 
+    def test_tests_that_documents_name_exist(self):
+        tests = set()
+        for path in self.files:
+            if path.startswith("tests/") and path.endswith(".cc"):
+                text = (_ROOT / path).read_text(encoding="utf-8")
+                tests |= {f"{m[1]}.{m[2]}" for m in re.finditer(r"(?m)^TEST(?:_F|_P)?\((\w+),\s*(\w+)\)", text)}
+        cited = [
+            (path, name)
+            for path, (text, _) in self.texts.items()
+            if path.endswith(".md")
+            for names in re.findall(r"\[((?:`[A-Z]\w+\.[A-Z]\w+`(?:, )?)+)\]", "\n".join(text))
+            for name in re.findall(r"[\w.]+", names)
+        ]
+        self.assertTrue(cited)
+        self.assertNone([f"{path} names {name}" for path, name in cited if name not in tests], "no such test:")
+
+
 class Drawing(_Tree):
     def test_the_drawing_shows_the_tree(self):
         boxes, arrows = draw_includes.drawn(self.own_includes)

@@ -45,6 +45,13 @@ class Campaign {
 
   // False where it was interrupted. The caller keeps the Interruption.
   bool Run() {
+    const bool done = RunTasks();
+    journal_.Synchronise();
+    return done;
+  }
+
+ private:
+  bool RunTasks() {
     StartWorker();
     for (int round = 0; round <= plan_.passes; ++round) {
       const bool done =
@@ -66,7 +73,6 @@ class Campaign {
     return !Interruption::Requested();
   }
 
- private:
   void StartWorker() {
     WorkerOptions worker;
     worker.memory_bytes = plan_.memory_bytes;
@@ -423,6 +429,8 @@ int RunCampaign(const CampaignPlan& plan, const CampaignOptions& options) {
   if (error) throw InputError(options.folder + ": cannot be created: " + error.message());
   RequireNoLinks(options.folder);
   const FileLock lock(In(options.folder, kLockFile));  // before anything is read: the other may be writing it
+  RemoveUnfinished(options.folder);
+  RemoveUnfinished(fs::path(SequencePath(options.folder, "")).parent_path().string());
   const std::string environment = PrepareFolder(options, described);
   Campaign campaign(plan, options, problems, manifests, environment);
   TellWhatIsMissing(plan);  // not before: of a user's mistake there is one line only

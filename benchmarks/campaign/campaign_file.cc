@@ -214,7 +214,12 @@ Json ReadCampaignFile(const std::string& path) {
   return Json::parse(text);  // its members in their order
 }
 
-void WriteCampaignFile(const std::string& path, const Json& campaign) { WriteTextFile(path, campaign.dump(1) + "\n"); }
+void WriteCampaignFile(const std::string& path, const Json& campaign) {
+  TextOutput file(path);
+  file.Write(campaign.dump(1) + "\n");
+  file.Synchronise();
+  file.Close();
+}
 
 void WriteBenchmarkJson(const std::string& folder, const std::string& path) {
   Json benchmarks = Json::array();
@@ -283,6 +288,7 @@ void WriteProblems(const std::string& path, const CampaignPlan& plan, const std:
     file.Append({RecordOf<DescribedProblem>(ProblemFields(), described)});
     bar.Advance(1, entry.id);
   }
+  file.Synchronise();
 }
 
 }  // namespace lcpbench

@@ -148,6 +148,12 @@ void Journal::RequireNew(const nlohmann::json& line) const {
   }
 }
 
+void Journal::Synchronise() {
+  for (AppendOnlyFile* file : {streams_.get(), steps_.get()}) {
+    if (file != nullptr) file->Synchronise();
+  }
+}
+
 bool Journal::Has(const TaskKey& key, const std::string& kind, int pass) const {
   return done_.count({key, kind, pass}) > 0;
 }

@@ -84,6 +84,8 @@ class Journal {
   /// @param pass  from 1
   void WriteTimed(const Task& task, PassKind kind, int pass, std::uint32_t group, const TimedRun& run);
   void WritePass(const Task& task, int round, const SequenceReply& reply);
+  /// Waits until the disk has all lines. @throws OutputError
+  void Synchronise();
 
  private:
   // Of a line that is read: it belongs to the plan, and is not there yet.

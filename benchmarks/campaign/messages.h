@@ -67,7 +67,8 @@ struct SequenceRequest {
 struct Reply {
   std::string outcome = "completed";  ///< or how the worker's process ended: crashed, killed, out_of_memory
   std::string detail;                 ///< the reason, where it was not completed
-  /// How a worker ended that something else killed, before a new one tried again; set by WorkerProcess. "": none did.
+  /// How a worker, or that of a solver in a process of its own, ended that something else killed, before a new one
+  /// tried again. "": none did.
   std::string retried;
 };
 
@@ -98,9 +99,9 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(JudgeRequest, problem, solver, tier, judged, 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TimedRequest, stream, solver, pass, judged, other_b_seed)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SequenceRequest, file, sha256, solver, tier, judged, warm, deadline_s, limits,
                                    budget_s)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(JudgeReply, outcome, detail, records)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TimedReply, outcome, detail, times, failed, disturbance)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SequenceReply, outcome, detail, results)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(JudgeReply, outcome, detail, retried, records)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TimedReply, outcome, detail, retried, times, failed, disturbance)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SequenceReply, outcome, detail, retried, results)
 
 /// A message as one line.
 template <typename Message>

@@ -437,11 +437,13 @@ std::vector<RecordSchema> ResultSchema() {
       Schema("steps", "What follows where it was run; a list of numbers has an entry for each step that was reached",
              kSteps),
       Schema("step_verdict", "An entry of `verdicts`", kStepVerdict),
-      Schema("retry",
-             "An entry of `retried`, which a line of streams.jsonl or steps.jsonl has where something other than the "
-             "campaign killed a worker (SIGKILL, SIGTERM): the solve was tried once more, and the line says what came "
-             "of that; killed again it is `crashed`",
-             kRetry),
+      Schema(
+          "retry",
+          "An entry of `retried`, which a line of streams.jsonl or steps.jsonl has where something other than the "
+          "campaign killed a worker (SIGKILL, SIGTERM): the solve, or the pass, was tried once more, and the line "
+          "says what came of that. Killed again it is `crashed`, or of a solver in a process of its own, which alone "
+          "was killed, a numerical failure that says so",
+          kRetry),
   };
 }
 

@@ -109,19 +109,19 @@ std::string SequencePath(const std::string& folder, const std::string& id) {
 
 void WriteSequenceFile(const SequenceEntry& entry, const std::string& path) {
   std::vector<SequenceStep> steps;
+  SequenceHash hash;
   RowMatching matching;
   const std::string end =
       ForEachSequenceProblem(entry.start, entry.steps, [&](const LcpProblem& problem, const MotionProblem& met) {
         Interruption::Check();
         steps.push_back({problem, PreviousRows(&matching, met), ReferenceOf(problem, met)});
+        hash.Add(problem);
       });
   if (!end.empty()) throw InputError(entry.id + ": " + end);
   std::error_code error;
   fs::create_directories(fs::path(path).parent_path(), error);
-  const std::string part = path + ".part";
-  RequireHash(entry.id, entry.sha256, WriteSequenceSteps(steps, part));
-  fs::rename(part, path, error);
-  if (error) throw InputError(path + ": cannot be written: " + error.message());
+  RequireHash(entry.id, entry.sha256, hash.Result());
+  WriteSequenceSteps(steps, path);
 }
 
 std::string WriteSequenceSteps(const std::vector<SequenceStep>& steps, const std::string& path) {

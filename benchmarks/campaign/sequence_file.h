@@ -27,15 +27,15 @@ struct SequenceStep {
 /// FOLDER/sequences/ID.jsonl.gz
 std::string SequencePath(const std::string& folder, const std::string& id);
 
-/// Makes the sequence and writes it under a temporary name, which becomes `path` when the file is complete.
-/// @throws InputError where the problems are not those of the manifest (SHA-256), or the file cannot be written;
-///         Interrupted (progress.h) after a signal
+/// Makes the sequence and writes it, as WriteGzipFile.
+/// @throws InputError where the problems are not those of the manifest (SHA-256), and as WriteGzipFile; Interrupted
+/// (progress.h) after a signal
 void WriteSequenceFile(const SequenceEntry& entry, const std::string& path);
 
 /// @param sha256  SequenceHash of the problems
 /// Writes given steps as such a file; of the references `status`, `w` and `floor`.
 /// @return SequenceHash of the problems
-/// @throws InputError where the file cannot be written
+/// @throws as WriteGzipFile
 std::string WriteSequenceSteps(const std::vector<SequenceStep>& steps, const std::string& path);
 
 /// @throws InputError naming the file and what it should be, also where the hash is another

@@ -8,6 +8,7 @@
 #include "benchmarks/measure/process_watch.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/verify.h"
+#include "solvers/peers/protocol/external_solver.h"
 #include "solvers/registry.h"
 
 namespace lcpbench {
@@ -98,7 +99,7 @@ SequenceReply SequenceRunner::Run(const SequenceRequest& request, const BeginPha
     const double limit = request.limits.Of(arrays.rows);
     if (const double now = SteadyNow(); now - told >= kSecondsBetweenSteps) {
       told = now;
-      begin(limit + kSecondsBetweenSteps, "in step " + std::to_string(k) + " or soon after");
+      begin((times_itself ? 2 : 1) * limit + kSecondsBetweenSteps, "in step " + std::to_string(k) + " or soon after");
     }
     LcpOptions options;
     options.tolerance = request.tier;
@@ -139,6 +140,7 @@ SequenceReply SequenceRunner::Run(const SequenceRequest& request, const BeginPha
     taken_on = result.f.allFinite() ? result.f : Eigen::VectorXd();
   }
   reply.results = record.Results(all);
+  if (auto* external = dynamic_cast<ExternalSolver*>(&solver)) reply.retried = external->TakeRetried();
   return reply;
 }
 

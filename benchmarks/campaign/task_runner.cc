@@ -62,14 +62,16 @@ JudgeReply TaskRunner::Run(const JudgeRequest& request, const BeginPhase& begin)
   options.time_factorizations = true;
   const ProblemArrays arrays = ProblemArrays::Of(given.problem);
 
-  begin(request.time_limit_s, "while it was solved");
+  const bool is_own = entry.origin == SolverOrigin::kOwn;
+  begin(is_own ? request.time_limit_s : 2 * request.time_limit_s, "while it was solved");  // it may be tried again
   LcpSolver& solver = pool_.Get(entry);
   LcpResult result;
   double first_s = -1;
   double peak_bytes = -1;
   double formed_on_host_s = -1;
   std::int64_t allocated = -1;
-  if (entry.origin == SolverOrigin::kOwn) {
+  JudgeReply reply;
+  if (is_own) {
     ResetPeak();
     const AllocationWatch allocations;
     const double start = SteadyNow();
@@ -80,11 +82,12 @@ JudgeReply TaskRunner::Run(const JudgeRequest& request, const BeginPhase& begin)
   } else {
     solver.Solve(given.problem, options, &result);
     first_s = result.own_fresh_s;
-    const auto* external = dynamic_cast<ExternalSolver*>(&solver);
-    if (external != nullptr && external->formed_on_host_s() > 0) formed_on_host_s = external->formed_on_host_s();
+    if (auto* external = dynamic_cast<ExternalSolver*>(&solver)) {
+      if (external->formed_on_host_s() > 0) formed_on_host_s = external->formed_on_host_s();
+      reply.retried = external->TakeRetried();
+    }
     result.factor_s = -1;  // not known of other processes
   }
-  JudgeReply reply;
   for (const double tier : request.judged) {
     const Verdict verdict = Verify(given.problem, result, tier, &given.reference);
     reply.records.push_back(DescribeAnswer({result, verdict, first_s, peak_bytes, formed_on_host_s, allocated}));
@@ -141,8 +144,10 @@ TimedReply TaskRunner::Run(const TimedRequest& request, const BeginPhase& begin)
     reply.detail = error.what();
   }
   reply.disturbance = watch.Finish();
-  // This thread waits while another process solves.
-  if (FindSolver(request.solver).origin != SolverOrigin::kOwn) reply.disturbance->cpu_share = 1;
+  if (const SolverEntry& entry = FindSolver(request.solver); entry.origin != SolverOrigin::kOwn) {
+    reply.disturbance->cpu_share = 1;  // this thread waits while another process solves
+    if (auto* external = dynamic_cast<ExternalSolver*>(&pool_.Get(entry))) reply.retried = external->TakeRetried();
+  }
 
   for (const TimeField& field : TimeFields()) {
     if (field.kind != request.pass.kind) continue;

@@ -40,7 +40,7 @@ Answer WorkerProcess::Ask(const Message& request) {
   if (!by_others || Interruption::Requested()) return answer;
   const std::string retried = answer.detail;
   answer = AskOnce<Answer>(request, &by_others);
-  answer.retried = retried;
+  answer.retried = retried + (answer.retried.empty() ? "" : "; ") + answer.retried;
   return answer;
 }
 
@@ -61,11 +61,10 @@ Answer WorkerProcess::AskOnce(const Message& request, bool* by_others) {
   const std::string line = Format(request) + "\n";
   double limit_s = options_.make_s;
   std::string phase = "while the problem was made";
-  // A worker that ended while it was written to: reading says how.
-  WriteAll(process_->socket(), line.data(), line.size(), SteadyNow() + limit_s);
   std::string reply;
-  Transfer got = Transfer::kDone;
-  while ((got = process_->ReadLine(&reply, SteadyNow() + limit_s)) == Transfer::kDone) {
+  const Transfer sent = WriteAll(process_->socket(), line.data(), line.size(), SteadyNow() + limit_s);
+  Transfer got = sent;
+  while (got == Transfer::kDone && (got = process_->ReadLine(&reply, SteadyNow() + limit_s)) == Transfer::kDone) {
     if (reply.empty() || reply.front() != kMark) return Parse<Answer>(reply);
     if (reply.starts_with(kRefusedMark)) throw InputError(reply.substr(std::strlen(kRefusedMark)));
     std::istringstream words(reply.substr(1));
@@ -73,7 +72,8 @@ Answer WorkerProcess::AskOnce(const Message& request, bool* by_others) {
     std::getline(words, phase);
     limit_s = limit_s * (1 + options_.grace_share) + options_.grace_s;
   }
-  const int status = got == Transfer::kTimeout ? process_->Kill() : process_->WaitOrKill(kEnd);
+  const bool hung_up = sent == Transfer::kDone && got == Transfer::kClosed;
+  const int status = hung_up ? process_->WaitOrKill(kEnd) : process_->Kill();
   process_.reset();
   Answer answer;
   if (got == Transfer::kTimeout) {
@@ -85,7 +85,8 @@ Answer WorkerProcess::AskOnce(const Message& request, bool* by_others) {
   } else {
     answer.outcome = "crashed";
     answer.detail = DescribeEnd(status);
-    *by_others = WIFSIGNALED(status) && (WTERMSIG(status) == SIGKILL || WTERMSIG(status) == SIGTERM);
+    // Nor does it say anything of the solver where it did not take its request.
+    *by_others = WasKilled(status) || sent != Transfer::kDone;
   }
   answer.detail += " " + phase;
   return answer;

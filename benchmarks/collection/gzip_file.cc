@@ -92,6 +92,7 @@ void WriteGzipFile(const std::string& path, const std::string& text) {
       file.stream().write(packed.data(), static_cast<std::streamsize>(kBlock - deflation.avail_out));
     } while (deflation.avail_out == 0);
   }
+  file.Synchronise();
   file.Close();
 }
 

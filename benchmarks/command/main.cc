@@ -3,6 +3,8 @@
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <new>
+#include <system_error>
 
 #include "benchmarks/command/commands.h"
 #include "build_info.h"
@@ -102,6 +104,12 @@ int main(int argc, char** argv) {
     return kMisuse;
   } catch (const std::filesystem::filesystem_error& error) {
     std::cerr << "lcpbench: " << Printable(error.path1().string()) << ": " << error.code().message() << std::endl;
+    return kMisuse;
+  } catch (const std::bad_alloc&) {
+    std::cerr << "lcpbench: not enough memory" << std::endl;
+    return kMisuse;
+  } catch (const std::system_error& error) {  // the system gives no process, or a file ends in an error
+    std::cerr << "lcpbench: " << Printable(error.what()) << std::endl;
     return kMisuse;
   } catch (const std::exception& error) {
     std::cerr << "lcpbench: internal error: " << Printable(error.what()) << std::endl;

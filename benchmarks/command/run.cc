@@ -1,9 +1,12 @@
+#include <unistd.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -14,7 +17,9 @@
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
+#include "benchmarks/measure/allocation_count.h"
 #include "solvers/registry.h"
+#include "support/exit_status.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -206,6 +211,12 @@ struct RunCampaigns {
   }
 
   int Run() {
+    // What it has written is whole at any moment, and so is what it writes next.
+    EndWithoutMemory([] {
+      constexpr std::string_view kText = "lcpbench: not enough memory\n";
+      [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kText.data(), kText.size());
+      _exit(kMisuse);
+    });
     named.Register();
     if (ablations) RegisterAblations();
     CampaignPlan plan = CampaignOf(suite);

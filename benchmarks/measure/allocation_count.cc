@@ -9,8 +9,13 @@
 namespace {
 bool is_counting = false;
 std::atomic<long> allocations = 0;
+void (*without_memory)() = nullptr;
 void Count() {
   if (is_counting) allocations.fetch_add(1, std::memory_order_relaxed);
+}
+void* Given(void* memory, std::size_t size) {
+  if (memory == nullptr && size > 0 && without_memory != nullptr) without_memory();
+  return memory;
 }
 }  // namespace
 #ifdef __clang__
@@ -25,27 +30,27 @@ void* __libc_memalign(std::size_t alignment, std::size_t size);
 
 void* malloc(std::size_t size) noexcept {
   Count();
-  return __libc_malloc(size);
+  return Given(__libc_malloc(size), size);
 }
 void* calloc(std::size_t count, std::size_t size) noexcept {
   Count();
-  return __libc_calloc(count, size);
+  return Given(__libc_calloc(count, size), count * size);
 }
 void* realloc(void* old, std::size_t size) noexcept {
   Count();
-  return __libc_realloc(old, size);
+  return Given(__libc_realloc(old, size), size);
 }
 void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
   Count();
-  return __libc_memalign(alignment, size);
+  return Given(__libc_memalign(alignment, size), size);
 }
 void* memalign(std::size_t alignment, std::size_t size) noexcept {
   Count();
-  return __libc_memalign(alignment, size);
+  return Given(__libc_memalign(alignment, size), size);
 }
 int posix_memalign(void** result, std::size_t alignment, std::size_t size) noexcept {
   Count();
-  void* memory = __libc_memalign(alignment, size);
+  void* memory = Given(__libc_memalign(alignment, size), size);
   if (memory == nullptr) return ENOMEM;
   *result = memory;
   return 0;
@@ -59,10 +64,12 @@ namespace lcpbench {
 bool AllocationsAreCounted() { return true; }
 long AllocationCount() { return allocations; }
 void CountAllocations(bool on) { is_counting = on; }
+void EndWithoutMemory(void (*end)()) { without_memory = end; }
 #else
 bool AllocationsAreCounted() { return false; }
 long AllocationCount() { return 0; }
 void CountAllocations(bool /*on*/) {}
+void EndWithoutMemory(void (* /*end*/)()) {}
 #endif
 
 }  // namespace lcpbench

@@ -11,8 +11,11 @@ long AllocationCount();
 /// False where they cannot be counted: sanitizers bring an allocator of their own.
 bool AllocationsAreCounted();
 
-/// Off at the start, and where something is timed: an allocation then costs a branch more than without counting, not
-/// an atomic addition.
+/// Off at the start, and where something is timed: an allocation then costs two branches, not an atomic addition.
 void CountAllocations(bool on);
+
+/// From now on `end` is called where there is no memory to be had, before anyone is told: libraries end the process
+/// then, and who catches std::bad_alloc may take it for a result. Nothing where allocations are not counted.
+void EndWithoutMemory(void (*end)());
 
 }  // namespace lcpbench

@@ -24,6 +24,7 @@ namespace {
 // The value after `separator` on the first line that starts with `key`.
 std::string FirstValue(const char* path, const std::string& key, char separator) {
   std::ifstream file(path);
+  file.exceptions(std::ios::badbit);  // else what cannot be read would be another environment
   for (std::string line; std::getline(file, line);) {
     if (!line.starts_with(key)) continue;
     const auto at = line.find(separator);

@@ -1,7 +1,8 @@
 #include "benchmarks/measure/solver_pool.h"
 
+#include <stdexcept>
+
 #include "solvers/peers/protocol/external_solver.h"
-#include "support/input_error.h"
 
 namespace lcpbench {
 
@@ -16,7 +17,7 @@ LcpSolver& SolverPool::Get(const SolverEntry& entry) {
   if (auto* external = dynamic_cast<ExternalSolver*>(kept.get())) {
     try {
       external->Greet();
-    } catch (const InputError&) {
+    } catch (const std::runtime_error&) {
       // The solve will say what is wrong.
     }
   }

@@ -44,7 +44,8 @@ def archive(folder: Path, output: Path) -> dict[str, int]:
         with replaced(path) as beside:
             beside.write_bytes(lzma.compress((folder / motion.FILE).read_bytes(), preset=9))
         return {path.name: path.stat().st_size}
-    shutil.copyfile(folder / CAMPAIGN, output / CAMPAIGN)
+    with replaced(output / CAMPAIGN) as beside:
+        shutil.copyfile(folder / CAMPAIGN, beside)
     written = {CAMPAIGN: (output / CAMPAIGN).stat().st_size}
     for name, (order, *digits) in _FILES.items():
         if (folder / name).is_file():

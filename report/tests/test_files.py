@@ -47,6 +47,8 @@ class Files(FolderCase):
         for place, reason in (("> /dev/full", "No space left on device"), (">&-", "Bad file descriptor")):
             self.assertEqual(tell(f'"$0" "$@" {place}', *compare),
                              (3, f"compare: error: standard output: {reason}\n"))
+            self.assertEqual(tell(f'"$0" "$@" {place}', "compare", "--help"),
+                             (3, f"report.py: error: standard output: {reason}\n"))
         self.assertEqual(tell('"$0" "$@" | true', *compare)[1], "")
         output = self.folder / "changes.md"
         output.write_text("old")

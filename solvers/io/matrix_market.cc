@@ -5,8 +5,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <limits>
+#include <memory>
+#include <set>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "solvers/io/same_bits.h"
 #include "solvers/io/text_words.h"
 #include "support/input_error.h"
+#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
@@ -97,12 +99,6 @@ void RequireShape(const MarketMatrix& matrix, Index rows, Index columns, const s
   if (matrix.rows == rows && matrix.columns == columns) return;
   throw InputError(path + ": expected " + std::to_string(rows) + " x " + std::to_string(columns) + " entries, found " +
                    std::to_string(matrix.rows) + " x " + std::to_string(matrix.columns));
-}
-
-void WritePart(const std::filesystem::path& path, bool wanted, const std::function<void(std::ostream&)>& write) {
-  if (wanted) return WriteFile(path.string(), write);
-  std::error_code ignored;
-  std::filesystem::remove(path, ignored);
 }
 
 }  // namespace
@@ -226,18 +222,32 @@ MarketProblem ReadMarketProblem(const std::string& path) {
 
 void WriteMarketProblem(const LcpProblem& problem, const std::string& path) {
   const std::filesystem::path file(path);
-  WritePart(file, true, [&](std::ostream& out) { WriteMarketMatrix(problem.SparseA(), out); });
-  WritePart(PartOf(file, "_b"), true, [&](std::ostream& out) { WriteMarketVector(problem.b(), out); });
-  const bool factors = problem.has_factors();
-  WritePart(PartOf(file, "_J"), factors, [&](std::ostream& out) { WriteMarketMatrix(problem.J(), out); });
-  WritePart(PartOf(file, "_invM"), factors, [&](std::ostream& out) { WriteMarketVector(problem.inverse_mass(), out); });
-  const std::vector<Index>& bilateral = problem.bilateral_rows();
-  WritePart(PartOf(file, "_bilateral"), !bilateral.empty(), [&](std::ostream& out) {
+  std::vector<std::unique_ptr<TextOutput>> written;
+  std::set<std::string> parts;
+  const auto write = [&](const char* part, const auto& format, const auto& content) {
+    parts.insert(part);
+    written.push_back(std::make_unique<TextOutput>(PartOf(file, part).string()));
+    format(content, written.back()->stream());
+    written.back()->stream() << std::flush;
+  };
+  write("", WriteMarketMatrix, problem.SparseA());
+  if (problem.has_factors()) {
+    write("_J", WriteMarketMatrix, problem.J());
+    write("_invM", WriteMarketVector, problem.inverse_mass());
+  }
+  if (const std::vector<Index>& bilateral = problem.bilateral_rows(); !bilateral.empty()) {
     Eigen::VectorXd rows(static_cast<Index>(bilateral.size()));
     for (Index k = 0; k < rows.size(); ++k) rows[k] = static_cast<double>(bilateral[static_cast<size_t>(k)] + 1);
-    WriteMarketVector(rows, out);
-  });
-  WritePart(PartOf(file, "_x"), false, [](std::ostream&) {});
+    write("_bilateral", WriteMarketVector, rows);
+  }
+  write("_b", WriteMarketVector, problem.b());
+  // All is written. Without its b, which comes last, a problem is refused: nobody reads parts of two.
+  std::error_code absent;
+  std::filesystem::remove(std::filesystem::weakly_canonical(PartOf(file, "_b")), absent);
+  for (const char* part : {"_J", "_invM", "_bilateral", "_x"}) {
+    if (parts.count(part) == 0) std::filesystem::remove(PartOf(file, part), absent);
+  }
+  for (const std::unique_ptr<TextOutput>& part : written) part->Close();
 }
 
 }  // namespace lcpbench

@@ -53,7 +53,8 @@ struct MarketProblem {
 MarketProblem ReadMarketProblem(const std::string& path);
 
 /// Writes all files but name_x.mtx; J, invM and bilateral rows where the problem has them, and removes what an earlier
-/// problem of this name left. @throws InputError where one cannot be written
+/// problem of this name left. That stays as it was until all files are written beside it; what is ended while they take
+/// their places leaves a problem without b, which ReadMarketProblem refuses. @throws as TextOutput
 void WriteMarketProblem(const LcpProblem& problem, const std::string& path);
 
 }  // namespace lcpbench

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import ReportError
+from ..files import replaced
 from .space import Configuration
 
 TIER = 1e-6
@@ -35,7 +36,7 @@ def make_problems(command: Command, data: Path, folder: Path, sizes: list[int], 
     problems = folder / PROBLEMS
     problems.mkdir(parents=True, exist_ok=True)
     command.run("collection", "write", str(data / SMOKE), "-o", str(problems / "smoke.jsonl"))
-    with open(problems / "scenes.jsonl", "wb") as scenes:
+    with replaced(problems / "scenes.jsonl") as beside, open(beside, "wb") as scenes:
         for family in command.available("scenes"):
             for size in sizes:
                 command.run("generate", family, "--size", str(size), "--seed", str(seed), output=scenes)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <sstream>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "solvers/peers/protocol/protocol.h"
@@ -40,7 +41,8 @@ void ExternalSolver::Check(Transfer outcome, double limit_s) {
   if (outcome == Transfer::kClosed) {
     // It is about to end, unless it closed its end on purpose.
     constexpr double kWait = 1;  // s
-    throw WorkerFailure(How::kEnded, name + DescribeEnd(process_->WaitOrKill(kWait)));
+    const int status = process_->WaitOrKill(kWait);
+    throw WorkerFailure(WasKilled(status) ? How::kKilled : How::kEnded, name + DescribeEnd(status));
   }
 }
 
@@ -74,6 +76,14 @@ bool TakeAnswer(const Bytes& /*empty*/) { return true; }
 
 }  // namespace
 
+// Whether what failed is to be tried again: once, from the start of a worker to the end of the solve or pass.
+bool ExternalSolver::Retries(const WorkerFailure& failure) {
+  const bool again = failure.how() == How::kKilled && may_retry_;
+  may_retry_ = !again;
+  if (again) retried_ += (retried_.empty() ? "" : "; ") + std::string(failure.what());
+  return again;
+}
+
 const Hello& ExternalSolver::Greet() {
   if (process_ != nullptr) return hello_;
   try {
@@ -84,10 +94,13 @@ const Hello& ExternalSolver::Greet() {
     hello_ = DecodeHello(Receive(MessageType::kHello, options_.start_limit_s));
   } catch (const WorkerFailure& failure) {
     process_.reset();
+    if (Retries(failure)) return Greet();
     const bool late = failure.how() == How::kTimeLimit;
     throw InputError(late ? Name() + "did not greet within its start limit of " + Seconds(options_.start_limit_s) +
                                 " and was killed"
                           : failure.what() + std::string(" instead of greeting"));
+  } catch (const std::system_error&) {  // no fault of the worker's
+    throw;
   } catch (const std::exception& error) {
     process_.reset();
     throw InputError(error.what());
@@ -155,7 +168,9 @@ LcpResult ExternalSolver::AskForSolve(const LcpProblem& problem, const LcpOption
 void ExternalSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   try {
     *result = AskForSolve(problem, options);
+    may_retry_ = true;
   } catch (const WorkerFailure& failure) {
+    if (Retries(failure)) return DoSolve(problem, options, result);
     if (failure.how() != How::kTimeLimit) throw;
     result->status = LcpStatus::kTimeLimit;
     result->detail = failure.what();
@@ -165,7 +180,11 @@ void ExternalSolver::DoSolve(const LcpProblem& problem, const LcpOptions& option
 void ExternalSolver::LoadStream(std::span<const ProblemArrays> stream) {
   stream_.assign(stream.begin(), stream.end());
   has_stream_ = false;
-  SendStream();
+  try {
+    SendStream();
+  } catch (const WorkerFailure& failure) {
+    if (!Retries(failure)) throw;  // else the pass sends it
+  }
 }
 
 void ExternalSolver::SendStream() {
@@ -179,16 +198,20 @@ void ExternalSolver::SendStream() {
 }
 
 PassReply ExternalSolver::RunPass(const PassRequest& request, double limit_s) {
-  SendStream();
   try {
-    if (hello_.version == 1) return RunPassByProblems(request, limit_s);
-    return Ask(MessageType::kPass, Encode(request), MessageType::kPassReply, limit_s,
-               [&](const Bytes& payload) { return DecodePassReply(payload, request, stream_); });
-  } catch (const WorkerFailure&) {
-    throw;
+    SendStream();
+    PassReply reply = hello_.version == 1
+                          ? RunPassByProblems(request, limit_s)
+                          : Ask(MessageType::kPass, Encode(request), MessageType::kPassReply, limit_s,
+                                [&](const Bytes& payload) { return DecodePassReply(payload, request, stream_); });
+    may_retry_ = true;
+    return reply;
+  } catch (const WorkerFailure& failure) {
+    if (!Retries(failure)) throw;
   } catch (const std::exception& error) {
     throw WorkerFailure(How::kBroken, error.what());
   }
+  return RunPass(request, limit_s);
 }
 
 PassReply ExternalSolver::RunPassByProblems(const PassRequest& request, double limit_s) {

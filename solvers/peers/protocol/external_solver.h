@@ -6,6 +6,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "solvers/lcp/solver.h"
@@ -41,6 +42,7 @@ class WorkerFailure : public std::runtime_error {
     kNotStarted,  ///< or did not greet
     kTimeLimit,   ///< no answer in time: it was killed
     kEnded,       ///< by itself: a crash, an exit
+    kKilled,      ///< by something else (SIGKILL, SIGTERM)
     kBroken,      ///< sent what is no message of the protocol, and was killed
   };
   /// @param what  the reason in words
@@ -58,6 +60,8 @@ class WorkerFailure : public std::runtime_error {
 /// Method, guarantees, options: the worker's. The problem is sent in its given form; the worker forms and converts what
 /// its library takes on its own clock, result.own_fresh_s, so that pipes are not part of it. After LcpProblem::WithB
 /// only b is sent.
+/// A worker that something else kills (SIGKILL, SIGTERM) says nothing of the solver: the solve, or the pass, is tried
+/// once more by a new one.
 /// What a failure leaves: a worker that ends or breaks the protocol is kNumericalFailure with the way it ended in
 /// detail; one that does not take the problem in time, or stop at its time limit, is killed and kTimeLimit; f is zero
 /// then. The next solve starts a new worker. A worker's claims are verified like everyone's.
@@ -80,6 +84,9 @@ class ExternalSolver : public LcpSolver {
   bool is_version_1() { return Greet().version == 1; }
   /// Of the last solve, what forming A for a worker of version 1 took here [s]; else 0.
   double formed_on_host_s() const { return formed_on_host_s_; }
+
+  /// How workers ended that something else killed since the last call, before a new one tried again; "": none did.
+  std::string TakeRetried() { return std::exchange(retried_, {}); }
 
   /// The stream that passes are about; a worker started later gets it by itself.
   /// @throws WorkerFailure
@@ -106,12 +113,15 @@ class ExternalSolver : public LcpSolver {
   auto Ask(MessageType type, const Bytes& payload, MessageType answer, double limit_s, Decode decode);
   void Load(const LcpProblem& problem, double time_limit_s);
   void SendStream();
+  bool Retries(const WorkerFailure& failure);
   LcpResult AskForSolve(const LcpProblem& problem, const LcpOptions& options);
   PassReply RunPassByProblems(const PassRequest& request, double limit_s);
 
   ExternalSolverOptions options_;
   std::unique_ptr<Subprocess> process_;
   Hello hello_;
+  bool may_retry_ = true;  // no retry yet of what is under way
+  std::string retried_;
   // What the worker holds.
   std::optional<LcpProblem> loaded_;
   bool has_stream_ = false;

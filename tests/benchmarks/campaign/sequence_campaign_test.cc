@@ -322,5 +322,54 @@ TEST_F(SequenceCampaign, AnotherSequenceIsToldInOneLine) {
   EXPECT_NE(other.error.find(wrong.id + ": expected the sequence with SHA-256"), std::string::npos) << other.error;
 }
 
+// As the lines of streams.jsonl (kept_campaign_test.cc).
+TEST_F(SequenceCampaign, ATornTailOfStepsIsMadeAgainAndWhatIsNotOfThePlanIsRefused) {
+  const std::string filter = "--filter 'discs-in-v.*/(cold|warm)$'";
+  const auto plan = [&] {
+    std::vector<std::tuple<Json, Json, Json, Json, Json>> keys;
+    for (const Json& pass : Passes("c")) {
+      keys.emplace_back(pass["solver"], pass["tier"], pass["mode"], pass["round"], pass["outcome"]);
+    }
+    return keys;
+  };
+  Succeed(Campaign("c", filter));
+  const auto whole = plan();
+  const std::string before = ReadFile(folder_ / "c/steps.jsonl");
+  for (const std::size_t bytes : {before.size() - 1, before.size() / 2, std::size_t{7}}) {
+    std::filesystem::resize_file(folder_ / "c/steps.jsonl", bytes);
+    Succeed(Campaign("c", filter + " --resume"));
+    EXPECT_EQ(plan(), whole);
+  }
+  const Json line = Passes("c").at(1);
+  const auto with = [&line](const char* field, const Json& value) {
+    Json changed = line;
+    changed[field] = value;
+    return changed.dump();
+  };
+  const std::pair<std::string, std::string> wrong[] = {
+      {"\x01\xff\xfe{]", "not valid JSON"},
+      {line.dump().substr(0, 30), "not valid JSON"},
+      {R"({"solver":"x",)" + line.dump().substr(1), "/solver: this key stands twice"},
+      {Passes("c").at(0).dump(), "a second line of"},
+      {with("round", -1), "round -1"},
+      {with("round", 2), "round 2"},
+      {with("round", "x"), "another line"},
+      {with("solver", "lemke"), "solver 'lemke'"},
+      {with("sequence", "another"), "'another'"},
+      {with("tier", 1e-9), "tier"},
+      {with("mode", "lukewarm"), "a task"}};
+  const std::string kept = ReadFile(folder_ / "c/steps.jsonl");
+  for (const auto& [text, found] : wrong) {
+    std::vector<std::string> lines = Lines(kept);
+    lines.at(1) = text;
+    std::string changed;
+    for (const std::string& one : lines) changed += one + "\n";
+    Write("c/steps.jsonl", changed);
+    ExpectMistake(Campaign("c", filter + " --resume"), "steps.jsonl:2: ");
+    EXPECT_NE(ReadFile(folder_ / "stderr").find(found), std::string::npos) << ReadFile(folder_ / "stderr");
+    EXPECT_EQ(ReadFile(folder_ / "c/steps.jsonl"), changed);  // and left as it was
+  }
+}
+
 }  // namespace
 }  // namespace lcpbench

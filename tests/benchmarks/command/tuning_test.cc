@@ -110,7 +110,8 @@ TEST_F(TunedSettings, RunBesideTheDefaults) {
 
 TEST_F(TunedSettings, WhatIsNoTunedFileIsRefusedByOneLine) {
   const std::pair<const char*, const char*> mistakes[] = {
-      {"{", "lcpbench-tuned/1"},
+      {"{", "not valid JSON"},
+      {R"({"schema": "lcpbench-tuned/1", "budget": 5, "budget": 9})", "/budget: this key stands twice"},
       {R"({"schema": "lcpbench-tuning/1"})", "lcpbench-tuned/1"},
       {R"({"schema": "lcpbench-tuned/1", "budget": 5})", "lcpbench tune"},
       {R"({"schema": "lcpbench-tuned/1", "budget": 5, "solvers": [{"solver": "nobody", "chosen": {}}]})", "nobody"},

@@ -4,18 +4,23 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <random>
 #include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "support/output_error.h"
 #include "tests/solvers/lcp/same_problem.h"
 #include "tests/solvers/test_problems.h"
+#include "tests/support/full_disk.h"
 #include "tests/support/refusal.h"
 
 namespace lcpbench {
@@ -46,6 +51,30 @@ TEST_F(MatrixMarket, ProblemsComeBackBitForBit) {
     std::ifstream file(path);
     EXPECT_TRUE(SameBits(ReadMarketMatrix(file, path).ToSparse(), given.SparseA()));
   }
+}
+
+TEST_F(MatrixMarket, AProblemIsWrittenCompletelyOrNotAtAll) {
+  const std::string path = Path("p.mtx");
+  const LcpProblem old = LcpProblem::FromDense("p", Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Zero(1));
+  WriteMarketProblem(old, path);
+  const std::vector<TestProblem> problems = GeneratedProblems();
+  const LcpProblem& given = std::max_element(problems.begin(), problems.end(), [](const auto& a, const auto& b) {
+                              return a.problem.size() < b.problem.size();
+                            })->problem;
+  for (const rlim_t bytes : {0, 100, 500, 1000}) {
+    {
+      const FullDisk full(bytes);
+      EXPECT_THROW(WriteMarketProblem(given, path), OutputError) << bytes;
+    }
+    EXPECT_EQ(DifferenceOfProblems(ReadMarketProblem(path).problem, InForm(old, MatrixForm::kSparse)), "");
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 2);
+  }
+  // The last file cannot be written, the others could.
+  std::filesystem::remove(Path("p_b.mtx"));
+  std::filesystem::create_directory(Path("p_b.mtx"));
+  const std::string before = Bytes("p.mtx");
+  EXPECT_THROW(WriteMarketProblem(given, path), InputError);
+  EXPECT_EQ(Bytes("p.mtx"), before);
 }
 
 TEST_F(MatrixMarket, AnyFiniteDoubleComesBack) {

@@ -31,7 +31,8 @@ class BadSolver : public LcpSolver {
     if (manner_ == "crash" || (manner_ == "crash-at-nine" && at_nine)) std::raise(SIGSEGV);
     if (manner_ == "exit") std::_Exit(3);
     if (manner_ == "throw") throw std::runtime_error("the library gave up");
-    if (manner_ == "hang" || (manner_ == "hang-at-nine" && at_nine)) {
+    if (manner_ == "hang-aloud") std::fputs("hangs\n", stderr);
+    if (manner_.starts_with("hang") && (manner_ != "hang-at-nine" || at_nine)) {
       for (;;) pause();
     }
     if (manner_ == "memory") {
@@ -53,6 +54,15 @@ class BadSolver : public LcpSolver {
 
  private:
   std::string manner_;
+};
+
+// Right, and long enough under way for something to happen meanwhile.
+class SlowSolver : public LcpSolver {
+  void DoPrepare(const LcpProblem& /*problem*/) override {}
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
+    usleep(20'000);
+    MakeSolver("dantzig")->Solve(problem, options, result);
+  }
 };
 
 // What a program must do at the least.
@@ -121,6 +131,7 @@ int main(int argc, char** argv) {
   if (manner.rfind("stop-", 0) == 0) Stop(hello, manner);
   return RunWorker(hello, [&]() -> std::unique_ptr<LcpSolver> {
     if (manner == "dantzig") return MakeSolver("dantzig");
+    if (manner == "slow") return std::make_unique<SlowSolver>();
     return std::make_unique<BadSolver>(manner);
   });
 }

@@ -1,0 +1,166 @@
+// What a campaign survives: one of its system calls, or of its allocations, fails, or it is killed there. Each of them
+// in turn; afterwards --resume gives what an undisturbed campaign gives.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "benchmarks/collection/build.h"
+#include "benchmarks/collection/manifest.h"
+#include "support/subprocess.h"
+#include "tests/benchmarks/command_fixture.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr int kKilled = 0;  // instead of errno
+constexpr int kSigkill = 128 + 9;
+
+// Without what is measured.
+Json Repeatable(const Json& json) {
+  static const std::set<std::string> measured = {"started", "peak_bytes",  "allocations", "factor_share",
+                                                 "group",   "disturbance", "preempted",   "retried"};
+  Json kept = json;
+  if (json.is_object()) {
+    for (const auto& [key, value] : json.items()) {
+      if (measured.count(key) > 0 || key.ends_with("_s")) {
+        kept.erase(key);
+      } else {
+        kept[key] = Repeatable(value);
+      }
+    }
+  } else if (json.is_array()) {
+    std::transform(json.begin(), json.end(), kept.begin(), Repeatable);
+  }
+  return kept;
+}
+
+class FaultInjection : public CommandTest {
+ protected:
+  void SetUp() override {
+    if (SanitizerReservesMemory()) GTEST_SKIP() << "a sanitizer stands between the program and the C library";
+    CommandTest::SetUp();
+    fs::create_directory(folder_ / "p");
+    for (const std::string scene : {"rockers --size 8", "disc-pile --size 6"}) {
+      Write("p/" + scene.substr(0, 4) + ".jsonl", Succeed("generate " + scene + " --seed 1").out);
+    }
+    Write("p/third.jsonl", Succeed("generate gear-train --size 12 --seed 1").out);
+    Succeed("import " + Path("p") + " --name tiny --licence none --provenance none");
+    Json manifest = ReadJson(folder_ / "p/manifest.json");
+    Manifest motions;
+    motions.sequences = {MeasureSequence(Recipe{"discs-in-v", 12, 1, {}}, 3)};
+    manifest["sequences"] = Json::parse(FormatManifest(motions))["sequences"];
+    Write("p/manifest.json", manifest.dump());
+    Succeed(Campaign("whole"));
+    whole_ = Results("whole");
+  }
+
+  // Of one of our own solvers and of one in a process of its own, on three problems and a sequence.
+  std::string Campaign(const std::string& folder) const {
+    return "run --resume --suite " + Path("p/manifest.json") +
+           " --tiers 1e-6 --passes 1 --task-budget 1000 --time-limit 60 --filter 'solve/|/cold$' "
+           "--solvers dantzig,other --external 'other=" LCPBENCH_TEST_WORKER " dantzig' -o " +
+           Path(folder);
+  }
+
+  std::map<std::string, std::vector<Json>> Results(const std::string& folder) const {
+    std::map<std::string, std::vector<Json>> results;
+    results["campaign.json"] = {Repeatable(ReadJson(folder_ / folder / "campaign.json"))};
+    for (const char* file : {"problems.jsonl", "streams.jsonl", "steps.jsonl"}) {
+      for (const Json& line : JsonLines(folder_ / folder / file)) results[file].push_back(Repeatable(line));
+    }
+    return results;
+  }
+
+  CommandOutcome RunWith(const std::string& kind, long k, int error, const std::string& folder) {
+    const std::string fault = kind + " " + std::to_string(k) + " " + std::to_string(error) + " " + Path("count");
+    const std::string program =
+        std::exchange(program_, "timeout -s KILL 100 env LD_PRELOAD=" LCPBENCH_FAILING_CALLS " LCPBENCH_FAULT='" +
+                                    fault + "' " + program_);
+    CommandOutcome outcome = Run(Campaign(folder));
+    program_ = program;
+    return outcome;
+  }
+
+  // Of this kind, in an undisturbed campaign.
+  long Calls(const std::string& kind) {
+    EXPECT_EQ(RunWith(kind, 0, EIO, "counted").status, 0);
+    fs::remove_all(folder_ / "counted");
+    return std::stol(ReadFile(folder_ / "count"));
+  }
+
+  // @return whether the failure was told: the campaign may get on without some calls
+  bool ExpectSurvives(const std::string& kind, long k, int error) {
+    SCOPED_TRACE(kind + " " + std::to_string(k) + ", errno " + std::to_string(error));
+    const std::string folder = "c";
+    fs::remove_all(folder_ / folder);
+    const CommandOutcome outcome = RunWith(kind, k, error, folder);
+    // Passes that were disturbed are run again, so that the number of calls is not always the same.
+    if (outcome.status != 0 && error == kKilled) {
+      EXPECT_EQ(outcome.status, kSigkill) << outcome.error;
+    } else if (outcome.status != 0) {
+      EXPECT_TRUE(outcome.status == 2 || outcome.status == 3) << outcome.status << outcome.error;
+      // The others tell of progress.
+      const std::vector<std::string> lines = Lines(outcome.error);
+      EXPECT_EQ(lines.empty() ? "" : lines.back().substr(0, 10), "lcpbench: ") << outcome.error;
+      for (const char* wrong : {"internal error", "terminate called", "unknown"}) {
+        EXPECT_EQ(outcome.error.find(wrong), std::string::npos) << outcome.error;
+      }
+    }
+    // Else nothing was begun.
+    if (fs::exists(folder_ / folder / "campaign.json")) {
+      Succeed(Campaign(folder));
+      for (const auto& [file, lines] : Results(folder)) EXPECT_TRUE(lines == whole_.at(file)) << file;
+      for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder_ / folder)) {
+        EXPECT_FALSE(entry.path().filename().string().starts_with(".lcpbench-")) << entry.path();
+      }
+    }
+    return outcome.status != 0;
+  }
+
+  // Every call of a kind in turn. @return how many were told
+  int ExpectSurvivesEvery(const std::string& kind, int error) {
+    int told = 0;
+    const long calls = Calls(kind);
+    for (long k = 1; k <= calls; ++k) told += ExpectSurvives(kind, k, error) ? 1 : 0;
+    return told;
+  }
+
+  std::map<std::string, std::vector<Json>> whole_;
+};
+
+TEST_F(FaultInjection, AFullDiskAtAnyWrite) { EXPECT_GT(ExpectSurvivesEvery("write", ENOSPC), 10); }
+TEST_F(FaultInjection, AnErrorOfTheDiskAtAnyWrite) { EXPECT_GT(ExpectSurvivesEvery("write", EIO), 10); }
+TEST_F(FaultInjection, AKillInTheMidstOfAnyWrite) { EXPECT_GT(ExpectSurvivesEvery("write", kKilled), 10); }
+TEST_F(FaultInjection, AFailedSynchronisation) { EXPECT_GT(ExpectSurvivesEvery("fsync", EIO), 3); }
+TEST_F(FaultInjection, AKillAtASynchronisation) { EXPECT_GT(ExpectSurvivesEvery("fsync", kKilled), 3); }
+TEST_F(FaultInjection, AFileThatCannotTakeItsPlace) { EXPECT_EQ(ExpectSurvivesEvery("rename", EIO), 2); }
+TEST_F(FaultInjection, AKillBeforeAFileTakesItsPlace) { EXPECT_EQ(ExpectSurvivesEvery("rename", kKilled), 2); }
+TEST_F(FaultInjection, NoProcessToBeHad) { EXPECT_GE(ExpectSurvivesEvery("fork", EAGAIN), 3); }
+TEST_F(FaultInjection, AFileThatCannotBeRead) { EXPECT_GT(ExpectSurvivesEvery("read", EIO), 3); }
+
+TEST_F(FaultInjection, NoMemoryAtTwoHundredAllocations) {
+  const long calls = Calls("malloc");
+  std::mt19937 random(23);
+  int told = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const long k = 1 + static_cast<long>(random() % static_cast<unsigned long>(calls));
+    told += ExpectSurvives("malloc", k, ENOMEM) ? 1 : 0;
+  }
+  EXPECT_GT(told, 100);
+}
+
+}  // namespace
+}  // namespace lcpbench
