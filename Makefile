@@ -27,7 +27,7 @@ CAMPAIGN_MANIFESTS ?= data/engine.json data/standard.json
 # How long and with which new inputs `make fuzz` goes on.
 FUZZ_SECONDS ?= 60
 FUZZ_CORPUS  := build/fuzz/corpus
-FUZZ_FORMATS := json_lines matrix_market siconos_text
+FUZZ_FORMATS := json_lines matrix_market siconos_text protocol journal
 FUZZ_FLAGS    = -max_total_time=$(FUZZ_SECONDS) -max_len=8192 -timeout=20 -rss_limit_mb=1024 -malloc_limit_mb=512 \
                 -artifact_prefix=build/fuzz/ -print_final_stats=1
 

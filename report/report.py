@@ -20,7 +20,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from lcpbench_report.errors import ReportError  # noqa: E402
+from lcpbench_report.errors import ReportError, printable  # noqa: E402
 from lcpbench_report.files import write_text  # noqa: E402
 
 # What a command needs is imported when it is run: pandas alone takes a second.
@@ -31,11 +31,15 @@ _ROOT = Path(__file__).resolve().parents[1]
 _COMMANDS: dict[str, tuple[Callable[[argparse.Namespace], int | None], tuple]] = {}
 
 
+def _tell(line: str) -> None:
+    print(printable(line), file=sys.stderr)
+
+
 class Parser(argparse.ArgumentParser):
     """Tells a mistake in one line, without the usage."""
 
     def error(self, message: str):
-        self.exit(2, f"{self.prog}: error: {message}\n")
+        self.exit(2, f"{printable(f'{self.prog}: error: {message}')}\n")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -53,14 +57,14 @@ def main(arguments: list[str] | None = None) -> int:
         sys.stdout.flush()
         return status
     except ReportError as error:
-        print(f"{options.command}: error: {error}", file=sys.stderr)
+        _tell(f"{options.command}: error: {error}")
     except OSError as error:
         if error.filename is None:
             # Standard output has no name; what is left in it would be told again at the end of the program.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if error.errno == errno.EPIPE:
             return 141  # as a shell's for SIGPIPE
-        print(f"{options.command}: error: {error.filename or 'standard output'}: {error.strerror}", file=sys.stderr)
+        _tell(f"{options.command}: error: {error.filename or 'standard output'}: {error.strerror}")
         return 3 if error.filename is None or error.errno in _LOST else 2
     return 2
 
@@ -78,6 +82,19 @@ def _word(*words: str, **settings) -> tuple:
     return words, settings
 
 
+def _whole(least: int):
+    """The type of an option's whole number >= least."""
+    def convert(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            value = least - 1
+        if value < least:
+            raise argparse.ArgumentTypeError(f"expected a whole number >= {least}, found '{text}'")
+        return value
+    return convert
+
+
 def _file(*words: str, **settings) -> tuple:
     return words, {"type": Path, "metavar": "DIR"} | settings
 
@@ -87,7 +104,7 @@ def _load(options: argparse.Namespace, *folders: Path) -> list:
 
     campaigns = [load_campaign(folder) for folder in folders]
     for note in [note for campaign in campaigns for note in campaign.notes]:
-        print(f"{options.command}: note: {note}", file=sys.stderr)
+        _tell(f"{options.command}: note: {note}")
     return campaigns
 
 
@@ -140,7 +157,7 @@ def _report(options: argparse.Namespace) -> None:
 
     inputs = load_inputs(options.campaigns, options.motion, options.precision, options.ablation)
     for note in inputs.notes:
-        print(f"report: note: {note}", file=sys.stderr)
+        _tell(f"report: note: {note}")
     folder = options.output.parent
     folder.mkdir(parents=True, exist_ok=True)
     page = render(inputs, gallery.read(options.pictures) if options.pictures else [])
@@ -155,14 +172,14 @@ def _report(options: argparse.Namespace) -> None:
 @_command("tune", _file("--lcpbench", required=True, metavar="FILE", help="the command"),
           _file("--data", default=_ROOT / "data", help="of the problem collection"),
           _file("--space", metavar="FILE", help="what may be set [tuning.json in --data]"),
-          _word("--budget", type=int, default=8,
+          _word("--budget", type=_whole(1), default=8,
                 help="configurations of a solver, the default among them [%(default)s]"),
-          _word("--seed", type=int, default=1, help="of the drawing [%(default)s]"),
+          _word("--seed", type=_whole(0), default=1, help="of the drawing [%(default)s]"),
           _word("--solvers", metavar="KEYS", help="only these, divided by commas [all of the build]"),
           _word("--sizes", default="150,600", help="rows of the scenes, besides the smoke tier [%(default)s]"),
-          _word("--problem-seed", type=int, default=21, help="of the scenes [%(default)s]"),
-          _word("--passes", type=int, default=3, help="timed passes over every stream [%(default)s]"),
-          _word("--cpu", type=int, help="the processor that solves are kept on"),
+          _word("--problem-seed", type=_whole(0), default=21, help="of the scenes [%(default)s]"),
+          _word("--passes", type=_whole(1), default=3, help="timed passes over every stream [%(default)s]"),
+          _word("--cpu", type=_whole(0), help="the processor that solves are kept on"),
           _word("--resume", action="store_true", help="go on with the campaign that the folder has"),
           _file("--folder", default=Path("build/results/tuning"), help="of problems and campaign [%(default)s]"),
           _file("-o", "--output", metavar="FILE", help="what was chosen [tuned.json in --data]"))
@@ -172,8 +189,6 @@ def _tune(options: argparse.Namespace) -> int:
     from lcpbench_report.tuning import campaign, choice
     from lcpbench_report.tuning.space import draw, load_spaces
 
-    if options.budget < 1:
-        raise ReportError("--budget", f"found {options.budget}", "1 or more")
     space_file = options.space or options.data / "tuning.json"
     spaces, sizes = load_spaces(space_file), campaign.sizes_of(options.sizes)
     command = campaign.Command(options.lcpbench)
@@ -274,7 +289,7 @@ def _calibrate(options: argparse.Namespace) -> int:
 
 @_command("same", _file("a", metavar="A", help="folder of a campaign"),
           _file("b", metavar="B", help="folder of another one"),
-          _word("--show", type=int, default=10, help="differences of a kind that are listed [%(default)s]"))
+          _word("--show", type=_whole(0), default=10, help="differences of a kind that are listed [%(default)s]"))
 def _same(options: argparse.Namespace) -> int:
     """Tell whether two campaigns have the same results apart from times, such as a merged one and the whole."""
     from lcpbench_report.statistics import same

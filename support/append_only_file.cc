@@ -10,6 +10,8 @@
 
 #include "support/clock.h"
 #include "support/input_error.h"
+#include "support/json_field.h"
+#include "support/printable.h"
 
 namespace lcpbench {
 namespace {
@@ -28,13 +30,17 @@ std::uintmax_t ReadJsonLines(const std::string& path, const std::string& expecte
   std::uintmax_t bytes = 0;
   std::size_t number = 0;
   for (std::string line; std::getline(lines, line) && !lines.eof();) {
-    ++number;
+    const std::string where = path + ":" + std::to_string(++number);
+    const nlohmann::json json = ParseJsonObject(line, where);
     try {
-      take(nlohmann::json::parse(line), line);
+      take(json, line);
     } catch (const nlohmann::json::exception&) {
-      throw InputError(path + ":" + std::to_string(number) + ": expected " + expected + ", found another line");
+      throw InputError(where + ": expected " + expected + ", found another line");
     } catch (const InputError& error) {
-      throw InputError(path + ":" + std::to_string(number) + ": expected " + expected + ", found " + error.what());
+      // Of what the file says, so much as a line of a terminal takes.
+      constexpr std::size_t kLongest = 200;
+      const std::string found = Printable(error.what());
+      throw InputError(where + ": expected " + expected + ", found " + found.substr(0, kLongest));
     }
     bytes += line.size() + 1;
   }

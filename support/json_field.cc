@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <set>
 #include <utility>
 
 #include "support/input_error.h"
@@ -27,74 +26,86 @@ std::string Excerpt(const Json& value) {
   return text;
 }
 
-// Follows the parser through the document, so that errors can name the place.
-class Follower {
+// Builds the document while the parser reads it, so that errors can name the place and nothing is looked at twice.
+class DocumentBuilder {
  public:
-  explicit Follower(const std::string& where) : where_(where) {}
+  explicit DocumentBuilder(const std::string& where) : where_(where) {}
 
-  void Follow(Json::parse_event_t event, const Json& parsed) {
-    switch (event) {
-      case Json::parse_event_t::object_start:
-      case Json::parse_event_t::array_start:
-        if (levels_.size() == kMaxJsonDepth) Fail("nested more than " + std::to_string(kMaxJsonDepth) + " deep");
-        levels_.push_back({event == Json::parse_event_t::array_start, 0, {}, {}});
-        break;
-      case Json::parse_event_t::key: {
-        Level& level = levels_.back();
-        level.key = parsed.get<std::string>();
-        if (!level.keys.insert(level.key).second) Fail("this key stands twice");
-        break;
-      }
-      case Json::parse_event_t::object_end:
-      case Json::parse_event_t::array_end:
-        levels_.pop_back();
-        CountItem();
-        break;
-      case Json::parse_event_t::value:
-        CountItem();
-        break;
-    }
+  Json Take() { return std::move(root_); }
+
+  // What nlohmann::json::sax_parse calls.
+  bool null() { return Put(nullptr); }
+  bool boolean(bool value) { return Put(value); }
+  bool number_integer(Json::number_integer_t value) { return Put(value); }
+  bool number_unsigned(Json::number_unsigned_t value) { return Put(value); }
+  bool number_float(Json::number_float_t value, const std::string& /*text*/) { return Put(value); }
+  bool string(std::string& value) { return Put(std::move(value)); }
+  bool binary(Json::binary_t& /*value*/) { return false; }
+  bool start_object(std::size_t /*size*/) { return Open(Json::object()); }
+  bool start_array(std::size_t /*size*/) { return Open(Json::array()); }
+  bool key(std::string& name) {
+    Level& level = levels_.back();
+    const auto [member, is_new] = level.object->try_emplace(std::move(name));
+    level.member = &*member;
+    if (!is_new) Fail("this key stands twice");
+    return true;
   }
-
-  [[noreturn]] void Fail(const std::string& problem) const {
-    throw InputError(where_ + ": " + Path() + ": " + problem);
+  bool end_object() { return Close(); }
+  bool end_array() { return Close(); }
+  bool parse_error(std::size_t /*position*/, const std::string& /*token*/, const Json::exception& error) const {
+    if (const auto* syntax = dynamic_cast<const Json::parse_error*>(&error)) throw *syntax;
+    Fail("a number beyond the range of double");
   }
 
  private:
-  struct Level {
-    bool is_array;
-    std::size_t index;  // of the item that comes next
-    std::string key;    // read last
-    std::set<std::string> keys;
+  struct Level {  // an array, or an object and its member that was begun last
+    Json::array_t* array;
+    Json::object_t* object;
+    Json::object_t::value_type* member;
   };
 
-  void CountItem() {
-    if (!levels_.empty() && levels_.back().is_array) levels_.back().index += 1;
+  template <typename Value>
+  bool Put(Value&& value) {
+    Add(std::forward<Value>(value));
+    return true;
   }
-
-  std::string Path() const {
+  template <typename Value>
+  Json* Add(Value&& value) {
+    if (levels_.empty()) return &(root_ = std::forward<Value>(value));
+    const Level& level = levels_.back();
+    if (level.array != nullptr) return &level.array->emplace_back(std::forward<Value>(value));
+    return &(level.member->second = std::forward<Value>(value));
+  }
+  bool Open(Json&& empty) {
+    if (levels_.size() == kMaxJsonDepth) Fail("nested more than " + std::to_string(kMaxJsonDepth) + " deep");
+    Json* added = Add(std::move(empty));
+    levels_.push_back({added->get_ptr<Json::array_t*>(), added->get_ptr<Json::object_t*>(), nullptr});
+    return true;
+  }
+  bool Close() {
+    levels_.pop_back();
+    return true;
+  }
+  [[noreturn]] void Fail(const std::string& problem) const {
     std::string path;
     for (const Level& level : levels_) {
-      path += "/" + (level.is_array ? std::to_string(level.index) : PointerToken(level.key));
+      path += "/";
+      path += level.array != nullptr ? std::to_string(level.array->size() - (&level == &levels_.back() ? 0 : 1))
+                                     : PointerToken(level.member->first);
     }
-    return path.empty() ? "/" : path;
+    throw InputError(where_ + ": " + (path.empty() ? "/" : path) + ": " + problem);
   }
 
   const std::string& where_;
+  Json root_;
   std::vector<Level> levels_;
 };
 
-// What the parser reads, followed through the document. Throws the parser's errors of syntax.
+// Throws the parser's errors of syntax.
 Json ParseFollowed(std::string_view text, const std::string& where) {
-  Follower follower(where);
-  try {
-    return Json::parse(text, [&follower](int /*depth*/, Json::parse_event_t event, const Json& parsed) {
-      follower.Follow(event, parsed);
-      return true;
-    });
-  } catch (const Json::out_of_range&) {
-    follower.Fail("a number beyond the range of double");
-  }
+  DocumentBuilder builder(where);
+  Json::sax_parse(text, &builder);
+  return builder.Take();
 }
 
 // The library's words from the line number on; they may quote a token of any length.
@@ -123,7 +134,7 @@ JsonField JsonField::operator[](const char* key) const {
   return {it == value_.end() ? Missing() : *it, where_, path_ + "/" + key};
 }
 
-void JsonField::RequireOnlyKeys(std::initializer_list<const char*> known) const {
+void JsonField::RequireOnlyKeys(std::span<const char* const> known) const {
   if (!value_.is_object()) Mismatch("an object");
   std::string names;
   for (const char* name : known) names += (names.empty() ? "" : ", ") + std::string(name);

@@ -3,6 +3,7 @@
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -24,7 +25,8 @@ class JsonField {
   JsonField operator[](const char* key) const;
   bool Has(const char* key) const { return value_.is_object() && value_.contains(key); }
   /// Refuses an object with any other key: the error names the first such key and the known ones.
-  void RequireOnlyKeys(std::initializer_list<const char*> known) const;
+  void RequireOnlyKeys(std::initializer_list<const char*> known) const { RequireOnlyKeys(std::span(known)); }
+  void RequireOnlyKeys(std::span<const char* const> known) const;
   /// Members of an array, of `size` items if one is given.
   std::vector<JsonField> Items(std::optional<size_t> size = std::nullopt) const;
   /// The same for long arrays: how many there are, and one of them.

@@ -333,6 +333,15 @@ void TellOfAnotherEnvironment(const std::string& folder, const nlohmann::ordered
   std::cerr << folder << ": note: begun in another environment (" << what << ")" << std::endl;
 }
 
+// What is written into the folder stays in it, whoever made it.
+void RequireNoLinks(const std::string& folder) {
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_symlink()) {
+      throw InputError(entry.path().string() + ": is a symbolic link, expected files of the campaign's own");
+    }
+  }
+}
+
 // The plan's file is there and says the same, or is not there yet.
 std::string PrepareFolder(const CampaignOptions& options, const nlohmann::ordered_json& campaign) {
   const std::string path = In(options.folder, kCampaignFile);
@@ -412,6 +421,7 @@ int RunCampaign(const CampaignPlan& plan, const CampaignOptions& options) {
   std::error_code error;
   fs::create_directories(options.folder, error);
   if (error) throw InputError(options.folder + ": cannot be created: " + error.message());
+  RequireNoLinks(options.folder);
   const FileLock lock(In(options.folder, kLockFile));  // before anything is read: the other may be writing it
   const std::string environment = PrepareFolder(options, described);
   Campaign campaign(plan, options, problems, manifests, environment);
@@ -435,6 +445,7 @@ void MergeCampaigns(const std::vector<std::string>& folders, const std::string& 
       if (file == kStepsFile && !fs::exists(In(folder, file))) continue;  // of a campaign without sequences
       std::map<LineKey, std::string>& merged = lines[file];
       ReadJsonLines(In(folder, file), "a line of a campaign", [&](const nlohmann::json& json, const std::string& line) {
+        RequireFields(json);
         const LineKey key = KeyOfLine(json);
         if (merged.emplace(key, line).second) return;
         const TaskKey& task = std::get<TaskKey>(key);
@@ -450,7 +461,7 @@ void MergeCampaigns(const std::vector<std::string>& folders, const std::string& 
               << std::endl;
   }
   std::error_code error;
-  fs::create_directories(output, error);
+  if (fs::create_directories(output, error); !error) RequireNoLinks(output);
   fs::copy_file(In(folders.front(), kProblemsFile), In(output, kProblemsFile), error);
   if (error) throw InputError(output + ": cannot be created: " + error.message());
   WriteCampaignFile(In(output, kCampaignFile), first);

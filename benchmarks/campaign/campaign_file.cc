@@ -5,6 +5,7 @@
 #include <cmath>
 #include <ctime>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -19,6 +20,7 @@
 #include "solvers/registry.h"
 #include "support/append_only_file.h"
 #include "support/input_error.h"
+#include "support/json_field.h"
 #include "support/text_file.h"
 
 namespace lcpbench {
@@ -82,6 +84,12 @@ std::map<std::string, Times> TimesByName(const std::string& folder) {
   return cells;
 }
 
+std::map<std::string, double> WeightsOf(const std::vector<PlannedProblem>& problems) {
+  std::vector<ManifestEntry> entries;
+  for (const PlannedProblem& planned : problems) entries.push_back(*planned.entry);
+  return WeightsByBase(entries);
+}
+
 // That a line of problems.jsonl says what the plan says; what was measured need only be a measurement.
 void RequireDescribes(const nlohmann::json& line, const std::string& set, const PlannedProblem& planned,
                       double weight) {
@@ -90,10 +98,7 @@ void RequireDescribes(const nlohmann::json& line, const std::string& set, const 
   const std::string text = RecordOf<DescribedProblem>(ProblemFields(), {set, planned, none, weight, {}, {}}).dump();
   auto expected = nlohmann::json::parse(text);
   expected["rows"] = planned.entry->properties.rows;
-  for (const char* measured : {"bilateral", "oracle_s", "floor"}) {
-    const nlohmann::json& value = line.at(measured);
-    if (value.is_null() || (value.is_number() && value >= 0)) expected[measured] = value;
-  }
+  for (const char* measured : {"bilateral", "oracle_s", "floor"}) expected[measured] = line.at(measured);
   for (const auto& [field, value] : expected.items()) {
     if (line.at(field) != value) throw InputError(field + " " + line.at(field).dump());
   }
@@ -191,14 +196,22 @@ bool SameCampaign(Json a, Json b) {
 }
 
 Json ReadCampaignFile(const std::string& path) {
-  try {
-    Json json = Json::parse(ReadTextFile(path));
-    for (const char* member : {"environment", "environment_hash", "started", "lines"}) json.at(member);
-    if (json.at("schema") != kSchema) throw InputError(path + ": expected schema " + std::string(kSchema));
-    return json;
-  } catch (const Json::exception&) {
-    throw InputError(path + ": expected the JSON object of a campaign");
+  const std::string text = ReadTextFile(path);
+  const nlohmann::json document = ParseJsonDocument(text, path);
+  const JsonField campaign(document, path);
+  campaign["schema"].Choice<bool>({{kSchema, true}});
+  campaign["environment"].Members();
+  for (const char* member : {"name", "environment_hash", "started"}) campaign[member].String();
+  for (const JsonField& manifest : campaign["manifests"].Items()) {
+    for (const char* member : {"name", "version", "sha256"}) manifest[member].String();
   }
+  for (const JsonField& solver : campaign["solvers"].Items()) {
+    for (const char* member : {"key", "setting", "base", "origin"}) solver[member].String();
+    solver["available"].Boolean();
+  }
+  for (const JsonField& tier : campaign["tiers"].Items()) tier.Number();
+  campaign["lines"].IndexBelow(std::numeric_limits<int>::max());
+  return Json::parse(text);  // its members in their order
 }
 
 void WriteCampaignFile(const std::string& path, const Json& campaign) { WriteTextFile(path, campaign.dump(1) + "\n"); }
@@ -233,18 +246,25 @@ void WriteBenchmarkJson(const std::string& folder, const std::string& path) {
 ProblemSet::ProblemSet(const std::string& path)
     : manifest(ReadManifest(path)), source(FolderOf(path)), references(manifest, FolderOf(path)) {}
 
+AppendOnlyFile OpenProblems(const std::string& path, const std::vector<Manifest>& manifests,
+                            const std::vector<PlannedProblem>& problems, std::size_t* done) {
+  const std::map<std::string, double> weights = WeightsOf(problems);
+  *done = 0;
+  return {path, "a problem of this campaign", [&](const nlohmann::json& line) {
+            if (*done == problems.size()) throw InputError("a line more than it has problems");
+            const PlannedProblem& planned = problems[*done];
+            RequireFields(line);
+            RequireDescribes(line, manifests[planned.manifest].name, planned, weights.at(planned.entry->base));
+            ++*done;
+          }};
+}
+
 void WriteProblems(const std::string& path, const CampaignPlan& plan, const std::vector<Manifest>& manifests,
                    const std::vector<PlannedProblem>& problems) {
-  std::vector<ManifestEntry> entries;
-  for (const PlannedProblem& planned : problems) entries.push_back(*planned.entry);
-  const std::map<std::string, double> weights = WeightsByBase(entries);
   std::size_t done = 0;
-  AppendOnlyFile file(path, "a problem of this campaign", [&](const nlohmann::json& line) {
-    if (done == problems.size()) throw InputError("a line more than it has problems");
-    RequireDescribes(line, manifests[problems[done].manifest].name, problems[done], weights.at(entries[done].base));
-    ++done;
-  });
+  AppendOnlyFile file = OpenProblems(path, manifests, problems, &done);
   if (done == problems.size()) return;
+  const std::map<std::string, double> weights = WeightsOf(problems);
   std::vector<std::unique_ptr<ProblemSet>> sets;
   for (const std::string& manifest : plan.manifests) sets.push_back(std::make_unique<ProblemSet>(manifest));
   ProgressBar bar("problems", static_cast<double>(problems.size() - done));

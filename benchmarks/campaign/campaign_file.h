@@ -7,6 +7,7 @@
 #include "benchmarks/campaign/campaign_plan.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/references.h"
+#include "support/append_only_file.h"
 
 namespace lcpbench {
 
@@ -41,12 +42,19 @@ struct ProblemSet {
   References references;
 };
 
+/// Opens problems.jsonl and reads what it has: the first of `problems`, as these have them.
+/// @param manifests  of the plan
+/// @param done       how many there are
+/// @throws InputError naming file and line where the file has another problem
+AppendOnlyFile OpenProblems(const std::string& path, const std::vector<Manifest>& manifests,
+                            const std::vector<PlannedProblem>& problems, std::size_t* done);
+
 /// Writes problems.jsonl (RESULTS.md): what is known of every problem of a campaign, and what an oracle would have to
 /// pay for it that is told the active set (oracle.h), measured here. Problems that the file has already are passed
-/// over; they must be the first ones of `problems`, as these have them. Lines have the order of `problems`, which is
+/// over. Lines have the order of `problems`, which is
 /// what the arrays of streams.jsonl refer to. The k problems of the campaign that have one base weigh 1/k each.
 /// @param manifests  of the plan
-/// @throws InputError naming file and line where the file has another problem
+/// @throws InputError as OpenProblems
 void WriteProblems(const std::string& path, const CampaignPlan& plan, const std::vector<Manifest>& manifests,
                    const std::vector<PlannedProblem>& problems);
 

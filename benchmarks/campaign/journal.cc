@@ -115,6 +115,7 @@ Journal::Journal(const std::string& folder, const std::vector<Task>& tasks, cons
 }
 
 void Journal::RequireNew(const nlohmann::json& line) const {
+  RequireFields(line);
   const LineKey line_key = KeyOfLine(line);
   const auto& [key, kind, pass] = line_key;
   const auto planned = planned_.find(key);
@@ -130,12 +131,8 @@ void Journal::RequireNew(const nlohmann::json& line) const {
   const bool is_sequence = line.contains("sequence");
   const int least = is_sequence || kind == kJudge ? 0 : 1;
   const int most = is_sequence ? passes_ - 1 : kind == kJudge ? 0 : kind == KindKey(PassKind::kFresh) ? passes_ : 1;
-  if (!is_sequence && kind != kJudge && kind != KindKey(PassKind::kFresh) && kind != KindKey(PassKind::kParts) &&
-      kind != KindKey(PassKind::kAgain)) {
-    throw InputError("kind '" + kind + "'");
-  }
   const nlohmann::json& number = line.at(is_sequence ? "round" : "pass");
-  if (!number.is_number_integer() || pass < least || pass > most) {
+  if (number != pass || pass < least || pass > most) {
     throw InputError((is_sequence ? "round " : "pass ") + number.dump());
   }
   if (done_.count(line_key) > 0) {

@@ -1,10 +1,14 @@
 #include "benchmarks/campaign/result_fields.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <iterator>
+#include <string_view>
+
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
@@ -252,7 +256,152 @@ RecordSchema Schema(const char* record, const char* meaning, const Tables&... ta
   return schema;
 }
 
+constexpr std::array kLineKinds = {"judge", "fresh", "parts", "again"};
+
+// The one field that a line may lack.
+bool IsOptional(const ResultField& field) { return field.name == std::string_view("formed_on_host_s"); }
+
+struct Kind {
+  const char* key;
+  bool (*fits)(const nlohmann::json& value);
+  const char* words;
+  const char* schema;  // JSON Schema
+};
+using Value = nlohmann::json;
+constexpr Kind kKinds[] = {
+    {"name", [](const Value& v) { return v.is_string() && v != ""; }, "a text that is not empty",
+     R"({"type": "string", "minLength": 1})"},
+    {"text", [](const Value& v) { return v.is_string(); }, "a text", R"({"type": "string"})"},
+    {"boolean", [](const Value& v) { return v.is_boolean(); }, "true or false", R"({"type": "boolean"})"},
+    {"count", [](const Value& v) { return v.is_number_unsigned(); }, "a whole number >= 0",
+     R"({"type": "integer", "minimum": 0})"},
+    {"number", [](const Value& v) { return v.is_number(); }, "a number", R"({"type": "number"})"},
+    {"time", [](const Value& v) { return v.is_number() && v >= 0; }, "a number >= 0",
+     R"({"type": "number", "minimum": 0})"},
+    {"positive", [](const Value& v) { return v.is_number() && v > 0; }, "a number > 0",
+     R"({"type": "number", "exclusiveMinimum": 0})"},
+    {"object", [](const Value& v) { return v.is_object(); }, "an object", R"({"type": "object"})"},
+    {"list", [](const Value& v) { return v.is_array(); }, "a list", R"({"type": "array"})"},
+};
+
+// ResultField::type in its parts.
+struct Type {
+  explicit Type(std::string_view text) {
+    is_list = text.front() == '[';
+    if (is_list) text = text.substr(1, text.size() - 2);
+    allows_null = text.back() == '?';
+    if (allows_null) text.remove_suffix(1);
+    kind = &*std::find_if(std::begin(kKinds), std::end(kKinds), [text](const Kind& one) { return one.key == text; });
+  }
+  bool Fits(const nlohmann::json& value) const {
+    const auto fits = [this](const nlohmann::json& one) { return (allows_null && one.is_null()) || kind->fits(one); };
+    return is_list ? value.is_array() && std::all_of(value.begin(), value.end(), fits) : fits(value);
+  }
+  std::string Words() const {
+    return std::string(is_list ? "a list, each " : "") + kind->words + (allows_null ? " or null" : "");
+  }
+  Json Schema() const {
+    Json schema = Json::parse(kind->schema);
+    if (allows_null) schema["type"] = {schema["type"], "null"};
+    return is_list ? Json{{"type", "array"}, {"items", schema}} : schema;
+  }
+
+  bool is_list;
+  bool allows_null;
+  const Kind* kind;
+};
+
+// @param place  of the record in its line, "" for the line
+void RequireRecord(const nlohmann::json& value, std::string_view record, const std::string& place = "") {
+  if (!value.is_object()) throw InputError("field '" + place + "' that is not an object");
+  static const std::vector<RecordSchema> schemas = ResultSchema();
+  const auto schema =
+      std::find_if(schemas.begin(), schemas.end(), [record](const auto& one) { return one.record == record; });
+  for (const ResultField& field : schema->fields) {
+    const auto found = value.find(field.name);
+    const Type type(field.type);
+    const std::string name = "field '" + place + (place.empty() ? "" : "/") + field.name + "'";
+    if (found == value.end() && IsOptional(field)) continue;
+    if (found == value.end()) throw InputError("no " + name + " (" + type.Words() + ")");
+    if (!type.Fits(*found)) {
+      throw InputError(name + " that is not " + type.Words() + ": " +
+                       (found->is_structured() ? found->type_name() : found->dump()));
+    }
+  }
+}
+
+void RequireRecords(const nlohmann::json& line, const char* list, std::string_view record) {
+  if (!line.contains(list)) return;
+  if (!line[list].is_array()) throw InputError(std::string("field '") + list + "' that is not a list");
+  for (std::size_t k = 0; k < line[list].size(); ++k) {
+    RequireRecord(line[list][k], record, std::string(list) + "/" + std::to_string(k));
+  }
+}
+
 }  // namespace
+
+void RequireFields(const nlohmann::json& line) {
+  const bool is_pass = line.contains("sequence");
+  if (!is_pass && line.contains("problem")) return RequireRecord(line, "problem");
+  if (!is_pass && !line.contains("kind")) throw InputError("no field 'problem', 'sequence' or 'kind'");
+  RequireRecord(line, is_pass ? "pass" : "line");
+  RequireRecords(line, "retried", "retry");
+  const bool has_kind = is_pass || std::find(kLineKinds.begin(), kLineKinds.end(), line["kind"]) != kLineKinds.end();
+  if (!has_kind) throw InputError("kind " + line["kind"].dump());
+  if (line["excluded"] != "") return;
+  if (is_pass) {
+    RequireRecord(line, "steps");
+    return RequireRecords(line, "verdicts", "step_verdict");
+  }
+  RequireRecord(line, line["kind"].get_ref<const std::string&>());
+  RequireRecords(line, "exceptions", "exception");
+  if (line.contains("disturbance") && !line["disturbance"].is_null())
+    RequireRecord(line["disturbance"], "disturbance", "disturbance");
+}
+
+Json ResultJsonSchema() {
+  Json json = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+               {"title", "Lines of problems.jsonl, streams.jsonl and steps.jsonl of a campaign's folder"},
+               {"description",
+                "Written by `lcpbench list fields --schema`. A line is one of problem, stream_line, "
+                "pass_line; further members are allowed."},
+               {"oneOf", Json::array()}};
+  Json& records = json["$defs"];
+  for (const RecordSchema& schema : ResultSchema()) {
+    Json& record = records[schema.record] = {{"description", schema.meaning}, {"type", "object"}};
+    record["required"] = Json::array();
+    for (const ResultField& field : schema.fields) {
+      if (!IsOptional(field)) record["required"].push_back(field.name);
+      Json& property = record["properties"][field.name] = Type(field.type).Schema();
+      if (*field.meaning != 0) property["description"] = field.meaning;
+    }
+  }
+  const auto ref = [](const std::string& record) { return Json{{"$ref", "#/$defs/" + record}}; };
+  const auto list_of = [&ref](const char* record) { return Json{{"type", "array"}, {"items", ref(record)}}; };
+  const auto is = [](const char* field, const char* word) {
+    return Json{{"required", {field}}, {"properties", {{field, {{"const", word}}}}}};
+  };
+  records["judge"]["properties"]["exceptions"] = list_of("exception");
+  records["steps"]["properties"]["verdicts"] = list_of("step_verdict");
+  Json kinds = Json::array();
+  Json keys = Json::array();
+  for (const char* kind : kLineKinds) {
+    if (kind != std::string_view("judge")) {
+      records[kind]["properties"]["disturbance"] = {{"anyOf", {{{"type", "null"}}, ref("disturbance")}}};
+    }
+    kinds.push_back({{"if", is("kind", kind)}, {"then", ref(kind)}});
+    keys.push_back(kind);
+  }
+  records["line"]["properties"]["kind"] = {{"enum", keys}};
+  const auto whole = [&](const char* begin, const Json& rest) {
+    return Json{{"allOf", {ref(begin), {{"if", is("excluded", "")}, {"then", rest}}}},
+                {"properties", {{"retried", list_of("retry")}}}};
+  };
+  records["stream_line"] = whole("line", {{"allOf", kinds}});
+  records["pass_line"] = whole("pass", ref("steps"));
+  for (const char* line : {"problem", "stream_line", "pass_line"}) json["oneOf"].push_back(ref(line));
+  return json;
+}
 
 std::span<const FieldOf<LineSource>> LineFields() { return kLine; }
 std::span<const FieldOf<JudgedAnswer>> ColumnFields() { return kColumns; }

@@ -91,6 +91,10 @@ struct DescribedProblem {
 };
 std::span<const FieldOf<DescribedProblem>> ProblemFields();
 
+/// Of a line of problems.jsonl, streams.jsonl or steps.jsonl: it has every field of its records, of the field's type.
+/// @throws InputError naming the first that is missing or of another type
+void RequireFields(const nlohmann::json& line);
+
 /// All fields, by the record that they are of.
 struct RecordSchema {
   const char* record;
@@ -99,7 +103,9 @@ struct RecordSchema {
 };
 std::vector<RecordSchema> ResultSchema();
 
-/// benchmarks/FIELDS.md, and the object {record: {field: {type, unit, meaning}}} that the reader checks lines by.
+/// docs/formats/campaign_lines.schema.json, benchmarks/FIELDS.md, and the object {record: {field: {type, unit,
+/// meaning}}} that the reader checks lines by.
+nlohmann::ordered_json ResultJsonSchema();
 std::string ResultSchemaMarkdown();
 nlohmann::ordered_json ResultSchemaJson();
 

@@ -14,6 +14,7 @@
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "support/input_error.h"
+#include "support/json_field.h"
 
 namespace lcpbench {
 namespace {
@@ -79,13 +80,10 @@ LcpReference ReferenceOf(const LcpProblem& problem, const MotionProblem& met) {
 SequenceStep ParseStep(const std::string& line, const std::string& where, std::size_t rows_before) {
   LcpRecord record = ParseLcpRecord(line, where);
   SequenceStep step{std::move(record.problem), {}, std::move(record.reference)};
-  try {
-    const auto json = nlohmann::json::parse(line);
-    json.at("previous").get_to(step.previous);
-    if (!json.at("floor").is_null()) step.reference.floor = json.at("floor").get<double>();
-  } catch (const nlohmann::json::exception&) {
-    throw InputError(where + ": expected members 'previous' and 'floor' of a sequence's line");
-  }
+  const nlohmann::json json = ParseJsonObject(line, where);
+  const JsonField more(json, where);
+  for (const JsonField& row : more["previous"].Items()) step.previous.push_back(row.Integer());
+  step.reference.floor = more["floor"].NumberOrNull();
   RequirePrevious(step.previous, step.problem.size(), rows_before, where);
   return step;
 }

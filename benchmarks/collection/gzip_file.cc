@@ -10,6 +10,7 @@
 #include <new>
 #include <vector>
 
+#include "solvers/lcp/memory_budget.h"
 #include "support/exit_status.h"
 #include "support/input_error.h"
 #include "support/printable.h"
@@ -18,6 +19,9 @@
 namespace lcpbench {
 namespace {
 
+// What a line of JSON takes once it is parsed: a value of 16 bytes for every number, of two bytes at the least.
+constexpr double kMemoryPerByte = 10;
+constexpr std::size_t kAlwaysRead = std::size_t{1} << 22U;  // [bytes]
 constexpr std::size_t kBlock = std::size_t{1} << 16U;
 
 gzFile Open(const std::string& path) {
@@ -37,11 +41,17 @@ LineReader::LineReader(const std::string& path)
 bool LineReader::Next(std::string* line) {
   line->clear();
   bool any = false;
+  std::size_t checked = kAlwaysRead;
   while (at_ < end_ || Fill()) {
     any = true;
     const char* begin = block_.data() + at_;
     const char* stop = std::find(begin, static_cast<const char*>(block_.data()) + end_, '\n');
     line->append(begin, stop);
+    if (line->size() >= checked) {
+      RequireMemory(kMemoryPerByte * static_cast<double>(line->size()),
+                    name_ + ":" + std::to_string(number_ + 1) + ": a line of this length");
+      checked = 2 * line->size();
+    }
     at_ = static_cast<std::size_t>(stop - block_.data()) + 1;
     if (at_ <= end_) break;  // else the line goes on in the next block
   }

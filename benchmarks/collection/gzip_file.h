@@ -17,7 +17,8 @@ class LineReader {
   explicit LineReader(const std::string& path);
 
   /// The next line without its end; false at the end of the file.
-  /// @throws InputError naming the file where compressed data end early or are damaged; lines before are given first
+  /// @throws InputError naming the file where compressed data end early or are damaged, MemoryRefusal where a line is
+  ///         longer than memory allows; lines before are given first
   bool Next(std::string* line);
 
   const std::string& name() const { return name_; }

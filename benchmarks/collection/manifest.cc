@@ -1,9 +1,11 @@
 #include "benchmarks/collection/manifest.h"
 
+#include <algorithm>
 #include <concepts>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <span>
@@ -16,6 +18,7 @@
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
 #include "support/json_field.h"
+#include "support/printable.h"
 #include "support/text_file.h"
 
 namespace lcpbench {
@@ -24,6 +27,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kFormat = 1;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kLeastRatio = 0.999;  // of a largest number to the smallest one, with what rounding leaves
 
 // Measured numbers differ in their last digits from machine to machine; what is worth telling stands in the first.
 Json Rounded(double value) {
@@ -45,6 +50,20 @@ int PositiveInteger(const JsonField& field) {
   const int value = field.Integer();
   if (value < 1) field.Mismatch("an integer >= 1");
   return value;
+}
+
+// A manifest names no file outside its folder.
+void RequireInside(const JsonField& field, const std::string& path) {
+  const std::filesystem::path normal = std::filesystem::path(path).lexically_normal();
+  if (normal.empty() || normal.is_absolute() || *normal.begin() == "..") {
+    field.Mismatch("a path within the manifest's folder");
+  }
+}
+
+// A sequence's id names its file in campaigns' folders.
+void RequireFileName(const JsonField& field, const std::string& id) {
+  const bool is_name = id.find_first_of("/\\") == std::string::npos && id.front() != '.' && Printable(id) == id;
+  if (!is_name) field.Mismatch("an id that can name a file");
 }
 
 std::string ReadHash(const JsonField& field) {
@@ -102,44 +121,74 @@ struct Writer {
   }
 };
 
-/// Reads them.
+/// Reads them, and refuses others.
 struct Reader {
   static constexpr bool kReads = true;
   JsonField field;
+  std::vector<const char*> known = {};
 
-  void Must(const char* name, auto& value) const { Get(field[name], &value); }
-  void May(const char* name, auto& value) const {
-    if (field.Has(name) && !field[name].IsNull()) Get(field[name], &value);
+  void Must(const char* name, auto& value) {
+    known.push_back(name);
+    Get(field[name], &value);
+    if (field[name].IsString()) RequireText(field[name]);
   }
-  void Some(const char* name, auto& value) const { May(name, value); }
-  void Object(const char* name, const auto& read) const {
-    const Reader inside{field[name]};
+  void May(const char* name, auto& value) {
+    known.push_back(name);
+    if (field.Has(name)) Get(field[name], &value);
+  }
+  void Some(const char* name, auto& value) { May(name, value); }
+  void Object(const char* name, const auto& read) {
+    known.push_back(name);
+    Reader inside{field[name]};
     read(inside);
+    inside.Finish();
+  }
+  void Finish() const { field.RequireOnlyKeys(known); }
+  /// Of a member that may be missing.
+  void OneOf(const char* name, const std::vector<std::string>& words) {
+    known.push_back(name);
+    if (!field.Has(name)) return;
+    std::string all;
+    for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
+    const JsonField member = field[name];
+    if (std::find(words.begin(), words.end(), member.String()) == words.end()) member.Mismatch(all);
+  }
+  void Within(const char* name, double least, double most) const {
+    if (!field.Knows(name)) return;
+    const double value = field[name].Number();
+    if (!(value >= least && value <= most)) {
+      field[name].Mismatch("a number >= " + Json(least).dump() + (most < kInfinity ? " and <= 1" : ""));
+    }
   }
 
+  static void RequireText(const JsonField& from) {
+    if (from.String().empty()) from.Mismatch("a text that is not empty");
+  }
   static void Get(const JsonField& from, std::string* value) { *value = from.String(); }
   static void Get(const JsonField& from, bool* value) { *value = from.Boolean(); }
   static void Get(const JsonField& from, double* value) { *value = from.Number(); }
-  static void Get(const JsonField& from, Index* value) { *value = from.Integer(); }
+  static void Get(const JsonField& from, Index* value) { *value = from.IndexBelow(std::numeric_limits<int>::max()); }
   static void Get(const JsonField& from, int* value) { *value = PositiveInteger(from); }
   static void Get(const JsonField& from, std::uint64_t* value) { *value = Seed(from); }
   static void Get(const JsonField& from, std::map<std::string, int>* value) {
-    for (const auto& [key, count] : from.Members()) (*value)[key] = count.Integer();
+    for (const auto& [key, count] : from.Members()) (*value)[key] = PositiveInteger(count);
   }
   static void Get(const JsonField& from, std::vector<Change>* changes) {
     for (const JsonField& change : from.Items()) {
+      change.RequireOnlyKeys({"name", "amount"});
       changes->push_back({change["name"].String(), change["amount"].Number()});
     }
   }
   template <typename Value>
   static void Get(const JsonField& from, std::optional<Value>* value) {
-    Get(from, &value->emplace());
+    if (!from.IsNull()) Get(from, &value->emplace());
   }
   template <typename Value>
   requires std::is_class_v<Value>
   static void Get(const JsonField& from, Value* value) {
-    const Reader inside{from};
+    Reader inside{from};
     Members(inside, *value);
+    inside.Finish();
   }
 };
 
@@ -154,6 +203,10 @@ void Members(auto& archive, Is<Recipe> auto& recipe) {
 void Members(auto& archive, Is<FileSource> auto& file) {
   archive.Must("path", file.path);
   archive.Must("line", file.line);
+  if constexpr (std::remove_reference_t<decltype(archive)>::kReads) {
+    RequireInside(archive.field["path"], file.path);
+    PositiveInteger(archive.field["line"]);
+  }
 }
 
 void Members(auto& archive, Is<ReferenceSummary> auto& reference) {
@@ -170,6 +223,12 @@ void Members(auto& archive, Is<ReferenceSummary> auto& reference) {
   archive.Some("w_bound", reference.w_bound);
   archive.Some("f_bound", reference.f_bound);
   archive.Some("detail", reference.detail);
+  if constexpr (std::remove_reference_t<decltype(archive)>::kReads) {
+    archive.OneOf("kind", {"certified", "bounded", "none"});
+    archive.OneOf("status", {"solved", "infeasible"});
+    archive.OneOf("proof", {"active rows", "feasible point", "nearby problem"});
+    for (const char* name : {"energy_bound", "energy_shift", "w_bound", "f_bound"}) archive.Within(name, 0, kInfinity);
+  }
 }
 
 // A problem comes from a recipe, or from a file and perhaps the recipe that the file was made by.
@@ -181,7 +240,7 @@ void SourceMembers(Writer& writer, const ManifestEntry& entry) {
   writer.Must("origin", entry.origin);
 }
 
-void SourceMembers(const Reader& reader, ManifestEntry& entry) {
+void SourceMembers(Reader& reader, ManifestEntry& entry) {
   const bool has_file = reader.field.Has("file");
   entry.base = entry.id;
   if (reader.field.Has("recipe") || !has_file) {
@@ -193,6 +252,9 @@ void SourceMembers(const Reader& reader, ManifestEntry& entry) {
     if (has_file) entry.remake = std::move(recipe);
   }
   if (has_file) reader.Must("file", entry.source.emplace<FileSource>());
+  // They follow from the source.
+  reader.OneOf("base", {entry.base});
+  reader.OneOf("origin", {entry.origin});
 }
 
 void Members(auto& archive, Is<ManifestEntry> auto& entry) {
@@ -222,6 +284,9 @@ void Members(auto& archive, Is<ManifestEntry> auto& entry) {
   archive.May("degenerate", degenerate);
   if constexpr (std::remove_reference_t<decltype(archive)>::kReads) {
     if (active) entry.answer = {*active, degenerate.value_or(0)};
+    archive.OneOf("grid", {"mass ratio", "redundancy", "condition", "active fraction", "curvature contrast"});
+    for (const char* share : {"redundancy", "fraction_active"}) archive.Within(share, 0, 1);
+    for (const char* ratio : {"condition", "mass_ratio"}) archive.Within(ratio, kLeastRatio, kInfinity);
   }
   archive.May("reference", entry.reference);
   archive.May("provenance", entry.provenance);
@@ -252,6 +317,11 @@ void Members(auto& archive, Is<SequenceEntry> auto& entry) {
   archive.May("provenance", entry.provenance);
   archive.May("licence", entry.licence);
   archive.Must("sha256", entry.sha256);
+  if constexpr (std::remove_reference_t<decltype(archive)>::kReads) {
+    RequireFileName(archive.field["id"], entry.id);
+    archive.Within("churn", 0, kInfinity);
+    archive.Within("still_share", 0, 1);
+  }
 }
 
 void Members(auto& archive, Is<Refusal> auto& refusal) {
@@ -307,12 +377,17 @@ std::vector<Json> DescribeFill(const Manifest& manifest) {
 
 void ReadFillClass(const JsonField& field, Manifest* manifest) {
   FillClass fill;
+  field.RequireOnlyKeys({"size_class", "problems", "refused_by_reason", "sha256", "recipes"});
   fill.size_class = field["size_class"].String();
+  Reader::RequireText(field["size_class"]);
+  if (field.Has("refused_by_reason")) Reader::Get(field["refused_by_reason"], &fill.refused);
   fill.sha256 = ReadHash(field["sha256"]);
   const size_t before = manifest->fill.size();
   for (const JsonField& group : field["recipes"].Items()) {
     Recipe recipe;
+    group.RequireOnlyKeys({"scene", "rows", "seeds"});
     recipe.scene = group["scene"].String();
+    Reader::RequireText(group["scene"]);
     recipe.rows = PositiveInteger(group["rows"]);
     for (const JsonField& seed : group["seeds"].Items()) {
       recipe.seed = Seed(seed);
@@ -405,10 +480,22 @@ Manifest ReadManifest(const std::string& path) {
     root["lcpbench_manifest"].Mismatch("the format's number " + std::to_string(kFormat));
   }
   Manifest manifest;
+  std::map<std::string, int> refusals;
   manifest.name = root["name"].String();
   manifest.version = root["version"].String();
+  for (const char* name : {"name", "version"}) Reader::RequireText(root[name]);
   if (root.Has("purpose")) manifest.purpose = root["purpose"].String();
-  if (root.Has("references")) manifest.references = root["references"].String();
+  if (root.Has("references")) {
+    manifest.references = root["references"].String();
+    RequireInside(root["references"], manifest.references);
+  }
+  root.RequireOnlyKeys({"lcpbench_manifest", "name", "version", "purpose", "references", "refused_by_reason", "refused",
+                        "problems", "fill", "sequences"});
+  // What was refused is told, and not used.
+  if (root.Has("refused_by_reason")) Reader::Get(root["refused_by_reason"], &refusals);
+  if (root.Has("refused")) {
+    for (const JsonField& item : root["refused"].Items()) Reader::Get(item, &manifest.refused.emplace_back());
+  }
   std::set<std::string> ids;
   const auto read = [&ids](const JsonField& item, auto& entry) {
     Reader::Get(item, &entry);

@@ -13,7 +13,7 @@
 namespace lcpbench {
 
 // The collection's manifests: which problems a set consists of, how each is made, what is known of it, and the hash of
-// its content. JSON, one problem a line; data/manifest.schema.json is the format.
+// its content. JSON, one problem a line; docs/formats/manifest.schema.json is the format.
 
 /// A problem in a file beside the manifest.
 struct FileSource {

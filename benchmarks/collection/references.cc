@@ -17,29 +17,26 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
+#include "support/json_field.h"
 
 namespace lcpbench {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr size_t kExcerpt = 40;
-
 // Of a line; where it stands first, as our files have it, without parsing the numbers behind it.
-std::string IdOf(const std::string& line) {
+std::string IdOf(const std::string& line, const std::string& where) {
   constexpr std::string_view kStart = R"({"id":")";
   if (line.starts_with(kStart)) {
     const std::size_t end = line.find_first_of("\"\\", kStart.size());
     if (end != std::string::npos && line[end] == '"') return line.substr(kStart.size(), end - kStart.size());
   }
-  return Json::parse(line).at("id").get<std::string>();
+  const nlohmann::json json = ParseJsonObject(line, where);
+  return JsonField(json, where)["id"].String();
 }
 
-Eigen::VectorXd Numbers(const Json& values, Index size) {
-  const auto numbers = values.get<std::vector<double>>();
-  if (static_cast<Index>(numbers.size()) != size) {
-    throw InputError("expected " + std::to_string(size) + " numbers, found " + std::to_string(numbers.size()));
-  }
+Eigen::VectorXd Numbers(const JsonField& field, Index size) {
+  const std::vector<double> numbers = field.Numbers(static_cast<std::size_t>(size));
   return Eigen::Map<const Eigen::VectorXd>(numbers.data(), size);
 }
 
@@ -186,12 +183,8 @@ References::References(const Manifest& manifest, const std::string& folder) {
   LineReader lines(name_);
   std::string line;
   while (lines.Next(&line)) {
-    try {
-      std::string id = IdOf(line);
-      lines_[std::move(id)] = std::move(line);
-    } catch (const Json::exception&) {
-      throw InputError(name_ + ": expected lines with an id, found '" + line.substr(0, kExcerpt) + "'");
-    }
+    std::string id = IdOf(line, name_ + ":" + std::to_string(lines.number()));
+    lines_[std::move(id)] = std::move(line);
   }
 }
 
@@ -203,25 +196,21 @@ std::string References::Line(const std::string& id) const {
 std::optional<KnownAnswer> References::Find(const LcpProblem& problem) const {
   const auto line = lines_.find(problem.id());
   if (line == lines_.end()) return std::nullopt;
-  try {
-    const Json record = Json::parse(line->second);
-    KnownAnswer answer;
-    if (record.at("status") == "infeasible") {
-      answer.reference.status = LcpReference::Status::kInfeasible;
-      return answer;
-    }
-    answer.reference.status = LcpReference::Status::kSolved;
-    answer.reference.w = Numbers(record.at("w"), problem.size());
-    answer.f = Numbers(record.contains("f_minnorm") ? record["f_minnorm"] : record.at("f"), problem.size());
-    answer.reference.floor = RoundingFloor(problem, answer.f);
-    const Json unique = record.value("f_unique", Json(nullptr));
-    if (unique.is_boolean() && unique.get<bool>()) answer.reference.f = answer.f;
-    return answer;
-  } catch (const Json::exception&) {
-    throw InputError(name_ + ": '" + problem.id() + "': expected an answer with status, w and f");
-  } catch (const InputError& error) {
-    throw InputError(name_ + ": '" + problem.id() + "': " + error.what());
-  }
+  const std::string where = name_ + ": '" + problem.id() + "'";
+  const nlohmann::json json = ParseJsonObject(line->second, where);
+  const JsonField record(json, where);
+  using Status = LcpReference::Status;
+  KnownAnswer answer;
+  answer.reference.status =
+      record["status"].Choice<Status>({{"solved", Status::kSolved}, {"infeasible", Status::kInfeasible}});
+  if (record.Has("kind")) record["kind"].Choice<bool>({{"certified", true}, {"bounded", true}});
+  const bool is_unique = record.Knows("f_unique") && record["f_unique"].Boolean();
+  if (answer.reference.status == Status::kInfeasible) return answer;
+  answer.reference.w = Numbers(record["w"], problem.size());
+  answer.f = Numbers(record[record.Has("f_minnorm") ? "f_minnorm" : "f"], problem.size());
+  answer.reference.floor = RoundingFloor(problem, answer.f);
+  if (is_unique) answer.reference.f = answer.f;
+  return answer;
 }
 
 Examined Examine(const LcpProblem& problem, const ExamineOptions& options) {

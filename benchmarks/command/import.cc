@@ -79,7 +79,7 @@ struct Import {
     }
     int status = 0;
     for (const fs::path& file : ProblemFiles(folder)) {
-      const std::string relative = fs::relative(file, folder).string();
+      const std::string relative = file.lexically_relative(folder).string();
       const auto take_line = [&](const std::string& line, const std::string& where) {
         const std::size_t number = std::stoul(where.substr(where.rfind(':') + 1));
         Take(ParseLcpRecord(line, where).problem, {relative, number}, where);

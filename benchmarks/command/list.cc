@@ -37,13 +37,17 @@ void PrintMetrics() {
 
 struct ListFields {
   bool as_json = false;
+  bool as_schema = false;
 
   void Declare(CLI::App& app) {
     app.add_flag("--json", as_json, "As one JSON object, by which report/ checks what it reads");
+    app.add_flag("--schema", as_schema, "As a JSON Schema (docs/formats/campaign_lines.schema.json)")
+        ->excludes("--json");
   }
 
   int Run() const {
-    std::cout << (as_json ? ResultSchemaJson().dump(1) + "\n" : ResultSchemaMarkdown()) << std::flush;
+    const nlohmann::ordered_json json = as_schema ? ResultJsonSchema() : ResultSchemaJson();
+    std::cout << (as_json || as_schema ? json.dump(1) + "\n" : ResultSchemaMarkdown()) << std::flush;
     return 0;
   }
 };

@@ -98,10 +98,10 @@ int main(int argc, char** argv) {
     std::cerr << "lcpbench: " << Printable(error.what()) << std::endl;
     return kMisuse;
   } catch (const MemoryRefusal& refusal) {
-    std::cerr << "lcpbench: " << refusal.what() << std::endl;
+    std::cerr << "lcpbench: " << Printable(refusal.what()) << std::endl;
     return kMisuse;
   } catch (const std::filesystem::filesystem_error& error) {
-    std::cerr << "lcpbench: " << error.path1().string() << ": " << error.code().message() << std::endl;
+    std::cerr << "lcpbench: " << Printable(error.path1().string()) << ": " << error.code().message() << std::endl;
     return kMisuse;
   } catch (const std::exception& error) {
     std::cerr << "lcpbench: internal error: " << Printable(error.what()) << std::endl;

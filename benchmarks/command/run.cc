@@ -10,13 +10,12 @@
 #include "benchmarks/campaign/campaign.h"
 #include "benchmarks/campaign/campaign_file.h"
 #include "benchmarks/campaign/campaign_plan.h"
+#include "benchmarks/campaign/tuned_file.h"
 #include "benchmarks/campaign/worker_process.h"
-#include "benchmarks/collection/content_hash.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
-#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
@@ -123,30 +122,20 @@ std::string Both(const std::string& plans, const std::string& users) {
 // settings other than its defaults, the variant KEY-tuned, behind its base; solvers that are not in this build have
 // none. `variants` gets them as --variant takes them.
 void AddTunedVariants(const std::string& path, CampaignPlan* plan, std::vector<std::string>* variants) {
-  constexpr const char* kSchema = "lcpbench-tuned/1";
-  using Json = nlohmann::ordered_json;
-  const std::string text = ReadTextFile(path);
+  const TunedFile tuned = ReadTunedFile(path);
+  plan->tuning = tuned.source;
   std::vector<std::string> added;
-  try {
-    const Json json = Json::parse(text);
-    if (json.at("schema") != kSchema) throw InputError(path + ": expected schema " + kSchema);
-    plan->tuning = {std::filesystem::path(path).filename().string(), TextHash(text), json.at("budget").get<int>()};
-    for (const Json& tuned : json.at("solvers")) {
-      const auto solver = tuned.at("solver").get<std::string>();
-      const auto settings = tuned.at("chosen").get<Settings>();
-      const auto base = std::find(plan->solvers.begin(), plan->solvers.end(), solver);
-      if (!FindSolver(solver).available || settings.empty() || base == plan->solvers.end()) continue;
-      const std::string key = solver + "-tuned";
-      added.push_back(key);
-      added.back() += "=" + solver;
-      for (const auto& [name, value] : settings) added.back() += "," + name + "=" + value;
-      // Who names it among the solvers gets it once.
-      if (std::find(plan->solvers.begin(), plan->solvers.end(), key) == plan->solvers.end()) {
-        plan->solvers.insert(base + 1, key);
-      }
+  for (const auto& [solver, settings] : tuned.chosen) {
+    const auto base = std::find(plan->solvers.begin(), plan->solvers.end(), solver);
+    if (!FindSolver(solver).available || settings.empty() || base == plan->solvers.end()) continue;
+    const std::string key = solver + "-tuned";
+    added.push_back(key);
+    added.back() += "=" + solver;
+    for (const auto& [name, value] : settings) added.back() += "," + name + "=" + value;
+    // Who names it among the solvers gets it once.
+    if (std::find(plan->solvers.begin(), plan->solvers.end(), key) == plan->solvers.end()) {
+      plan->solvers.insert(base + 1, key);
     }
-  } catch (const Json::exception&) {
-    throw InputError(path + ": expected the JSON object that lcpbench tune writes, of schema " + kSchema);
   }
   RegisterVariants(added);
   variants->insert(variants->end(), added.begin(), added.end());

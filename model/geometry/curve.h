@@ -74,6 +74,9 @@ struct Field {
   const char* name;
   Member Curve::*member;
 };
+// clang deduces it by itself from version 17 on.
+template <class Curve, class Member>
+Field(const char*, Member Curve::*) -> Field<Curve, Member>;
 
 /// Calls visit(name, value) for the kFields of a curve or vertex.
 template <class Curve, class Visit>

@@ -1,6 +1,11 @@
 """The one exception that ends as a line for the user instead of a traceback."""
 
 
+def printable(text: str) -> str:
+    """For one line of a terminal: names and files may hold any characters."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
 class ReportError(Exception):
     """A file that is missing or is not what the schema says.
 

@@ -23,6 +23,7 @@ class FolderCase(unittest.TestCase):
         """`report.py WORDS...` ends with status 2, writes nothing and tells why in one line."""
         status, out, error = run(*words)
         self.assertEqual((status, out, error.count("\n")), (2, "", 1), error)
+        self.assertNotIn("\x1b", error)
         for word in told:
             self.assertIn(word, error)
 

@@ -12,7 +12,8 @@ PassReply RunPass(const SolverFactory& make, std::span<const ProblemArrays> prob
   options.time_limit_s = request.time_limit_s;
   options.time_parts = request.kind == PassKind::kParts;
   const std::size_t count = request.order.size();
-  std::vector<LcpResult> results(request.kind == PassKind::kFresh ? std::max<std::size_t>(request.group, 1) : 1);
+  const std::size_t together = request.kind == PassKind::kFresh ? std::min<std::size_t>(request.group, count) : 1;
+  std::vector<LcpResult> results(std::max<std::size_t>(together, 1));
   for (const std::uint32_t index : request.warm_up) solver->SolveArrays(problems[index], options, &results.front());
 
   PassReply reply;

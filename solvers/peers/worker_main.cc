@@ -14,6 +14,7 @@
 #include "solvers/peers/peer_table.h"
 #include "solvers/peers/protocol/worker.h"
 #include "support/input_error.h"
+#include "support/printable.h"
 
 namespace lcpbench {
 namespace {
@@ -157,10 +158,10 @@ int main(int argc, char** argv) {
     }
     throw InputError("expected one of " + known);
   } catch (const InputError& error) {
-    if (!RefuseToStart(error.what())) std::cerr << argv[0] << ": " << error.what() << std::endl;
+    if (!RefuseToStart(error.what())) std::cerr << argv[0] << ": " << Printable(error.what()) << std::endl;
     return kMisuse;
   } catch (const std::exception& error) {
-    std::cerr << argv[0] << ": internal error: " << error.what() << std::endl;
+    std::cerr << argv[0] << ": internal error: " << Printable(error.what()) << std::endl;
     return 1;
   }
 }

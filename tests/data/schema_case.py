@@ -6,6 +6,7 @@ from pathlib import Path
 
 import jsonschema
 
+FORMATS = Path(__file__).resolve().parents[2] / "docs" / "formats"
 REMOVED = object()
 
 
@@ -26,24 +27,28 @@ def changed(document, path, value):
     return document
 
 
+def validator_of(name: str):
+    """Of a file of docs/formats/."""
+    path = FORMATS / f"{name}.schema.json"
+    schema = json_of(path)
+    jsonschema.Draft202012Validator.check_schema(schema)
+    resolver = jsonschema.RefResolver(base_uri=path.as_uri(), referrer=schema)
+    return jsonschema.Draft202012Validator(schema, resolver=resolver)
+
+
 class SchemaCase:
-    """Tests of a unittest.TestCase that has `schema` (a file), `valid` (files), `base`, `malformed` [(path, value)]."""
+    """Tests of a unittest.TestCase that has `schema` (a name), `valid` (files), `base`, `malformed` [(path, value)]."""
 
     def test_every_document_is_valid(self):
-        validator = self.validator()
+        validator = validator_of(self.schema)
         self.assertGreaterEqual(len(self.valid), 6)
         for path in self.valid:
             with self.subTest(path.name):
                 self.assertEqual([error.message for error in validator.iter_errors(json_of(path))], [])
 
     def test_malformed_documents_are_refused(self):
-        validator = self.validator()
+        validator = validator_of(self.schema)
         validator.validate(self.base)
         for path, value in self.malformed:
             with self.subTest("/".join(map(str, path)), value=value):
                 self.assertFalse(validator.is_valid(changed(self.base, path, value)))
-
-    def validator(self):
-        schema = json_of(self.schema)
-        jsonschema.Draft7Validator.check_schema(schema)
-        return jsonschema.Draft7Validator(schema)

@@ -22,8 +22,8 @@ _MALFORMED = [
     (("refused", 0, "reason"), REMOVED),
     (("refused_by_reason",), {"f = 0": 0}),
     *((("problems", 0, key), value) for key, value in (
-        ("id", ""), ("recipe", REMOVED), ("file", {"path": "a.jsonl", "line": 1}), ("rank", -1), ("rank_method", REMOVED),
-        ("condition", 0.5), ("fraction_active", 1.5), ("licence", REMOVED), ("origin", "imagined"), ("base", ""),
+        ("id", ""), ("recipe", REMOVED), ("file", {"path": "a.jsonl", "line": 1}), ("rank", -1), ("rank_method", None),
+        ("condition", 0.5), ("fraction_active", 1.5), ("licence", None), ("origin", "imagined"), ("base", ""),
         ("sha256", "0123"), ("colour", "red"))),
     *((("problems", 0, "recipe", key), value) for key, value in (
         ("rows", 0), ("seed", -1), ("changes", [{"name": "magic", "amount": 1}]))),
@@ -38,7 +38,7 @@ def _manifest(tier):
 
 
 class ManifestSchema(SchemaCase, unittest.TestCase):
-    schema = _DATA / "manifest.schema.json"
+    schema = "manifest"
     valid = [_DATA / f"{tier}.json" for tier in _TIERS]
     base = _manifest("smoke")
     malformed = _MALFORMED

@@ -6,7 +6,6 @@ from pathlib import Path
 from schema_case import REMOVED, SchemaCase
 
 _SCENES = Path(__file__).resolve().parents[2] / "data" / "scenes"
-_SCHEMA = _SCENES / "scene.schema.json"
 
 # As small as a scene can be that has one of each; every malformed scene below is this one with one change.
 _SCENE = {
@@ -69,8 +68,8 @@ _MALFORMED = [
 
 
 class SceneSchema(SchemaCase, unittest.TestCase):
-    schema = _SCHEMA
-    valid = sorted(set(_SCENES.glob("*.json")) - {_SCHEMA})
+    schema = "scene"
+    valid = sorted(_SCENES.glob("*.json"))
     base = _SCENE
     malformed = _MALFORMED
 

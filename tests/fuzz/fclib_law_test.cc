@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "solvers/io/fclib_file.h"
+#include "tests/fuzz/binary_mutation.h"
 #include "tests/fuzz/corpus.h"
-#include "tests/fuzz/hdf5_mutation.h"
 #include "tests/fuzz/laws.h"
 
 namespace lcpbench {

@@ -17,4 +17,12 @@ std::string BrokenFclibLaw(const std::string& bytes);  // in fclib_law.cc, for w
 /// assembled, or an InputError of one line. In scene_law.cc, for which the model is needed.
 std::string BrokenSceneLaw(const std::string& text);
 
+/// Frames as the host and the worker of docs/protocol.md read them: a message that is written with the same bytes, or
+/// an error of one line; and what a worker answers to them is read by the host. In protocol_law.cc.
+std::string BrokenProtocolLaw(const std::string& bytes);
+
+/// A file of a campaign's folder, its name in the first line, as a resumed campaign reads it: taken whole but for a
+/// torn end, now and again, or an InputError of one line. In journal_law.cc, for which the campaign is needed.
+std::string BrokenJournalLaw(const std::string& text);
+
 }  // namespace lcpbench

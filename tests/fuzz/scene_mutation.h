@@ -5,6 +5,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "model/scenes/random.h"
@@ -57,6 +58,21 @@ inline std::string MutatedTree(const std::string& text, Random* random) {
   }
   // Bytes of a mutated string may be no UTF-8 any more.
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+/// A text of lines, one of which is another line of it or mutated as a tree.
+inline std::string MutatedLine(const std::string& text, Random* random) {
+  const auto line_at = [&text](std::size_t at) {
+    const std::size_t before = text.rfind('\n', at);
+    const std::size_t begin = before == std::string::npos || at == 0 ? 0 : before + 1;
+    return std::pair(begin, std::min(text.find('\n', begin), text.size()));
+  };
+  if (text.empty()) return text;
+  const auto [begin, end] = line_at(Below(text.size(), random));
+  const auto [other, other_end] = line_at(Below(text.size(), random));
+  const bool is_copied = Below(5, random) == 0;
+  const std::string line = is_copied ? text.substr(other, other_end - other) : text.substr(begin, end - begin);
+  return text.substr(0, begin) + (is_copied ? line : MutatedTree(line, random)) + text.substr(end);
 }
 
 }  // namespace lcpbench

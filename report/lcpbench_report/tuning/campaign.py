@@ -1,6 +1,7 @@
 """The campaign that tuning judges by: its problems, and all configurations of all solvers in one process."""
 
 import json
+import re
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
@@ -96,7 +97,7 @@ def _problems(manifest: Path) -> dict[str, dict]:
 
 def sizes_of(text: str) -> list[int]:
     words = text.split(",")
-    if not all(word.isdigit() and int(word) for word in words):
+    if not all(re.fullmatch("[1-9][0-9]{0,8}", word) for word in words):
         raise ReportError("--sizes", f"found {text!r}", "rows, divided by commas")
     return [int(word) for word in words]
 

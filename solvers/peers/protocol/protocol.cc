@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "support/input_error.h"
+#include "support/printable.h"
 
 namespace lcpbench {
 namespace {
@@ -110,7 +111,8 @@ class Reader {
     try {
       status = LcpStatusFromString(text);
     } catch (const InputError&) {
-      Fail("unknown status '" + text + "'");
+      constexpr std::size_t kLongest = 60;
+      Fail("unknown status '" + Printable(text.substr(0, kLongest)) + "'");
     }
   }
   void Size(const char* field, Index& size, std::size_t bytes) {
@@ -372,8 +374,8 @@ PassReply DecodePassReply(const Bytes& payload, const PassRequest& request, std:
 namespace {
 
 constexpr std::size_t kHeaderSize = sizeof(std::uint32_t) + sizeof(std::uint64_t);
-// Payloads grow by this much at a time, so that a promise alone allocates little.
-constexpr std::size_t kChunk = std::size_t{1} << 22U;
+// Payloads grow by this much, later by their own size at a time, so that a promise alone allocates little.
+constexpr std::size_t kChunk = std::size_t{1} << 16U;
 
 }  // namespace
 
@@ -398,7 +400,7 @@ Transfer ReadFrame(int fd, MessageType* type, Bytes* payload, double until) {
   payload->clear();
   while (outcome == Transfer::kDone && *type != MessageType::kNone && payload->size() < length) {
     const std::size_t begin = payload->size();
-    const std::size_t size = std::min<std::size_t>(kChunk, static_cast<std::size_t>(length) - begin);
+    const std::size_t size = std::min(std::max(kChunk, begin), static_cast<std::size_t>(length) - begin);
     payload->resize(begin + size);
     outcome = ReadAll(fd, payload->data() + begin, size, until);
   }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "solvers/peers/protocol/protocol.h"
+#include "support/printable.h"
 
 namespace lcpbench {
 namespace {
@@ -21,14 +22,14 @@ constexpr double kForever = std::numeric_limits<double>::infinity();
 
 class Worker {
  public:
-  Worker(const SolverFactory& make, int out) : make_(make), solver_(make()), out_(out) {}
+  Worker(const SolverFactory& make, int in, int out) : make_(make), solver_(make()), in_(in), out_(out) {}
 
   int Run(const Hello& hello) {
     if (!Send(MessageType::kHello, Encode(hello))) return 1;
     MessageType type{};
     Bytes payload;
     for (;;) {
-      const Transfer outcome = ReadFrame(STDIN_FILENO, &type, &payload, kForever);
+      const Transfer outcome = ReadFrame(in_, &type, &payload, kForever);
       if (outcome == Transfer::kClosed || type == MessageType::kQuit) return 0;
       if (!Answer(type, payload)) return 1;
     }
@@ -89,6 +90,7 @@ class Worker {
 
   const SolverFactory& make_;
   std::unique_ptr<LcpSolver> solver_;
+  int in_;
   int out_;
   // Of single solves: as sent, the b that takes the place of the one sent, and the matrix that they share.
   std::optional<ProblemArrays> arrays_;
@@ -106,15 +108,19 @@ bool RefuseToStart(const std::string& why) {
   return WriteFrame(STDOUT_FILENO, MessageType::kRefusal, EncodeRefusal(why), SteadyNow() + kWait) == Transfer::kDone;
 }
 
+int ServeFrames(int in, int out, const Hello& hello, const SolverFactory& make) {
+  return Worker(make, in, out).Run(hello);
+}
+
 int RunWorker(const Hello& hello, const SolverFactory& make) {
   // Nobody would wait for the answer of a worker whose host was killed.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   const int out = dup(STDOUT_FILENO);
   if (out < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0) return 1;
   try {
-    return Worker(make, out).Run(hello);
+    return ServeFrames(STDIN_FILENO, out, hello, make);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "worker: %s\n", error.what());
+    std::fprintf(stderr, "worker: %s\n", Printable(error.what()).c_str());
     return 1;
   }
 }

@@ -13,6 +13,10 @@ namespace lcpbench {
 /// @return exit status: 0 after an orderly end, 1 after a breach of the protocol
 int RunWorker(const Hello& hello, const SolverFactory& make);
 
+/// The same between two files, without taking standard output away from what a library prints.
+/// @throws std::exception of what is no message, or no problem; in words
+int ServeFrames(int in, int out, const Hello& hello, const SolverFactory& make);
+
 /// Tells the host why this worker does not start, in the place of RunWorker. False where nobody listens.
 bool RefuseToStart(const std::string& why);
 

@@ -442,6 +442,8 @@ TEST(WorkerProcess, ASolverThatDiesIsAnOutcome) {
 TEST(ResultFields, CommittedFilesSayWhatTheTablesSay) {
   const std::filesystem::path source = LCPBENCH_SOURCE_DIR;
   EXPECT_EQ(ReadFile(source / "benchmarks/FIELDS.md"), ResultSchemaMarkdown()) << "run lcpbench list fields";
+  EXPECT_EQ(ReadFile(source / "docs/formats/campaign_lines.schema.json"), ResultJsonSchema().dump(1) + "\n")
+      << "run lcpbench list fields --schema";
   EXPECT_EQ(ReadFile(source / "report/lcpbench_report/statistics/result_fields.json"),
             ResultSchemaJson().dump(1) + "\n")
       << "run lcpbench list fields --json";

@@ -1,10 +1,10 @@
-// How libFuzzer changes HDF5 files.
+// How libFuzzer changes binary files.
 
 #include <algorithm>
 #include <random>
 #include <string>
 
-#include "tests/fuzz/hdf5_mutation.h"
+#include "tests/fuzz/binary_mutation.h"
 #include "tests/fuzz/libfuzzer.h"
 
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
