@@ -197,7 +197,7 @@ TEST_F(SceneCommand, WritesASceneFileOfWhatMovesFromThenOn) {
 TEST_F(SceneCommand, WhatCannotAdvanceEndsWithTheReason) {
   const auto ball = [&](const std::string& name, const std::string& motion, const std::string& state) {
     Write(name, R"({"lcpbench_scene": 1, "motion": {)" + motion + R"(}, "bodies": [
-        {"name": "floor", "fixed": true, "shape": {"box": {"width": 4, "height": 1}}, "position": [0, -0.5]},
+        {"name": "floor", "fixed": true, "shape": {"box": {"width": 100000, "height": 1}}, "position": [0, -0.5]},
         {"name": "ball", "density": 1, "shape": {"disc": {"radius": 1}}, )" +
                     state + "}]}");
     return Path(name);
