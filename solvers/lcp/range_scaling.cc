@@ -158,7 +158,7 @@ void RangeScaling::GiveBack(const LcpProblem& problem, const LcpOptions& options
   for (Index i = 0; i < ray.size() && largest != kNone; ++i) {
     ray[i] = std::ldexp(ray[i], load.rows[static_cast<size_t>(i)] - largest);
   }
-  if (!VerifyFarkasRay(problem, ray).accepted) fail("the ray leaves the range of doubles");
+  if (!VerifyFarkasRay(problem, ray).accepted) fail("the ray found proves nothing for the problem as it is given");
 }
 
 }  // namespace lcpbench

@@ -39,8 +39,8 @@ void ExpectSame(const LcpResult& result, const LcpResult& expected, const std::s
   EXPECT_TRUE((result.f.array() == expected.f.array()).all()) << id;
 }
 
-// b as they come in the next step, in a step where most loads are gone, and one
-// that f = 0 solves.
+// b as they come in the next step, in other units, in a step where most loads are
+// gone, and one that f = 0 solves.
 std::vector<Eigen::VectorXd> OtherLoads(const LcpProblem& problem, unsigned seed) {
   TestRandom random(seed);
   const Index n = problem.size();
@@ -49,7 +49,7 @@ std::vector<Eigen::VectorXd> OtherLoads(const LcpProblem& problem, unsigned seed
   for (double& value : f) value = 0.125 * random.Integer(-8, 8);
   problem.ComputeW(f, &image);
   image -= problem.b();
-  return {problem.b() + image, 0x1p-20 * problem.b() + image, problem.b().cwiseAbs()};
+  return {problem.b() + image, 0x1p-300 * problem.b(), 0x1p-20 * problem.b() + image, problem.b().cwiseAbs()};
 }
 
 std::vector<LcpProblem> SmallProblems() {

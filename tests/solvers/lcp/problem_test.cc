@@ -196,6 +196,17 @@ TEST(LcpProblem, BadInputIsRefusedAtTheDoor) {
   EXPECT_THROW(LcpProblem::FromFactors("x", J, Eigen::Vector2d(1, 1), b), InputError);
 }
 
+TEST(LcpProblem, SymmetryIsToldAtAnyScale) {
+  const Eigen::Matrix2d A = (Eigen::Matrix2d() << 1, 0.5, -0.5, 1).finished();
+  for (const double unit : {0x1p-900, 0x1p-540, 1.0, 0x1p540, 0x1p900}) {
+    const auto with = [&](const Eigen::Matrix2d& scaled) {
+      return LcpProblem::FromDense("p", scaled, Eigen::Vector2d::Ones());
+    };
+    EXPECT_FALSE(with(unit * A).IsNumericallySymmetric()) << unit;
+    EXPECT_TRUE(with(unit * A.cwiseAbs()).IsNumericallySymmetric()) << unit;
+  }
+}
+
 TEST(LcpProblem, CopyOfGivenFormIsTheSameProblemAnew) {
   const LcpProblem problem = RandomFactors(9, 4, 3);
   const LcpProblem copy = problem.CopyOfGivenForm();

@@ -131,6 +131,17 @@ TEST(Verify, OneBadRowIsNotHiddenByAHugeB) {
   EXPECT_NE(verdict.reason.find("backward error"), std::string::npos);
 }
 
+// A_ii = 2^-1200 is no double; f pushes where the gap opens.
+TEST(Verify, ForcesOnRowsWhoseDiagonalUnderflowsAreJudged) {
+  SparseMatrix J(1, 1);
+  J.insert(0, 0) = 0x1p-600;
+  const LcpProblem problem =
+      LcpProblem::FromFactors("tiny", J, Eigen::VectorXd::Ones(1), Eigen::VectorXd::Constant(1, 0x1p-190));
+  EXPECT_EQ(problem.DiagonalA()[0], 0);
+  EXPECT_GT(ComputeMetrics(problem, Eigen::VectorXd::Constant(1, 0x1p1020)).backward_error, 0.5);
+  EXPECT_EQ(ComputeMetrics(problem, Eigen::VectorXd::Zero(1)).backward_error, 0);
+}
+
 TEST(Verify, NotANumberNeverPasses) {
   const LcpProblem problem = Diagonal({1, 1}, {-1, 1});
   for (const double bad : {kNaN, kInfinity, -kInfinity}) {
