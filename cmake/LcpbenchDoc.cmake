@@ -51,7 +51,7 @@ set(DOXYGEN_USE_MDFILE_AS_MAINPAGE "${PROJECT_SOURCE_DIR}/README.md")
 # README, and every page that it leads to.
 file(GLOB pages CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/docs/*.md" "${PROJECT_SOURCE_DIR}/docs/solvers/*.md")
 list(PREPEND pages "${PROJECT_SOURCE_DIR}/README.md")
-foreach(page benchmarks/RESULTS.md benchmarks/FIELDS.md data/README.md data/scenes/README.md report/reference/README.md report/reference/summary.md)
+foreach(page SECURITY.md benchmarks/RESULTS.md benchmarks/FIELDS.md data/README.md data/scenes/README.md report/reference/README.md report/reference/summary.md)
   list(APPEND pages "${PROJECT_SOURCE_DIR}/${page}")
 endforeach()
 doxygen_add_docs(doc ${pages} ${interface} ${model} COMMENT "Writing ${LCPBENCH_DOC_DIR}/html")

@@ -153,7 +153,7 @@ class Formats(unittest.TestCase):
 
     def test_markdown(self):
         self.assertEqual(self.TABLE.markdown(1), "| solver | time | why |\n| --- | ---: | --- |\n"
-                         "| `time_s` | **1.2 µs** | a\\|b < 50 %; next `x` |\n\n... and 1 more.\n")
+                         "| `time_s` | **1.2 µs** | a\\|b &lt; 50 %; next `x` |\n\n... and 1 more.\n")
 
     def test_html(self):
         text = self.TABLE.html("choose")

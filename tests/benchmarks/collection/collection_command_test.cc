@@ -19,8 +19,8 @@ TEST_F(CollectionCommand, ChecksHashesAndSaysWhichProblemIsAnother) {
   Write("smoke.json", text);
   const CommandOutcome good = Succeed("collection check " + Path("smoke.json"));
   EXPECT_NE(good.out.find("32 of 32"), std::string::npos) << good.out;
-  const size_t seed = text.find("\"seed\":");
-  text.replace(seed, 7, "\"seed\":9");
+  char& digit = text.at(text.find("\"sha256\":\"") + 10);
+  digit = digit == 'a' ? 'b' : 'a';
   Write("other.json", text);
   const CommandOutcome bad = Run("collection check " + Path("other.json"));
   EXPECT_EQ(bad.status, 1);

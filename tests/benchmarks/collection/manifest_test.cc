@@ -102,6 +102,8 @@ TEST(Manifest, IsReadAsItWasWritten) {
 Manifest OneOfEach() {
   const std::string hash(64, 'a');
   Manifest manifest;
+  manifest.name = "each";
+  manifest.version = "1";
   Recipe step{"disc-pile", 45, 1, {}, 60};
   for (const int number : {60, 100}) {
     ManifestEntry& entry = manifest.problems.emplace_back();
@@ -121,6 +123,7 @@ Manifest OneOfEach() {
   }
   SequenceEntry& sequence = manifest.sequences.emplace_back();
   sequence.id = "sequence";
+  sequence.family = "rockers";
   sequence.start = {"rockers", 5, 3, {}};
   sequence.steps = 2;
   sequence.problems = 2;
