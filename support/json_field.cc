@@ -89,7 +89,7 @@ class DocumentBuilder {
   [[noreturn]] void Fail(const std::string& problem) const {
     std::string path;
     for (const Level& level : levels_) {
-      path += "/";
+      path += '/';
       path += level.array != nullptr ? std::to_string(level.array->size() - (&level == &levels_.back() ? 0 : 1))
                                      : PointerToken(level.member->first);
     }

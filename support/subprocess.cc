@@ -209,7 +209,8 @@ Subprocess::Subprocess(const SubprocessOptions& options) {
   }
   const pid_t parent = getpid();
   volatile int error = 0;
-  pid_ = vfork();  // NOLINT(clang-analyzer-security.insecureAPI.vfork): posix_spawn cannot ask for PR_SET_PDEATHSIG
+  // posix_spawn cannot ask for PR_SET_PDEATHSIG.
+  pid_ = vfork();  // NOLINT(clang-analyzer-security.insecureAPI.vfork,bugprone-unsafe-functions)
   if (pid_ == 0) {
     error = Become(options, arguments.data(), ends[1], parent, signals);
     _exit(1);

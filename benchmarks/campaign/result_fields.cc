@@ -269,8 +269,8 @@ struct Kind {
 };
 using Value = nlohmann::json;
 constexpr Kind kKinds[] = {
-    {"name", [](const Value& v) { return v.is_string() && v != ""; }, "a text that is not empty",
-     R"({"type": "string", "minLength": 1})"},
+    {"name", [](const Value& v) { return v.is_string() && !v.get_ref<const std::string&>().empty(); },
+     "a text that is not empty", R"({"type": "string", "minLength": 1})"},
     {"text", [](const Value& v) { return v.is_string(); }, "a text", R"({"type": "string"})"},
     {"boolean", [](const Value& v) { return v.is_boolean(); }, "true or false", R"({"type": "boolean"})"},
     {"count", [](const Value& v) { return v.is_number_unsigned(); }, "a whole number >= 0",
@@ -348,7 +348,7 @@ void RequireFields(const nlohmann::json& line) {
   RequireRecords(line, "retried", "retry");
   const bool has_kind = is_pass || std::find(kLineKinds.begin(), kLineKinds.end(), line["kind"]) != kLineKinds.end();
   if (!has_kind) throw InputError("kind " + line["kind"].dump());
-  if (line["excluded"] != "") return;
+  if (!line["excluded"].get_ref<const std::string&>().empty()) return;
   if (is_pass) {
     RequireRecord(line, "steps");
     return RequireRecords(line, "verdicts", "step_verdict");

@@ -90,10 +90,9 @@ LcpProblem Scaled(const LcpProblem& problem, const std::vector<int>& row) {
     for (SparseMatrix::InnerIterator it(given, i); it; ++it) it.valueRef() = scaled(i, it.col(), it.value());
   }
   if (!problem.has_factors()) {
-    return LcpProblem::FromSparse(problem.id(), std::move(given), b, problem.bounds(), problem.facts());
+    return LcpProblem::FromSparse(problem.id(), given, b, problem.bounds(), problem.facts());
   }
-  return LcpProblem::FromFactors(problem.id(), std::move(given), std::move(inverse_mass), b, problem.bounds(),
-                                 problem.facts());
+  return LcpProblem::FromFactors(problem.id(), given, std::move(inverse_mass), b, problem.bounds(), problem.facts());
 }
 
 }  // namespace
