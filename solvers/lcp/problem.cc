@@ -22,27 +22,32 @@ using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
   throw InputError("problem '" + id + "': " + what);
 }
 
-// Exponents beyond +-these are extreme (LcpProblem::has_extreme_matrix).
-constexpr std::uint64_t kExtremeFactor = 64;
-constexpr std::uint64_t kExtremeEntry = 192;
-constexpr std::uint64_t kExtremeLoad = 128;
+// Numbers that products of two or three do not take out of the range of doubles (LcpProblem::has_extreme_matrix).
+struct Range {
+  double least, most;
+};
+constexpr Range kFactorRange{0x1p-64, 0x1p64};
+constexpr Range kEntryRange{0x1p-192, 0x1p192};
+constexpr Range kLoadRange{0x1p-300, 0x1p128};
 
-// Returns whether there are extreme numbers.
-bool RequireFinite(const std::string& id, const char* name, std::uint64_t extreme, const double* values, Index count) {
-  // By bits and without a branch, so that the compiler takes several at once.
-  constexpr std::uint64_t kExponent = std::uint64_t{0x7ff} << 52U;
-  constexpr std::uint64_t kOne = std::uint64_t{1023} << 52U;
-  const std::uint64_t least = kOne - (extreme << 52U);
-  const std::uint64_t most = kOne + (extreme << 52U);
-  std::uint64_t bad = 0;
-  std::uint64_t beyond = 0;
+// Which ends of the range there are numbers beyond, zeros apart.
+struct Beyond {
+  bool least = false;
+  bool most = false;
+};
+
+Beyond RequireFinite(const std::string& id, const char* name, const Range& range, const double* values, Index count) {
+  // Without a branch, so that the compiler takes several at once; a NaN is not below anything.
+  std::int64_t small = 0;
+  std::int64_t large = 0;
   for (Index i = 0; i < count; ++i) {
-    const std::uint64_t size = std::bit_cast<std::uint64_t>(values[i]) & ~(std::uint64_t{1} << 63U);
-    bad |= std::uint64_t{size >= kExponent};
-    beyond |= std::uint64_t{size > most} | (std::uint64_t{size < least} & std::uint64_t{size != 0});
+    const double size = std::abs(values[i]);
+    large |= std::int64_t{!(size <= range.most)};
+    small |= std::int64_t{size < range.least} & std::int64_t{size > 0};
   }
-  if (bad == 0) return beyond != 0;
+  if (large == 0) return {small != 0, false};
   const double* found = std::find_if(values, values + count, [](double value) { return !std::isfinite(value); });
+  if (found == values + count) return {small != 0, true};
   Reject(id, std::string(name) + " must be finite, entry " + std::to_string(found - values) + " is " +
                  std::to_string(*found));
 }
@@ -134,6 +139,7 @@ struct LcpProblem::Matrix {
   Eigen::VectorXd inverse_mass;
   RowBounds bounds;
   std::vector<Index> bilateral;
+  Beyond beyond;  // of the numbers given
   bool has_extremes = false;
 
   // Derived on request, once; the flags make that safe from several threads.
@@ -144,36 +150,48 @@ struct LcpProblem::Matrix {
   double asymmetry = 0;
   bool two_body_rows = false;
 
-  std::uint64_t ExtremeEntry() const { return form == MatrixForm::kFactors ? kExtremeFactor : kExtremeEntry; }
+  void RequireFiniteValues(const char* name, const double* values, Index count) {
+    beyond = RequireFinite(id, name, form == MatrixForm::kFactors ? kFactorRange : kEntryRange, values, count);
+  }
 
   // Swapped out of its place: Eigen's sparse matrices cannot be moved.
   void TakeSparse(SparseMatrix* matrix, const char* name, Index columns) {
     RequireShape(id, name, matrix->rows(), matrix->cols(), rows, columns);
     matrix->makeCompressed();
-    has_extremes = RequireFinite(id, name, ExtremeEntry(), matrix->valuePtr(), matrix->nonZeros());
+    RequireFiniteValues(name, matrix->valuePtr(), matrix->nonZeros());
     sparse.swap(*matrix);
   }
 
   void TakeMasses(Eigen::VectorXd masses) {
-    if (RequireFinite(id, "inverse mass", kExtremeFactor, masses.data(), masses.size())) has_extremes = true;
+    const Beyond of_masses = RequireFinite(id, "inverse mass", kFactorRange, masses.data(), masses.size());
+    beyond.least |= of_masses.least;
+    beyond.most |= of_masses.most;
     for (Index k = 0; k < masses.size(); ++k) {
       if (masses[k] >= 0) continue;
       Reject(id, "inverse mass must be >= 0, entry " + std::to_string(k) + " is " + std::to_string(masses[k]));
     }
     inverse_mass = std::move(masses);
     facts.symmetric = facts.positive_semidefinite = true;
-    if (has_extremes) RequireFiniteDiagonal();
   }
 
-  // The largest entries of A = J M^-1 J^T stand on its diagonal.
-  void RequireFiniteDiagonal() const {
+  // Once all arrays are in their places. Small numbers do no harm beside others of their row, and the largest entries
+  // of A = J M^-1 J^T stand on its diagonal.
+  void LookForExtremes() {
+    has_extremes = beyond.most;
+    if (!beyond.least && !beyond.most) return;
     for (Index i = 0; i < rows; ++i) {
-      long double sum = 0;
-      for (SparseMatrix::InnerIterator it(sparse, i); it; ++it) {
-        sum += static_cast<long double>(it.value()) * it.value() * inverse_mass[it.col()];
+      long double of_row = 0;
+      if (form == MatrixForm::kFactors) {
+        for (SparseMatrix::InnerIterator it(sparse, i); it; ++it) {
+          of_row += static_cast<long double>(it.value()) * it.value() * inverse_mass[it.col()];
+        }
+      } else {
+        of_row = std::abs(form == MatrixForm::kDense ? dense(i, i) : sparse.coeff(i, i));
       }
-      if (sum <= std::numeric_limits<double>::max()) continue;
-      Reject(id, "J M^-1 J^T must be finite, the diagonal entry of row " + std::to_string(i) + " is beyond doubles");
+      if (of_row > std::numeric_limits<double>::max()) {
+        Reject(id, "J M^-1 J^T must be finite, the diagonal entry of row " + std::to_string(i) + " is beyond doubles");
+      }
+      if (of_row > kEntryRange.most || (of_row < kEntryRange.least && of_row > 0)) has_extremes = true;
     }
   }
 
@@ -279,7 +297,7 @@ RowBounds RowBounds::WithBilateralRows(Index n, const std::vector<Index>& bilate
 
 std::shared_ptr<LcpProblem::Storage> LcpProblem::MakeStorage(std::string id, MatrixForm form, Eigen::VectorXd b,
                                                              RowBounds bounds, MatrixFacts facts) {
-  const bool has_extreme_b = RequireFinite(id, "b", kExtremeLoad, b.data(), b.size());
+  const Beyond beyond = RequireFinite(id, "b", kLoadRange, b.data(), b.size());
   const auto kinds = static_cast<Index>(bounds.bilateral.size());
   if (kinds > 0) RequireShape(id, "bilateral", kinds, 1, b.size(), 1);
   auto storage = std::make_shared<Storage>();
@@ -293,7 +311,7 @@ std::shared_ptr<LcpProblem::Storage> LcpProblem::MakeStorage(std::string id, Mat
   }
   if (!matrix.bilateral.empty()) matrix.bounds = std::move(bounds);
   storage->b = std::move(b);
-  storage->has_extreme_b = has_extreme_b;
+  storage->has_extreme_b = beyond.least || beyond.most;
   return storage;
 }
 
@@ -302,8 +320,9 @@ LcpProblem LcpProblem::FromDense(std::string id, Eigen::MatrixXd A, Eigen::Vecto
   const auto storage = MakeStorage(std::move(id), MatrixForm::kDense, std::move(b), std::move(bounds), facts);
   Matrix& matrix = storage->matrix;
   RequireShape(matrix.id, "A", A.rows(), A.cols(), matrix.rows, matrix.rows);
-  matrix.has_extremes = RequireFinite(matrix.id, "A", kExtremeEntry, A.data(), A.size());
+  matrix.RequireFiniteValues("A", A.data(), A.size());
   matrix.dense = std::move(A);
+  matrix.LookForExtremes();
   return LcpProblem(storage);
 }
 
@@ -311,6 +330,7 @@ LcpProblem LcpProblem::FromSparse(std::string id, SparseMatrix A, Eigen::VectorX
                                   MatrixFacts facts) {
   const auto storage = MakeStorage(std::move(id), MatrixForm::kSparse, std::move(b), std::move(bounds), facts);
   storage->matrix.TakeSparse(&A, "A", storage->matrix.rows);
+  storage->matrix.LookForExtremes();
   return LcpProblem(storage);
 }
 
@@ -319,6 +339,7 @@ LcpProblem LcpProblem::FromFactors(std::string id, SparseMatrix J, Eigen::Vector
   const auto storage = MakeStorage(std::move(id), MatrixForm::kFactors, std::move(b), std::move(bounds), facts);
   storage->matrix.TakeSparse(&J, "J", inverse_mass.size());
   storage->matrix.TakeMasses(std::move(inverse_mass));
+  storage->matrix.LookForExtremes();
   return LcpProblem(storage);
 }
 
@@ -361,10 +382,10 @@ LcpProblem LcpProblem::FromArrays(const ProblemArrays& arrays) {
                                    {arrays.bilateral}, arrays.facts);
   Matrix& matrix = storage->matrix;
   const bool has_factors = arrays.form == MatrixForm::kFactors;
-  matrix.has_extremes =
-      RequireFinite(arrays.id, has_factors ? "J" : "A", matrix.ExtremeEntry(), arrays.value.data(), count);
+  matrix.RequireFiniteValues(has_factors ? "J" : "A", arrays.value.data(), count);
   if (arrays.form == MatrixForm::kDense) {
     matrix.dense = Eigen::Map<const RowMajorMatrix>(arrays.value.data(), n, n);
+    matrix.LookForExtremes();
     return LcpProblem(storage);
   }
   matrix.sparse.resize(n, arrays.columns);
@@ -376,14 +397,15 @@ LcpProblem LcpProblem::FromArrays(const ProblemArrays& arrays) {
     RequireShape(arrays.id, "inverse mass", static_cast<Index>(arrays.inverse_mass.size()), 1, arrays.columns, 1);
     matrix.TakeMasses(Eigen::Map<const Eigen::VectorXd>(arrays.inverse_mass.data(), arrays.columns));
   }
+  matrix.LookForExtremes();
   return LcpProblem(storage);
 }
 
 LcpProblem LcpProblem::WithB(Eigen::VectorXd b) const {
   RequireShape(id(), "b", b.size(), 1, size(), 1);
-  const bool has_extreme_b = RequireFinite(id(), "b", kExtremeLoad, b.data(), b.size());
+  const Beyond beyond = RequireFinite(id(), "b", kLoadRange, b.data(), b.size());
   LcpProblem other = *this;
-  other.has_extreme_b_ = has_extreme_b;
+  other.has_extreme_b_ = beyond.least || beyond.most;
   other.b_ = std::make_shared<const Eigen::VectorXd>(std::move(b));
   return other;
 }

@@ -138,11 +138,10 @@ class LcpProblem {
 
   /// For another problem with the same kinds of rows.
   const RowBounds& bounds() const;
-  /// Whether A, J or the inverse masses have a number that is so large or small (but not 0) that products of two or
-  /// three of them, which solvers make, may leave the range of doubles: beyond 2^+-64 in J and the inverse masses,
-  /// 2^+-192 in A.
+  /// Whether products of two or three numbers of A, J and the inverse masses, which solvers make, may leave the range
+  /// of doubles: above 2^64 in J and the inverse masses, an A_ii (not 0) beyond 2^+-192, above 2^192 in A.
   bool has_extreme_matrix() const;
-  /// The same of b, beyond 2^+-128.
+  /// The same of b: above 2^128, or below 2^-300 but not 0.
   bool has_extreme_b() const { return has_extreme_b_; }
 
   /// f free, w = 0: a joint.
