@@ -87,8 +87,8 @@ int RunCommand(int argc, char** argv) {
 int main(int argc, char** argv) {
   using namespace lcpbench;
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of a file's size is told as a full disk is
-  const CheckedStandardOutput checked;
   try {
+    const CheckedStandardOutput checked;
     const int status = RunCommand(argc, argv);
     std::cout << std::flush;
     return status;
