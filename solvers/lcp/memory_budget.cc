@@ -78,6 +78,7 @@ void RequireMemory(double bytes, const std::string& what) {
 namespace {
 
 void RequireMatrices(double bytes, const char* kind, std::int64_t n, int count) {
+  if (count * bytes <= kAlwaysAllowed) return;  // small problems shall not pay for the words
   const std::string size = std::string(kind) + " " + std::to_string(n) + " x " + std::to_string(n);
   RequireMemory(count * bytes, count == 1 ? "a " + size + " matrix" : std::to_string(count) + " " + size + " matrices");
 }

@@ -140,7 +140,7 @@ class LcpProblem {
   const RowBounds& bounds() const;
   /// Whether products of two or three numbers of A, J and the inverse masses, which solvers make, may leave the range
   /// of doubles: above 2^64 in J and the inverse masses, an A_ii (not 0) beyond 2^+-192, above 2^192 in A.
-  bool has_extreme_matrix() const;
+  bool has_extreme_matrix() const { return has_extreme_matrix_; }
   /// The same of b: above 2^128, or below 2^-300 but not 0.
   bool has_extreme_b() const { return has_extreme_b_; }
 
@@ -164,6 +164,7 @@ class LcpProblem {
 
   std::shared_ptr<Matrix> matrix_;
   std::shared_ptr<const Eigen::VectorXd> b_;
+  bool has_extreme_matrix_ = false;
   bool has_extreme_b_ = false;
 };
 
