@@ -60,10 +60,8 @@ std::vector<Constraint> DetectContacts(std::span<const Body> bodies, std::span<c
     check();
     RequireValid(bodies[i], outlines[i]);
     placed[i] = PlaceOutline(outlines[i], bodies[i].x, bodies[i].theta);
-    BoundingBox all = placed[i].boxes.front();
-    for (const BoundingBox& box : placed[i].boxes) all = Union(all, box);
     with_outline.push_back(static_cast<int>(i));
-    boxes.push_back(Inflated(all, placed[i].x, reach));
+    boxes.push_back(Inflated(placed[i].whole, placed[i].x, reach));
   }
 
   std::vector<Constraint> contacts;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -408,6 +409,23 @@ bool MayFace(const DirectionRange& a, const DirectionRange& b) {
   return turn <= a.width + kSlack || 2 * std::numbers::pi - turn <= b.width + kSlack;
 }
 
+constexpr DirectionRange kAllDirections{0, 2 * std::numbers::pi};
+
+// Calls found(k) for a body's spans in ascending order; of a long outline those that a box touches, in the body's frame
+// of boxes, and that normals may face.
+template <class Found>
+void VisitNear(const PlacedOutline& body, const BoundingBox& box, const DirectionRange& normals, const Found& found) {
+  if (!body.tree) {
+    for (std::size_t k = 0; k < body.spans.size(); ++k) found(k);
+    return;
+  }
+  body.tree->Visit([&](const SpanBound& bound, std::size_t k, std::size_t count) {
+    if (!Overlap(box, bound.box) || !MayFace(normals, bound.normals)) return false;
+    if (count == 1) found(k);
+    return true;
+  });
+}
+
 // Sorts by (span1, span2) and keeps the first of minima that are the same point: feet within a few NormalSpan::kSlack
 // of the spans' lengths, and the same normal.
 void RemoveRepeated(const PlacedOutline& body1, const PlacedOutline& body2, std::vector<GapMinimum>* minima) {
@@ -441,6 +459,8 @@ PlacedOutline PlaceOutline(const Outline& outline, Vec2 x, double theta) {
   placed.spans = NormalSpans(outline, placed.rotation);
   placed.boxes.reserve(placed.spans.size());
   for (const NormalSpan& span : placed.spans) placed.boxes.push_back(span.Bounds());
+  if (!placed.boxes.empty())
+    placed.whole = std::reduce(placed.boxes.begin(), placed.boxes.end(), placed.boxes[0], Union);
   if (placed.spans.size() > kManySpans) {
     for (std::size_t k = 0; k < placed.spans.size(); ++k) {
       placed.bounds.push_back({placed.boxes[k], NormalsOf(placed.spans[k])});
@@ -461,29 +481,12 @@ std::vector<GapMinimum> FindGapMinima(const PlacedOutline& body1, const PlacedOu
     if (!Overlap(in_body2(body1.boxes[i]), body2.boxes[j])) return;
     SpanPair(body1, static_cast<int>(i), body2, static_cast<int>(j), range, &minima).Search();
   };
-  // Calls found(j) for the spans of body 2 that are near a run of spans of body 1.
-  const auto visit = [&](const SpanBound& run, const auto& found) {
-    check();
-    const BoundingBox box = in_body2(run.box);
-    body2.tree->Visit([&](const SpanBound& bound, std::size_t j, std::size_t count) {
-      if (!Overlap(box, bound.box) || !MayFace(run.normals, bound.normals)) return false;
-      if (count == 1) found(j);
-      return true;
-    });
-  };
-  if (!body2.tree) {
-    for (std::size_t i = 0; i < body1.spans.size(); ++i) {
-      for (std::size_t j = 0; j < body2.spans.size(); ++j) search(i, j);
-    }
-  } else if (body1.tree) {
-    for (std::size_t i = 0; i < body1.spans.size(); ++i) visit(body1.bounds[i], [&](std::size_t j) { search(i, j); });
-  } else if (!body1.spans.empty()) {
-    SpanBound all{body1.boxes[0], {0, 2 * std::numbers::pi}};
-    for (const BoundingBox& box : body1.boxes) all.box = Union(all.box, box);
-    visit(all, [&](std::size_t j) {
-      for (std::size_t i = 0; i < body1.spans.size(); ++i) search(i, j);
-    });
-  }
+  // Of a long outline only the spans near the other body are looked at: many bodies may lie along it.
+  VisitNear(body1, Inflated(body2.whole, body2.x - body1.x, margin), kAllDirections, [&](std::size_t i) {
+    if (body1.tree || body2.tree) check();
+    VisitNear(body2, in_body2(body1.boxes[i]), body1.tree ? body1.bounds[i].normals : kAllDirections,
+              [&](std::size_t j) { search(i, j); });
+  });
   RemoveRepeated(body1, body2, &minima);
   return minima;
 }

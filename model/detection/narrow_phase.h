@@ -36,6 +36,7 @@ struct SpanBound {
 struct PlacedOutline {
   std::vector<NormalSpan> spans;
   std::vector<BoundingBox> boxes;  ///< of the spans, world axes, relative to x
+  BoundingBox whole;               ///< around all of them
   std::vector<SpanBound> bounds;   ///< of the spans, and a tree over them, if there are more than kManySpans
   std::optional<RunTree<SpanBound>> tree;
   Vec2 x;             ///< the body's centre of mass [m]

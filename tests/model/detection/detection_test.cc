@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <initializer_list>
 #include <string>
 #include <variant>
@@ -43,8 +44,9 @@ class Workshop {
     outlines_.push_back(placed.outline);
   }
 
-  std::vector<Constraint> Detect(double tolerance = 1e-6, double penetration = 1e-6) const {
-    return DetectContacts(bodies_, outlines_, {.tolerance = tolerance, .penetration = penetration});
+  std::vector<Constraint> Detect(
+      double tolerance = 1e-6, double penetration = 1e-6, const StopCheck& check = [] {}) const {
+    return DetectContacts(bodies_, outlines_, {.tolerance = tolerance, .penetration = penetration, .check = &check});
   }
 
   /// The contacts' geometry, from the assembly: every detected constraint must give a row.
@@ -163,6 +165,22 @@ TEST(Detection, OutlinesOfManyVerticesTouchSoon) {
   const std::size_t found = Workshop({{outline, {}}, {outline, {2 + 1e-7, 0}, kPi / kCorners}}).Detect(0.5, 0.5).size();
   EXPECT_GE(found, 1u);
   EXPECT_LT(found, 500u);
+}
+
+// Counted, as a clock is not to be trusted: the check is called for every span of a long outline that is looked at.
+TEST(Detection, ManyBodiesAlongALongOutlineLookAtWhatIsNear) {
+  constexpr int kCount = 4000;
+  Placed floor{{"floor", {{}}}, {}, 0, true};
+  for (int k = kCount; k > 0; --k) floor.outline.loops[0].push_back(testing::Line({1.0 * k, 0}, {k - 1.0, 0}));
+  for (const bool floor_first : {true, false}) {
+    Workshop shop({});
+    if (floor_first) shop.Add(floor);
+    for (int k = 0; k < kCount; ++k) shop.Add({Disc(0.3), {k + 0.5, 0.3}});
+    if (!floor_first) shop.Add(floor);
+    std::int64_t calls = 0;
+    EXPECT_EQ(shop.Detect(1e-6, 1e-6, [&] { ++calls; }).size(), kCount + 0u);
+    EXPECT_LT(calls, 30 * kCount) << floor_first;
+  }
 }
 
 // Gears have more spans than kManySpans, so that every one has a box of its own; the narrow phase alone must agree.
