@@ -1,0 +1,120 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lcpbench::recorders {
+
+/// Writes a recording (docs/formats/recording.schema.json) to standard output: an engine's own scene, step by step.
+/// A recorder is one program, one file: it knows its engine and nothing of ours but this header. It writes the header
+/// once, then for every recorded step the state before the velocity solve and the contacts that the engine made there.
+/// Numbers are rounded to nine significant digits, so that files stay small; the problem is made of what the file says.
+
+using Json = nlohmann::ordered_json;
+
+/// Nine significant digits; an infinity or NaN ends the recorder, as no problem can be made of it.
+inline double Rounded(double value) {
+  if (!std::isfinite(value)) {
+    std::fprintf(stderr, "recorder: a number is not finite\n");
+    std::exit(1);
+  }
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  const double rounded = std::strtod(text, nullptr);
+  return rounded == 0 ? 0 : rounded;
+}
+
+template <class Range>
+Json Numbers(const Range& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(Rounded(value));
+  return list;
+}
+inline Json Numbers(std::initializer_list<double> values) { return Numbers<std::initializer_list<double>>(values); }
+
+/// A row of a joint: w = J v of two bodies, 3 + 3 numbers in the plane, 6 + 6 in space (linear, angular; world axes).
+struct JointRow {
+  std::vector<double> J;
+  double error = 0;       ///< [m] or [rad]
+  bool is_limit = false;  ///< unilateral: w >= 0
+};
+
+class Step {
+ public:
+  explicit Step(int number) {
+    line_["step"] = number;
+    line_["bodies"] = {{"x", Json::array()},     {"q", Json::array()},     {"v", Json::array()},
+                       {"omega", Json::array()}, {"force", Json::array()}, {"torque", Json::array()}};
+    line_["contacts"] = Json::array();
+    line_["joints"] = Json::array();
+  }
+
+  /// In the order of the header. Angles, angular velocities and torques in the plane: numbers, in space: lists.
+  void Body(Json x, Json q, Json v, Json omega, Json force, Json torque) {
+    Json& bodies = line_["bodies"];
+    bodies["x"].push_back(std::move(x));
+    bodies["q"].push_back(std::move(q));
+    bodies["v"].push_back(std::move(v));
+    bodies["omega"].push_back(std::move(omega));
+    bodies["force"].push_back(std::move(force));
+    bodies["torque"].push_back(std::move(torque));
+  }
+
+  /// @param i, j  bodies of the header, -1: the world
+  /// @param n  unit normal from i to j
+  /// @param gap  negative where they overlap
+  /// @param radius  of curvature, 0 where the surface is no circle and no sphere
+  void Contact(int i, int j, Json p, Json n, double gap, double mu, std::string id,
+               const std::array<std::string, 2>& shape, const std::array<double, 2>& radius) {
+    Json radii = Json::array();
+    for (const double r : radius) radii.push_back(r == 0 ? Json(nullptr) : Json(Rounded(r)));
+    line_["contacts"].push_back({{"b", {i, j}},
+                                 {"p", std::move(p)},
+                                 {"n", std::move(n)},
+                                 {"gap", Rounded(gap)},
+                                 {"mu", Rounded(mu)},
+                                 {"id", std::move(id)},
+                                 {"shape", shape},
+                                 {"radius", std::move(radii)}});
+  }
+
+  void Joint(int i, int j, const std::string& kind, std::string id, const std::vector<JointRow>& rows) {
+    Json joint = {{"b", {i, j}}, {"kind", kind}, {"id", std::move(id)}, {"rows", Json::array()}};
+    for (const JointRow& row : rows) {
+      Json written = {{"J", Numbers(row.J)}, {"error", Rounded(row.error)}};
+      if (row.is_limit) written["limit"] = true;
+      joint["rows"].push_back(std::move(written));
+    }
+    line_["joints"].push_back(std::move(joint));
+  }
+
+  void Write() const { std::puts(line_.dump().c_str()); }
+
+ private:
+  Json line_;
+};
+
+/// What every recording says of itself.
+struct Origin {
+  std::string engine, version, licence, scene;
+  std::string source;  ///< where the scene comes from, and what was left out
+};
+
+/// @param bodies  [{"inverse_mass", "inverse_inertia"}], zeros for what has no mass
+inline void WriteHeader(const Origin& origin, int dimension, Json gravity, double time_step, Json bodies) {
+  const Json header = {
+      {"lcpbench_recording", 1},    {"engine", origin.engine},       {"engine_version", origin.version},
+      {"licence", origin.licence},  {"scene", origin.scene},         {"source", origin.source},
+      {"dimension", dimension},     {"gravity", std::move(gravity)}, {"time_step", Rounded(time_step)},
+      {"bodies", std::move(bodies)}};
+  std::puts(header.dump().c_str());
+}
+
+}  // namespace lcpbench::recorders
