@@ -32,6 +32,7 @@ void AddConvertCommand(CLI::App& app, CommandRun& run);
 void AddCollectionCommand(CLI::App& app, CommandRun& run);
 void AddImportCommand(CLI::App& app, CommandRun& run);
 void AddRecordCommands(CLI::App& app, CommandRun& run);
+void AddRecordingCommand(CLI::App& app, CommandRun& run);
 void AddRunCommands(CLI::App& app, CommandRun& run);
 void AddReportCommands(CLI::App& app, CommandRun& run);
 void AddRecommendCommand(CLI::App& app, CommandRun& run);

@@ -67,7 +67,7 @@ int RunCommand(int argc, char** argv) {
   CommandRun run;
   for (const auto add :
        {AddListCommand, AddGenerateCommand, AddSceneCommand, AddSolveCommand, AddServeCommand, AddCertifyCommand,
-        AddConvertCommand, AddCollectionCommand, AddImportCommand, AddRecordCommands, AddRunCommands, AddReportCommands,
+        AddConvertCommand, AddCollectionCommand, AddImportCommand, AddRecordCommands, AddRecordingCommand, AddRunCommands, AddReportCommands,
         AddRecommendCommand, AddSequenceCommand, AddMotionCommand}) {
     add(app, run);
   }

@@ -64,21 +64,14 @@ bool RowsOutnumberDegreesOfFreedom(const LcpProblem& problem) {
 // Cycles in the graph of bodies and pairs that share a row, by body: 0 for trees and chains, whose factor has no fill;
 // about 1 in a packing of discs. Rows of one body, or of one pair more, make no cycle. O(nnz J log)
 double CyclesPerBody(const LcpProblem& problem) {
-  constexpr Index kAxes = 3;
-  const SparseMatrix& J = problem.J();
-  std::vector<std::pair<Index, Index>> pairs;
-  for (Index i = 0; i < J.rows(); ++i) {
-    Index first = -1, second = -1;
-    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
-      if (it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
-      const Index body = it.col() / kAxes;
-      (first < 0 || first == body ? first : second) = body;
-    }
-    if (second >= 0) pairs.emplace_back(std::min(first, second), std::max(first, second));
+  std::vector<std::pair<int, int>> pairs;
+  for (Index i = 0; i < problem.size(); ++i) {
+    const auto [first, second] = BodiesOfRow(problem, i);
+    if (second >= 0) pairs.push_back(std::minmax({first, second}));
   }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  const Index bodies = J.cols() / kAxes + 1;
+  const Index bodies = problem.J().cols() / problem.columns_per_body() + 1;
   DisjointSets joined;
   joined.Reset(bodies);
   const auto cycles = std::count_if(pairs.begin(), pairs.end(),

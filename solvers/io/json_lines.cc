@@ -149,6 +149,10 @@ std::vector<Index> ParseBilateral(const JsonField& record, std::size_t n) {
 // What a record says of the answer; null stands for what is not known.
 void ParseReference(const JsonField& record, std::size_t n, MatrixFacts* facts, LcpReference* reference) {
   if (record.Knows("rank_A")) facts->rank = record["rank_A"].IndexBelow(n + 1);
+  if (record.Knows("columns_per_body")) {
+    facts->columns_per_body = static_cast<int>(record["columns_per_body"].IndexBelow(7));
+    if (facts->columns_per_body != 3 && facts->columns_per_body != 6) record["columns_per_body"].Mismatch("3 or 6");
+  }
   if (record.Knows("f_unique")) facts->f_unique = record["f_unique"].Boolean();
   const std::string status = record.Knows("status") ? record["status"].String() : "";
   const bool solved = status == "solved";
@@ -248,6 +252,7 @@ std::string FormatLcpRecord(const LcpProblem& problem, bool with_matrix) {
   if (problem.has_factors()) {
     record["invM"] = ToJson(problem.inverse_mass());
     record["J"] = ToJson(problem.J());
+    if (problem.columns_per_body() != 3) record["columns_per_body"] = problem.columns_per_body();
   }
   if (with_matrix || !problem.has_factors()) record["A"] = ToJson(problem.SparseA());
   record["b"] = ToJson(problem.b());

@@ -159,6 +159,11 @@ struct LcpProblem::Matrix {
     beyond = RequireFinite(id, name, form == MatrixForm::kFactors ? kFactorRange : kEntryRange, values, count);
   }
 
+  void RequireColumnsPerBody() const {
+    if (facts.columns_per_body == 3 || facts.columns_per_body == 6) return;
+    Reject(id, "columns per body must be 3 or 6, found " + std::to_string(facts.columns_per_body));
+  }
+
   // Swapped out of its place: Eigen's sparse matrices cannot be moved.
   void TakeSparse(SparseMatrix* matrix, const char* name, Index columns) {
     RequireShape(id, name, matrix->rows(), matrix->cols(), rows, columns);
@@ -168,6 +173,7 @@ struct LcpProblem::Matrix {
   }
 
   void TakeMasses(Eigen::VectorXd masses) {
+    RequireColumnsPerBody();
     const Beyond of_masses = RequireFinite(id, "inverse mass", kFactorRange, masses.data(), masses.size());
     beyond.least |= of_masses.least;
     beyond.most |= of_masses.most;
@@ -201,12 +207,12 @@ struct LcpProblem::Matrix {
   }
 
   bool HasTwoBodyRows() const {
-    if (inverse_mass.size() % 3 != 0) return false;
+    if (inverse_mass.size() % facts.columns_per_body != 0) return false;
     for (Index i = 0; i < rows; ++i) {
       Index first = -1;
       Index second = -1;
       for (SparseMatrix::InnerIterator it(sparse, i); it; ++it) {
-        const Index block = it.col() / 3;
+        const Index block = it.col() / facts.columns_per_body;
         if (inverse_mass[it.col()] == 0 || it.value() == 0 || block == first || block == second) continue;
         if (second >= 0) return false;
         second = std::exchange(first, block);
@@ -220,13 +226,13 @@ struct LcpProblem::Matrix {
     const SparseMatrix& J = sparse;
     const Index n = rows;
     const Eigen::SparseMatrix<double, Eigen::ColMajor, int> columns = J;
-    // An entry is a pair of rows that share a body, which has three columns.
+    // An entry is a pair of rows that share a body, which has several columns.
     double pairs = 0;
     for (Index k = 0; k < columns.cols(); ++k) {
       const double count = inverse_mass[k] == 0 ? 0 : columns.outerIndexPtr()[k + 1] - columns.outerIndexPtr()[k];
       pairs += count * count;
     }
-    RequireSparseMatrices(n, std::min(pairs / 3, static_cast<double>(n) * static_cast<double>(n)), 2);
+    RequireSparseMatrices(n, std::min(pairs / facts.columns_per_body, static_cast<double>(n) * static_cast<double>(n)), 2);
     std::vector<double> sums(static_cast<size_t>(n), 0.0);
     std::vector<Index> last_row(static_cast<size_t>(n), -1);
     std::vector<int> pattern;
@@ -608,12 +614,13 @@ void AssembleDenseA(const ProblemArrays& arrays, double* A, Index stride) {
 
 Index BoundEntriesOfA(const LcpProblem& problem) {
   const SparseMatrix& J = problem.J();
-  std::vector<Index> rows_on(static_cast<size_t>((J.cols() + 2) / 3), 0);
+  const Index width = problem.columns_per_body();
+  std::vector<Index> rows_on(static_cast<size_t>((J.cols() + width - 1) / width), 0);
   for (Index i = 0; i < J.rows(); ++i) {
     Index last = -1;
     for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
-      if (it.col() / 3 == last || problem.inverse_mass()[it.col()] == 0) continue;
-      last = it.col() / 3;
+      if (it.col() / width == last || problem.inverse_mass()[it.col()] == 0) continue;
+      last = it.col() / width;
       ++rows_on[static_cast<size_t>(last)];
     }
   }

@@ -26,12 +26,14 @@ struct RowBounds {
   static RowBounds WithBilateralRows(Index n, const std::vector<Index>& bilateral);
 };
 
-/// What is *proved* about A. False or empty means "not known", never "known to be false".
+/// What is *proved* about A, and how J is laid out. False or empty means "not known", never "known to be false".
 struct MatrixFacts {
   bool symmetric = false;              ///< A = A^T
   bool positive_semidefinite = false;  ///< f.A f >= 0 for every f
   std::optional<Index> rank;           ///< of A
   std::optional<bool> f_unique;        ///< whether at most one f solves the problem
+  /// Of J: 3 (bodies in the plane) or 6 (in space, in principal axes). Columns p k to p k + p - 1 are those of body k.
+  int columns_per_body = 3;
 };
 
 /// A problem as a caller's arrays hold it: what an engine has in memory before any solver is asked, and where the time
@@ -69,8 +71,8 @@ struct ProblemArrays {
 /// As frictionless contact: f are normal forces [N], w gap accelerations [m/s^2], A = J M^-1 J^T [1/kg] the Delassus
 /// matrix and b the gap accelerations at zero force. An edge's curvature enters b (its normal turns), never A.
 ///
-/// Three given forms: A dense (n x n), A sparse (n x n), or factors J (n x 3N, row order as assembled) with the inverse
-/// mass diagonal (3N, >= 0) and A = J M^-1 J^T. The given form *is* the problem: verification uses it. The derived
+/// Three given forms: A dense (n x n), A sparse (n x n), or factors J (n x pN, row order as assembled) with the inverse
+/// mass diagonal (pN, >= 0), p columns a body (3 in the plane, 6 in space) and A = J M^-1 J^T. The given form *is* the problem: verification uses it. The derived
 /// forms DenseA() and SparseA() are its roundings, made on the first request (so that their cost can be measured apart
 /// from a solve) and kept. Derived matrices are bitwise symmetric where the problem is given by factors.
 ///
@@ -111,12 +113,14 @@ class LcpProblem {
 
   /// n numbers.
   const Eigen::VectorXd& b() const;
-  /// n x 3N; std::logic_error unless has_factors().
+  /// n x pN; std::logic_error unless has_factors().
   const SparseMatrix& J() const;
-  /// 3N; std::logic_error unless has_factors().
+  /// pN; std::logic_error unless has_factors().
   const Eigen::VectorXd& inverse_mass() const;
-  /// True if every row of J has its nonzeros in at most two blocks of three columns (3k, 3k+1, 3k+2) with inverse mass
-  /// > 0 somewhere in the block: the two-body fast path. False without factors.
+  /// p, see MatrixFacts.
+  int columns_per_body() const { return facts().columns_per_body; }
+  /// True if every row of J has its nonzeros in at most two bodies' columns with inverse mass > 0 somewhere in them: the
+  /// two-body fast path. False without factors.
   bool has_two_body_rows() const;
 
   /// n x n. From factors: O(sum over columns of (column count)^2) plus n^2 to fill; from sparse: n^2.

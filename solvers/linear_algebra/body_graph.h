@@ -31,7 +31,9 @@ class BodyGraph {
     bool operator==(const Ends&) const = default;
   };
 
-  static bool Suits(const LcpProblem& problem) { return problem.has_factors() && problem.has_two_body_rows(); }
+  static bool Suits(const LcpProblem& problem) { 
+    return problem.has_factors() && problem.columns_per_body() == 3 && problem.has_two_body_rows();
+  }
 
   /// @param taking_part  rows with 0 join nothing; empty: all take part
   /// @param will_update  as CholmodFactor::AnalyzeAsOrdered, the same in every call

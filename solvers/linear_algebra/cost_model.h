@@ -35,7 +35,9 @@ struct CostModel {
 
   /// Of an nncg iteration.
   static double Sweep(const LcpProblem& problem) {
-    if (problem.has_factors() && problem.has_two_body_rows()) return kSweepRow * static_cast<double>(problem.size());
+    if (problem.has_factors() && problem.columns_per_body() == 3 && problem.has_two_body_rows()) {
+      return kSweepRow * static_cast<double>(problem.size());
+    }
     return kSweepEntry * static_cast<double>(problem.SparseA().nonZeros());
   }
   /// How many of these take as long as one factorization of `flops` and `fill` in the interior point, with its solves.

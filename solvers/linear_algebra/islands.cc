@@ -10,13 +10,13 @@ namespace {
 
 size_t At(Index i) { return static_cast<size_t>(i); }
 
-// Columns of the given rows, by groups of three (the bodies), renumbered without gaps; -1 for bodies not touched.
-std::vector<Index> RenumberBodies(const SparseMatrix& J, std::span<const Index> rows, Index* count) {
-  std::vector<Index> number(At((J.cols() + 2) / 3), -1);
+// The bodies of the given rows, renumbered without gaps; -1 for bodies not touched.
+std::vector<Index> RenumberBodies(const SparseMatrix& J, Index width, std::span<const Index> rows, Index* count) {
+  std::vector<Index> number(At((J.cols() + width - 1) / width), -1);
   *count = 0;
   for (const Index i : rows) {
     for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
-      Index& body = number[At(it.col() / 3)];
+      Index& body = number[At(it.col() / width)];
       if (body < 0) body = (*count)++;
     }
   }
@@ -175,21 +175,22 @@ LcpProblem Subproblem(const LcpProblem& problem, std::span<const Index> rows) {
   std::vector<Eigen::Triplet<double, int>> entries;
   if (problem.has_factors()) {
     const SparseMatrix& J = problem.J();
+    const Index width = facts.columns_per_body = problem.columns_per_body();
     Index bodies = 0;
-    const std::vector<Index> number = RenumberBodies(J, rows, &bodies);
-    Eigen::VectorXd inverse_mass = Eigen::VectorXd::Zero(3 * bodies);
+    const std::vector<Index> number = RenumberBodies(J, width, rows, &bodies);
+    Eigen::VectorXd inverse_mass = Eigen::VectorXd::Zero(width * bodies);
     for (Index column = 0; column < J.cols(); ++column) {
-      if (number[At(column / 3)] >= 0) {
-        inverse_mass[3 * number[At(column / 3)] + column % 3] = problem.inverse_mass()[column];
+      if (number[At(column / width)] >= 0) {
+        inverse_mass[width * number[At(column / width)] + column % width] = problem.inverse_mass()[column];
       }
     }
     for (Index k = 0; k < m; ++k) {
       for (SparseMatrix::InnerIterator it(J, rows[At(k)]); it; ++it) {
-        const Index column = 3 * number[At(it.col() / 3)] + it.col() % 3;
+        const Index column = width * number[At(it.col() / width)] + it.col() % width;
         entries.emplace_back(static_cast<int>(k), static_cast<int>(column), it.value());
       }
     }
-    SparseMatrix part(m, 3 * bodies);
+    SparseMatrix part(m, width * bodies);
     part.setFromTriplets(entries.begin(), entries.end());
     return LcpProblem::FromFactors(id, part, std::move(inverse_mass), std::move(b), bounds, facts);
   }

@@ -5,7 +5,6 @@
 namespace lcpbench {
 namespace {
 
-constexpr int kAxes = 3;
 constexpr int kNone = -1;
 constexpr int kCountBits = 16;
 constexpr int kBodyBits = 24;
@@ -63,7 +62,7 @@ std::pair<int, int> BodiesOfRow(const LcpProblem& problem, Index row) {
   std::pair<int, int> bodies = {kNone, kNone};
   for (SparseMatrix::InnerIterator it(problem.J(), row); it; ++it) {
     if (it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
-    const int body = static_cast<int>(it.col() / kAxes);
+    const int body = static_cast<int>(it.col() / problem.columns_per_body());
     (bodies.first == kNone || bodies.first == body ? bodies.first : bodies.second) = body;
   }
   return bodies;
@@ -78,7 +77,7 @@ KeptOrder::Name NameOfPair(int body, int other) {
 std::vector<KeptOrder::Name> NamesOfRows(const LcpProblem& problem) {
   if (problem.size() < KeptOrder::kLeastRows || !problem.has_factors() || !problem.has_two_body_rows()) return {};
   const SparseMatrix& J = problem.J();
-  if (J.cols() / kAxes + 1 >= Index{1} << kBodyBits) return {};
+  if (J.cols() / problem.columns_per_body() + 1 >= Index{1} << kBodyBits) return {};
   std::vector<std::pair<KeptOrder::Name, int>> rows(At(problem.size()));
   for (Index i = 0; i < problem.size(); ++i) {
     const auto [first, second] = BodiesOfRow(problem, i);

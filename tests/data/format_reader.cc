@@ -15,6 +15,7 @@
 #include "benchmarks/campaign/sequence_file.h"
 #include "benchmarks/campaign/tuned_file.h"
 #include "benchmarks/collection/manifest.h"
+#include "benchmarks/collection/recipes/recording.h"
 #include "benchmarks/collection/references.h"
 #include "benchmarks/recommend/rules.h"
 #include "model/records/records.h"
@@ -64,10 +65,23 @@ void ReadSequence(const std::string& path) {
   }
 }
 
+// A header, or a step of two bodies in the plane or, with quaternions, in space.
+void ReadRecordingLine(const std::string& text) {
+  if (text.find("lcpbench_recording") != std::string::npos) {
+    ParseRecordingHeader(text, kWhere);
+    return;
+  }
+  RecordingHeader header;
+  header.dimension = text.find("\"q\": [[") == std::string::npos ? 2 : 3;
+  header.bodies.resize(2);
+  ParseRecordedStep(text, header, kWhere);
+}
+
 const std::map<std::string, ReadText> kReaders = {
     {"problem", [](const std::string& text) { ParseLcpRecord(text, kWhere); }},
     {"contact_record", [](const std::string& text) { ParseSystemRecord(text, kWhere); }},
     {"replay_record", [](const std::string& text) { ParseReplayRecord(text, kWhere); }},
+    {"recording", ReadRecordingLine},
     {"scene", [](const std::string& text) { ParseScene(text, kWhere); }},
     {"manifest", OfFile([](const std::string& path) { ReadManifest(path); })},
     {"reference", OfFile(ReadReference)},

@@ -32,6 +32,18 @@ _RECORDED = {"kind": "curved_curved", "p": 0, "q": 1, "n": [0, 1], "normalFixed"
              "U2": [0, 0], "radius1": 1, "radius2": -2, "distance": 0, "vn": 0, "extra": 0}
 _MOVING = {"name": "ball", "fixed": False, "m": 1, "I": 1, "x": 0, "y": 0, "angle": 0, "vx": 0, "vy": 0, "omega": 0, "ax": 0, "ay": 0,
            "alpha": 0}
+_RECORDING = [
+    {"lcpbench_recording": 1, "engine": "e", "engine_version": "1", "licence": "MIT", "scene": "s", "source": "here", "dimension": 3, "gravity": None,
+     "time_step": 0.1, "bodies": [{"inverse_mass": 1, "inverse_inertia": [1, 2, 3]}]},
+    {"lcpbench_recording": 1, "engine": "e", "engine_version": "1", "licence": "MIT", "scene": "s", "source": "here", "dimension": 2,
+     "time_step": 0.1, "bodies": [{"inverse_mass": 1, "inverse_inertia": 2}]},
+    {"step": 1, "bodies": {"x": [[0, 0], [1, 1]], "q": [0, 1], "v": [[0, 0], [1, 1]], "omega": [0, 1], "force": [[0, 0], [1, 1]], "torque": [0, 1]},
+     "contacts": [{"b": [-1, 0], "p": [0, 0], "n": [0, 1], "gap": 0.1, "mu": 0.5, "id": "c", "shape": ["edge", "circle"], "radius": [None, 0.5]}],
+     "joints": [{"b": [0, 1], "kind": "pin", "id": "j", "rows": [{"J": [1, 0, 1, -1, 0, 1], "error": 0, "limit": True}]}]},
+    {"step": 1, "bodies": {"x": [[0, 0, 0]] * 2, "q": [[1, 0, 0, 0]] * 2, "v": [[0, 0, 0]] * 2, "omega": [[0, 0, 0]] * 2, "force": [[0, 0, 0]] * 2,
+                           "torque": [[0, 0, 0]] * 2},
+     "contacts": [{"b": [0, 1], "p": [0, 0, 0], "n": [0, 0, 1], "gap": 0, "mu": 0, "id": "c", "shape": ["box", "box"], "radius": [None, None]}],
+     "joints": [{"b": [0, -1], "kind": "ball", "id": "j", "rows": [{"J": [1, 0, 0] * 4, "error": 0}]}]}]
 _PROBLEM = {"id": "two", "n": 2, "A": [[2, 1], ["1", "2/1"]], "b": [-1, "1/2"], "bilateral": [1]}
 
 
@@ -97,6 +109,7 @@ _DOCUMENTS = {
                         "contacts": [contact], "A": [1], "b": [1]} for contact in (
                             _RECORDED, _RECORDED | {"kind": "rod"}, _RECORDED | {"kind": "path_joint", "normal_dt": [0, 0]})],
                       _SIZES + "|the number of contacts|another body than p|a unit vector|a fixed body"),
+    "recording": (_RECORDING, _SIZES + r"|expected a number, found|an array of|a unit (vector|quaternion)|an identity of its own|two different bodies"),
     "scene": ([json_of(_ROOT / "tests/fuzz/corpus/every_edge.json"), json_of(_ROOT / "tests/fuzz/corpus/every_shape.json")], ".*"),
     "manifest": ([_small_manifest()], "an id of its own|ids of their own|the number of seeds|within the manifest's folder|name a file|"
                                       "/(base|origin): expected"),

@@ -77,7 +77,7 @@ class Listener {
   // refused in one line.
   std::string BrokenLaw(const Frame& frame) {
     std::string broken;
-    for (const std::uint32_t version : {1U, kProtocolVersion}) {
+    for (const std::uint32_t version : {1U, 2U, kProtocolVersion}) {
       try {
         broken += BrokenRoundTrip(frame, version);
       } catch (const std::exception& error) {
@@ -117,10 +117,12 @@ class Listener {
         const auto decode = [&](const Bytes& bytes) { return DecodeResult(bytes, rows_, version); };
         return Compare(payload, decode, version);
       }
-      case MessageType::kStream:
-        stream_ = DecodeStream(payload);
+      case MessageType::kStream: {
+        const auto decode = [version](const Bytes& bytes) { return DecodeStream(bytes, version); };
+        stream_ = decode(payload);
         pass_ = {};
-        return Compare(payload, [](const Bytes& bytes) { return DecodeStream(bytes); });
+        return Compare(payload, decode, version);
+      }
       case MessageType::kPass:
         pass_ = DecodePass(payload, stream_);
         return Compare(payload, [this](const Bytes& bytes) { return DecodePass(bytes, stream_); });

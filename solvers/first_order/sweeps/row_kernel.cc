@@ -51,12 +51,13 @@ std::vector<Index> Order(Index n, const Forbidden& forbidden, const Set& set, co
 }
 
 std::vector<Index> OrderByBodies(const LcpProblem& problem) {
-  std::vector<ColourSet> on_body(At(problem.J().cols() / 3 + 1));
+  const Index width = problem.columns_per_body();
+  std::vector<ColourSet> on_body(At(problem.J().cols() / width + 1));
   const auto for_bodies = [&](Index row, const auto& action) {
     Index last = -1;
     for (SparseMatrix::InnerIterator it(problem.J(), row); it; ++it) {
-      if (it.col() / 3 == last || it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
-      last = it.col() / 3;
+      if (it.col() / width == last || it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
+      last = it.col() / width;
       action(&on_body[At(last)]);
     }
   };
@@ -95,7 +96,7 @@ constexpr Index kAssembledRowLimitColoured = 4;
 bool UsesFactors(const LcpProblem& problem, RowForm form, bool coloured) {
   if (form != RowForm::kAuto) return form == RowForm::kMatrixFree;
   const Index limit = coloured ? kAssembledRowLimitColoured : kAssembledRowLimit;
-  return problem.has_two_body_rows() && BoundEntriesOfA(problem) > limit * problem.size();
+  return problem.columns_per_body() == 3 && problem.has_two_body_rows() && BoundEntriesOfA(problem) > limit * problem.size();
 }
 
 }  // namespace
@@ -158,7 +159,7 @@ void RowWork::Prepare(const LcpProblem& problem, RowForm form, bool coloured) {
   scaled.Reset(problem, coloured ? ColouredOrder(problem, factors) : std::vector<Index>());
   if (!factors) {
     rows = MakeAssembledRows(problem, scaled);
-  } else if (problem.has_two_body_rows()) {
+  } else if (problem.has_two_body_rows() && problem.columns_per_body() == 3) {
     rows = MakeTwoBodyRows(problem, scaled);
   } else {
     rows = MakeFactorRows(problem, scaled);

@@ -217,6 +217,7 @@ void Fields(Io& io, Problem& problem, std::uint32_t version) {
   }
   const bool factors = problem.form == MatrixForm::kFactors;
   if (factors) io.Size("columns", problem.columns, sizeof(double));
+  if (factors && version > 2) io.Value("columns per body", problem.facts.columns_per_body);
   auto entries = static_cast<std::uint64_t>(problem.value.size());
   io.Value("entries", entries);
   io.Numbers("row starts", problem.row_start, n + 1);
@@ -322,10 +323,10 @@ Bytes Encode(const SolveRequest& request, std::uint32_t version) { return Writte
 Bytes Encode(const LcpResult& result, std::uint32_t version) { return Written(result, result.f.size(), version); }
 Bytes Encode(const PassRequest& request) { return Written(request, std::span<const ProblemArrays>()); }
 
-Bytes Encode(std::span<const ProblemArrays> stream) {
+Bytes Encode(std::span<const ProblemArrays> stream, std::uint32_t version) {
   Writer out;
   out.As("count", static_cast<std::uint64_t>(stream.size()));
-  for (const ProblemArrays& problem : stream) Fields(out, problem, kProtocolVersion);
+  for (const ProblemArrays& problem : stream) Fields(out, problem, version);
   return out.Take();
 }
 
@@ -352,11 +353,11 @@ PassRequest DecodePass(const Bytes& payload, std::span<const ProblemArrays> stre
   return Read<PassRequest>(payload, stream);
 }
 
-std::vector<ProblemArrays> DecodeStream(const Bytes& payload) {
+std::vector<ProblemArrays> DecodeStream(const Bytes& payload, std::uint32_t version) {
   Reader in(payload);
   const auto count = in.Get<std::uint64_t>("count");
   std::vector<ProblemArrays> stream;
-  for (std::uint64_t k = 0; k < count; ++k) Fields(in, stream.emplace_back(), kProtocolVersion);
+  for (std::uint64_t k = 0; k < count; ++k) Fields(in, stream.emplace_back(), version);
   in.Finish();
   return stream;
 }

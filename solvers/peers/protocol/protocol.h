@@ -16,10 +16,10 @@ namespace lcpbench {
 
 // The binary protocol between lcpbench (the host) and a solver in a process of its own (the worker). Anyone can write a
 // worker, in any language: the host starts its command and talks to it through its standard input and output.
-// docs/protocol.md describes every message of both versions.
+// docs/protocol.md describes every message of all versions.
 
 /// Of workers written here.
-inline constexpr std::uint32_t kProtocolVersion = 2;
+inline constexpr std::uint32_t kProtocolVersion = 3;
 /// A frame that claims more is refused before anything is allocated.
 inline constexpr std::uint64_t kLargestPayload = std::uint64_t{1} << 36U;
 
@@ -45,7 +45,7 @@ enum class WantedForm : std::uint8_t { kDense = 0, kSparse = 1, kAsGiven = 2 };
 
 /// What a worker says of itself.
 struct Hello {
-  std::uint32_t version = kProtocolVersion;  ///< of the protocol: 1 or 2
+  std::uint32_t version = kProtocolVersion;  ///< of the protocol: 1, 2 or 3
   WantedForm form = WantedForm::kAsGiven;    ///< of the problems it gets; version 1 only
   std::string name;                          ///< of the method
   std::string library_version;               ///< of the library behind it
@@ -87,7 +87,7 @@ Bytes Encode(const SolveRequest& request, std::uint32_t version = kProtocolVersi
 /// kResult.
 Bytes Encode(const LcpResult& result, std::uint32_t version = kProtocolVersion);
 /// kStream.
-Bytes Encode(std::span<const ProblemArrays> stream);
+Bytes Encode(std::span<const ProblemArrays> stream, std::uint32_t version = kProtocolVersion);
 /// kPass.
 Bytes Encode(const PassRequest& request);
 /// kPassReply.
@@ -108,7 +108,7 @@ SolveRequest DecodeSolve(const Bytes& payload, Index rows, std::uint32_t version
 /// As DecodeHello, for kResult.
 LcpResult DecodeResult(const Bytes& payload, Index rows, std::uint32_t version = kProtocolVersion);
 /// As DecodeHello, for kStream.
-std::vector<ProblemArrays> DecodeStream(const Bytes& payload);
+std::vector<ProblemArrays> DecodeStream(const Bytes& payload, std::uint32_t version = kProtocolVersion);
 /// As DecodeHello, for kPass. @param stream  that it is about: every index is one of it
 PassRequest DecodePass(const Bytes& payload, std::span<const ProblemArrays> stream);
 /// As DecodeHello, for kPassReply.

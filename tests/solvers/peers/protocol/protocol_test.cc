@@ -43,6 +43,7 @@ std::vector<ProblemArrays> Problems() {
         ProblemArrays::Of(LcpProblem::FromFactors("", J, Eigen::Vector3d(1, 0, 2), Eigen::Vector2d(seed, -1))));
     problems.back().facts.rank = 1;
     problems.back().facts.f_unique = false;
+    problems.back().facts.columns_per_body = seed % 2 == 0 ? 3 : 6;
   }
   return problems;
 }
@@ -50,10 +51,12 @@ std::vector<ProblemArrays> Problems() {
 TEST(Protocol, ProblemsOfEveryFormComeBackBitForBit) {
   const std::vector<ProblemArrays> problems = Problems();
   for (const ProblemArrays& problem : problems) {
-    for (const std::uint32_t version : {1U, 2U}) ExpectSame(DecodeProblem(Encode(problem, version), version), problem);
+    for (const std::uint32_t version : {1U, 2U, 3U}) ExpectSame(DecodeProblem(Encode(problem, version), version), problem);
     const MatrixFacts facts = DecodeProblem(Encode(problem)).facts;
     EXPECT_EQ(facts.rank, problem.facts.rank);
     EXPECT_EQ(facts.f_unique, problem.facts.f_unique);
+    EXPECT_EQ(facts.columns_per_body, problem.facts.columns_per_body);
+    EXPECT_EQ(DecodeProblem(Encode(problem, 2), 2).facts.columns_per_body, 3);
   }
   const std::vector<ProblemArrays> stream = DecodeStream(Encode(std::span(problems)));
   ASSERT_EQ(stream.size(), problems.size());

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "solvers/lcp/problem.h"
+
+namespace lcpbench {
+
+// Recordings: what an engine itself met in a scene of its own, step by step (benchmarks/recorders/ writes them, and
+// docs/formats/recording.schema.json is the format), and the problems that are made of it. The engine's own friction,
+// restitution, softness and position correction are left out: w is what rigid frictionless contact demands.
+
+/// What all steps have in common. World axes, SI units or the engine's own.
+struct RecordingHeader {
+  std::string engine;
+  std::string engine_version;
+  std::string licence;  ///< SPDX name, of the scene's data
+  std::string scene;
+  std::string source;  ///< where the scene comes from, and what was left out
+  int dimension = 2;   ///< 2 or 3
+  double time_step = 0;
+  struct Body {
+    double inverse_mass = 0;
+    std::array<double, 3> inverse_inertia = {0, 0, 0};  ///< about the principal axes; in the plane the last one
+  };
+  std::vector<Body> bodies;
+};
+
+/// The state before the engine's velocity solve. Vectors have three numbers; in the plane spins and torques are the
+/// third.
+struct RecordedStep {
+  using Vector = std::array<double, 3>;
+  int number = 0;
+  struct Body {
+    Vector x, v, omega, force, torque;
+    double angle = 0;                           ///< in the plane [rad]
+    std::array<double, 4> turn = {1, 0, 0, 0};  ///< in space: principal axes to world, a quaternion w, x, y, z
+  };
+  struct Contact {
+    int first = -1, second = -1;  ///< bodies, -1: the world
+    Vector point, normal;         ///< the unit normal points from the first to the second body
+    double gap = 0;
+    double friction = 0;
+    std::string identity;
+    std::array<std::string, 2> shape;
+    std::array<double, 2> radius = {0, 0};  ///< of curvature, < 0 concave; 0 where the surface is not round
+  };
+  struct JointRow {
+    int first = -1, second = -1;
+    std::vector<double> J;  ///< 6 or 12: linear and angular of the first, of the second body
+    bool is_limit = false;  ///< unilateral
+    std::string identity;
+  };
+  std::vector<Body> bodies;
+  std::vector<Contact> contacts;
+  std::vector<JointRow> joint_rows;
+};
+
+/// @param where  "file:line"
+/// @throws InputError naming where, the JSON path, what was expected and what was found
+RecordingHeader ParseRecordingHeader(std::string_view line, const std::string& where);
+RecordedStep ParseRecordedStep(std::string_view line, const RecordingHeader& header, const std::string& where);
+
+/// A problem, and what each of its rows is called from step to step.
+struct RecordedProblem {
+  LcpProblem problem;
+  std::vector<std::string> identity;
+};
+
+/// "<engine>-<scene>-step<k>".
+std::string RecordedId(const RecordingHeader& header, const RecordedStep& step);
+
+/// The velocity step of time h without friction and softness, contacts first, then rows of joints:
+///     w = J v^+ + max(gap, 0) / h  (contacts),   J v^+  (joints),   v^+ = v + h M^-1 F + M^-1 J^T f
+/// so b = J (v + h M^-1 F) + max(gap, 0) / h, f are impulses and w speeds, a contact's row being the speed at which its
+/// bodies part. Columns: the bodies that can move and that a row touches; three in the plane, six in space, there with
+/// angular parts in principal axes. Rows that touch no body that can move are left out.  O(rows)
+RecordedProblem VelocityProblem(const RecordingHeader& header, const RecordedStep& step);
+
+/// The acceleration-level problem by our own assembly (AssembleContactLcp), so that curvature enters b, where all of a
+/// step's contacts are between circles, or a circle and something flat, and there are no joints; in the plane.
+/// nullopt: another step.
+/// @throws InputError as AssembleContactLcp
+std::optional<RecordedProblem> AccelerationProblem(const RecordingHeader& header, const RecordedStep& step);
+
+/// The problem's islands of at least `least_rows` rows, in order of their first rows: "<id>-island<k>", k from 1 among
+/// all islands.
+std::vector<RecordedProblem> IslandsOf(const RecordedProblem& whole, Index least_rows);
+
+}  // namespace lcpbench

@@ -1,0 +1,68 @@
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "benchmarks/collection/gzip_file.h"
+#include "benchmarks/collection/recipes/recording.h"
+#include "benchmarks/command/commands.h"
+#include "benchmarks/command/options.h"
+#include "solvers/io/json_lines.h"
+#include "support/text_file.h"
+
+namespace lcpbench {
+namespace {
+
+struct RecordingProblems {
+  std::vector<std::string> files;
+  std::string level = "velocity";
+  Index island_rows = 0;
+  std::string output = "-";
+
+  void Declare(CLI::App& app) {
+    app.add_option("FILE", files, "Recordings, plain or gzip; - for standard input")->required();
+    app.add_option("--level", level,
+                   "velocity: the engine's time step; acceleration: where all contacts are of circles")
+        ->check(CLI::IsMember({"velocity", "acceleration"}))
+        ->capture_default_str();
+    app.add_option("--island-rows", island_rows, "Islands of at least so many rows, each a problem; 0: whole scenes")
+        ->check(AtLeast(0))
+        ->capture_default_str();
+    app.add_option("-o,--output", output, "File of JSON lines")->capture_default_str();
+    app.footer("Steps without a row, and at the acceleration level those with other contacts or joints, are left out.");
+  }
+
+  int Run() const {
+    TextOutput lines(output);
+    std::optional<RecordingHeader> header;
+    const auto write = [&lines](const RecordedProblem& made) {
+      if (made.problem.size() > 0) lines.stream() << FormatLcpRecord(made.problem, false) << '\n';
+    };
+    int status = 0;
+    for (const std::string& file : files) {
+      header.reset();
+      status = std::max(status, ForEachLine({file}, [&](const std::string& line, const std::string& where) {
+                          if (!header.has_value()) {
+                            header = ParseRecordingHeader(line, where);
+                            return;
+                          }
+                          const RecordedStep step = ParseRecordedStep(line, *header, where);
+                          const std::optional<RecordedProblem> whole =
+                              level == "velocity" ? VelocityProblem(*header, step) : AccelerationProblem(*header, step);
+                          if (!whole.has_value()) return;
+                          if (island_rows == 0) return write(*whole);
+                          for (const RecordedProblem& island : IslandsOf(*whole, island_rows)) write(island);
+                        }));
+    }
+    lines.Close();
+    return status;
+  }
+};
+
+}  // namespace
+
+void AddRecordingCommand(CLI::App& app, CommandRun& run) {
+  AddCommand<RecordingProblems>(app, run, "recording", "Makes problems of what other engines' scenes were recorded as");
+}
+
+}  // namespace lcpbench
