@@ -40,9 +40,16 @@ class KnownTier {
 /// stream has fewer problems are filled up, by turns of all planned scenes and sizes; a fill-up must have a certified
 /// answer and a content of its own, too.
 /// @param progress  called after every candidate with how many are done, of how many, and the last one's id
+/// Problems by formulas are tried once, and literal ones read from the tier's file in `folder`.
 /// @param known  of an earlier build: problems with the same id and content are not examined again. Or null.
+/// @param folder  of the manifests
+/// @throws InputError where literal problems cannot be read, or a formula's answer is wrong
 BuiltTier BuildTier(const Tier& tier, const ExamineOptions& options, const KnownTier* known,
-                    const std::function<void(int done, int all, const std::string& id)>& progress);
+                    const std::function<void(int done, int all, const std::string& id)>& progress,
+                    const std::string& folder = ".");
+
+/// Where a tier's problems stand, relative to the folder of manifests.
+std::string ProblemFileOf(const Tier& tier);
 
 /// Counts and hashes the problems of a sequence.
 /// @throws InputError where the motion ends before its time, and as ForEachSequenceProblem

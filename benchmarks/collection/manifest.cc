@@ -15,6 +15,7 @@
 
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/collection/problem_formats.h"
+#include "benchmarks/collection/recipes/formulas.h"
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
 #include "support/json_field.h"
@@ -248,13 +249,20 @@ void SourceMembers(Reader& reader, ManifestEntry& entry) {
     reader.Must("recipe", recipe);
     entry.base = BaseOf(recipe);
     if (recipe.motion_step > 0) entry.origin = "motion";
+    if (FindFormula(recipe.scene) != nullptr) entry.origin = "literature";
     entry.source = recipe;
     if (has_file) entry.remake = std::move(recipe);
   }
   if (has_file) reader.Must("file", entry.source.emplace<FileSource>());
-  // They follow from the source.
-  reader.OneOf("base", {entry.base});
-  reader.OneOf("origin", {entry.origin});
+  if (reader.field.Has("recipe")) {
+    // They follow from the recipe.
+    reader.OneOf("base", {entry.base});
+    reader.OneOf("origin", {entry.origin});
+  } else {
+    reader.May("base", entry.base);
+    reader.May("origin", entry.origin);
+    reader.OneOf("origin", {"placed", "literature"});
+  }
 }
 
 void Members(auto& archive, Is<ManifestEntry> auto& entry) {

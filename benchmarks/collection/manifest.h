@@ -42,8 +42,8 @@ struct ManifestEntry {
   std::string family;  ///< scene, hard case, or the folder it was imported from
   std::variant<Recipe, FileSource> source;
   std::optional<Recipe> remake;   ///< of a problem in a file that was generated: how it is made anew
-  std::string base;               ///< BaseOf its recipe; its own id where it has none
-  std::string origin = "placed";  ///< or "motion": a step of a scene's motion
+  std::string base;               ///< BaseOf its recipe; where it has none its own id, or what its file says
+  std::string origin = "placed";  ///< or "motion": a step of a scene's motion; or "literature": not of ours
   bool fill = false;              ///< a fill-up (FillClass): `properties.rows` is all that is known of it
   std::string grid;               ///< the property that the problem's neighbours differ in; "" outside grids
   std::string purpose;            ///< of pathological ones: what it is meant to break

@@ -28,6 +28,9 @@ struct FillPlan {
   std::vector<int> rows;
 };
 
+/// Of the tiers whose problems are scenes of ours. Raised with every change of what a manifest's problems are.
+inline constexpr const char* kCollectionVersion = "2.0.0";
+
 /// One tier of the collection.
 struct Tier {
   std::string name;
@@ -38,13 +41,15 @@ struct Tier {
   std::vector<MotionCandidate> motions = {};
   std::vector<FillPlan> fill = {};
   std::vector<MotionCandidate> sequences = {};
+  /// Of the manifest.
+  std::string version = kCollectionVersion;
+  /// Its file of problems is written by hand (data/literals.py) and read by the build; problems by formulas, which come
+  /// first in the manifest, are made when they are wanted.
+  bool has_literals = false;
 };
 
-/// smoke, engine, standard, large, sequences, pathological.  @throws InputError naming them
+/// smoke, engine, standard, large, sequences, pathological, literature, nonsymmetric.  @throws InputError naming them
 Tier PlanTier(std::string_view name);
 const std::vector<std::string>& AllTiers();
-
-/// Of all that the plan holds. Raised with every change of what a manifest's problems are.
-inline constexpr const char* kCollectionVersion = "2.0.0";
 
 }  // namespace lcpbench

@@ -148,6 +148,7 @@ ProblemProperties MeasureProperties(const LcpProblem& problem) {
   measured.rank.value = RankOf(problem, kMostRowsDense);
   measured.rank.method = measured.rank.value ? "exact, modulo two primes of 62 bits"
                                              : "not measured above " + std::to_string(kMostRowsDense) + " rows of A";
+  if (!measured.rank.value && problem.facts().rank) measured.rank = {problem.facts().rank, "by the problem's formula"};
   if (problem.size() <= kMostRowsDense) {
     MeasureSingularValues(problem, &measured);
   } else if (problem.size() > kMostRowsEstimated) {

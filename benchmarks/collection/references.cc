@@ -13,6 +13,7 @@
 #include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/measure/reference_solves.h"
 #include "solvers/exact/bounded_reference.h"
+#include "solvers/exact/enumeration.h"
 #include "solvers/exact/exact_lcp.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
@@ -65,7 +66,8 @@ bool Certify(const LcpProblem& problem, const ExamineOptions& options, Examined*
   ExactOptions exact_options;
   exact_options.time_limit_s = options.time_limit_s;
   exact_options.guess = GuessBySolvers;
-  const ExactLcp exact = ExactFrom(problem);
+  ExactLcp exact = ExactFrom(problem);
+  exact.has_factors = exact.has_factors || problem.facts().positive_semidefinite;  // as a formula's problem has it
   const ExactAnswer answer = SolveExactly(exact, exact_options);
   const bool solved = answer.status == ExactAnswer::Status::kSolved;
   const bool infeasible = answer.status == ExactAnswer::Status::kInfeasible;
@@ -98,6 +100,68 @@ bool Certify(const LcpProblem& problem, const ExamineOptions& options, Examined*
   }
   examined->reference_line = line.dump();
   return true;
+}
+
+// An answer of a problem with any A, proved by its gaps alone. Where there may be others, w is of this one only.
+void WriteProved(const LcpProblem& problem, const std::vector<Rational>& f, const std::vector<Rational>& w,
+                 std::optional<bool> f_unique, const ExamineOptions& options, Examined* examined) {
+  const Eigen::VectorXd f_double = ToDoubles(f);
+  const Eigen::VectorXd w_double = ToDoubles(w);
+  examined->entry.answer = MeasureAnswer(problem, f_double, w_double, 0);
+  ReferenceSummary& reference = examined->entry.reference;
+  if (problem.size() > options.bounded_up_to) {
+    reference.detail = "none above " + std::to_string(options.bounded_up_to) + " rows";
+    return;
+  }
+  reference.kind = "certified";
+  reference.status = "solved";
+  reference.f_unique = f_unique;
+  if (examined->entry.answer->degenerate == 0) {
+    reference.strictly_complementary = true;
+  } else if (f_unique.value_or(false)) {
+    reference.strictly_complementary = false;
+  }
+  const bool w_unique = problem.facts().positive_semidefinite || f_unique.value_or(false);
+  examined->reference_line = Json{
+      {"id", problem.id()},         {"kind", reference.kind},
+      {"status", reference.status}, {"f_unique", f_unique ? Json(*f_unique) : Json(nullptr)},
+      {"w_unique", w_unique},       {"w", ToJson(w_double)},
+      {"f", ToJson(f_double)}}.dump();
+}
+
+// An answer that is known in advance.
+void Confirm(const LcpProblem& problem, const Eigen::VectorXd& known_f, const ExamineOptions& options,
+             Examined* examined) {
+  const std::vector<Rational> f(known_f.begin(), known_f.end());
+  const std::optional<std::vector<Rational>> w = GapsOfAnswer(problem, f);
+  if (!w) throw InputError(problem.id() + ": the answer known in advance is none");
+  WriteProved(problem, f, *w, problem.facts().f_unique, options, examined);
+}
+
+// Of a problem whose A is not positive semidefinite.
+void Enumerate(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
+  LcpOptions lcp;
+  lcp.time_limit_s = options.large_time_limit_s;
+  LcpResult guess;
+  MakeSolver("pgs")->Solve(problem, lcp, &guess);
+  const EnumeratedAnswer answer = SolveByEnumeration(problem, guess.f);
+  ReferenceSummary& reference = examined->entry.reference;
+  switch (answer.status) {
+    case LcpReference::Status::kSolved: {
+      const std::optional<bool> unique = problem.facts().f_unique ? problem.facts().f_unique : answer.f_unique;
+      WriteProved(problem, answer.f, answer.w, unique, options, examined);
+      return;
+    }
+    case LcpReference::Status::kInfeasible:
+      reference.kind = "certified";
+      reference.status = "infeasible";
+      reference.detail = "by enumeration of all active sets";
+      examined->reference_line =
+          Json{{"id", problem.id()}, {"kind", reference.kind}, {"status", reference.status}}.dump();
+      return;
+    case LcpReference::Status::kUnknown:
+      reference.detail = answer.detail;
+  }
 }
 
 // ----- solved and bounded answers
@@ -206,21 +270,32 @@ std::optional<KnownAnswer> References::Find(const LcpProblem& problem) const {
   if (record.Has("kind")) record["kind"].Choice<bool>({{"certified", true}, {"bounded", true}});
   const bool is_unique = record.Knows("f_unique") && record["f_unique"].Boolean();
   if (answer.reference.status == Status::kInfeasible) return answer;
-  answer.reference.w = Numbers(record["w"], problem.size());
+  const Eigen::VectorXd w = Numbers(record["w"], problem.size());
+  if (!record.Has("w_unique") || record["w_unique"].Boolean()) answer.reference.w = w;
   answer.f = Numbers(record[record.Has("f_minnorm") ? "f_minnorm" : "f"], problem.size());
   answer.reference.floor = RoundingFloor(problem, answer.f);
   if (is_unique) answer.reference.f = answer.f;
   return answer;
 }
 
-Examined Examine(const LcpProblem& problem, const ExamineOptions& options) {
+Examined Examine(const LcpProblem& problem, const ExamineOptions& options,
+                 const std::optional<Eigen::VectorXd>& known_f) {
   Examined examined;
   examined.entry.id = problem.id();
   examined.entry.sha256 = ContentHash(problem);
   examined.entry.properties = MeasureProperties(problem);
-  if (problem.size() <= options.exact_up_to && Certify(problem, options, &examined)) {
+  if (known_f) {
+    Confirm(problem, *known_f, options, &examined);
+    return examined;
+  }
+  const bool is_symmetric = problem.Asymmetry() == 0;
+  if (is_symmetric && problem.size() <= options.exact_up_to && Certify(problem, options, &examined)) {
     if (examined.entry.reference.status == "infeasible") LookNearby(problem, options, &examined);
     return examined;
+  }
+  if (!problem.facts().positive_semidefinite && problem.size() <= kMostGuessedRows) {
+    Enumerate(problem, options, &examined);
+    if (examined.entry.reference.kind == "certified") return examined;
   }
   const std::optional<Eigen::VectorXd> f = Solve(problem, options);
   if (!f.has_value()) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <filesystem>
 #include <functional>
 #include <iostream>
@@ -35,7 +36,7 @@ struct Build {
   ExamineOptions examine;
 
   void Declare(CLI::App& app) {
-    app.add_option("TIER", tier_name, "smoke, engine, standard, large, sequences or pathological")->required();
+    app.add_option("TIER", tier_name, "One of " + boost::algorithm::join(AllTiers(), ", "))->required();
     app.add_option("-o,--output", output, "Folder of the manifests");
     app.add_flag("--keep", keep, "Examine again only what the manifest there does not have");
     app.add_option("--exact-up-to", examine.exact_up_to, "Rows up to which answers are proved exactly")
@@ -50,11 +51,13 @@ struct Build {
     std::optional<KnownTier> known;
     if (keep) known.emplace(ReadManifest(path), output);
     std::unique_ptr<ProgressBar> bar;
-    const BuiltTier built =
-        BuildTier(tier, examine, known ? &*known : nullptr, [&](int, int all, const std::string& id) {
+    const BuiltTier built = BuildTier(
+        tier, examine, known ? &*known : nullptr,
+        [&](int, int all, const std::string& id) {
           if (!bar) bar = std::make_unique<ProgressBar>("collection", all);
           bar->Advance(1, id);
-        });
+        },
+        output);
     bar.reset();
     const auto write = [&folder](const fs::path& name, const std::string& lines) {
       fs::create_directories((folder / name).parent_path());
@@ -63,7 +66,7 @@ struct Build {
     const Manifest& manifest = built.manifest;
     if (tier.has_files) {
       write(manifest.references, built.references);
-      write("problems/" + tier.name + ".jsonl.gz", built.problems);
+      if (!tier.has_literals) write(ProblemFileOf(tier), built.problems);
     }
     if (!built.motion_problems.empty()) write(kMotionProblems, built.motion_problems);
     WriteTextFile(path, FormatManifest(manifest));

@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "benchmarks/collection/recipes/formulas.h"
 #include "benchmarks/collection/recipes/hard_cases.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
 #include "model/contact/assembly.h"
@@ -377,6 +378,10 @@ Instance MakeInstance(const Recipe& recipe) {
   const std::string id = RecipeId(recipe);
   try {
     if (recipe.motion_step > 0) return MakeMotionStep(recipe);
+    if (const Formula* formula = FindFormula(recipe.scene)) {
+      FormulaProblem made = MakeFormula(*formula, recipe);
+      return {{}, {}, WithId(made.problem, id), std::move(made.f)};
+    }
     Instance instance = Changed(Generate(recipe), recipe.changes, recipe.seed);
     instance.problem = WithId(instance.problem, id);
     return instance;
@@ -392,8 +397,16 @@ std::map<std::string, int> CountKinds(const ContactSystem& system) {
 }
 
 LcpProblem WithId(const LcpProblem& given, std::string id) {
-  return LcpProblem::FromFactors(std::move(id), given.J(), given.inverse_mass(), given.b(),
-                                 RowBounds::WithBilateralRows(given.size(), given.bilateral_rows()), given.facts());
+  switch (given.given_form()) {
+    case MatrixForm::kDense:
+      return LcpProblem::FromDense(std::move(id), given.DenseA(), given.b(), given.bounds(), given.facts());
+    case MatrixForm::kSparse:
+      return LcpProblem::FromSparse(std::move(id), given.SparseA(), given.b(), given.bounds(), given.facts());
+    case MatrixForm::kFactors:
+      break;
+  }
+  return LcpProblem::FromFactors(std::move(id), given.J(), given.inverse_mass(), given.b(), given.bounds(),
+                                 given.facts());
 }
 
 double PortablePower(double ratio, double u) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,11 +13,12 @@
 namespace lcpbench {
 
 /// A problem on its way from a scene to the collection: the bodies, and rows that have a geometry each. Rows that were
-/// added by a change stand last and have that of the row they were made from.
+/// added by a change stand last and have that of the row they were made from. A problem by a formula has no geometry.
 struct Instance {
   ContactSystem system;
   std::vector<RowInfo> rows;
   LcpProblem problem;
+  std::optional<Eigen::VectorXd> known_f = std::nullopt;  ///< its exact answer, of a formula (FormulaProblem)
 };
 
 /// One change of a generated problem, by name (kChanges in recipe.cc, which says what each leaves as it was), with its
@@ -35,7 +37,8 @@ std::vector<std::string> AllChanges();
 Instance Changed(ContactSystem system, const std::vector<Change>& changes, std::uint64_t seed);
 
 /// How a problem is made: a scene family or hard case, its size and seed, and changes in their order, of the same seed;
-/// or a time step of a scene's motion (motion_steps.h). Everything that a problem's bits depend on.
+/// or a time step of a scene's motion (motion_steps.h); or a published formula (formulas.h), `changes` its parameter.
+/// Everything that a problem's bits depend on.
 struct Recipe {
   std::string scene;
   int rows = 0;
@@ -61,7 +64,7 @@ Instance MakeInstance(const Recipe& recipe);
 /// "concave arc"), in alphabetical order, others by type ("pin").
 std::map<std::string, int> CountKinds(const ContactSystem& system);
 
-/// The same problem, given by factors, under another name.
+/// The same problem under another name.
 LcpProblem WithId(const LcpProblem& given, std::string id);
 
 /// ratio^u for ratio > 0 and u in [0, 1], by the leading 53 binary digits of u and repeated square roots: IEEE + * and

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "solvers/exact/rational.h"
+#include "solvers/lcp/problem.h"
+
+namespace lcpbench {
+
+/// w = A f + b without rounding, from the numbers of the given form; nothing where f, w do not solve the problem.
+/// O(entries of A) rational operations
+std::optional<std::vector<Rational>> GapsOfAnswer(const LcpProblem& problem, const std::vector<Rational>& f);
+
+/// What is proved of a problem whose A need not be symmetric nor semidefinite.
+struct EnumeratedAnswer {
+  LcpReference::Status status = LcpReference::Status::kUnknown;
+  std::vector<Rational> f;       ///< a solution
+  std::vector<Rational> w;       ///< its gaps; other solutions may have others
+  std::optional<bool> f_unique;  ///< where all active sets were tried
+  std::string detail;            ///< why nothing is known
+};
+
+/// Up to this many rows all 2^n active sets are tried.
+inline constexpr Index kMostEnumeratedRows = 12;
+/// Up to this many rows the active set of a guess is.
+inline constexpr Index kMostGuessedRows = 60;
+
+/// Tries active sets F (bilateral rows are in all of them): A_FF f_F = -b_F in rationals, by elimination, then signs. A
+/// problem has no solution where no F has one and every A_FF is nonsingular; of a singular A_FF nothing is said.
+/// @param guess  n values, whose active rows are tried first; what it says is not trusted
+EnumeratedAnswer SolveByEnumeration(const LcpProblem& problem, const Eigen::VectorXd& guess);
+
+}  // namespace lcpbench
