@@ -11,6 +11,7 @@
 #include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/recipes/formulas.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
+#include "benchmarks/collection/recipes/recording.h"
 #include "benchmarks/motions/sequence.h"
 #include "model/scenes/scene.h"
 #include "solvers/io/json_lines.h"
@@ -40,6 +41,7 @@ class Builder {
   BuiltTier Build() {
     for (const Candidate& candidate : tier_.problems) AddPlaced(candidate);
     if (tier_.has_literals) AddLiterals();
+    if (tier_.has_recordings) AddRecordings();
     for (const MotionCandidate& candidate : tier_.motions) AddMotion(candidate);
     for (const FillPlan& plan : tier_.fill) Fill(plan);
     for (const MotionCandidate& candidate : tier_.sequences) {
@@ -129,6 +131,60 @@ class Builder {
                    entry->licence = record["licence"].String();
                    Advance(entry->id);
                  });
+  }
+
+  void AddRecordings() {
+    namespace fs = std::filesystem;
+    std::set<std::string> names;
+    for (const auto& file : fs::directory_iterator(fs::path(folder_) / kRecordings)) {
+      const std::string name = file.path().filename().string();
+      if (name.ends_with(".jsonl.gz") && !name.ends_with(kRecordedSequence)) names.insert(name);
+    }
+    all_ += static_cast<int>(names.size());
+    for (const std::string& name : names) {
+      RecordingReader reader((fs::path(folder_) / kRecordings / name).string());
+      std::vector<RecordedStep> steps;
+      for (RecordedStep step; reader.Next(&step);) steps.push_back(step);
+      const std::size_t count = std::min<std::size_t>(steps.size(), kRecordedSteps);
+      for (std::size_t k = 0; k < count; ++k) {
+        AddRecordedStep(reader.header(), steps[k * steps.size() / count], std::string(kRecordings) + "/" + name);
+      }
+      Advance(name);
+    }
+  }
+
+  void AddRecordedStep(const RecordingHeader& header, const RecordedStep& step, const std::string& path) {
+    const RecordedProblem whole = VelocityProblem(header, step);
+    TakeRecorded(header, whole, {path, step.number, RecordedLevel::kVelocity, 0});
+    const std::vector<RecordedProblem> islands = IslandsOf(whole, 1);
+    const auto largest = std::max_element(islands.begin(), islands.end(), [](const auto& a, const auto& b) {
+      return a.problem.size() < b.problem.size();
+    });
+    if (islands.size() > 1) {
+      TakeRecorded(header, *largest,
+                   {path, step.number, RecordedLevel::kVelocity, static_cast<int>(largest - islands.begin()) + 1});
+    }
+    if (const auto at_rest = AccelerationProblem(header, step)) {
+      TakeRecorded(header, *at_rest, {path, step.number, RecordedLevel::kAcceleration, 0});
+    }
+  }
+
+  void TakeRecorded(const RecordingHeader& header, const RecordedProblem& made, RecordingSource source) {
+    const Index rows = made.problem.size();
+    std::string reason;
+    if (rows < kLeastRecordedRows || rows > kMostRecordedRows) reason = "too few or too many rows";
+    if (reason.empty() && contents_.contains(ContentHash(made.problem))) reason = "the same as another";
+    if (!reason.empty()) {
+      manifest_.refused.push_back({made.problem.id(), reason});
+      return;
+    }
+    ManifestEntry* entry = Take({{}, {}, made.problem}, header.engine + " " + header.scene);
+    if (entry == nullptr) return;
+    entry->source = std::move(source);
+    entry->base = header.engine + "-" + header.scene;
+    entry->origin = "recorded";
+    entry->provenance = header.engine + " " + header.engine_version + ", " + header.source;
+    entry->licence = header.licence;
   }
 
   void AddMotion(const MotionCandidate& candidate) {

@@ -21,6 +21,16 @@ struct BuiltTier {
 };
 inline constexpr const char* kMotionProblems = "problems/motion.jsonl.gz";
 
+/// Of recordings every file counts but those of sequences (`-sequence.jsonl.gz`). Of each, kRecordedSteps steps spread
+/// evenly over it give the whole scene at the velocity level, its largest island where that is not the whole, and the
+/// whole scene at the acceleration level where there is one; with the same rules as motions for what is refused, and
+/// no two with the same content.
+inline constexpr const char* kRecordings = "recordings";
+inline constexpr const char* kRecordedSequence = "-sequence.jsonl.gz";
+inline constexpr int kRecordedSteps = 8;
+inline constexpr Index kLeastRecordedRows = 4;
+inline constexpr Index kMostRecordedRows = 5000;
+
 /// A tier as an earlier build left it.
 class KnownTier {
  public:

@@ -210,6 +210,20 @@ void Members(auto& archive, Is<FileSource> auto& file) {
   }
 }
 
+void Members(auto& archive, Is<RecordingSource> auto& recording) {
+  archive.Must("path", recording.path);
+  archive.Must("step", recording.step);
+  std::string level = recording.level == RecordedLevel::kVelocity ? "velocity" : "acceleration";
+  archive.Must("level", level);
+  archive.Some("island", recording.island);
+  if constexpr (std::remove_reference_t<decltype(archive)>::kReads) {
+    RequireInside(archive.field["path"], recording.path);
+    recording.level = archive.field["level"].template Choice<RecordedLevel>(
+        {{"velocity", RecordedLevel::kVelocity}, {"acceleration", RecordedLevel::kAcceleration}});
+    if (archive.field.Has("island")) PositiveInteger(archive.field["island"]);
+  }
+}
+
 void Members(auto& archive, Is<ReferenceSummary> auto& reference) {
   archive.Must("kind", reference.kind);
   archive.Some("status", reference.status);
@@ -235,8 +249,10 @@ void Members(auto& archive, Is<ReferenceSummary> auto& reference) {
 // A problem comes from a recipe, or from a file and perhaps the recipe that the file was made by.
 void SourceMembers(Writer& writer, const ManifestEntry& entry) {
   const auto* file = std::get_if<FileSource>(&entry.source);
-  writer.Some("recipe", file != nullptr ? entry.remake : std::get<Recipe>(entry.source));
+  const auto* recipe = std::get_if<Recipe>(&entry.source);
+  writer.Some("recipe", recipe != nullptr ? std::optional<Recipe>(*recipe) : entry.remake);
   if (file != nullptr) writer.Must("file", *file);
+  if (const auto* recording = std::get_if<RecordingSource>(&entry.source)) writer.Must("recording", *recording);
   writer.Must("base", entry.base.empty() ? entry.id : entry.base);
   writer.Must("origin", entry.origin);
 }
@@ -244,6 +260,14 @@ void SourceMembers(Writer& writer, const ManifestEntry& entry) {
 void SourceMembers(Reader& reader, ManifestEntry& entry) {
   const bool has_file = reader.field.Has("file");
   entry.base = entry.id;
+  if (reader.field.Has("recording")) {
+    reader.Must("recording", entry.source.emplace<RecordingSource>());
+    entry.origin = "recorded";
+    reader.May("base", entry.base);
+    reader.May("origin", entry.origin);
+    reader.OneOf("origin", {"recorded"});
+    return;
+  }
   if (reader.field.Has("recipe") || !has_file) {
     Recipe recipe;
     reader.Must("recipe", recipe);
@@ -442,7 +466,27 @@ ProblemSource::ProblemSource(std::string folder) : folder_(std::move(folder)) {}
 
 LcpProblem ProblemSource::Get(const ManifestEntry& entry) {
   if (const auto* recipe = std::get_if<Recipe>(&entry.source)) return MakeInstance(*recipe).problem;
+  if (const auto* recording = std::get_if<RecordingSource>(&entry.source)) return Make(*recording);
   return Read(std::get<FileSource>(entry.source));
+}
+
+LcpProblem ProblemSource::Make(const RecordingSource& source) {
+  const std::string path = (std::filesystem::path(folder_) / source.path).string();
+  if (!recording_ || recording_->path() != path || step_.number > source.step) {
+    recording_.emplace(path);
+    step_ = {};
+  }
+  while (step_.number != source.step || step_.bodies.empty()) {
+    if (!recording_->Next(&step_)) throw InputError(path + ": expected a step " + std::to_string(source.step));
+  }
+  const std::optional<RecordedProblem> whole = MakeRecorded(recording_->header(), step_, source.level);
+  if (!whole) throw InputError(path + ": step " + std::to_string(source.step) + " is no problem of this level");
+  if (source.island == 0) return whole->problem;
+  const std::vector<RecordedProblem> islands = IslandsOf(*whole, 1);
+  if (static_cast<std::size_t>(source.island) > islands.size()) {
+    throw InputError(path + ": step " + std::to_string(source.step) + " has no island " + std::to_string(source.island));
+  }
+  return islands[static_cast<std::size_t>(source.island) - 1].problem;
 }
 
 LcpProblem ProblemSource::Read(const FileSource& source) {

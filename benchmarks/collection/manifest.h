@@ -9,6 +9,7 @@
 #include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/properties.h"
 #include "benchmarks/collection/recipes/recipe.h"
+#include "benchmarks/collection/recipes/recording.h"
 
 namespace lcpbench {
 
@@ -19,6 +20,14 @@ namespace lcpbench {
 struct FileSource {
   std::string path;      ///< relative to the manifest's folder
   std::size_t line = 1;  ///< of JSON lines, from 1; 1 for other formats
+};
+
+/// A step of a recording beside the manifest, as a problem of one level, or one island of it.
+struct RecordingSource {
+  std::string path;  ///< relative to the manifest's folder
+  int step = 0;
+  RecordedLevel level = RecordedLevel::kVelocity;
+  int island = 0;  ///< from 1 in the order of IslandsOf(whole, 1); 0: the whole scene
 };
 
 /// What is known of a problem's answer, without the numbers: those stand in the manifest's file of references.
@@ -40,10 +49,10 @@ struct ReferenceSummary {
 struct ManifestEntry {
   std::string id;
   std::string family;  ///< scene, hard case, or the folder it was imported from
-  std::variant<Recipe, FileSource> source;
+  std::variant<Recipe, FileSource, RecordingSource> source;
   std::optional<Recipe> remake;   ///< of a problem in a file that was generated: how it is made anew
   std::string base;               ///< BaseOf its recipe; where it has none its own id, or what its file says
-  std::string origin = "placed";  ///< or "motion": a step of a scene's motion; or "literature": not of ours
+  std::string origin = "placed";  ///< or "motion": a step of a scene's motion; "literature": not of ours; "recorded": of an engine
   bool fill = false;              ///< a fill-up (FillClass): `properties.rows` is all that is known of it
   std::string grid;               ///< the property that the problem's neighbours differ in; "" outside grids
   std::string purpose;            ///< of pathological ones: what it is meant to break
@@ -132,9 +141,12 @@ class ProblemSource {
 
  private:
   LcpProblem Read(const FileSource& source);
+  LcpProblem Make(const RecordingSource& source);
 
   std::string folder_;
   std::optional<LineReader> open_;  // of JSON lines
+  std::optional<RecordingReader> recording_;
+  RecordedStep step_;  // the last one read of it
 };
 
 }  // namespace lcpbench

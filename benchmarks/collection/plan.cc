@@ -199,6 +199,14 @@ Tier Literature() {
   return tier;
 }
 
+Tier Recorded() {
+  Tier tier{"recorded", "What engines met in scenes of their own: velocity steps and problems at rest, whole and islands.",
+            true, true};
+  tier.version = "3.0.0";
+  tier.has_recordings = true;
+  return tier;
+}
+
 Tier Nonsymmetric() {
   Tier tier{"nonsymmetric",
             "Nonsymmetric and indefinite A: \"unsupported\" is a right answer, and a wrong \"solved\" a false success.",
@@ -220,7 +228,7 @@ using Plan = std::pair<const char*, Tier (*)()>;
 constexpr Plan kPlans[] = {{"smoke", &Smoke},           {"engine", &Engine},
                            {"standard", &Standard},     {"large", &Large},
                            {"sequences", &Sequences},   {"pathological", &Pathological},
-                           {"literature", &Literature}, {"nonsymmetric", &Nonsymmetric}};
+                           {"recorded", &Recorded},     {"literature", &Literature}, {"nonsymmetric", &Nonsymmetric}};
 
 }  // namespace
 

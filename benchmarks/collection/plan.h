@@ -46,6 +46,8 @@ struct Tier {
   /// Its file of problems is written by hand (data/literals.py) and read by the build; problems by formulas, which come
   /// first in the manifest, are made when they are wanted.
   bool has_literals = false;
+  /// Its problems are made of the recordings in the folder kRecordings, by a rule that looks at no solver (build.h).
+  bool has_recordings = false;
 };
 
 /// smoke, engine, standard, large, sequences, pathological, literature, nonsymmetric.  @throws InputError naming them

@@ -21,15 +21,15 @@ void dgesdd_(const char* job, const int* m, const int* n, double* a, const int* 
 namespace lcpbench {
 namespace {
 
-constexpr Index kPerBody = 3;
 
 // Of the bodies that can move and that a row touches.
 void MeasureBodies(const LcpProblem& problem, ProblemProperties* measured) {
   const Eigen::VectorXd& inverse = problem.inverse_mass();
-  std::vector<char> touched(static_cast<size_t>((inverse.size() + kPerBody - 1) / kPerBody), 0);
+  const Index width = problem.columns_per_body();
+  std::vector<char> touched(static_cast<size_t>((inverse.size() + width - 1) / width), 0);
   for (Index i = 0; i < problem.size(); ++i) {
     for (SparseMatrix::InnerIterator it(problem.J(), i); it; ++it) {
-      if (inverse[it.col()] > 0) touched[static_cast<size_t>(it.col() / kPerBody)] = 1;
+      if (inverse[it.col()] > 0) touched[static_cast<size_t>(it.col() / width)] = 1;
     }
   }
   double least = std::numeric_limits<double>::infinity();
@@ -37,7 +37,7 @@ void MeasureBodies(const LcpProblem& problem, ProblemProperties* measured) {
   for (size_t k = 0; k < touched.size(); ++k) {
     if (touched[k] == 0) continue;
     ++measured->bodies;
-    const double mobility = inverse[kPerBody * static_cast<Index>(k)];
+    const double mobility = inverse[width * static_cast<Index>(k)];
     if (mobility <= 0) continue;
     least = std::min(least, mobility);
     most = std::max(most, mobility);

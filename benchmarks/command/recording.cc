@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,16 +16,17 @@ namespace {
 
 struct RecordingProblems {
   std::vector<std::string> files;
-  std::string level = "velocity";
+  RecordedLevel level = RecordedLevel::kVelocity;
   Index island_rows = 0;
   std::string output = "-";
 
   void Declare(CLI::App& app) {
     app.add_option("FILE", files, "Recordings, plain or gzip; - for standard input")->required();
-    app.add_option("--level", level,
-                   "velocity: the engine's time step; acceleration: where all contacts are of circles")
-        ->check(CLI::IsMember({"velocity", "acceleration"}))
-        ->capture_default_str();
+    const std::map<std::string, RecordedLevel> levels = {{"velocity", RecordedLevel::kVelocity},
+                                                         {"acceleration", RecordedLevel::kAcceleration}};
+    app.add_option("--level", level, "velocity: the engine's time step; acceleration: where all contacts are of circles")
+        ->transform(CLI::CheckedTransformer(levels, CLI::ignore_case))
+        ->default_str("velocity");
     app.add_option("--island-rows", island_rows, "Islands of at least so many rows, each a problem; 0: whole scenes")
         ->check(AtLeast(0))
         ->capture_default_str();
@@ -47,9 +49,8 @@ struct RecordingProblems {
                             return;
                           }
                           const RecordedStep step = ParseRecordedStep(line, *header, where);
-                          const std::optional<RecordedProblem> whole =
-                              level == "velocity" ? VelocityProblem(*header, step) : AccelerationProblem(*header, step);
-                          if (!whole.has_value()) return;
+                          const std::optional<RecordedProblem> whole = MakeRecorded(*header, step, level);
+            if (!whole.has_value()) return;
                           if (island_rows == 0) return write(*whole);
                           for (const RecordedProblem& island : IslandsOf(*whole, island_rows)) write(island);
                         }));

@@ -363,6 +363,25 @@ std::optional<RecordedProblem> AccelerationProblem(const RecordingHeader& header
   return recorded;
 }
 
+std::optional<RecordedProblem> MakeRecorded(const RecordingHeader& header, const RecordedStep& step,
+                                            RecordedLevel level) {
+  if (level == RecordedLevel::kAcceleration) return AccelerationProblem(header, step);
+  return VelocityProblem(header, step);
+}
+
+RecordingReader::RecordingReader(const std::string& path) : lines_(path) {
+  std::string line;
+  if (!lines_.Next(&line)) throw InputError(path + ": expected the header of a recording, found an empty file");
+  header_ = ParseRecordingHeader(line, path + ":1");
+}
+
+bool RecordingReader::Next(RecordedStep* step) {
+  std::string line;
+  if (!lines_.Next(&line)) return false;
+  *step = ParseRecordedStep(line, header_, path() + ":" + std::to_string(lines_.number()));
+  return true;
+}
+
 std::vector<RecordedProblem> IslandsOf(const RecordedProblem& whole, Index least_rows) {
   Islands islands;
   islands.Reserve(whole.problem.size());

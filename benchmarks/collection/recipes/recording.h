@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "benchmarks/collection/gzip_file.h"
 #include "solvers/lcp/problem.h"
 
 namespace lcpbench {
@@ -74,6 +75,9 @@ struct RecordedProblem {
 /// "<engine>-<scene>-step<k>".
 std::string RecordedId(const RecordingHeader& header, const RecordedStep& step);
 
+/// What is made of a step.
+enum class RecordedLevel { kVelocity, kAcceleration };
+
 /// The velocity step of time h without friction and softness, contacts first, then rows of joints:
 ///     w = J v^+ + max(gap, 0) / h  (contacts),   J v^+  (joints),   v^+ = v + h M^-1 F + M^-1 J^T f
 /// so b = J (v + h M^-1 F) + max(gap, 0) / h, f are impulses and w speeds, a contact's row being the speed at which its
@@ -86,6 +90,27 @@ RecordedProblem VelocityProblem(const RecordingHeader& header, const RecordedSte
 /// nullopt: another step.
 /// @throws InputError as AssembleContactLcp
 std::optional<RecordedProblem> AccelerationProblem(const RecordingHeader& header, const RecordedStep& step);
+
+/// One of these two; the velocity level is always there, and may have no row.
+std::optional<RecordedProblem> MakeRecorded(const RecordingHeader& header, const RecordedStep& step,
+                                            RecordedLevel level);
+
+/// A recording, read step by step.
+class RecordingReader {
+ public:
+  /// @param path  plain or gzip
+  /// @throws InputError where it cannot be opened or its first line is no header
+  explicit RecordingReader(const std::string& path);
+
+  const std::string& path() const { return lines_.name(); }
+  const RecordingHeader& header() const { return header_; }
+  /// The next step; false at the end. @throws InputError as ParseRecordedStep
+  bool Next(RecordedStep* step);
+
+ private:
+  LineReader lines_;
+  RecordingHeader header_;
+};
 
 /// The problem's islands of at least `least_rows` rows, in order of their first rows: "<id>-island<k>", k from 1 among
 /// all islands.
