@@ -603,7 +603,7 @@ class Recorder {
     std::string source =
         std::string("testbed/tests/") + entry.file + " of Debian's source package box2d 2.4.1-3, rebuilt";
     if (*entry.change != '\0') source += std::string("; ") + entry.change;
-    source += "; left out of the rows: friction, restitution, motors, springs, damping; sleeping is off";
+    source += "; left out: friction, restitution, motors, springs, damping; sleeping is off";
     const b2Vec2 gravity = world.GetGravity();
     WriteHeader({.engine = "box2d",
                  .version = std::to_string(b2_version.major) + "." + std::to_string(b2_version.minor) + "." +

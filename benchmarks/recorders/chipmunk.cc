@@ -3,7 +3,7 @@
 ///
 /// Chipmunk integrates positions first, then detects contacts, then adds loads and solves. So a step is recorded from
 /// inside, where the first body's velocity is about to be integrated: positions, contacts and joints are those that the
-/// solver meets, velocities are without this step's loads.
+/// solver meets, velocities are those before the step.
 /// Lengths are Chipmunk's own unit (a pixel of its demos) and stay so.
 
 #include <chipmunk/chipmunk.h>
@@ -487,7 +487,7 @@ constexpr SceneEntry kScenes[] = {
 
 class Recorder {
  public:
-  Recorder(Scene& scene, const SceneEntry& entry) : space_(scene.space) {
+  Recorder(Scene& scene, const SceneEntry& entry) : space_(scene.space), time_step_(scene.time_step) {
     Json bodies = Json::array();
     for (int k = 0; k < space_->dynamicBodies->num; ++k) {
       auto* const body = static_cast<cpBody*>(space_->dynamicBodies->arr[k]);
@@ -498,18 +498,29 @@ class Recorder {
     std::string source = std::string("demo/") + entry.file + " of Debian's source package chipmunk 7.0.3-5, rebuilt";
     if (*entry.change != '\0') source += std::string("; ") + entry.change;
     source +=
-        "; left out of the rows: friction, restitution, motors, springs, bounds of joints' forces; sleeping is off";
+        "; springs are loads; left out: friction, restitution, motors, dampers, bounds of joints' forces; sleeping is "
+        "off";
     WriteHeader(
         {.engine = "chipmunk", .version = cpVersionString, .licence = "MIT", .scene = entry.name, .source = source}, 2,
         Numbers({space_->gravity.x, space_->gravity.y}), scene.time_step, std::move(bodies));
   }
 
+  /// Before the step that is recorded: springs change velocities ahead of all other loads, and are loads here.
+  void KeepVelocities() {
+    velocities_.clear();
+    for (const cpBody* const body : bodies_) velocities_.emplace_back(body->v, body->w);
+  }
+
   void Record(int number) {
     Step step(number);
-    for (const cpBody* const body : bodies_) {
-      const cpVect weight = body->m_inv > 0 ? space_->gravity * body->m + body->f : cpvzero;
-      step.Body(Numbers({body->p.x, body->p.y}), Rounded(body->a), Numbers({body->v.x, body->v.y}), Rounded(body->w),
-                Numbers({weight.x, weight.y}), Rounded(body->i_inv > 0 ? body->t : 0));
+    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+      const cpBody* const body = bodies_[k];
+      const auto& [v, omega] = velocities_[k];
+      const cpVect force =
+          body->m_inv > 0 ? (space_->gravity + (body->v - v) * (1 / time_step_)) * body->m + body->f : cpvzero;
+      const double torque = body->i_inv > 0 ? (body->w - omega) / time_step_ * body->i + body->t : 0;
+      step.Body(Numbers({body->p.x, body->p.y}), Rounded(body->a), Numbers({v.x, v.y}), Rounded(omega),
+                Numbers({force.x, force.y}), Rounded(torque));
     }
     for (int k = 0; k < space_->arbiters->num; ++k) {
       AddContacts(step, *static_cast<const cpArbiter*>(space_->arbiters->arr[k]));
@@ -654,6 +665,8 @@ class Recorder {
   }
 
   cpSpace* space_;
+  double time_step_;
+  std::vector<std::pair<cpVect, double>> velocities_;
   std::vector<const cpBody*> bodies_;
   std::unordered_map<const cpBody*, int> indices_;
   std::map<std::pair<cpHashValue, cpHashValue>, std::vector<cpHashValue>> identities_;
@@ -692,7 +705,10 @@ int Run(int argc, char** argv) {
   Recorder recorder(scene, entry);
   for (int number = 0; number <= request.last(); ++number) {
     scene.before_step();
-    if (request.includes(number)) on_solve = [&recorder, number] { recorder.Record(number); };
+    if (request.includes(number)) {
+      recorder.KeepVelocities();
+      on_solve = [&recorder, number] { recorder.Record(number); };
+    }
     cpSpaceStep(scene.space, scene.time_step);
   }
   return 0;
