@@ -498,7 +498,7 @@ class Recorder {
     std::string source = std::string("demo/") + entry.file + " of Debian's source package chipmunk 7.0.3-5, rebuilt";
     if (*entry.change != '\0') source += std::string("; ") + entry.change;
     source +=
-        "; springs are loads; left out: friction, restitution, motors, dampers, bounds of joints' forces; sleeping is "
+        "; left out: friction, restitution, motors, dampers, bounds of joints' forces; springs are loads; sleeping is "
         "off";
     WriteHeader(
         {.engine = "chipmunk", .version = cpVersionString, .licence = "MIT", .scene = entry.name, .source = source}, 2,
