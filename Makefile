@@ -35,6 +35,9 @@ FUZZ_FLAGS    = -max_total_time=$(FUZZ_SECONDS) -max_len=8192 -timeout=20 -rss_l
 ATTACK_PROBLEMS ?= 10000
 ATTACK_SEED     ?= 100000
 
+# Which lines of the list of recordings `make record-engines` makes anew: those that fit this expression.
+RECORDINGS ?= .
+
 # One solver under two names, and slowed by a tenth: what a campaign must find, and must not.
 CALIBRATION_RESULTS ?= build/results/calibration
 CALIBRATION = --suite standard --filter '-n(25|64|160|400)-s[123]/' --no-fills --tiers 1e-6 --solvers bpp,bpp-again,bpp-slow,pgs,pgs-again,pgs-slow \
@@ -45,7 +48,7 @@ CALIBRATION = --suite standard --filter '-n(25|64|160|400)-s[123]/' --no-fills -
 REFERENCE_RESULTS := report/reference/core --motion report/reference/motion --pictures $(PICTURES)
 REFERENCE_ABLATION := --ablation report/reference/ablation
 
-.PHONY: help deps peers configure command build test report run pictures ablation recommendation calibrate scene-benchmark slurm-try doc reference-report check format fuzz attack install clean
+.PHONY: help deps peers configure command build test report run pictures ablation recommendation calibrate record-engines scene-benchmark slurm-try doc reference-report check format fuzz attack install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
@@ -54,6 +57,7 @@ help:
 	@echo "make ablation   what our own checks, checks for peers, and instruction sets are worth: a build and a campaign (20 minutes)"
 	@echo "make recommendation   rules of lcpbench recommend from the campaigns standard and sequences (CAMPAIGNS=folders; a minute)"
 	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
+	@echo "make record-engines   let physics engines step scenes of their own, and record them in data/recordings (RECORDINGS=box2d-)"
 	@echo "make scene-benchmark      time scene generation, contact detection and assembly at 10^3 to 10^5 rows"
 	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, numbers in README.md and docs/"
 	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt) and reconfigure"
@@ -129,6 +133,19 @@ recommendation: command
 calibrate: command
 	@$(BUILD)/lcpbench run --resume $(CALIBRATION) --output $(CALIBRATION_RESULTS)
 	@$(PYTHON) report/report.py calibrate $(CALIBRATION_RESULTS)
+
+# A recording that cannot be made leaves the old one alone.
+record-engines: deps
+	@sh cmake/install_packages.sh packages-recorders.txt
+	@cmake --preset $(PRESET) -DLCPBENCH_RECORDERS=ON > build/configure-$(PRESET).log 2>&1 || { cat build/configure-$(PRESET).log; exit 1; }
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target recorders
+	@mkdir -p data/recordings build/recordings
+	@grep -E '^[a-z]' benchmarks/recorders/recordings.txt | grep -E '$(RECORDINGS)' | while read -r file engine scene options; do \
+	  [ -x $(BUILD)/recorder-$$engine ] || { echo "no recorder of $$engine: $$file is not made anew"; continue; }; \
+	  $(BUILD)/recorder-$$engine $$scene $$options > build/recordings/$$file.jsonl || exit 1; \
+	  gzip -n -9 < build/recordings/$$file.jsonl > data/recordings/$$file.jsonl.gz || exit 1; \
+	done
+	@$(PYTHON) data/recordings/table.py
 
 scene-benchmark: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target $(subst -,_,$@)

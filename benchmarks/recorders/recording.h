@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <initializer_list>
@@ -115,6 +117,65 @@ inline void WriteHeader(const Origin& origin, int dimension, Json gravity, doubl
       {"dimension", dimension},     {"gravity", std::move(gravity)}, {"time_step", Rounded(time_step)},
       {"bodies", std::move(bodies)}};
   std::puts(header.dump().c_str());
+}
+
+/// Random numbers of our own, the same everywhere, for scenes that engines' demos draw at random.
+class Uniform {
+ public:
+  double operator()(double low, double high) {
+    state_ = state_ * 6364136223846793005U + 1442695040888963407U;
+    return low + (high - low) * static_cast<double>(state_ >> 11U) / 9007199254740992.0;
+  }
+
+ private:
+  std::uint64_t state_ = 24;
+};
+
+/// What a recorder is asked for: `steps` recorded steps of a scene, from step `first` on, `every` steps apart. Steps
+/// are counted from 0, the first one that the engine makes.
+struct Request {
+  std::string scene;
+  int first = 0, steps = 1, every = 1;
+  int last() const { return first + (steps - 1) * every; }
+  bool includes(int step) const { return step >= first && (step - first) % every == 0; }
+};
+
+/// Reads `recorder-ENGINE SCENE [--first STEP] [--steps N] [--every K]`; `--list` lists the scenes. Ends the program
+/// where that is not what it is given.
+inline Request ReadCommandLine(int argc, char** argv, const std::vector<std::string>& scenes) {
+  const auto end = [&](const std::string& wrong) {
+    std::fprintf(stderr, "%s: %s; usage: SCENE [--first STEP] [--steps N] [--every K], or --list\n", argv[0],
+                 wrong.c_str());
+    std::exit(2);
+  };
+  Request request;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    int* const number = word == "--first"   ? &request.first
+                        : word == "--steps" ? &request.steps
+                        : word == "--every" ? &request.every
+                                            : nullptr;
+    if (word == "--list") {
+      for (const std::string& scene : scenes) std::puts(scene.c_str());
+      std::exit(0);
+    } else if (number != nullptr) {
+      char* rest = nullptr;
+      const long value = ++i < argc ? std::strtol(argv[i], &rest, 10) : -1;
+      if (rest == nullptr || rest == argv[i] || *rest != '\0' || value < (number == &request.first ? 0 : 1) ||
+          value > 1000000) {
+        end(word + " takes a whole number");
+      }
+      *number = static_cast<int>(value);
+    } else if (!word.starts_with('-') && request.scene.empty()) {
+      request.scene = word;
+    } else {
+      end("\"" + word + "\" is not understood");
+    }
+  }
+  if (std::find(scenes.begin(), scenes.end(), request.scene) == scenes.end()) {
+    end(request.scene.empty() ? "a scene is missing" : "no scene is called \"" + request.scene + "\"");
+  }
+  return request;
 }
 
 }  // namespace lcpbench::recorders
