@@ -484,7 +484,8 @@ LcpProblem ProblemSource::Make(const RecordingSource& source) {
   if (source.island == 0) return whole->problem;
   const std::vector<RecordedProblem> islands = IslandsOf(*whole, 1);
   if (static_cast<std::size_t>(source.island) > islands.size()) {
-    throw InputError(path + ": step " + std::to_string(source.step) + " has no island " + std::to_string(source.island));
+    throw InputError(path + ": step " + std::to_string(source.step) + " has no island " +
+                     std::to_string(source.island));
   }
   return islands[static_cast<std::size_t>(source.island) - 1].problem;
 }

@@ -50,12 +50,13 @@ struct ManifestEntry {
   std::string id;
   std::string family;  ///< scene, hard case, or the folder it was imported from
   std::variant<Recipe, FileSource, RecordingSource> source;
-  std::optional<Recipe> remake;   ///< of a problem in a file that was generated: how it is made anew
-  std::string base;               ///< BaseOf its recipe; where it has none its own id, or what its file says
-  std::string origin = "placed";  ///< or "motion": a step of a scene's motion; "literature": not of ours; "recorded": of an engine
-  bool fill = false;              ///< a fill-up (FillClass): `properties.rows` is all that is known of it
-  std::string grid;               ///< the property that the problem's neighbours differ in; "" outside grids
-  std::string purpose;            ///< of pathological ones: what it is meant to break
+  std::optional<Recipe> remake;  ///< of a problem in a file that was generated: how it is made anew
+  std::string base;              ///< BaseOf its recipe; where it has none its own id, or what its file says
+  std::string origin =
+      "placed";       ///< or "motion": a step of a scene's motion; "literature": not of ours; "recorded": of an engine
+  bool fill = false;  ///< a fill-up (FillClass): `properties.rows` is all that is known of it
+  std::string grid;   ///< the property that the problem's neighbours differ in; "" outside grids
+  std::string purpose;  ///< of pathological ones: what it is meant to break
   ProblemProperties properties;
   std::optional<AnswerProperties> answer;
   ReferenceSummary reference;

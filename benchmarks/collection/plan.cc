@@ -200,8 +200,9 @@ Tier Literature() {
 }
 
 Tier Recorded() {
-  Tier tier{"recorded", "What engines met in scenes of their own: velocity steps and problems at rest, whole and islands.",
-            true, true};
+  Tier tier{"recorded",
+            "What engines met in scenes of their own: velocity steps and problems at rest, whole and islands.", true,
+            true};
   tier.version = "3.0.0";
   tier.has_recordings = true;
   return tier;
@@ -225,10 +226,9 @@ Tier Nonsymmetric() {
 }
 
 using Plan = std::pair<const char*, Tier (*)()>;
-constexpr Plan kPlans[] = {{"smoke", &Smoke},           {"engine", &Engine},
-                           {"standard", &Standard},     {"large", &Large},
-                           {"sequences", &Sequences},   {"pathological", &Pathological},
-                           {"recorded", &Recorded},     {"literature", &Literature}, {"nonsymmetric", &Nonsymmetric}};
+constexpr Plan kPlans[] = {{"smoke", &Smoke},       {"engine", &Engine},         {"standard", &Standard},
+                           {"large", &Large},       {"sequences", &Sequences},   {"pathological", &Pathological},
+                           {"recorded", &Recorded}, {"literature", &Literature}, {"nonsymmetric", &Nonsymmetric}};
 
 }  // namespace
 

@@ -21,7 +21,6 @@ void dgesdd_(const char* job, const int* m, const int* n, double* a, const int* 
 namespace lcpbench {
 namespace {
 
-
 // Of the bodies that can move and that a row touches.
 void MeasureBodies(const LcpProblem& problem, ProblemProperties* measured) {
   const Eigen::VectorXd& inverse = problem.inverse_mass();

@@ -24,7 +24,8 @@ struct RecordingProblems {
     app.add_option("FILE", files, "Recordings, plain or gzip; - for standard input")->required();
     const std::map<std::string, RecordedLevel> levels = {{"velocity", RecordedLevel::kVelocity},
                                                          {"acceleration", RecordedLevel::kAcceleration}};
-    app.add_option("--level", level, "velocity: the engine's time step; acceleration: where all contacts are of circles")
+    app.add_option("--level", level,
+                   "velocity: the engine's time step; acceleration: where all contacts are of circles")
         ->transform(CLI::CheckedTransformer(levels, CLI::ignore_case))
         ->default_str("velocity");
     app.add_option("--island-rows", island_rows, "Islands of at least so many rows, each a problem; 0: whole scenes")
@@ -50,7 +51,7 @@ struct RecordingProblems {
                           }
                           const RecordedStep step = ParseRecordedStep(line, *header, where);
                           const std::optional<RecordedProblem> whole = MakeRecorded(*header, step, level);
-            if (!whole.has_value()) return;
+                          if (!whole.has_value()) return;
                           if (island_rows == 0) return write(*whole);
                           for (const RecordedProblem& island : IslandsOf(*whole, island_rows)) write(island);
                         }));

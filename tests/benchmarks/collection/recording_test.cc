@@ -1,0 +1,257 @@
+#include "benchmarks/collection/recipes/recording.h"
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/model/random_outlines.h"
+#include "tests/support/refusal.h"
+
+namespace lcpbench {
+namespace {
+
+using testing::Random;
+
+RecordedStep::Vector Vector(Random* random, int dimension) {
+  return {random->Uniform(-1, 1), random->Uniform(-1, 1), dimension == 3 ? random->Uniform(-1, 1) : 0.0};
+}
+// In the plane only the third number.
+RecordedStep::Vector Spin(Random* random, int dimension) {
+  return dimension == 3 ? Vector(random, 3) : RecordedStep::Vector{0, 0, random->Uniform(-1, 1)};
+}
+
+struct Recording {
+  RecordingHeader header;
+  RecordedStep step;
+};
+
+// Bodies with random contacts and joints; the first body cannot move, but has a velocity.
+Recording RandomRecording(int dimension, unsigned seed) {
+  Random random(seed);
+  Recording made;
+  made.header.engine = "engine";
+  made.header.scene = "scene";
+  made.header.dimension = dimension;
+  made.header.time_step = 0.02;
+  const int bodies = 6;
+  for (int k = 0; k < bodies; ++k) {
+    RecordingHeader::Body& body = made.header.bodies.emplace_back();
+    RecordedStep::Body& state = made.step.bodies.emplace_back();
+    if (k > 0) {
+      body.inverse_mass = random.Uniform(0.5, 2);
+      for (double& inverse : body.inverse_inertia) inverse = random.Uniform(0.5, 5);
+    }
+    state.x = Vector(&random, dimension);
+    state.v = Vector(&random, dimension);
+    state.omega = Spin(&random, dimension);
+    state.force = Vector(&random, dimension);
+    state.torque = Spin(&random, dimension);
+    Eigen::Vector4d q = Eigen::Vector4d::NullaryExpr([&] { return random.Uniform(-1, 1); });
+    q.normalize();
+    std::copy(q.begin(), q.end(), state.turn.begin());
+  }
+  made.step.number = 7;
+  const auto end = [&](int but) {
+    int body = but;
+    while (body == but) body = testing::RandomInteger(bodies + 1, &random) - 1;
+    return body;
+  };
+  for (int k = 0; k < 8; ++k) {
+    RecordedStep::Contact& contact = made.step.contacts.emplace_back();
+    contact.first = end(-2);
+    contact.second = end(contact.first);
+    contact.point = Vector(&random, dimension);
+    contact.normal = Vector(&random, dimension);
+    const double size = std::hypot(contact.normal[0], contact.normal[1], contact.normal[2]);
+    for (double& component : contact.normal) component /= size;
+    contact.gap = random.Uniform(-0.01, 0.01);
+    contact.identity = "c" + std::to_string(k);
+  }
+  for (int k = 0; k < 3; ++k) {
+    RecordedStep::JointRow& row = made.step.joint_rows.emplace_back();
+    row.first = end(-2);
+    row.second = end(row.first);
+    row.J.resize(dimension == 3 ? 12 : 6);
+    for (double& number : row.J) number = random.Uniform(-1, 1);
+    row.is_limit = k == 2;
+    row.identity = "j" + std::to_string(k);
+  }
+  return made;
+}
+
+// What a body's velocity becomes by loads and by impulses on rows, in world axes: without any J of the code under test.
+struct Motion {
+  Eigen::Vector3d v = Eigen::Vector3d::Zero();
+  Eigen::Vector3d omega = Eigen::Vector3d::Zero();
+};
+
+Eigen::Vector3d Of(const RecordedStep::Vector& vector) { return {vector[0], vector[1], vector[2]}; }
+
+Eigen::Matrix3d InverseInertia(const Recording& made, std::size_t k) {
+  const auto& inverse = made.header.bodies[k].inverse_inertia;
+  if (made.header.dimension == 2) return Eigen::Vector3d(0, 0, inverse[2]).asDiagonal();
+  const auto& q = made.step.bodies[k].turn;
+  const Eigen::Matrix3d R = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
+  return R * Eigen::Vector3d(inverse[0], inverse[1], inverse[2]).asDiagonal() * R.transpose();
+}
+
+TEST(Recording, RowsAreTheSpeedsAtWhichBodiesPart) {
+  for (const int dimension : {2, 3}) {
+    for (unsigned seed = 1; seed <= 50; ++seed) {
+      const Recording made = RandomRecording(dimension, seed);
+      const RecordedProblem found = VelocityProblem(made.header, made.step);
+      const LcpProblem& problem = found.problem;
+      ASSERT_EQ(problem.columns_per_body(), dimension == 3 ? 6 : 3);
+      Random random(seed + 1000);
+      const Eigen::VectorXd f = Eigen::VectorXd::NullaryExpr(problem.size(), [&] { return random.Uniform(-1, 1); });
+      const auto row_of = [&](const std::string& identity) {
+        return static_cast<Index>(std::find(found.identity.begin(), found.identity.end(), identity) -
+                                  found.identity.begin());
+      };
+      std::vector<Motion> motion(made.header.bodies.size());
+      const auto push = [&](int body, const Eigen::Vector3d& impulse, const Eigen::Vector3d& turning) {
+        if (body < 0) return;
+        const auto k = static_cast<std::size_t>(body);
+        motion[k].v += made.header.bodies[k].inverse_mass * impulse;
+        motion[k].omega += InverseInertia(made, k) * turning;
+      };
+      for (std::size_t k = 0; k < motion.size(); ++k) {
+        const RecordedStep::Body& state = made.step.bodies[k];
+        motion[k] = {Of(state.v), Of(state.omega)};
+        push(static_cast<int>(k), made.header.time_step * Of(state.force), made.header.time_step * Of(state.torque));
+      }
+      const auto arm = [&](const RecordedStep::Contact& contact, int body) -> Eigen::Vector3d {
+        return Of(contact.point) - Of(made.step.bodies[static_cast<std::size_t>(body)].x);
+      };
+      for (const RecordedStep::Contact& contact : made.step.contacts) {
+        const Index row = row_of(contact.identity);
+        if (row == problem.size()) continue;
+        const Eigen::Vector3d impulse = f[row] * Of(contact.normal);
+        if (contact.first >= 0) push(contact.first, -impulse, -arm(contact, contact.first).cross(impulse));
+        if (contact.second >= 0) push(contact.second, impulse, arm(contact, contact.second).cross(impulse));
+      }
+      // Of a joint's body, from `begin` on: the linear and the angular part.
+      const auto part = [&](const RecordedStep::JointRow& row, std::size_t begin, bool angular) -> Eigen::Vector3d {
+        const double* j = row.J.data() + begin;
+        if (dimension == 2) return angular ? Eigen::Vector3d(0, 0, j[2]) : Eigen::Vector3d(j[0], j[1], 0);
+        return angular ? Eigen::Vector3d(j[3], j[4], j[5]) : Eigen::Vector3d(j[0], j[1], j[2]);
+      };
+      for (const RecordedStep::JointRow& joint : made.step.joint_rows) {
+        const Index row = row_of(joint.identity);
+        if (row == problem.size()) continue;
+        push(joint.first, f[row] * part(joint, 0, false), f[row] * part(joint, 0, true));
+        const std::size_t half = joint.J.size() / 2;
+        push(joint.second, f[row] * part(joint, half, false), f[row] * part(joint, half, true));
+      }
+      Eigen::VectorXd w;
+      problem.ComputeW(f, &w);
+      Index seen = 0;
+      for (const RecordedStep::Contact& contact : made.step.contacts) {
+        const Index row = row_of(contact.identity);
+        if (row == problem.size()) continue;
+        double speed = std::max(contact.gap, 0.0) / made.header.time_step;
+        for (const auto& [body, sign] : {std::pair(contact.first, -1.0), std::pair(contact.second, 1.0)}) {
+          if (body < 0) continue;
+          const Motion& moved = motion[static_cast<std::size_t>(body)];
+          speed += sign * Of(contact.normal).dot(moved.v + moved.omega.cross(arm(contact, body)));
+        }
+        EXPECT_NEAR(w[row], speed, 1e-12) << dimension << ' ' << seed;
+        EXPECT_FALSE(problem.is_bilateral(row));
+        ++seen;
+      }
+      for (const RecordedStep::JointRow& joint : made.step.joint_rows) {
+        const Index row = row_of(joint.identity);
+        if (row == problem.size()) continue;
+        double speed = 0;
+        for (const auto& [body, begin] :
+             {std::pair(joint.first, std::size_t{0}), std::pair(joint.second, joint.J.size() / 2)}) {
+          if (body < 0) continue;
+          const Motion& moved = motion[static_cast<std::size_t>(body)];
+          speed += part(joint, begin, false).dot(moved.v) + part(joint, begin, true).dot(moved.omega);
+        }
+        EXPECT_NEAR(w[row], speed, 1e-12) << dimension << ' ' << seed;
+        EXPECT_EQ(problem.is_bilateral(row), !joint.is_limit);
+        ++seen;
+      }
+      EXPECT_EQ(seen, problem.size());
+    }
+  }
+}
+
+TEST(Recording, IslandsShareNoRowAndHaveTheRowsOfTheWhole) {
+  for (unsigned seed = 1; seed <= 50; ++seed) {
+    const Recording made = RandomRecording(3, seed);
+    const RecordedProblem whole = VelocityProblem(made.header, made.step);
+    std::vector<std::string> identity;
+    for (const RecordedProblem& island : IslandsOf(whole, 1)) {
+      identity.insert(identity.end(), island.identity.begin(), island.identity.end());
+      for (Index i = 0; i < island.problem.size(); ++i) {
+        const auto name =
+            std::find(whole.identity.begin(), whole.identity.end(), island.identity[static_cast<std::size_t>(i)]);
+        const Index row = name - whole.identity.begin();
+        EXPECT_EQ(island.problem.b()[i], whole.problem.b()[row]);
+        EXPECT_EQ(island.problem.DiagonalA()[i], whole.problem.DiagonalA()[row]);
+      }
+    }
+    std::vector<std::string> all = whole.identity;
+    std::sort(all.begin(), all.end());
+    std::sort(identity.begin(), identity.end());
+    EXPECT_EQ(identity, all);
+  }
+}
+
+// A disc that rolls or slides over a fixed one: the distance of their centres grows by v^2 / (R + r) - g.
+TEST(Recording, CurvatureEntersTheAcceleration) {
+  for (const double inner : {-3.0, 2.0}) {
+    for (const double v : {0.0, 1.5}) {
+      Recording made;
+      made.header.time_step = 0.1;
+      made.header.bodies = {{0.5, {0, 0, 1}}};
+      const double r = 0.5;
+      const double side = inner < 0 ? -1 : 1;  // in a bowl, or on top of a disc
+      made.step.bodies.resize(1);
+      made.step.bodies[0].x = {0, inner + r, 0};
+      made.step.bodies[0].v = {v, 0, 0};
+      made.step.bodies[0].force = {0, -9.0 * 2, 0};
+      RecordedStep::Contact& contact = made.step.contacts.emplace_back();
+      contact.second = 0;
+      contact.point = {0, inner, 0};
+      contact.normal = {0, 1, 0};
+      contact.radius = {inner, r};
+      const auto found = AccelerationProblem(made.header, made.step);
+      ASSERT_TRUE(found.has_value());
+      ASSERT_EQ(found->problem.size(), 1);
+      const double path = side * std::abs(std::abs(inner) + side * r);  // the circle that its centre follows
+      EXPECT_NEAR(found->problem.b()[0], v * v / path - 9, 1e-12) << inner << ' ' << v;
+      EXPECT_NEAR(found->problem.DiagonalA()[0], 0.5, 1e-15);
+    }
+  }
+}
+
+TEST(Recording, StepsThatAreNoneAreRefusedByName) {
+  RecordingHeader header;
+  header.bodies.resize(1);
+  const auto refused = [&](const std::string& contact, const char* why) {
+    testing::ExpectRefused(
+        [&] {
+          ParseRecordedStep(
+              R"({"step":1,"bodies":{"x":[[0,0]],"q":[0],"v":[[0,0]],"omega":[0],"force":[[0,0]],"torque":[0]},)"
+              R"("joints":[],"contacts":[)" +
+                  contact + "]}",
+              header, "file:2");
+        },
+        why);
+  };
+  refused(R"({"b":[0,0]})", "two different bodies");
+  refused(R"({"b":[0,1]})", "/contacts/0/b/1");
+  refused(R"({"b":[-1,0],"p":[0,0],"n":[1,1]})", "a unit vector");
+  const std::string contact =
+      R"({"b":[-1,0],"p":[0,0],"n":[0,1],"gap":0,"mu":0,"id":"c","shape":["a","b"],"radius":[null,null]})";
+  refused(contact + "," + contact, "an identity of its own");
+}
+
+}  // namespace
+}  // namespace lcpbench
