@@ -673,7 +673,7 @@ void Friction(Stage& stage) {
     for (int j = 0; j < 10; ++j) stage.Box(0.2 * (j + 1), Vector3d(0.2, 0.2, 0.05), Vector3d(0.4 * i, 0.4 * j, 0.025));
   stage.drive = [&stage](int) {
     for (std::size_t k = 0; k < stage.bodies.size(); ++k)
-      dBodyAddForce(stage.bodies[k], 0.05 * static_cast<double>(k / 10 + 1), 0, 0);
+      dBodyAddForce(stage.bodies[k], 0.05 * (std::floor(static_cast<double>(k) / 10) + 1), 0, 0);
   };
 }
 
@@ -769,7 +769,7 @@ void Boxstack(Stage& stage, int count, bool has_boxes_only) {
   dWorldSetAngularDamping(stage.world, 0.005);
   dWorldSetMaxAngularSpeed(stage.world, 200);
   for (int k = 0; k < count; ++k) {
-    const Vector3d corner = {k % 2 == 0 ? -0.5 : 0.5, k % 4 < 2 ? -0.5 : 0.5, 0.6 + 0.7 * (k / 4)};
+    const Vector3d corner = {k % 2 == 0 ? -0.5 : 0.5, k % 4 < 2 ? -0.5 : 0.5, 0.6 + 0.7 * std::floor(k / 4.0)};
     AddObject(stage, has_boxes_only ? Kind::kBox : static_cast<Kind>(k % 5), corner + 0.15 * RandomVector());
   }
 }
@@ -826,6 +826,7 @@ void Cards(Stage& stage) {
 /// A bridge of 16 planks on hinges, held by sliders with stops, on which ten slabs fall.
 void BridgeFeedback(Stage& stage) {
   constexpr int kPlanks = 16;
+  constexpr double kMiddle = kPlanks / 2.0;
   dWorldSetGravity(stage.world, 0, 0, -9.8);
   dWorldSetQuickStepNumIterations(stage.world, 20);
   stage.is_quick = true;
@@ -835,11 +836,11 @@ void BridgeFeedback(Stage& stage) {
   stage.surface.soft_erp = 0.96;
   stage.surface.soft_cfm = 0.02;
   const Vector3d sides = {0.9, 4, 0.1}, slab = {2, 2, 0.6};
-  for (int i = 0; i < kPlanks; ++i) stage.Box(sides.prod(), sides, Vector3d(i - kPlanks / 2, 0, 5));
+  for (int i = 0; i < kPlanks; ++i) stage.Box(sides.prod(), sides, Vector3d(i - kMiddle, 0, 5));
   const std::vector<dBodyID> planks = stage.bodies;
   for (std::size_t i = 0; i + 1 < planks.size(); ++i) {
-    const dJointID hinge = stage.Hinge(planks[i], planks[i + 1],
-                                       Vector3d(static_cast<double>(i) + 0.5 - kPlanks / 2, 0, 5), Vector3d::UnitY());
+    const dJointID hinge = stage.Hinge(planks[i], planks[i + 1], Vector3d(static_cast<double>(i) + 0.5 - kMiddle, 0, 5),
+                                       Vector3d::UnitY());
     dJointSetHingeParam(hinge, dParamFMax, 8000);
   }
   for (int i = 0; i < 10; ++i) stage.Box(2 * slab.prod(), slab, Vector3d(0, 0, 8 + 2 * i));
