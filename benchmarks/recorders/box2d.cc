@@ -104,7 +104,7 @@ b2EdgeShape Edge(b2Vec2 from, b2Vec2 to) {
   return shape;
 }
 
-float F(int number) { return static_cast<float>(number); }
+float F(double number) { return static_cast<float>(number); }
 
 void AddFloor(Scene& scene) { Attach(scene.ground, Edge({-40, 0}, {40, 0})); }
 
@@ -135,10 +135,8 @@ void Tiles(Scene& scene) {
 void BoxStack(Scene& scene) {
   AddFloor(scene);
   Attach(scene.ground, Edge({20, 0}, {20, 20}));
-  for (const float x : {0.0F, -10.0F, -5.0F, 5.0F, 10.0F}) {
-    for (int i = 0; i < 15; ++i) {
-      Attach(scene.AddDynamic({x, 0.55F + 1.1F * F(i)}), Box(0.5F, 0.5F), {.density = 1, .friction = 0.3F});
-    }
+  for (int i = 0; i < 15; ++i) {
+    Attach(scene.AddDynamic({0, 0.55F + 1.1F * F(i)}), Box(0.5F, 0.5F), {.density = 1, .friction = 0.3F});
   }
 }
 
@@ -198,24 +196,12 @@ void Tumbler(Scene& scene) {
   };
 }
 
-/// Box2D's own random numbers are the testbed's; these are any.
-class Uniform {
- public:
-  float operator()(float low, float high) {
-    state_ = state_ * 6364136223846793005U + 1442695040888963407U;
-    return low + (high - low) * static_cast<float>(state_ >> 40U) / 16777216.0F;
-  }
-
- private:
-  std::uint64_t state_ = 24;
-};
-
 void AddPair(Scene& scene) {
   scene.world.SetGravity({0, 0});
   Uniform uniform;
   for (int i = 0; i < 400; ++i) {
-    const float x = uniform(-6, 0);
-    Attach(scene.AddDynamic({x, uniform(4, 6)}), Disc(0.1F), {.density = 0.01F});
+    const double x = uniform(-6, 0);
+    Attach(scene.AddDynamic({F(x), F(uniform(4, 6))}), Disc(0.1F), {.density = 0.01F});
   }
   b2BodyDef definition;
   definition.type = b2_dynamicBody;
@@ -240,8 +226,8 @@ void Confined(Scene& scene) {
   }
   Uniform uniform;
   for (int i = 0; i < 4; ++i) {
-    const float x = 3 + uniform(-1, 1);
-    Attach(scene.AddDynamic({x, 3 + 4 * F(i) + uniform(-1, 1)}), Disc(2), {.density = 1, .friction = 0});
+    const double x = 3 + uniform(-1, 1);
+    Attach(scene.AddDynamic({F(x), F(3 + 4 * i + uniform(-1, 1))}), Disc(2), {.density = 1, .friction = 0});
   }
 }
 
@@ -371,25 +357,6 @@ void WreckingBall(Scene& scene) {
   rope.minLength = 0;
   rope.maxLength = 9.01F;
   scene.world.CreateJoint(&rope);
-}
-
-/// A bar with two smaller mobiles at its ends.
-b2Body* AddMobile(Scene& scene, b2Vec2 hook, int depth, float half_width) {
-  constexpr float kHalfHeight = 0.5F;
-  b2Body* const node = scene.AddDynamic({hook.x, hook.y - kHalfHeight});
-  Attach(node, Box(0.25F * kHalfHeight, kHalfHeight), {.density = 20});
-  if (depth == 0) return node;
-  Attach(node, Box(half_width, 0.25F * kHalfHeight, {0, -kHalfHeight}), {.density = 20});
-  for (const float side : {half_width, -half_width}) {
-    const b2Vec2 end(hook.x + side, hook.y - 2 * kHalfHeight);
-    scene.AddHinge(node, AddMobile(scene, end, depth - 1, 0.5F * half_width), end);
-  }
-  return node;
-}
-
-void Mobile(Scene& scene) {
-  const b2Vec2 hook(0, 20);
-  scene.AddHinge(scene.ground, AddMobile(scene, hook, 4, 3), hook);
 }
 
 void SliderCrank(Scene& scene) {
@@ -573,22 +540,19 @@ struct SceneEntry {
 constexpr SceneEntry kScenes[] = {
     {"pyramid", "pyramid.cpp", "", Pyramid},
     {"tiles", "tiles.cpp", "", Tiles},
-    {"box-stack", "box_stack.cpp", "five columns instead of one, at the positions that the test has for five",
-     BoxStack},
+    {"box-stack", "box_stack.cpp", "", BoxStack},
     {"circle-stack", "circle_stack.cpp", "", CircleStack},
     {"compound-shapes", "compound_shapes.cpp", "the obstructions are there from the start", CompoundShapes},
     {"tumbler", "tumbler.cpp", "", Tumbler},
     {"add-pair", "add_pair.cpp", "random positions of our own", AddPair},
     {"confined", "confined.cpp",
-     "9 columns of 16 discs (the test's constants are 0) and 4 of the discs that a key adds, without gravity",
-     Confined},
+     "9 columns of 16 discs (the test's constants are 0) and 4 of the discs that a key adds; with gravity", Confined},
     {"friction", "friction.cpp", "", Friction},
     {"conveyor-belt", "conveyor_belt.cpp", "", ConveyorBelt},
     {"bridge", "bridge.cpp", "", Bridge},
     {"chain", "chain.cpp", "", Chain},
     {"cantilever", "cantilever.cpp", "", Cantilever},
     {"wrecking-ball", "wrecking_ball.cpp", "", WreckingBall},
-    {"mobile", "mobile_balanced.cpp", "", Mobile},
     {"slider-crank", "slider_crank_2.cpp", "", SliderCrank},
     {"dominos", "dominos.cpp", "", Dominos},
     {"theo-jansen", "theo_jansen.cpp", "", TheoJansen},
@@ -608,7 +572,7 @@ double Cross(Vector a, Vector b) { return a.x * b.y - a.y * b.x; }
 
 class Recorder {
  public:
-  Recorder(b2World& world, const SceneEntry& entry) : world_(world) {
+  Recorder(b2World& world, const SceneEntry& entry) : world_(world), body_count_(world.GetBodyCount()) {
     Json bodies = Json::array();
     std::vector<const b2Body*> in_order;
     for (const b2Body* body = world.GetBodyList(); body != nullptr; body = body->GetNext()) in_order.push_back(body);
@@ -639,11 +603,10 @@ class Recorder {
     std::string source =
         std::string("testbed/tests/") + entry.file + " of Debian's source package box2d 2.4.1-3, rebuilt";
     if (*entry.change != '\0') source += std::string("; ") + entry.change;
-    source += "; left out of the rows: friction, restitution, motors, springs, damping; sleeping is off";
+    source += "; left out: friction, restitution, motors, springs, damping; sleeping is off";
     const b2Vec2 gravity = world.GetGravity();
     WriteHeader({.engine = "box2d",
-                 .version = std::to_string(b2_version.major) + "." + std::to_string(b2_version.minor) + "." +
-                            std::to_string(b2_version.revision),
+                 .version = "2.4.1",  // it says 2.4.0 of itself, which had no limits of distance joints
                  .licence = "MIT",
                  .scene = entry.name,
                  .source = source},
@@ -651,6 +614,10 @@ class Recorder {
   }
 
   void Record(int number) const {
+    if (world_.GetBodyCount() != body_count_) {
+      std::fprintf(stderr, "recorder-box2d: bodies are still added at step %d; expected a later --first\n", number);
+      std::exit(2);
+    }
     Step step(number);
     for (const b2Body* body : bodies_) {
       const b2Vec2 x = body->GetWorldCenter();
@@ -821,6 +788,7 @@ class Recorder {
   }
 
   b2World& world_;  // Box2D shows joints that may change only
+  int body_count_ = 0;
   std::vector<const b2Body*> bodies_;
   std::vector<b2Joint*> joints_;
   std::unordered_map<const b2Body*, int> indices_;

@@ -623,38 +623,35 @@ void RollingFriction(Stage& stage) {
 
 struct Scene {
   const char* name;
-  const char* source;  ///< the example, and what differs from it
+  const char* demo;     ///< file of the engine's source
+  const char* changes;  ///< what differs from it
   void (*build)(Stage&);
 };
 
 constexpr Scene kScenes[] = {
-    {"basic", "examples/BasicDemo/BasicExample.cpp", BasicBoxes},
-    {"basic-spheres", "examples/BasicDemo/BasicExample.cpp; spheres of radius 0.1 in place of the boxes", BasicSpheres},
-    {"multiple-boxes", "examples/ExtendedTutorials/MultipleBoxes.cpp", MultipleBoxes},
-    {"compound-boxes", "examples/ExtendedTutorials/CompoundBoxes.cpp; 36 bodies in place of one", CompoundBoxes},
-    {"boxes-3000", "examples/Benchmarks/BenchmarkDemo.cpp, test 1; 8 layers of 64 in place of 47", Boxes3000},
-    {"wall", "examples/Benchmarks/BenchmarkDemo.cpp, test 2: one of its walls alone", Wall},
-    {"pyramid", "examples/Benchmarks/BenchmarkDemo.cpp, test 2: its pyramid alone; base 8 x 8 in place of 12 x 12",
+    {"basic", "examples/BasicDemo/BasicExample.cpp", "", BasicBoxes},
+    {"basic-spheres", "examples/BasicDemo/BasicExample.cpp", "spheres of radius 0.1 in place of the boxes",
+     BasicSpheres},
+    {"multiple-boxes", "examples/ExtendedTutorials/MultipleBoxes.cpp", "", MultipleBoxes},
+    {"compound-boxes", "examples/ExtendedTutorials/CompoundBoxes.cpp",
+     "36 bodies in place of one, their frames in the centre of mass", CompoundBoxes},
+    {"boxes-3000", "examples/Benchmarks/BenchmarkDemo.cpp (test 1)", "8 layers of 64 in place of 47", Boxes3000},
+    {"wall", "examples/Benchmarks/BenchmarkDemo.cpp (test 2)", "one of its walls alone", Wall},
+    {"pyramid", "examples/Benchmarks/BenchmarkDemo.cpp (test 2)", "its pyramid alone; base 8 x 8 in place of 12 x 12",
      Pyramid},
-    {"tower", "examples/Benchmarks/BenchmarkDemo.cpp, test 2: its round tower alone", Tower},
-    {"ragdoll", "examples/Benchmarks/BenchmarkDemo.cpp, test 3; one ragdoll in place of 136", Ragdoll},
-    {"ragdolls", "examples/Benchmarks/BenchmarkDemo.cpp, test 3; 15 ragdolls in place of 136", Ragdolls},
-    {"newtons-cradle",
-     "examples/ExtendedTutorials/NewtonsCradle.cpp; the last pendulum starts at 4 m/s in place of a user's push",
-     NewtonsCradle},
-    {"chain", "examples/ExtendedTutorials/Chain.cpp; the lowest link starts at 5 m/s", Chain},
-    {"bridge", "examples/ExtendedTutorials/Bridge.cpp; four boxes dropped on it", Bridge},
-    {"gyroscopic",
-     "examples/GyroscopicDemo/GyroscopicSetup.cpp; with gravity and 2 m above the plane in place of 8, frame moved to "
-     "the "
-     "centre of mass",
-     Gyroscopic},
-    {"constraints",
-     "examples/Constraints/ConstraintDemo.cpp: its ball, slider, door, cone and two-body hinge; door, slider and hinge "
-     "start with a velocity",
-     Constraints},
-    {"rolling-friction", "examples/RollingFrictionDemo/RollingFrictionDemo.cpp; 5 x 5 x 5 bodies, the lowest 5 m lower",
-     RollingFriction},
+    {"tower", "examples/Benchmarks/BenchmarkDemo.cpp (test 2)", "its round tower alone", Tower},
+    {"ragdoll", "examples/Benchmarks/BenchmarkDemo.cpp (test 3)", "one ragdoll in place of 136", Ragdoll},
+    {"ragdolls", "examples/Benchmarks/BenchmarkDemo.cpp (test 3)", "15 ragdolls in place of 136", Ragdolls},
+    {"newtons-cradle", "examples/ExtendedTutorials/NewtonsCradle.cpp",
+     "the last pendulum starts at 4 m/s in place of a user's push", NewtonsCradle},
+    {"chain", "examples/ExtendedTutorials/Chain.cpp", "the lowest link starts at 5 m/s", Chain},
+    {"bridge", "examples/ExtendedTutorials/Bridge.cpp", "four boxes dropped on it", Bridge},
+    {"gyroscopic", "examples/GyroscopicDemo/GyroscopicSetup.cpp",
+     "with gravity and 2 m above the plane in place of 8, frame moved to the centre of mass", Gyroscopic},
+    {"constraints", "examples/Constraints/ConstraintDemo.cpp",
+     "its ball, slider, door, cone and two-body hinge; door, slider and hinge start with a velocity", Constraints},
+    {"rolling-friction", "examples/RollingFrictionDemo/RollingFrictionDemo.cpp",
+     "5 x 5 x 5 bodies, the lowest 5 m lower", RollingFriction},
 };
 
 int Main(int argc, char** argv) {
@@ -669,15 +666,17 @@ int Main(int argc, char** argv) {
     if (BodyIndex(*body) >= 0)
       bodies.push_back(
           {{"inverse_mass", Rounded(body->getInvMass())}, {"inverse_inertia", Vector(body->getInvInertiaDiagLocal())}});
-  WriteHeader(
-      {.engine = "bullet",
-       .version = "3.24",
-       .licence = "Zlib",
-       .scene = scene.name,
-       .source = "Bullet 3.24 (Debian libbullet-dev 3.24+dfsg-2, double precision), " + std::string(scene.source) +
-                 "; built anew. Left out: friction, restitution, softness, motors. Torque: the engine's own "
-                 "gyroscopic one. Damping is in the velocities."},
-      3, Vector(stage.world.getGravity()), kTimeStep, std::move(bodies));
+  WriteHeader({.engine = "bullet",
+               .version = "3.24",
+               .licence = "Zlib",
+               .scene = scene.name,
+               .source = std::string(scene.demo) +
+                         " of Bullet's source 3.24, rebuilt and stepped by Debian's libbullet 3.24+dfsg-2" +
+                         (*scene.changes == '\0' ? "" : "; ") + scene.changes +
+                         "; left out: friction, restitution, softness, motors; damping is in the velocities, the "
+                         "torque has the engine's "
+                         "gyroscopic part; sleeping is off"},
+              3, Vector(stage.world.getGravity()), kTimeStep, std::move(bodies));
   stage.world.Record(request);
   return 0;
 }

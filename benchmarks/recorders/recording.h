@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <initializer_list>
@@ -117,6 +118,18 @@ inline void WriteHeader(const Origin& origin, int dimension, Json gravity, doubl
       {"bodies", std::move(bodies)}};
   std::puts(header.dump().c_str());
 }
+
+/// Random numbers of our own, the same everywhere, for scenes that engines' demos draw at random.
+class Uniform {
+ public:
+  double operator()(double low, double high) {
+    state_ = state_ * 6364136223846793005U + 1442695040888963407U;
+    return low + (high - low) * static_cast<double>(state_ >> 11U) / 9007199254740992.0;
+  }
+
+ private:
+  std::uint64_t state_ = 24;
+};
 
 /// What a recorder is asked for: `steps` recorded steps of a scene, from step `first` on, `every` steps apart. Steps
 /// are counted from 0, the first one that the engine makes.
