@@ -1,10 +1,10 @@
 // The Open Dynamics Engine 0.16: its own step of scenes of its demos.
 //
 // A recorded step is what dWorldStep() or dWorldQuickStep() is given: after collision detection, before loads are
-// added. Contacts are those that dCollide() returns. ODE keeps none from step to step, so a contact has the identity of
-// the nearest one of the same two geometries in the step before, seen from the moving body, if it is within a tenth of
-// the smaller geometry's size. Rows of joints follow the definition in ODE's manual; motors are left out, and a soft
-// row (a suspension) stands as a rigid one. The torque has ODE's implicit gyroscopic part.
+// added. Contacts are those that dCollide() returns; ODE keeps none from step to step, their identities are those of
+// ContactNames within a tenth of the smaller geometry's size. Rows of joints follow the definition in ODE's manual;
+// motors are left out, and a soft row (a suspension) stands as a rigid one. The torque has ODE's implicit gyroscopic
+// part.
 //
 // The scenes are built anew from what the demos' sources state: shapes, masses, places, surfaces, drives.
 
@@ -21,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "benchmarks/recorders/contact_names.h"
 #include "benchmarks/recorders/recording.h"
 
 namespace lcpbench::recorders {
@@ -273,10 +274,8 @@ class Stage {
   struct Contact {
     dContactGeom geom;
     double friction;
-    int number;                         ///< within the pair
-    Vector3d place = Vector3d::Zero();  ///< in the moving body's frame
+    int number;  ///< within the pair
   };
-  using Pair = std::pair<dGeomID, dGeomID>;
 
   static void Meet(void* data, dGeomID a, dGeomID b) {
     if (dGeomIsSpace(a) || dGeomIsSpace(b)) {
@@ -314,41 +313,18 @@ class Stage {
   }
 
   void NameContacts() {
-    std::map<Pair, std::vector<Contact*>> pairs;
-    for (Contact& contact : contacts_) {
-      const dGeomID moving = dGeomGetBody(contact.geom.g1) != nullptr ? contact.geom.g1 : contact.geom.g2;
-      const dBodyID body = dGeomGetBody(moving);
-      contact.place = MatrixFromOde(dBodyGetRotation(body)).transpose() *
-                      (FromOde(contact.geom.pos) - FromOde(dBodyGetPosition(body)));
-      pairs[{contact.geom.g1, contact.geom.g2}].push_back(&contact);
+    std::vector<ContactNames::Contact> asked;
+    for (const Contact& contact : contacts_) {
+      const dBodyID first = dGeomGetBody(contact.geom.g1);
+      const dBodyID body = first != nullptr ? first : dGeomGetBody(contact.geom.g2);
+      const Vector3d place = MatrixFromOde(dBodyGetRotation(body)).transpose() *
+                             (FromOde(contact.geom.pos) - FromOde(dBodyGetPosition(body)));
+      asked.push_back({{number_.at(contact.geom.g1), number_.at(contact.geom.g2)},
+                       {place.x(), place.y(), place.z()},
+                       0.1 * std::min(Size(contact.geom.g1), Size(contact.geom.g2))});
     }
-    std::map<Pair, std::vector<Contact>> now;
-    for (auto& [pair, contacts] : pairs) {
-      const double reach = 0.1 * std::min(Size(pair.first), Size(pair.second));
-      std::vector<Contact> before;
-      if (const auto held = held_.find(pair); held != held_.end()) before = held->second;
-      struct Match {
-        double distance;
-        Contact* contact;
-        std::size_t old;
-      };
-      std::vector<Match> matches;
-      for (Contact* const contact : contacts)
-        for (std::size_t k = 0; k < before.size(); ++k)
-          matches.push_back({(contact->place - before[k].place).norm(), contact, k});
-      std::ranges::stable_sort(matches, {}, &Match::distance);
-      for (const Match& match : matches) {
-        if (match.distance > reach) break;
-        int& number = before[match.old].number;
-        if (match.contact->number != 0 || number == 0) continue;
-        match.contact->number = std::exchange(number, 0);
-      }
-      for (Contact* const contact : contacts) {
-        if (contact->number == 0) contact->number = ++last_number_[pair];
-        now[pair].push_back(*contact);
-      }
-    }
-    held_ = std::move(now);
+    const std::vector<int> numbers = names_.Number(asked);
+    for (std::size_t k = 0; k < numbers.size(); ++k) contacts_[k].number = numbers[k];
   }
 
   int Index(dBodyID body) const { return body == nullptr ? -1 : index_.at(body); }
@@ -483,8 +459,7 @@ class Stage {
   std::map<dGeomID, int> number_;
   std::vector<Joint> joints_;
   std::vector<Contact> contacts_;
-  std::map<Pair, std::vector<Contact>> held_;  // of the step before
-  std::map<Pair, int> last_number_;
+  ContactNames names_;
 };
 
 dSurfaceParameters Surface(int mode, double mu) {
