@@ -145,6 +145,7 @@ record-engines: deps
 	  $(BUILD)/recorder-$$engine $$scene $$options > build/recordings/$$file.jsonl || exit 1; \
 	  gzip -n -9 < build/recordings/$$file.jsonl > data/recordings/$$file.jsonl.gz || exit 1; \
 	done
+	@$(PYTHON) data/recordings/table.py
 
 scene-benchmark: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target $(subst -,_,$@)

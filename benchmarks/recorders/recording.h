@@ -166,7 +166,7 @@ inline Request ReadCommandLine(int argc, char** argv, const std::vector<std::str
         end(word + " takes a whole number");
       }
       *number = static_cast<int>(value);
-    } else if (!word.starts_with("-") && request.scene.empty()) {
+    } else if (!word.starts_with('-') && request.scene.empty()) {
       request.scene = word;
     } else {
       end("\"" + word + "\" is not understood");

@@ -62,5 +62,5 @@ def recordings():
 
 if __name__ == "__main__":
     if sys.argv[1:] == ["--check"]:
-        sys.exit(0 if is_up_to_date(recordings()) else "data/recordings/README.md is out of date: run data/recordings/table.py")
+        sys.exit(0 if is_up_to_date(recordings()) else "data/recordings/README.md is out of date: run table.py beside it")
     _README.write_text(_written(recordings()), encoding="utf-8")
