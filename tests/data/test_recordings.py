@@ -91,7 +91,7 @@ class Recordings(unittest.TestCase):
 
     @_each
     def test_loads_close_contacts_more_often_than_they_open_them(self, _path, header, steps):
-        # The sign of normals and of loads: gravity presses bodies together.
+        # The sign of normals and of loads: gravity presses bodies on what does not move, unless they hang from it.
         if not any(header["gravity"]):
             return
         share = [body["inverse_mass"] * header["time_step"] for body in header["bodies"]]
@@ -100,7 +100,7 @@ class Recordings(unittest.TestCase):
             _normal_velocity(step, contact, share) - _normal_velocity(step, contact, none)
             for step in steps
             for contact in step["contacts"]
-            if -1 in contact["b"]
+            if -1 in contact["b"] and not any(set(contact["b"]) == set(joint["b"]) for joint in step["joints"])
         ]
         self.assertLessEqual(sum(changes), 0)
 
