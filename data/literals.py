@@ -163,6 +163,25 @@ def fclib_global(path):
             "invM": [inverse[width * block + k] for block in blocks for k in range(width)], "b": b}
 
 
+def fclib_local(path):
+    """W, by rows, and b of the normal rows of u = W r + q; W is stored by compressed rows."""
+    import h5py  # pylint: disable=import-outside-toplevel
+
+    with h5py.File(path) as file:
+        problem = file["fclib_local"]
+        dimension, matrix = int(problem["spacedim"][0]), problem["W"]
+        if matrix["nz"][0] != -2:
+            raise ValueError(f"{path}: W is not stored by rows")
+        start, column, value = (list(matrix[key]) for key in ("p", "i", "x"))
+        contacts = (len(start) - 1) // dimension
+        W = [[0.0] * contacts for _ in range(contacts)]
+        for i in range(contacts):
+            for k in range(start[dimension * i], start[dimension * i + 1]):
+                if column[k] % dimension == 0:
+                    W[i][column[k] // dimension] = float(value[k])
+        return W, list(map(float, problem["vectors/q"]))[::dimension]
+
+
 class Writer:
     """Sorts problems into the two files; a content stands there once."""
 
@@ -228,14 +247,13 @@ def add_siconos(writer, lcpbench, numerics):
         writer.add("siconos-" + stem, "siconos-contacts", problem.W, {"b": problem.b},
                    f"{SICONOS}{path.relative_to(numerics)}, rows of the normals", "Apache-2.0", base)
     for path in sorted(contacts.glob("*.hdf5")):
+        name = "fclib-" + path.stem.lower().replace("_", "-")
+        source = f"{SICONOS}{path.relative_to(numerics)} (FCLib), rows of the normals"
         try:
-            numbers = fclib_global(path)
-        except (ValueError, KeyError) as error:
-            print(error)
-            continue
-        writer.put("literature", "fclib-" + path.stem.lower().replace("_", "-"), "fclib", numbers,
-                   f"{SICONOS}{path.relative_to(numerics)} (FCLib), rows of the normals; inverse masses rounded",
-                   "Apache-2.0")
+            writer.put("literature", name, "fclib", fclib_global(path), source + "; inverse masses rounded", "Apache-2.0")
+        except KeyError:  # not a global problem
+            W, b = fclib_local(path)
+            writer.add(name, "siconos-contacts", W, {"b": b}, source, "Apache-2.0")
 
 
 def main():

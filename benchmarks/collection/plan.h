@@ -48,6 +48,9 @@ struct Tier {
   bool has_literals = false;
 };
 
+/// The tier whose problems are in no mean of a report: "unsupported" is a right answer to them.
+inline constexpr const char* kNonsymmetricTier = "nonsymmetric";
+
 /// smoke, engine, standard, large, sequences, pathological, literature, nonsymmetric.  @throws InputError naming them
 Tier PlanTier(std::string_view name);
 const std::vector<std::string>& AllTiers();
