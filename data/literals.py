@@ -105,7 +105,7 @@ class FrictionText:
 
 
 def fclib_global(path):
-    """J, 1/m and b of the normal rows of M v = H r + f, u = H^T v + w; columns of bodies without contacts are left out."""
+    """J, 1/m and b of the normal rows of M v = H r + f, u = H^T v + w, without bodies that no contact touches."""
     import h5py  # pylint: disable=import-outside-toplevel
 
     with h5py.File(path) as file:
@@ -140,7 +140,8 @@ def fclib_global(path):
         return {
             "J": {"shape": [rows, width * len(blocks)], "row": [e[0] for e in J], "col": [e[1] for e in J],
                   "val": [e[2] for e in J]},
-            "invM": [inverse[width * block + k] for block in blocks for k in range(width)], "b": b}
+            "invM": [inverse[width * block + k] for block in blocks for k in range(width)], "columns_per_body": width,
+            "b": b}
 
 
 def fclib_local(path):
