@@ -213,7 +213,8 @@ def add_siconos(writer, numerics):
     for path in sorted([*numerics.glob("LCP/test/data/*.dat"), *numerics.glob("MLCP/test/data/*.dat")]):
         with tempfile.TemporaryDirectory() as folder:
             out = Path(folder) / "problem.jsonl"
-            if subprocess.run([writer.lcpbench, "convert", path, "-o", out], check=False, capture_output=True).returncode:
+            convert = subprocess.run([writer.lcpbench, "convert", path, "-o", out], check=False, capture_output=True)
+            if convert.returncode:
                 continue  # a storage or a shape that it does not have
             record = json.loads(out.read_text(encoding="utf-8"))
         if len(record["b"]) > MOST_ROWS_PROVED:
@@ -237,7 +238,8 @@ def add_siconos(writer, numerics):
         name = "fclib-" + path.stem.lower().replace("_", "-")
         source = f"{SICONOS}{path.relative_to(numerics)} (FCLib), rows of the normals"
         try:
-            writer.put("literature", name, "fclib", fclib_global(path), source + "; inverse masses rounded", "Apache-2.0")
+            writer.put("literature", name, "fclib", fclib_global(path), source + "; inverse masses rounded",
+                       "Apache-2.0")
         except KeyError:  # not a global problem
             W, b = fclib_local(path)
             writer.add(name, "siconos-contacts", W, {"b": b}, source, "Apache-2.0")
