@@ -13,7 +13,7 @@ _DATA = Path(__file__).resolve().parent
 _README = _DATA / "README.md"
 _BEGIN = "<!-- coverage: written by data/coverage.py -->"
 _END = "<!-- end of coverage -->"
-_TIERS = ["smoke", "engine", "standard", "large", "pathological"]
+_TIERS = ["smoke", "engine", "standard", "large", "pathological", "literature", "nonsymmetric"]
 
 # (label, upper limit, inclusive)
 _SIZES = [("1–3", 3), ("4–30", 30), ("31–300", 300), ("301–3000", 3000), ("3001–20 000", 20_000), ("10⁵–10⁶", 10**6)]
@@ -25,7 +25,7 @@ _UNKNOWN = "?"
 def kind_mix(kinds):
     """What the problem is made of, by the least common ingredient."""
     if not kinds:
-        return "imported"
+        return "no geometry"
     if any(kind in kinds for kind in ("pin", "rod", "rope", "path joint")):
         return "joints"
     text = " ".join(kinds)

@@ -7,9 +7,9 @@ LCPBENCH is the command, SICONOS the unpacked source of Siconos 4.4.0 (`apt-get 
 problems/literature.jsonl.gz and problems/nonsymmetric.jsonl.gz of FOLDER (default: this one) are written;
 `lcpbench collection build` makes the manifests from them. Needs python3-h5py for the files of FCLib.
 
-Matrices go where they belong: to `literature` if they are symmetric and a factorization in doubles finds no negative
-pivot, which the build then proves. Matrices of contact problems that are symmetric to 1e-4 are made so, and the line
-says by how much. Of problems with friction the rows of the normals are taken.
+Matrices go where they belong: to `literature` if `lcpbench certify` proves them symmetric positive semidefinite. Those
+of contact problems that are symmetric to 1e-4 are made so, and the line says by how much; those that the rounding of
+their numbers has made indefinite are left out. Of problems with friction the rows of the normals are taken.
 """
 
 import argparse
@@ -56,26 +56,6 @@ def asymmetry(matrix):
 def symmetrised(matrix):
     n = range(len(matrix))
     return [[(matrix[i][j] + matrix[j][i]) / 2 for j in n] for i in n]
-
-
-def is_semidefinite(matrix):
-    """By a factorization without pivoting: none of the pivots is negative, and zeros have zero rows."""
-    rest = [row[:] for row in matrix]
-    n = len(rest)
-    for k in range(n):
-        tiny = 1e-12 * max(abs(matrix[k][k]), 1e-300)
-        if rest[k][k] < -tiny:
-            return False
-        if rest[k][k] <= tiny:
-            if any(abs(rest[k][j]) > 1e-12 * (abs(matrix[k][j]) or 1) for j in range(k + 1, n)):
-                return False
-            continue
-        for i in range(k + 1, n):
-            factor = rest[i][k] / rest[k][k]
-            if factor != 0:
-                for j in range(k + 1, n):
-                    rest[i][j] -= factor * rest[k][j]
-    return True
 
 
 def dense(record):
@@ -125,7 +105,7 @@ class FrictionText:
 
 
 def fclib_global(path):
-    """J, 1/m and b of the normal rows of M v = H r + f, u = H^T v + w; columns of bodies without contacts are left out."""
+    """J, 1/m and b of the normal rows of M v = H r + f, u = H^T v + w, without bodies that no contact touches."""
     import h5py  # pylint: disable=import-outside-toplevel
 
     with h5py.File(path) as file:
@@ -160,15 +140,41 @@ def fclib_global(path):
         return {
             "J": {"shape": [rows, width * len(blocks)], "row": [e[0] for e in J], "col": [e[1] for e in J],
                   "val": [e[2] for e in J]},
-            "invM": [inverse[width * block + k] for block in blocks for k in range(width)], "b": b}
+            "invM": [inverse[width * block + k] for block in blocks for k in range(width)], "columns_per_body": width,
+            "b": b}
+
+
+def fclib_local(path):
+    """W, by rows, and b of the normal rows of u = W r + q; W is stored by compressed rows."""
+    import h5py  # pylint: disable=import-outside-toplevel
+
+    with h5py.File(path) as file:
+        problem = file["fclib_local"]
+        dimension, matrix = int(problem["spacedim"][0]), problem["W"]
+        if matrix["nz"][0] != -2:
+            raise ValueError(f"{path}: W is not stored by rows")
+        start, column, value = (list(matrix[key]) for key in ("p", "i", "x"))
+        contacts = (len(start) - 1) // dimension
+        W = [[0.0] * contacts for _ in range(contacts)]
+        for i in range(contacts):
+            for k in range(start[dimension * i], start[dimension * i + 1]):
+                if column[k] % dimension == 0:
+                    W[i][column[k] // dimension] = float(value[k])
+        return W, list(map(float, problem["vectors/q"]))[::dimension]
 
 
 class Writer:
     """Sorts problems into the two files; a content stands there once."""
 
-    def __init__(self):
+    def __init__(self, lcpbench):
+        self.lcpbench = lcpbench
         self.lines = {"literature": [], "nonsymmetric": []}
         self.seen = set()
+
+    def is_semidefinite(self, numbers):
+        run = subprocess.run([self.lcpbench, "certify", "-"], input=json.dumps(numbers), text=True, check=False,
+                             capture_output=True)
+        return run.returncode == 0 and json.loads(run.stdout)["status"] in ("solved", "infeasible")
 
     def add(self, name, family, matrix, rest, provenance, licence, base=None):
         matrix = [[float(value) for value in row] for row in matrix]
@@ -179,7 +185,7 @@ class Writer:
             if off > 0:
                 matrix = symmetrised(matrix)
                 provenance += f"; A symmetrised, entries differed by {off:.1e} of the diagonal"
-        psd = asymmetry(matrix) == 0 and is_semidefinite(matrix)
+        psd = self.is_semidefinite({"A": matrix, **rest})
         if family == "siconos-contacts" and not psd:
             return
         tier = "literature" if psd else "nonsymmetric"
@@ -203,11 +209,12 @@ class Writer:
             print(f"{tier}: {len(lines)} literal problems")
 
 
-def add_siconos(writer, lcpbench, numerics):
+def add_siconos(writer, numerics):
     for path in sorted([*numerics.glob("LCP/test/data/*.dat"), *numerics.glob("MLCP/test/data/*.dat")]):
         with tempfile.TemporaryDirectory() as folder:
             out = Path(folder) / "problem.jsonl"
-            if subprocess.run([lcpbench, "convert", path, "-o", out], check=False, capture_output=True).returncode:
+            convert = subprocess.run([writer.lcpbench, "convert", path, "-o", out], check=False, capture_output=True)
+            if convert.returncode:
                 continue  # a storage or a shape that it does not have
             record = json.loads(out.read_text(encoding="utf-8"))
         if len(record["b"]) > MOST_ROWS_PROVED:
@@ -221,21 +228,21 @@ def add_siconos(writer, lcpbench, numerics):
     for path in sorted(contacts.glob("*.dat")):
         try:
             problem = FrictionText(path)
-        except (ValueError, StopIteration, StopAsyncIteration, RuntimeError):
+        except (ValueError, StopIteration, RuntimeError):  # another layout
             continue
         stem = path.name.removesuffix(".dat").removesuffix(".hdf5").lower().replace("_", "-")
         base = "siconos-rover" if stem.startswith("rover") else None
         writer.add("siconos-" + stem, "siconos-contacts", problem.W, {"b": problem.b},
                    f"{SICONOS}{path.relative_to(numerics)}, rows of the normals", "Apache-2.0", base)
     for path in sorted(contacts.glob("*.hdf5")):
+        name = "fclib-" + path.stem.lower().replace("_", "-")
+        source = f"{SICONOS}{path.relative_to(numerics)} (FCLib), rows of the normals"
         try:
-            numbers = fclib_global(path)
-        except (ValueError, KeyError) as error:
-            print(error)
-            continue
-        writer.put("literature", "fclib-" + path.stem.lower().replace("_", "-"), "fclib", numbers,
-                   f"{SICONOS}{path.relative_to(numerics)} (FCLib), rows of the normals; inverse masses rounded",
-                   "Apache-2.0")
+            writer.put("literature", name, "fclib", fclib_global(path), source + "; inverse masses rounded",
+                       "Apache-2.0")
+        except KeyError:  # not a global problem
+            W, b = fclib_local(path)
+            writer.add(name, "siconos-contacts", W, {"b": b}, source, "Apache-2.0")
 
 
 def main():
@@ -244,10 +251,10 @@ def main():
     parser.add_argument("siconos", type=Path)
     parser.add_argument("-o", "--output", type=Path, default=Path(__file__).resolve().parent)
     options = parser.parse_args()
-    writer = Writer()
+    writer = Writer(options.lcpbench)
     for name, matrix, b, source in TEXTBOOKS:
         writer.add(name, "textbooks", matrix, {"b": [float(value) for value in b]}, source, "CC0-1.0")
-    add_siconos(writer, options.lcpbench, options.siconos / "numerics/src")
+    add_siconos(writer, options.siconos / "numerics/src")
     writer.write(options.output)
 
 

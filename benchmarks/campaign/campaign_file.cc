@@ -282,7 +282,8 @@ void WriteProblems(const std::string& path, const CampaignPlan& plan, const std:
     const std::optional<KnownAnswer> answer = set.references.Find(problem);
     if (answer && answer->f.size() > 0) {
       if (std::isfinite(*answer->reference.floor)) described.floor = answer->reference.floor;
-      const double oracle_s = TimeOracle(problem, answer->f, *answer->reference.w);
+      const bool is_factorizable = problem.IsNumericallySymmetric() && answer->reference.w;
+      const double oracle_s = is_factorizable ? TimeOracle(problem, answer->f, *answer->reference.w) : -1;
       if (oracle_s > 0) described.oracle_s = oracle_s;
     }
     file.Append({RecordOf<DescribedProblem>(ProblemFields(), described)});

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <string_view>
 
+#include "benchmarks/collection/plan.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -215,7 +216,7 @@ constexpr FieldOf<Described> kProblem[] = {
     {{"weight", "positive", "",
       "1/k for the k problems of the campaign that have that base: what it counts in medians, shares and intervals"},
      [](const Described& of) { return Json(of.weight); }},
-    {{"origin", "name", "", "placed, motion"}, Planned<&ManifestEntry::origin>},
+    {{"origin", "name", "", "placed, motion, literature"}, Planned<&ManifestEntry::origin>},
     {{"fill", "boolean", "", "of a further seed, to fill up a stream"}, Planned<&ManifestEntry::fill>},
     {{"size_class", "name", "", "key, of campaign.json"},
      [](const Described& of) { return Json(of.planned.size_class->key); }},
@@ -233,7 +234,7 @@ constexpr FieldOf<Described> kProblem[] = {
      }},
     {{"reference", "name", "", "certified, bounded or none"},
      [](const Described& of) { return Json(of.planned.entry->reference.kind); }},
-    {{"counts", "boolean", "", "in means"}, [](const Described&) { return Json(true); }},
+    {{"counts", "boolean", "", "in means"}, [](const Described& of) { return Json(of.set != kNonsymmetricTier); }},
     {{"oracle_s", "positive?", "s", "what an oracle pays (benchmarks/measure/oracle.h); null: not known"},
      [](const Described& of) { return OrNull(of.oracle_s); }},
     {{"floor", "time?", "", "rounding floor that verdicts are relative to; null: not known"},

@@ -66,16 +66,13 @@ class Builder {
     return Triviality(problem, *examined.entry.answer);
   }
 
-  Examined ExamineOrRecall(const Instance& instance) const {
-    std::optional<Examined> known;
-    if (known_ != nullptr) known = known_->Find(instance.problem);
-    return known.has_value() ? *std::move(known) : Examine(instance.problem, options_, instance.known_f);
-  }
-
   // The entry, but for where its problem comes from; or nothing, and the refusal is noted.
   ManifestEntry* Take(const Instance& instance, const std::string& family) {
-    const Examined examined = ExamineOrRecall(instance);
-    const std::string reason = WhyRefused(instance.problem, examined);
+    std::optional<Examined> known;
+    if (known_ != nullptr) known = known_->Find(instance.problem);
+    const Examined examined = known ? *known : Examine(instance.problem, options_, instance.known_f);
+    // What a manifest has was taken, by shares that were not rounded yet.
+    const std::string reason = known ? "" : WhyRefused(instance.problem, examined);
     if (!reason.empty()) {
       manifest_.refused.push_back({instance.problem.id(), reason});
       return nullptr;

@@ -187,7 +187,7 @@ Tier Literature() {
     AddFormula(key, {100, 1024, 10'000}, &tier, changes);
   };
   grid("obstacle", "load", {-20, -5, 0});
-  grid("torsion", "angle", {2.5, 10, 20});
+  grid("torsion", "angle", {10, 20});
   grid("journal-bearing", "eccentricity", {0.3, 0.5, 0.9});
   grid("block-tridiagonal", "shift", {0});
   AddFormula("biggsb1", {100, 1000, 10'000, 1'000'000}, &tier);
@@ -209,7 +209,7 @@ Tier Recorded() {
 }
 
 Tier Nonsymmetric() {
-  Tier tier{"nonsymmetric",
+  Tier tier{kNonsymmetricTier,
             "Nonsymmetric and indefinite A: \"unsupported\" is a right answer, and a wrong \"solved\" a false success.",
             false, true};
   tier.version = "3.0.0";
@@ -228,7 +228,7 @@ Tier Nonsymmetric() {
 using Plan = std::pair<const char*, Tier (*)()>;
 constexpr Plan kPlans[] = {{"smoke", &Smoke},       {"engine", &Engine},         {"standard", &Standard},
                            {"large", &Large},       {"sequences", &Sequences},   {"pathological", &Pathological},
-                           {"recorded", &Recorded}, {"literature", &Literature}, {"nonsymmetric", &Nonsymmetric}};
+                           {"recorded", &Recorded}, {"literature", &Literature}, {kNonsymmetricTier, &Nonsymmetric}};
 
 }  // namespace
 

@@ -50,6 +50,9 @@ struct Tier {
   bool has_recordings = false;
 };
 
+/// The tier whose problems are in no mean of a report: "unsupported" is a right answer to them.
+inline constexpr const char* kNonsymmetricTier = "nonsymmetric";
+
 /// smoke, engine, standard, large, sequences, pathological, literature, nonsymmetric.  @throws InputError naming them
 Tier PlanTier(std::string_view name);
 const std::vector<std::string>& AllTiers();

@@ -140,11 +140,17 @@ void Confirm(const LcpProblem& problem, const Eigen::VectorXd& known_f, const Ex
 
 // Of a problem whose A is not positive semidefinite.
 void Enumerate(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
-  LcpOptions lcp;
-  lcp.time_limit_s = options.large_time_limit_s;
-  LcpResult guess;
-  MakeSolver("pgs")->Solve(problem, lcp, &guess);
-  const EnumeratedAnswer answer = SolveByEnumeration(problem, guess.f);
+  // Those of ours that take any A; what they say of their answers is not asked.
+  std::vector<Eigen::VectorXd> guesses;
+  for (const char* key : {"pgs", "ipopt-ncp"}) {
+    if (!FindSolver(key).available) continue;
+    LcpOptions lcp;
+    lcp.time_limit_s = options.large_time_limit_s;
+    LcpResult result;
+    MakeSolver(key)->Solve(problem, lcp, &result);
+    guesses.push_back(std::move(result.f));
+  }
+  const EnumeratedAnswer answer = SolveByEnumeration(problem, guesses);
   ReferenceSummary& reference = examined->entry.reference;
   switch (answer.status) {
     case LcpReference::Status::kSolved: {
@@ -155,7 +161,7 @@ void Enumerate(const LcpProblem& problem, const ExamineOptions& options, Examine
     case LcpReference::Status::kInfeasible:
       reference.kind = "certified";
       reference.status = "infeasible";
-      reference.detail = "by enumeration of all active sets";
+      reference.detail = answer.detail;
       examined->reference_line =
           Json{{"id", problem.id()}, {"kind", reference.kind}, {"status", reference.status}}.dump();
       return;
@@ -295,7 +301,7 @@ Examined Examine(const LcpProblem& problem, const ExamineOptions& options,
   }
   if (!problem.facts().positive_semidefinite && problem.size() <= kMostGuessedRows) {
     Enumerate(problem, options, &examined);
-    if (examined.entry.reference.kind == "certified") return examined;
+    if (examined.entry.reference.kind == "certified" || !is_symmetric) return examined;
   }
   const std::optional<Eigen::VectorXd> f = Solve(problem, options);
   if (!f.has_value()) {

@@ -41,6 +41,8 @@ struct Build {
     app.add_flag("--keep", keep, "Examine again only what the manifest there does not have");
     app.add_option("--exact-up-to", examine.exact_up_to, "Rows up to which answers are proved exactly")
         ->check(AtLeast(0));
+    app.add_option("--large-time-limit", examine.large_time_limit_s, "Seconds for an answer of more rows than have one")
+        ->check(AtLeast(0));
   }
 
   int Run() const {

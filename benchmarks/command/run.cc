@@ -77,6 +77,8 @@ const std::vector<CampaignPlan>& Campaigns() {
        .passes = 3,
        .budgets = {.judge_s = 600, .timed_s = 600, .parts_s = 120, .again_s = 120},
        .limits = {.most_s = 60}},
+      {.name = "literature", .manifests = {"literature"}, .most_rows = 10'000, .limits = {.most_s = 10}},
+      {.name = "nonsymmetric", .manifests = {"nonsymmetric"}, .passes = 3, .limits = {.most_s = 2}},
       // What every decade of precision costs.
       {.name = "precision",
        .manifests = {"standard"},

@@ -73,12 +73,27 @@ class Enumeration {
     answer_.w = *std::move(w);
   }
 
+  // -1 where there is none.
+  Index HopelessRow() const {
+    if (!problem_.bilateral_rows().empty()) return -1;
+    for (Index i = 0; i < problem_.size(); ++i) {
+      const Row& row = A_[At(i)];
+      if (problem_.b()[i] < 0 && std::none_of(row.begin(), row.end(), [](const Rational& a) { return a > 0; })) {
+        return i;
+      }
+    }
+    return -1;
+  }
+
   EnumeratedAnswer Answer(bool tried_all) && {
     const bool solved = answer_.status == LcpReference::Status::kSolved;
     if (any_other_) answer_.f_unique = false;
     if (tried_all && !any_singular_) {
       if (solved) answer_.f_unique = !any_other_;
-      if (!solved) answer_.status = LcpReference::Status::kInfeasible;
+      if (!solved) {
+        answer_.status = LcpReference::Status::kInfeasible;
+        answer_.detail = "by enumeration of all active sets";
+      }
     } else if (!solved) {
       answer_.detail = tried_all ? "no nonsingular active set has an answer" : "no answer was guessed";
     }
@@ -115,10 +130,17 @@ std::optional<std::vector<Rational>> GapsOfAnswer(const LcpProblem& problem, con
   return w;
 }
 
-EnumeratedAnswer SolveByEnumeration(const LcpProblem& problem, const Eigen::VectorXd& guess) {
+EnumeratedAnswer SolveByEnumeration(const LcpProblem& problem, const std::vector<Eigen::VectorXd>& guesses) {
   const Index n = problem.size();
   Enumeration enumeration(problem);
-  if (n <= kMostGuessedRows && guess.size() == n && guess.allFinite()) {
+  if (const Index row = enumeration.HopelessRow(); row >= 0) {
+    EnumeratedAnswer answer;
+    answer.status = LcpReference::Status::kInfeasible;
+    answer.detail = "w < 0 on row " + std::to_string(row) + " whatever f >= 0";
+    return answer;
+  }
+  for (const Eigen::VectorXd& guess : guesses) {
+    if (n > kMostGuessedRows || guess.size() != n || !guess.allFinite()) continue;
     Eigen::VectorXd w;
     problem.ComputeW(guess, &w);
     std::vector<Index> active;

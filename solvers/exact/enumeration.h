@@ -20,17 +20,18 @@ struct EnumeratedAnswer {
   std::vector<Rational> f;       ///< a solution
   std::vector<Rational> w;       ///< its gaps; other solutions may have others
   std::optional<bool> f_unique;  ///< where all active sets were tried
-  std::string detail;            ///< why nothing is known
+  std::string detail;            ///< why there is no solution, or why nothing is known
 };
 
 /// Up to this many rows all 2^n active sets are tried.
 inline constexpr Index kMostEnumeratedRows = 12;
 /// Up to this many rows the active set of a guess is.
-inline constexpr Index kMostGuessedRows = 60;
+inline constexpr Index kMostGuessedRows = 128;
 
 /// Tries active sets F (bilateral rows are in all of them): A_FF f_F = -b_F in rationals, by elimination, then signs. A
-/// problem has no solution where no F has one and every A_FF is nonsingular; of a singular A_FF nothing is said.
-/// @param guess  n values, whose active rows are tried first; what it says is not trusted
-EnumeratedAnswer SolveByEnumeration(const LcpProblem& problem, const Eigen::VectorXd& guess);
+/// problem has no solution where no F has one and every A_FF is nonsingular; of a singular A_FF nothing is said. It has
+/// none, either, where a unilateral row has b_i < 0 and nothing above 0 in A, while no row is bilateral.
+/// @param guesses  n values each, whose active rows are tried first; what they say is not trusted
+EnumeratedAnswer SolveByEnumeration(const LcpProblem& problem, const std::vector<Eigen::VectorXd>& guesses);
 
 }  // namespace lcpbench

@@ -11,7 +11,7 @@ from schema_case import REMOVED, SchemaCase, json_of
 _DATA = Path(__file__).resolve().parents[2] / "data"
 sys.path.insert(0, str(_DATA))
 import coverage  # noqa: E402
-_TIERS = ["smoke", "engine", "standard", "large", "sequences", "pathological"]
+_TIERS = ["smoke", "engine", "standard", "large", "sequences", "pathological", "literature", "nonsymmetric"]
 
 # Changes of the smoke tier's manifest that must not pass.
 _MALFORMED = [
@@ -68,6 +68,18 @@ class Collection(unittest.TestCase):
                 self.assertLess(problem["fraction_active"], 1, problem["id"])
                 self.assertGreater(problem["fraction_active"], 0, problem["id"])
                 self.assertEqual(problem["reference"].get("status", "solved"), "solved", problem["id"])
+
+    def test_literature_is_not_ours_and_has_answers(self):
+        for tier in ("literature", "nonsymmetric"):
+            problems = _manifest(tier)["problems"]
+            self.assertEqual({p["origin"] for p in problems}, {"literature"})
+            for problem in problems:
+                self.assertTrue(problem["provenance"] and problem["licence"], problem["id"])
+                if tier == "literature" and problem["rows"] <= 20_000:
+                    self.assertIn(problem["reference"]["kind"], ("certified", "bounded"), problem["id"])
+                    self.assertEqual(problem["reference"]["status"], "solved", problem["id"])
+        sizes = {problem["rows"] for problem in _manifest("literature")["problems"] if "recipe" in problem}
+        self.assertLessEqual({100, 1024, 10_000, 99_856, 1_000_000}, sizes)
 
     def test_pathological_problems_say_what_they_break(self):
         for problem in _manifest("pathological")["problems"]:

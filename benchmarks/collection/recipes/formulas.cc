@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -283,7 +284,7 @@ FormulaProblem Csizmadia(int rows, double /*parameter*/, std::uint64_t /*seed*/)
 FormulaProblem Hilbert(int rows, double /*parameter*/, std::uint64_t /*seed*/) {
   RequireRows(rows, 2, 20);  // the multiple is below 2^53
   std::int64_t multiple = 1;
-  for (std::int64_t k = 2; k < 2 * rows; ++k) {
+  for (std::int64_t k = 2; k < std::int64_t{2} * rows; ++k) {
     std::int64_t a = multiple;
     std::int64_t divisor = k;
     while (a != 0) divisor = std::exchange(a, divisor % a);
@@ -291,7 +292,10 @@ FormulaProblem Hilbert(int rows, double /*parameter*/, std::uint64_t /*seed*/) {
   }
   Eigen::MatrixXd A(rows, rows);
   for (int i = 0; i < rows; ++i) {
-    for (int j = 0; j < rows; ++j) A(i, j) = static_cast<double>(multiple / (i + j + 1));
+    for (int j = 0; j < rows; ++j) {
+      const std::int64_t entry = multiple / (i + j + 1);  // without a remainder
+      A(i, j) = static_cast<double>(entry);
+    }
   }
   return {Dense(std::move(A), -Eigen::VectorXd::Ones(rows), kDefinite)};
 }

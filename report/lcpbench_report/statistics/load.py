@@ -32,7 +32,7 @@ _SOLVER = {"key": "name", "setting": "text", "origin": "text", "uses_tolerance":
 _LIMITS = {"time_per_row_s": "time", "least_s": "time", "most_s": "positive"}
 _SIZE_CLASS = {"key": "name", "least": "count", "most": "count?", "stream": "count"}
 _REFERENCES = ("certified", "bounded", "none")
-_ORIGINS = ("placed", "motion")
+_ORIGINS = ("placed", "motion", "literature")
 METRICS = ("rho", "backward_error", "gap_rel", "w_error", "f_error")
 # Arrays of a judge line, a number for every problem that had its turn.
 JUDGED = (*METRICS, "best_tier", "iterations", "first_s", "allocations", "factor_share")

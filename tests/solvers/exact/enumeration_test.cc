@@ -1,0 +1,67 @@
+#include "solvers/exact/enumeration.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+#include "solvers/exact/exact_lcp.h"
+
+namespace lcpbench {
+namespace {
+
+using Status = LcpReference::Status;
+
+LcpProblem Problem(const std::vector<std::vector<double>>& A, const std::vector<double>& b,
+                   const std::vector<Index>& bilateral = {}) {
+  const auto n = static_cast<Index>(b.size());
+  Eigen::MatrixXd matrix(n, n);
+  for (Index i = 0; i < n; ++i) {
+    for (Index j = 0; j < n; ++j) matrix(i, j) = A[At(i)][At(j)];
+  }
+  return LcpProblem::FromDense("", matrix, Eigen::Map<const Eigen::VectorXd>(b.data(), n),
+                               RowBounds::WithBilateralRows(n, bilateral));
+}
+
+TEST(Enumeration, KnowsWhatIsKnownOfSmallProblems) {
+  const EnumeratedAnswer none = SolveByEnumeration(Problem({{-1, 0}, {0, -1}}, {1, -1}), {});
+  EXPECT_EQ(none.status, Status::kInfeasible);
+  const EnumeratedAnswer two = SolveByEnumeration(Problem({{1, 2}, {2, 1}}, {-1, -1}), {});
+  EXPECT_EQ(two.status, Status::kSolved);
+  EXPECT_EQ(two.f_unique, false);
+  const EnumeratedAnswer skew = SolveByEnumeration(Problem({{0, 1}, {-1, 0}}, {-1, 2}), {});
+  EXPECT_EQ(skew.status, Status::kSolved);
+  EXPECT_EQ(skew.f, (std::vector<Rational>{2, 1}));
+  const EnumeratedAnswer joint = SolveByEnumeration(Problem({{2, 1}, {1, 3}}, {4, 3}, {0}), {});
+  EXPECT_EQ(joint.f, (std::vector<Rational>{-2, 0}));
+  EXPECT_EQ(joint.w, (std::vector<Rational>{0, 1}));
+  // Without a solution, which a singular A_FF hides.
+  const EnumeratedAnswer unknown = SolveByEnumeration(Problem({{1, -1}, {-1, 1}}, {-1, -1}), {});
+  EXPECT_EQ(unknown.status, Status::kUnknown);
+}
+
+// On symmetric positive definite matrices the exact method is another way to the same, only, answer.
+TEST(Enumeration, AgreesWithTheExactMethodAndNeverTrustsAGuess) {
+  std::mt19937 random(7);
+  std::uniform_int_distribution<int> entry(-4, 4);
+  for (int round = 0; round < 40; ++round) {
+    const Index n = 1 + round % 6;
+    const Eigen::MatrixXd M = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return entry(random); });
+    const Eigen::MatrixXd A = M.transpose() * M + Eigen::MatrixXd::Identity(n, n);
+    const Eigen::VectorXd b = Eigen::VectorXd::NullaryExpr(n, [&] { return entry(random); });
+    const LcpProblem problem = LcpProblem::FromDense("", A, b);
+    const Eigen::VectorXd guess = Eigen::VectorXd::NullaryExpr(n, [&] { return entry(random); });
+    const EnumeratedAnswer answer = SolveByEnumeration(problem, {guess});
+    const ExactAnswer exact = SolveExactly(ExactFrom(problem), {});
+    ASSERT_EQ(answer.status, Status::kSolved);
+    EXPECT_EQ(answer.f_unique, true);
+    EXPECT_EQ(answer.f, exact.f);
+    EXPECT_EQ(answer.w, exact.w);
+    std::vector<Rational> other = answer.f;
+    other[0] += 1;
+    EXPECT_FALSE(GapsOfAnswer(problem, other).has_value());
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
