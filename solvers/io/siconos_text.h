@@ -12,10 +12,12 @@ namespace lcpbench {
 // linearComplementarity_newFromFile and mixedLinearComplementarity_newFromFile read them (Siconos 4.4). docs/formats.md
 // has the layout. Our bilateral rows are the equations; blocks keep the order of rows.
 
-/// Dense storage gives a dense problem, sparse storage a sparse one. Memory is in proportion to what the file holds.
+/// Dense storage gives a dense problem, sparse storage and sparse blocks a sparse one. An MLCP whose M has more or
+/// fewer equations than free unknowns is made square by rows and columns 0 (docs/formats.md), and sparse. Memory is in
+/// proportion to what the file holds.
 /// @param name  of the file, for error texts
-/// @throws InputError naming file, line, what was expected and what was found: another layout or storage (sparse
-/// blocks, compressed rows), sizes that are negative, do not fit each other or are not square, what is no finite
+/// @throws InputError naming file, line, what was expected and what was found: another layout or storage
+/// (compressed rows), sizes that are negative or do not fit each other, what is no finite
 /// number, too few numbers or too many, both storages of an MLCP where they differ
 LcpProblem ReadSiconosText(std::istream& input, const std::string& name, const std::string& id);
 /// The problem's id is the file's name without its extension.
