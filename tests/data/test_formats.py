@@ -32,7 +32,7 @@ _RECORDED = {"kind": "curved_curved", "p": 0, "q": 1, "n": [0, 1], "normalFixed"
              "U2": [0, 0], "radius1": 1, "radius2": -2, "distance": 0, "vn": 0, "extra": 0}
 _MOVING = {"name": "ball", "fixed": False, "m": 1, "I": 1, "x": 0, "y": 0, "angle": 0, "vx": 0, "vy": 0, "omega": 0, "ax": 0, "ay": 0,
            "alpha": 0}
-_PROBLEM = {"id": "two", "n": 2, "A": [[2, 1], ["1", "2/1"]], "b": [-1, "1/2"], "bilateral": [1]}
+_PROBLEM = {"id": "two", "n": 2, "A": [[2, 1], ["1", "2/1"]], "b": [-1, "1/2"], "bilateral": [1], "symmetrized": 1e-5}
 
 
 def _line(name):
