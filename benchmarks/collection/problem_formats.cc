@@ -32,7 +32,7 @@ const std::vector<ProblemFormat>& Formats() {
                                                   {"mtx", {".mtx"}, ReadMarket, WriteMarketProblem},
                                                   {"hdf5", {".hdf5", ".h5"}, ReadFclib, WriteFclibProblem},
                                                   {"dat", {".dat"}, ReadSiconos, WriteSiconosProblem},
-                                                  {"qps", {".qps"}, nullptr, WriteQpsProblem},
+                                                  {"qps", {".qps", ".mps"}, nullptr, WriteQpsProblem},
                                                   {"npz", {".npz"}, nullptr, WriteNpzProblem}};
   return formats;
 }

@@ -21,9 +21,9 @@ TEST(QpsText, HasTheLowerTriangleAndFreeJoints) {
   Eigen::MatrixXd A(3, 3);
   A << 0.1, -1, 0, -1, 3, 2, 0, 2, 4;
   const LcpProblem problem =
-      LcpProblem::FromDense("a b\n", A, Eigen::Vector3d(-1, 0, 1e-300), RowBounds::WithBilateralRows(3, {1}));
+      LcpProblem::FromDense("a b\n", A, Eigen::Vector3d(-1, 0, 0.1), RowBounds::WithBilateralRows(3, {1}));
   EXPECT_EQ(Format(problem),
-            "NAME a_b_\nROWS\n N obj\nCOLUMNS\n f1 obj -1\n f2 obj 0\n f3 obj 1.0000000000000000e-300\nRHS\nBOUNDS\n"
+            "NAME a_b_\nROWS\n N obj\nCOLUMNS\n f1 obj -1\n f2 obj 0\n f3 obj 0.10000000000000001\nRHS\nBOUNDS\n"
             " FR bounds f2\nQUADOBJ\n f1 f1 0.10000000000000001\n f1 f2 -1\n f2 f2 3\n f2 f3 2\n f3 f3 4\nENDATA\n");
 }
 
