@@ -17,11 +17,13 @@
 namespace lcpbench {
 namespace {
 
-LcpProblem ReadMarket(const std::string& path, const FclibOptions&) { return ReadMarketProblem(path).problem; }
-LcpProblem ReadFclib(const std::string& path, const FclibOptions& fclib) {
-  return ReadFclibProblem(path, fclib).problem;
+LcpProblem ReadMarket(const std::string& path, const ReadingOptions&) { return ReadMarketProblem(path).problem; }
+LcpProblem ReadFclib(const std::string& path, const ReadingOptions& options) {
+  return ReadFclibProblem(path, {options.fclib_triplets, options.without_friction}).problem;
 }
-LcpProblem ReadSiconos(const std::string& path, const FclibOptions&) { return ReadSiconosProblem(path); }
+LcpProblem ReadSiconos(const std::string& path, const ReadingOptions& options) {
+  return ReadSiconosProblem(path, options.without_friction);
+}
 
 void WriteJsonLine(const LcpProblem& problem, const std::string& path) {
   WriteTextFile(path, FormatLcpRecord(problem) + '\n');
@@ -119,7 +121,7 @@ int ForEachProblem(const std::vector<std::string>& files, const ReadingOptions& 
     if (!format.is_lines()) {
       status |= TellRefusal([&] {
         if (format.read == nullptr) throw InputError(path + ": files of " + format.name + " are written, not read");
-        take({format.read(path, options.fclib), {}, ""});
+        take({format.read(path, options), {}, ""});
       });
     } else {
       status |= ForEachLine(

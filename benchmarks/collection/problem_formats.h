@@ -13,7 +13,8 @@ namespace lcpbench {
 
 /// How problems are read, where a user may choose.
 struct ReadingOptions {
-  FclibOptions fclib;
+  FclibTriplets fclib_triplets = FclibTriplets::kByRanges;
+  bool without_friction = false;  ///< of FCLib's and Siconos' files: reads friction coefficients as 0
   /// A whose LcpProblem::Asymmetry() is not 0 and at most this becomes (A + A^T) / 2, dense or sparse as it was.
   std::optional<double> symmetrize;
 };
@@ -24,7 +25,7 @@ struct ProblemFormat {
   std::vector<std::string_view> extensions;  ///< of its files; JSON lines have any other, and - for standard input
   /// The problem of a file; null of JSON lines, where a file has many, and where files are written only.
   /// @throws InputError as the format's reader
-  LcpProblem (*read)(const std::string& path, const FclibOptions& fclib);
+  LcpProblem (*read)(const std::string& path, const ReadingOptions& options);
   /// One problem to a file. @throws InputError where the format cannot hold it or it cannot be written
   void (*write)(const LcpProblem& problem, const std::string& path);
 

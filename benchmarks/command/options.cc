@@ -137,12 +137,12 @@ void AddReadingOptions(CLI::App& command, ReadingOptions* reading) {
                                                       {"columns-first", FclibTriplets::kColumnsFirst}};
   command
       .add_option_function<std::string>(
-          "--fclib-triplets", [reading, forms](const std::string& form) { reading->fclib.triplets = forms.at(form); },
+          "--fclib-triplets", [reading, forms](const std::string& form) { reading->fclib_triplets = forms.at(form); },
           "What p of FCLib's triplets has, rows-first (fclib.h) or columns-first (Siconos) [default: what their ranges "
           "allow, refused where that is both]")
       ->check(CLI::IsMember({"rows-first", "columns-first"}));
-  command.add_flag("--without-friction", reading->fclib.without_friction,
-                   "The normal rows of FCLib's problems with friction, as if there were none");
+  command.add_flag("--without-friction", reading->without_friction,
+                   "The normal rows of FCLib's and Siconos' problems with friction, as if there were none");
   command
       .add_option("--symmetrize", reading->symmetrize,
                   "Where A is symmetric but for this (0 to 1, relative to the diagonal), take (A + A^T) / 2; the "

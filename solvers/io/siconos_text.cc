@@ -363,6 +363,40 @@ MixedProblem ReadMixed(TextWords* words, bool has_M, bool has_parts, std::int64_
   return problem;
 }
 
+// Of W, q and mu, without friction: normal rows and columns, the first of every contact.
+MixedProblem ReadContacts(TextWords* words, std::int64_t dimension, std::int64_t contacts, std::int64_t storage,
+                          bool without_friction) {
+  const std::int64_t rows = dimension * contacts;
+  words->IntegerOfAnyLine(rows, rows, "a number of columns");
+  const StoredMatrix W = ReadMatrix(words, storage, rows, rows);
+  const std::vector<double> q = words->NumbersOfAnyLine(rows, "q");
+  for (const double mu : words->NumbersOfAnyLine(contacts, "friction coefficients")) {
+    if (mu == 0 || without_friction) continue;
+    words->Reject("friction coefficients 0, or --without-friction, which passes over them", RoundTripDigits(mu));
+  }
+  MixedProblem problem;
+  problem.M.rows = problem.M.columns = contacts;
+  problem.M.is_dense = W.is_dense;
+  const auto normal = Eigen::seqN(Index{0}, W.is_dense ? contacts : 0, dimension);
+  problem.M.dense = W.dense(normal, normal);
+  for (const auto& entry : W.entries) {
+    if (entry.row() % dimension != 0 || entry.col() % dimension != 0) continue;
+    problem.M.entries.emplace_back(entry.row() / static_cast<int>(dimension), entry.col() / static_cast<int>(dimension),
+                                   entry.value());
+  }
+  for (std::int64_t row = 0; row < rows; row += dimension) problem.q.push_back(q[static_cast<size_t>(row)]);
+  problem.most_answers = 1;
+  return problem;
+}
+
+// Contacts: rows of a contact (2 or 3), contacts, storage, rows. LCP: n, storage, n, n; where both are possible, it is
+// an LCP of two rows.
+bool IsOfContacts(const std::array<std::int64_t, 4>& head) {
+  const bool may_be_lcp = head[2] == head[0] && head[3] == head[0];
+  return (head[0] == 2 || head[0] == 3) && head[1] > 0 && head[3] == head[0] * head[1] && head[2] <= kSparseStorage &&
+         !may_be_lcp;
+}
+
 // LCP: n, storage, n, n. MLCP: flag, flag, n, m. Both look alike for one row, where the next word of an MLCP, the first
 // row of a block, is 0, and that of an LCP never.
 bool IsMixed(TextWords* words, const std::array<std::int64_t, 4>& head) {
@@ -371,7 +405,7 @@ bool IsMixed(TextWords* words, const std::array<std::int64_t, 4>& head) {
   return may_be_mixed && (!may_be_lcp || (head[0] == 1 && words->PeekOfAnyLine() == "0"));
 }
 
-MixedProblem Read(TextWords* words) {
+MixedProblem Read(TextWords* words, bool without_friction) {
   std::array<std::int64_t, 4> head{};
   for (std::int64_t& number : head) number = words->IntegerOfAnyLine(0, kMost, "a size, a storage or a flag");
   MixedProblem problem;
@@ -380,6 +414,7 @@ MixedProblem Read(TextWords* words) {
     problem.most_answers = head[2] + 2 * head[3];
     return problem;
   }
+  if (IsOfContacts(head)) return ReadContacts(words, head[0], head[1], head[2], without_friction);
   const std::int64_t n = head[0];
   if (head[2] != n || head[3] != n) {
     words->Reject("a matrix of " + std::to_string(n) + " x " + std::to_string(n) + " entries",
@@ -431,9 +466,9 @@ void WriteBlocks(const LcpProblem& problem, std::ostream& output) {
 
 }  // namespace
 
-LcpProblem ReadSiconosText(std::istream& input, const std::string& name, const std::string& id) {
+LcpProblem ReadSiconosText(std::istream& input, const std::string& name, const std::string& id, bool without_friction) {
   TextWords words(input, name);
-  MixedProblem read = Read(&words);
+  MixedProblem read = Read(&words, without_friction);
   RequireEnd(&words, read.most_answers);
   Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(read.q.data(), read.size());
   try {
@@ -444,12 +479,12 @@ LcpProblem ReadSiconosText(std::istream& input, const std::string& name, const s
   }
 }
 
-LcpProblem ReadSiconosProblem(const std::string& path) {
+LcpProblem ReadSiconosProblem(const std::string& path, bool without_friction) {
   std::error_code no_folder;
   if (std::filesystem::is_directory(path, no_folder)) throw InputError(path + ": is a folder, expected a file");
   std::ifstream file(path);
   if (!file) throw InputError(path + ": cannot be opened");
-  return ReadSiconosText(file, path, std::filesystem::path(path).stem().string());
+  return ReadSiconosText(file, path, std::filesystem::path(path).stem().string(), without_friction);
 }
 
 void WriteSiconosText(const LcpProblem& problem, std::ostream& output) {

@@ -117,6 +117,26 @@ TEST(SiconosText, OtherNumbersOfEquationsThanOfFreeUnknownsAreMadeSquare) {
   EXPECT_THROW(Parse("1 0 2000000000 0  0 2000000000  0  0 0 2000000000 0 2000000000"), InputError);
 }
 
+TEST(SiconosText, OfContactsWithFrictionTheNormalRowsAreRead) {
+  const std::string W = "2 2 0 4 4 4 4  4 9 1 9  9 9 9 9  1 9 3 9  9 9 9 9  -1 8 -2 8  ";
+  const LcpProblem dense = Parse(W + "0 0 1");
+  EXPECT_EQ(dense.DenseA(), (Eigen::Matrix2d() << 4, 1, 1, 3).finished());
+  EXPECT_EQ(dense.b(), Eigen::Vector2d(-1, -2));
+  EXPECT_TRUE(dense.bilateral_rows().empty());
+  ExpectRefused([&] { Parse(W + "0 0.5"); }, "friction coefficients 0, or --without-friction, which passes over them",
+                "file.dat:1: ");
+  EXPECT_THROW(Parse(W + "0"), InputError);
+  EXPECT_THROW(Parse(W + "0 0 1 1"), InputError);
+  std::istringstream blocks(
+      "3 2 1 6 6  2 2 2 3 6 3 6 3 2 0 1 2 0 1  0 5 1 1 1 1 1 1 1 1  1 6 1 1 1 1 1 1 1 1  -1 7 7 -2 7 7  0.7 0");
+  const LcpProblem sparse = ReadSiconosText(blocks, "file.dat", "id", true);
+  EXPECT_EQ(sparse.given_form(), MatrixForm::kSparse);
+  EXPECT_EQ(sparse.DenseA(), (Eigen::Matrix2d() << 5, 0, 0, 6).finished());
+  EXPECT_EQ(sparse.b(), Eigen::Vector2d(-1, -2));
+  // What is a problem of contacts and an LCP by its first words is an LCP.
+  EXPECT_EQ(Parse("2 1 2 2  1 1 1 2 2 2 1 0 1 0  0 1 2 3 4  -1 -2").size(), 2);
+}
+
 TEST(SiconosText, WhatIsWrongIsOneLineWithItsPlace) {
   const std::string sparse = "2\n2\n2\n2\n1\nCSparse\ntriplet: 2-by-2, nzmax: 1 nnz: ";
   const std::string columns = "2\n2\n2\n2\n2\nCSparse\n2-by-2, nzmax: 1 nnz: ";
