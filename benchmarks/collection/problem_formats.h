@@ -1,22 +1,35 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "solvers/io/fclib_file.h"
 #include "solvers/io/json_lines.h"
 
 namespace lcpbench {
 
-/// A file format of problems: json_lines.h, matrix_market.h, fclib_file.h or siconos_text.h.
+/// How problems are read, where a user may choose.
+struct ReadingOptions {
+  FclibTriplets fclib_triplets = FclibTriplets::kByRanges;
+  bool without_friction = false;  ///< of FCLib's and Siconos' files: reads friction coefficients as 0
+  /// A whose LcpProblem::Asymmetry() is not 0 and at most this becomes (A + A^T) / 2, dense or sparse as it was.
+  std::optional<double> symmetrize;
+};
+
+/// A file format of problems: json_lines.h, matrix_market.h, fclib_file.h, siconos_text.h, qps_text.h or npz_file.h.
 struct ProblemFormat {
-  const char* name;                          ///< "jsonl", "mtx", "hdf5", "dat"
+  const char* name;                          ///< "jsonl", "mtx", "hdf5", "dat", "qps", "npz"
   std::vector<std::string_view> extensions;  ///< of its files; JSON lines have any other, and - for standard input
-  /// The problem of a file; null of JSON lines, where a file has many. @throws InputError as the format's reader
-  LcpProblem (*read)(const std::string& path);
+  /// The problem of a file; null of JSON lines, where a file has many, and where files are written only.
+  /// @throws InputError as the format's reader
+  LcpProblem (*read)(const std::string& path, const ReadingOptions& options);
   /// One problem to a file. @throws InputError where the format cannot hold it or it cannot be written
   void (*write)(const LcpProblem& problem, const std::string& path);
+
+  bool is_lines() const { return extensions.empty(); }  ///< JSON lines
 };
 
 /// By the extension.
@@ -26,7 +39,9 @@ const ProblemFormat& FormatNamed(const std::string& name);
 
 /// Calls `handle` for every problem of every file, of JSON lines one after the other. What is refused with InputError,
 /// by the reader or by `handle`, is told on standard error, one line each, and the next problem is taken.
+/// How many matrices were symmetrized, and how many not, is told there, too.
 /// @return 0, or 2 when something was refused
-int ForEachProblem(const std::vector<std::string>& files, const std::function<void(const LcpRecord& record)>& handle);
+int ForEachProblem(const std::vector<std::string>& files, const ReadingOptions& options,
+                   const std::function<void(const LcpRecord& record)>& handle);
 
 }  // namespace lcpbench

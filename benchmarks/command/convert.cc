@@ -8,6 +8,7 @@
 
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/command/commands.h"
+#include "benchmarks/command/options.h"
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
 #include "support/text_file.h"
@@ -28,6 +29,7 @@ struct Convert {
   std::vector<std::string> files;
   std::string output = "-";
   std::string to;
+  ReadingOptions reading;
 
   void Declare(CLI::App& app) {
     app.add_option("FILE", files,
@@ -35,22 +37,23 @@ struct Convert {
                    "Siconos' name.dat")
         ->required();
     app.add_option("-o,--output", output,
-                   "name.mtx, name.hdf5, name.h5 or name.dat for one problem, a folder for many, else a file of JSON "
-                   "lines");
-    app.add_option("--to", to, "In a folder: jsonl, mtx (the default), hdf5 or dat");
+                   "name.mtx, name.hdf5, name.h5, name.dat, or, as a quadratic program, name.qps or name.npz (of "
+                   "qpsolvers) for one problem, a folder for many, else a file of JSON lines");
+    app.add_option("--to", to, "In a folder: jsonl, mtx (the default), hdf5, dat, qps or npz");
+    AddReadingOptions(app, &reading);
   }
 
   int Run() const {
     const bool is_folder = fs::is_directory(output);
     const ProblemFormat& format = Format(is_folder);
     std::optional<TextOutput> lines;
-    if (!is_folder && format.read == nullptr) lines.emplace(output);
+    if (!is_folder && format.is_lines()) lines.emplace(output);
     std::set<std::string> written;
     bool any = false;
-    const int status = ForEachProblem(files, [&](const LcpRecord& record) {
+    const int status = ForEachProblem(files, reading, [&](const LcpRecord& record) {
       const LcpProblem& problem = record.problem;
       any = true;
-      if (lines) return lines->Write(FormatLcpRecord(problem) + "\n");
+      if (lines) return lines->Write(FormatLcpRecord(problem, false, record.symmetrized) + "\n");
       const std::string path =
           is_folder ? (fs::path(output) / (FileName(problem.id()) + "." + format.name)).string() : output;
       if (!written.insert(path).second) {

@@ -86,7 +86,7 @@ struct Import {
       };
       const auto take = [&](const LcpRecord& record) { Take(record.problem, {relative, 1}, file.string()); };
       status = std::max(
-          status, IsJsonLines(file) ? ForEachLine({file.string()}, take_line) : ForEachProblem({file.string()}, take));
+          status, IsJsonLines(file) ? ForEachLine({file.string()}, take_line) : ForEachProblem({file.string()}, {}, take));
     }
     if (manifest.problems.empty()) throw InputError(folder + ": no problem could be read");
     WriteGzipFile((fs::path(folder) / kReferencesName).string(), references_);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <sstream>
 #include <utility>
 
@@ -129,6 +130,24 @@ CLI::Validator Tolerance() {
 
 void AddToleranceOption(CLI::App& command, double* tolerance) {
   command.add_option("--tolerance", *tolerance, "Bound on rho, the scaled natural residual")->check(Tolerance());
+}
+
+void AddReadingOptions(CLI::App& command, ReadingOptions* reading) {
+  const std::map<std::string, FclibTriplets> forms = {{"rows-first", FclibTriplets::kRowsFirst},
+                                                      {"columns-first", FclibTriplets::kColumnsFirst}};
+  command
+      .add_option_function<std::string>(
+          "--fclib-triplets", [reading, forms](const std::string& form) { reading->fclib_triplets = forms.at(form); },
+          "What p of FCLib's triplets has, rows-first (fclib.h) or columns-first (Siconos) [default: what their ranges "
+          "allow, refused where that is both]")
+      ->check(CLI::IsMember({"rows-first", "columns-first"}));
+  command.add_flag("--without-friction", reading->without_friction,
+                   "The normal rows of FCLib's and Siconos' problems with friction, as if there were none");
+  command
+      .add_option("--symmetrize", reading->symmetrize,
+                  "Where A is symmetric but for this (0 to 1, relative to the diagonal), take (A + A^T) / 2; the "
+                  "amount is noted as `symmetrized`")
+      ->check(Expect("a number from 0 to 1", [](double bound) { return bound >= 0 && bound <= 1; }));
 }
 
 void AddCpuOption(CLI::App& command, int* cpu) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/motions/scene_source.h"
 #include "solvers/lcp/settings.h"
 #include "solvers/registry.h"
@@ -26,6 +27,9 @@ void AddToleranceOption(CLI::App& command, double* tolerance);
 void AddTimeLimitOption(CLI::App& command, double* time_limit_s);
 /// --cpu; refuses a processor that this process may not use.
 void AddCpuOption(CLI::App& command, int* cpu);
+
+/// --fclib-triplets, --without-friction and --symmetrize: choices of readers.
+void AddReadingOptions(CLI::App& command, ReadingOptions* reading);
 
 /// A scene, and what overrides its own way of moving.
 struct SceneOptions {

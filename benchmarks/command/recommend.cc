@@ -120,7 +120,7 @@ struct Recommend {
   // What report/report.py recommendation makes rules of: the same numbers as the command looks them up by.
   int PrintFeatures() const {
     if (files.empty()) throw InputError("--features: expected one FILE or more");
-    return ForEachProblem(files, [](const LcpRecord& record) {
+    return ForEachProblem(files, {}, [](const LcpRecord& record) {
       nlohmann::ordered_json line = {{"problem", record.problem.id()}};
       line.update(Describe(MeasureFeatures(record.problem)));
       std::cout << line.dump() << std::endl;

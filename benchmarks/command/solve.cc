@@ -1,6 +1,6 @@
 #include <iostream>
 
-#include "benchmarks/collection/gzip_file.h"
+#include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
 #include "benchmarks/measure/reference_solves.h"
@@ -19,6 +19,7 @@ struct Solve {
   std::vector<std::string> settings;
   NamedSolvers named;
   std::vector<std::string> files;
+  ReadingOptions reading;
 
   void Declare(CLI::App& app) {
     app.add_option("--solver", key, "Solver key (lcpbench list solvers)")->required();
@@ -29,7 +30,11 @@ struct Solve {
     app.add_flag("--floor", relative_to_floor,
                  "Judge by the larger of tolerance and the problem's rounding floor, which a reference solve finds");
     AddSettingsOption(app, &settings);
-    app.add_option("FILE", files, "JSON lines; - for standard input")->required();
+    app.add_option("FILE", files,
+                   "JSON lines, - for standard input; name.mtx with name_b.mtx beside it; FCLib's name.hdf5 (or .h5); "
+                   "Siconos' name.dat")
+        ->required();
+    AddReadingOptions(app, &reading);
     named.Declare(app);
   }
 
@@ -37,8 +42,7 @@ struct Solve {
     named.Register();
     const std::unique_ptr<LcpSolver> solver = MakeSolver(key, ParseSettings(settings));
     if (auto* external = dynamic_cast<ExternalSolver*>(solver.get())) external->Greet();
-    return ForEachLine(files, [&](const std::string& line, const std::string& where) {
-      LcpRecord record = ParseLcpRecord(line, where);
+    return ForEachProblem(files, reading, [&](const LcpRecord& record) {
       LcpResult result;
       const double start = SteadyNow();
       solver->Prepare(record.problem);
@@ -46,11 +50,12 @@ struct Solve {
       solver->Solve(record.problem, options, &result);
       const double wall = SteadyNow() - prepared;
       const double solve_s = result.own_solve_s >= 0 ? result.own_solve_s : wall;
+      LcpReference reference = record.reference;
       if (relative_to_floor) {
-        record.reference.floor = FindReferenceFloor(record.problem, options.tolerance, options.time_limit_s);
+        reference.floor = FindReferenceFloor(record.problem, options.tolerance, options.time_limit_s);
       }
-      const Verdict verdict = Verify(record.problem, result, options.tolerance, &record.reference);
-      std::cout << FormatSolveRecord(record.problem, key, result, verdict, prepared - start, solve_s) << std::endl;
+      const Verdict verdict = Verify(record.problem, result, options.tolerance, &reference);
+      std::cout << FormatSolveRecord(record, key, result, verdict, prepared - start, solve_s) << std::endl;
     });
   }
 };
@@ -58,7 +63,7 @@ struct Solve {
 }  // namespace
 
 void AddSolveCommand(CLI::App& app, CommandRun& run) {
-  AddCommand<Solve>(app, run, "solve", "Solves LCPs from JSON lines and judges every answer");
+  AddCommand<Solve>(app, run, "solve", "Solves LCPs from files and judges every answer");
 }
 
 }  // namespace lcpbench

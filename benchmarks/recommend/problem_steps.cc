@@ -117,7 +117,7 @@ void RequireRows(const ProblemSteps& found) {
 
 ProblemSteps ReadProblemSteps(const std::string& path) {
   const auto read = FormatOfFile(path).read;
-  ProblemSteps found = read == nullptr ? ReadLines(path) : Single(read(path));
+  ProblemSteps found = read == nullptr ? ReadLines(path) : Single(read(path, {}));
   found.name = path == "-" ? "standard input" : std::filesystem::path(path).filename().string();
   RequireRows(found);
   return found;

@@ -1,7 +1,10 @@
 """From a campaign's folder to its tables: what they hold, and what is refused."""
 
+import csv
 import json
+import re
 import unittest
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -26,6 +29,22 @@ def _change(record: dict) -> dict:
     if record["solver"] == "limited" and "-200-" in record["problem"]:
         return fail(record, "time_limit")
     return record
+
+
+def _misfit(field: dict, text: str, missing: list[str]) -> str:
+    """Why a value is none of a Table Schema's field; "" where it is."""
+    limits = field.get("constraints", {})
+    if text in missing:
+        return "is missing" if limits.get("required") else ""
+    if field["type"] == "boolean":
+        return "" if text in ("true", "false") else f"{text} is no boolean"
+    if field["type"] == "string":
+        return "" if re.fullmatch(limits.get("pattern", ".*"), text) else f"{text} is another text"
+    try:
+        value = (int if field["type"] == "integer" else float)(text)
+    except ValueError:
+        return f"{text} is no {field['type']}"
+    return "" if value >= limits.get("minimum", value) else f"{text} is too small"
 
 
 class Tables(SharedFolderCase):
@@ -53,6 +72,18 @@ class Tables(SharedFolderCase):
         self.assertTrue((ordered.diff(axis=1).iloc[:, 1:] >= 0).all().all())
         np.testing.assert_allclose(run["prepare_s"] / run["problem_s"], PARTS["prepare_s"] / PARTS["problem_s"])
         self.assertTrue((run["again_s"] < run["fresh_s"]).all())
+
+    def test_the_long_table_is_as_its_schema_says(self):
+        schema = json.loads((Path(__file__).parents[2] / "docs/formats/cells.table.json").read_text(encoding="utf-8"))
+        with (self.folder / FOLDER / "cells.csv").open(encoding="utf-8", newline="") as file:
+            lines = csv.DictReader(file)
+            self.assertEqual(lines.fieldnames, [field["name"] for field in schema["fields"]])
+            keys = set()
+            for line in lines:
+                for field in schema["fields"]:
+                    self.assertEqual(_misfit(field, line[field["name"]], schema["missingValues"]), "", field["name"])
+                keys.add(tuple(line[name] for name in schema["primaryKey"]))
+            self.assertEqual(len(keys), lines.line_num - 1)
 
     def test_only_what_is_verified_has_a_time(self):
         cells = self.tables["cells"]

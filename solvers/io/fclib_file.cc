@@ -31,6 +31,14 @@ constexpr char kR[] = "/fclib_local/R";
 constexpr char kQ[] = "/fclib_local/vectors/q";
 constexpr char kMu[] = "/fclib_local/vectors/mu";
 constexpr char kS[] = "/fclib_local/vectors/s";
+constexpr char kGlobalDimension[] = "/fclib_global/spacedim";
+constexpr char kM[] = "/fclib_global/M";
+constexpr char kH[] = "/fclib_global/H";
+constexpr char kG[] = "/fclib_global/G";
+constexpr char kLoads[] = "/fclib_global/vectors/f";
+constexpr char kVelocities[] = "/fclib_global/vectors/w";
+constexpr char kGlobalMu[] = "/fclib_global/vectors/mu";
+constexpr char kGlobalB[] = "/fclib_global/vectors/b";
 constexpr char kNormalForces[] = "/solution/r";
 constexpr char kBilateralForces[] = "/solution/l";
 constexpr char kId[] = "/lcpbench/id";
@@ -42,14 +50,16 @@ using Entry = Eigen::Triplet<double, int>;
 
 Hdf5Datasets AllDatasets() {
   Hdf5Datasets wanted{{kId, std::string()}};
-  for (const std::string matrix : {kW, kV, kR, kJ}) {
+  for (const std::string matrix : {kW, kV, kR, kJ, kM, kH, kG}) {
     for (const char* part : {"/nzmax", "/m", "/n", "/nz", "/p", "/i"}) {
       wanted.emplace_back(matrix + part, std::vector<int>());
     }
     wanted.emplace_back(matrix + "/x", std::vector<double>());
   }
-  for (const char* integers : {kDimension, kRowOrder}) wanted.emplace_back(integers, std::vector<int>());
-  for (const char* reals : {kQ, kMu, kS, kNormalForces, kBilateralForces, kInverseMass}) {
+  for (const char* integers : {kDimension, kGlobalDimension, kRowOrder})
+    wanted.emplace_back(integers, std::vector<int>());
+  for (const char* reals :
+       {kQ, kMu, kS, kLoads, kVelocities, kGlobalMu, kGlobalB, kNormalForces, kBilateralForces, kInverseMass}) {
     wanted.emplace_back(reals, std::vector<double>());
   }
   return wanted;
@@ -106,9 +116,12 @@ class File {
 
 // A matrix as its entries: its sizes are promises until something of that length stands beside them.
 struct Matrix {
+  std::string name;
   int rows = 0;
   int columns = 0;
   std::vector<Entry> entries;
+  /// Triplets whose indices fit both ways: `entries` has them with p as rows.
+  bool is_ambiguous = false;
 };
 
 void RequireIndex(const File& file, const std::string& name, int index, int end) {
@@ -116,45 +129,126 @@ void RequireIndex(const File& file, const std::string& name, int index, int end)
   file.Reject(name, "indices from 0 to " + std::to_string(end - 1), std::to_string(index));
 }
 
-Matrix ReadMatrix(const File& file, const std::string& name) {
-  Matrix matrix;
-  matrix.rows = file.Integer(name + "/m", 0, kMost);
-  matrix.columns = file.Integer(name + "/n", 0, kMost);
-  const int places = file.Integer(name + "/nzmax", 0, kMost);
-  const int form = file.Integer(name + "/nz", kCompressedRows, kMost);
-  const std::string p_name = name + "/p", i_name = name + "/i";
-  const std::vector<int>& p = file.Integers(p_name);
-  const std::vector<int>& i = file.Integers(i_name);
-  const std::vector<double>& x = file.Reals(name + "/x", form >= 0 ? form : places);
-  file.RequireCount(i_name, i.size(), form >= 0 ? form : places);
-  if (form >= 0) {
-    file.RequireCount(p_name, p.size(), form);
-    for (size_t k = 0; k < x.size(); ++k) {
-      RequireIndex(file, p_name, p[k], matrix.rows);
-      RequireIndex(file, i_name, i[k], matrix.columns);
-      matrix.entries.emplace_back(p[k], i[k], x[k]);
+// One entry in every `row_step` rows and `column_step` columns: of contacts the normal ones.
+std::vector<Entry> EveryNth(const std::vector<Entry>& entries, int row_step, int column_step, bool swapped) {
+  std::vector<Entry> kept;
+  for (const Entry& entry : entries) {
+    const int row = swapped ? entry.col() : entry.row(), column = swapped ? entry.row() : entry.col();
+    if (row % row_step != 0 || column % column_step != 0) continue;
+    kept.emplace_back(row / row_step, column / column_step, entry.value());
+  }
+  return kept;
+}
+
+// Sorted, one of a place, none 0.
+std::vector<Entry> Summed(std::vector<Entry> entries) {
+  const auto place = [](const Entry& entry) { return std::pair(entry.row(), entry.col()); };
+  std::stable_sort(entries.begin(), entries.end(), [&](const Entry& a, const Entry& b) { return place(a) < place(b); });
+  std::vector<Entry> sums;
+  for (const Entry& entry : entries) {
+    const bool is_new = sums.empty() || place(sums.back()) != place(entry);
+    const double before = is_new ? 0 : sums.back().value();
+    if (!is_new) sums.pop_back();
+    sums.emplace_back(entry.row(), entry.col(), before + entry.value());
+  }
+  std::erase_if(sums, [](const Entry& entry) { return entry.value() == 0; });
+  return sums;
+}
+
+bool HaveSameEntries(const std::vector<Entry>& a, const std::vector<Entry>& b) {
+  const auto same = [](const Entry& x, const Entry& y) {
+    return x.row() == y.row() && x.col() == y.col() && x.value() == y.value();
+  };
+  const std::vector<Entry> sums = Summed(a), others = Summed(b);
+  return std::equal(sums.begin(), sums.end(), others.begin(), others.end(), same);
+}
+
+// The matrices of one file. One program wrote it, so that p has the rows, or the columns, of all its triplets.
+class Matrices {
+ public:
+  Matrices(const File& file, FclibTriplets triplets) : file_(file), triplets_(triplets) {}
+
+  Matrix Read(const std::string& name) {
+    Matrix matrix;
+    matrix.name = name;
+    matrix.rows = file_.Integer(name + "/m", 0, kMost);
+    matrix.columns = file_.Integer(name + "/n", 0, kMost);
+    const int places = file_.Integer(name + "/nzmax", 0, kMost);
+    const int form = file_.Integer(name + "/nz", kCompressedRows, kMost);
+    const std::vector<int>& p = file_.Integers(name + "/p");
+    const std::vector<int>& i = file_.Integers(name + "/i");
+    const std::vector<double>& x = file_.Reals(name + "/x", form >= 0 ? form : places);
+    file_.RequireCount(name + "/i", i.size(), form >= 0 ? form : places);
+    if (form < 0) {
+      ReadCompressed(p, i, x, form == kCompressedColumns, &matrix);
+    } else {
+      file_.RequireCount(name + "/p", p.size(), form);
+      ReadTriplets(p, i, x, &matrix);
     }
     return matrix;
   }
-  const bool by_columns = form == kCompressedColumns;
-  const int outer = by_columns ? matrix.columns : matrix.rows;
-  file.RequireCount(p_name, p.size(), std::int64_t{outer} + 1);
-  const int inner = by_columns ? matrix.rows : matrix.columns;
-  int last = 0;
-  for (size_t k = 0; k < p.size(); last = p[k++]) {
-    const int most = k == 0 ? 0 : places;
-    if (p[k] < last || p[k] > most) {
-      file.Reject(p_name, "a place from " + std::to_string(last) + " to " + std::to_string(most),
-                  std::to_string(p[k]) + " at " + std::to_string(k));
-    }
-    for (int e = last; e < p[k]; ++e) {
-      const int a = static_cast<int>(k) - 1, b = i[static_cast<size_t>(e)];
-      RequireIndex(file, i_name, b, inner);
-      matrix.entries.emplace_back(by_columns ? b : a, by_columns ? a : b, x[static_cast<size_t>(e)]);
+
+  // What the problem needs of the matrices that have been read, see EveryNth; all of them are to be read before.
+  std::vector<Entry> Entries(const Matrix& matrix, int row_step = 1, int column_step = 1) const {
+    std::vector<Entry> by_rows = EveryNth(matrix.entries, row_step, column_step, false);
+    if (!matrix.is_ambiguous || triplets_ == FclibTriplets::kRowsFirst) return by_rows;
+    std::vector<Entry> by_columns = EveryNth(matrix.entries, row_step, column_step, true);
+    if (triplets_ == FclibTriplets::kColumnsFirst) return by_columns;
+    if (HaveSameEntries(by_rows, by_columns)) return by_rows;
+    file_.Reject(matrix.name,
+                 "triplets of which one reading is possible, or --fclib-triplets rows-first (as fclib.h "
+                 "has it) or columns-first (as Siconos writes them)",
+                 "some that can be read both ways");
+  }
+
+ private:
+  void ReadCompressed(const std::vector<int>& p, const std::vector<int>& i, const std::vector<double>& x,
+                      bool by_columns, Matrix* matrix) const {
+    const std::string p_name = matrix->name + "/p", i_name = matrix->name + "/i";
+    const int outer = by_columns ? matrix->columns : matrix->rows;
+    file_.RequireCount(p_name, p.size(), std::int64_t{outer} + 1);
+    const int inner = by_columns ? matrix->rows : matrix->columns;
+    int last = 0;
+    for (size_t k = 0; k < p.size(); last = p[k++]) {
+      const int most = k == 0 ? 0 : static_cast<int>(x.size());
+      if (p[k] < last || p[k] > most) {
+        file_.Reject(p_name, "a place from " + std::to_string(last) + " to " + std::to_string(most),
+                     std::to_string(p[k]) + " at " + std::to_string(k));
+      }
+      for (int e = last; e < p[k]; ++e) {
+        const int a = static_cast<int>(k) - 1, b = i[static_cast<size_t>(e)];
+        RequireIndex(file_, i_name, b, inner);
+        matrix->entries.emplace_back(by_columns ? b : a, by_columns ? a : b, x[static_cast<size_t>(e)]);
+      }
     }
   }
-  return matrix;
-}
+
+  void ReadTriplets(const std::vector<int>& p, const std::vector<int>& i, const std::vector<double>& x,
+                    Matrix* matrix) {
+    const auto all_below = [](const std::vector<int>& indices, int end) {
+      return std::all_of(indices.begin(), indices.end(), [end](int index) { return index >= 0 && index < end; });
+    };
+    const int rows = matrix->rows, columns = matrix->columns;
+    const bool fits_by_rows = all_below(p, rows) && all_below(i, columns);
+    const bool fits_by_columns = all_below(p, columns) && all_below(i, rows);
+    if (triplets_ == FclibTriplets::kByRanges && fits_by_rows != fits_by_columns) {
+      triplets_ = fits_by_rows ? FclibTriplets::kRowsFirst : FclibTriplets::kColumnsFirst;
+    }
+    const bool swapped = triplets_ == FclibTriplets::kColumnsFirst;
+    if (!(swapped ? fits_by_columns : fits_by_rows)) {
+      for (const int index : p) RequireIndex(file_, matrix->name + "/p", index, swapped ? columns : rows);
+      for (const int index : i) RequireIndex(file_, matrix->name + "/i", index, swapped ? rows : columns);
+    }
+    matrix->is_ambiguous = fits_by_rows && fits_by_columns;
+    for (size_t k = 0; k < x.size(); ++k) {
+      const bool is_turned = swapped && !matrix->is_ambiguous;
+      matrix->entries.emplace_back(is_turned ? i[k] : p[k], is_turned ? p[k] : i[k], x[k]);
+    }
+  }
+
+  const File& file_;
+  FclibTriplets triplets_;  // kByRanges until some matrix of the file tells
+};
 
 void RequireShape(const File& file, const std::string& name, const Matrix& matrix, int rows, int columns) {
   if (matrix.rows == rows && matrix.columns == columns) return;
@@ -162,21 +256,11 @@ void RequireShape(const File& file, const std::string& name, const Matrix& matri
               std::to_string(matrix.rows) + " x " + std::to_string(matrix.columns));
 }
 
-SparseMatrix ToSparse(const Matrix& matrix) {
-  SparseMatrix sparse(matrix.rows, matrix.columns);
-  sparse.setFromTriplets(matrix.entries.begin(), matrix.entries.end());
+SparseMatrix ToSparse(Index rows, Index columns, const std::vector<Entry>& entries) {
+  SparseMatrix sparse(rows, columns);
+  sparse.setFromTriplets(entries.begin(), entries.end());
   return sparse;
 }
-
-// What the file holds, in its own order.
-struct LocalProblem {
-  int dimension = kLeastDimension;
-  Matrix W, V, R;
-  std::vector<double> q, s;
-  std::vector<int> contact_rows, bilateral_rows;  // of our problem
-
-  Index size() const { return static_cast<Index>(contact_rows.size() + bilateral_rows.size()); }
-};
 
 // For every contact, and then every bilateral row, its row in the problem.
 std::vector<int> ReadRowOrder(const File& file, int n) {
@@ -192,84 +276,157 @@ std::vector<int> ReadRowOrder(const File& file, int n) {
   return given;
 }
 
-LocalProblem ReadLocal(const File& file) {
-  LocalProblem local;
-  local.dimension = file.Integer(kDimension, kLeastDimension, kMostDimension);
-  local.W = ReadMatrix(file, kW);
-  if (local.W.rows != local.W.columns || local.W.rows % local.dimension != 0) {
-    file.Reject(kW, "a square matrix of " + std::to_string(local.dimension) + " rows for every contact",
-                std::to_string(local.W.rows) + " x " + std::to_string(local.W.columns) + " entries");
+// Contacts and bilateral rows of a file, and the rows of our problem that they are.
+struct Rows {
+  int dimension = kLeastDimension;
+  std::vector<int> of_contacts, of_bilateral;
+
+  Index size() const { return static_cast<Index>(of_contacts.size() + of_bilateral.size()); }
+  RowBounds Bounds() const { return RowBounds::WithBilateralRows(size(), {of_bilateral.begin(), of_bilateral.end()}); }
+  // Of normal entries and those of bilateral rows, by the rows of the problem.
+  Eigen::VectorXd Merge(const std::vector<double>& contacts, const std::vector<double>& bilateral) const {
+    Eigen::VectorXd merged(size());
+    const auto step = static_cast<size_t>(dimension);
+    for (size_t k = 0; k < of_contacts.size(); ++k) merged[of_contacts[k]] = contacts[step * k];
+    for (size_t k = 0; k < of_bilateral.size(); ++k) merged[of_bilateral[k]] = bilateral[k];
+    return merged;
   }
-  const int contacts = local.W.rows / local.dimension;
-  local.q = file.Reals(kQ, local.W.rows);
-  for (const double mu : file.Reals(kMu, contacts)) {
-    if (mu == 0) continue;
-    file.Reject(kMu, "friction coefficients 0, others are not supported", std::to_string(mu));
+};
+
+// By the columns of two matrices: spacedim for every contact, one for every bilateral row.
+Rows ReadRows(const File& file, int dimension, const Matrix& of_contacts, const Matrix& of_bilateral) {
+  if (of_contacts.columns % dimension != 0) {
+    file.Reject(of_contacts.name, std::to_string(dimension) + " rows for every contact",
+                std::to_string(of_contacts.columns));
   }
-  int bilateral = 0;
-  const std::string m = "/m";
-  if (file.Has(kV + m) || file.Has(kR + m)) {
-    local.R = ReadMatrix(file, kR);
-    bilateral = local.R.rows;
-    RequireShape(file, kR, local.R, bilateral, bilateral);
-    local.s = file.Reals(kS, bilateral);
-    local.V = ReadMatrix(file, kV);
-    RequireShape(file, kV, local.V, local.W.rows, bilateral);
-  }
+  const int contacts = of_contacts.columns / dimension, bilateral = of_bilateral.columns;
   if (bilateral > kMost - contacts) {
-    file.Reject(kR, "at most " + std::to_string(kMost) + " rows", std::to_string(bilateral) + " more");
+    file.Reject(of_bilateral.name, "at most " + std::to_string(kMost) + " rows", std::to_string(bilateral) + " more");
   }
   const std::vector<int> rows = ReadRowOrder(file, contacts + bilateral);
-  local.contact_rows.assign(rows.begin(), rows.begin() + contacts);
-  local.bilateral_rows.assign(rows.begin() + contacts, rows.end());
-  return local;
+  return {dimension, {rows.begin(), rows.begin() + contacts}, {rows.begin() + contacts, rows.end()}};
 }
 
-SparseMatrix AssembleA(const LocalProblem& local) {
-  // The row of the problem; -1 for a tangential one.
-  const auto of_contact = [&](int row) {
-    return row % local.dimension == 0 ? local.contact_rows[static_cast<size_t>(row / local.dimension)] : -1;
-  };
-  const auto of_bilateral = [&](int row) { return local.bilateral_rows[static_cast<size_t>(row)]; };
+void RequireNoFriction(const File& file, const char* name, int contacts, bool without_friction) {
+  for (const double mu : file.Reals(name, contacts)) {
+    if (mu == 0 || without_friction) continue;
+    file.Reject(name, "friction coefficients 0, or --without-friction, which passes over them", std::to_string(mu));
+  }
+}
+
+LcpProblem WithFactors(const File& file, const Rows& rows, Matrices* matrices, const std::string& id,
+                       Eigen::VectorXd b) {
+  const Index n = rows.size();
+  const Matrix J = matrices->Read(kJ);
+  const std::vector<double>& inverse_mass = file.Reals(kInverseMass);
+  RequireShape(file, kJ, J, static_cast<int>(n), static_cast<int>(std::min<size_t>(inverse_mass.size(), kMost)));
+  Eigen::VectorXd masses = Eigen::Map<const Eigen::VectorXd>(inverse_mass.data(), J.columns);
+  return LcpProblem::FromFactors(id, ToSparse(n, J.columns, matrices->Entries(J)), std::move(masses), std::move(b),
+                                 rows.Bounds());
+}
+
+// The problem of W, V, R, q, s.
+std::pair<LcpProblem, Rows> ReadLocal(const File& file, const FclibOptions& options, const std::string& id) {
+  Matrices matrices(file, options.triplets);
+  const int dimension = file.Integer(kDimension, kLeastDimension, kMostDimension);
+  const Matrix W = matrices.Read(kW);
+  if (W.rows != W.columns || W.rows % dimension != 0) {
+    file.Reject(kW, "a square matrix of " + std::to_string(dimension) + " rows for every contact",
+                std::to_string(W.rows) + " x " + std::to_string(W.columns) + " entries");
+  }
+  const std::vector<double>& q = file.Reals(kQ, W.rows);
+  RequireNoFriction(file, kMu, W.rows / dimension, options.without_friction);
+  Matrix V, R;
+  std::vector<double> s;
+  const std::string m = "/m";
+  if (file.Has(kV + m) || file.Has(kR + m)) {
+    R = matrices.Read(kR);
+    RequireShape(file, kR, R, R.rows, R.rows);
+    s = file.Reals(kS, R.rows);
+    V = matrices.Read(kV);
+    RequireShape(file, kV, V, W.rows, R.rows);
+  }
+  Rows rows = ReadRows(file, dimension, W, R);
+  Eigen::VectorXd b = rows.Merge(q, s);
+  if (file.Has(kJ + m) || file.Has(kInverseMass)) {
+    return {WithFactors(file, rows, &matrices, id, std::move(b)), std::move(rows)};
+  }
   std::vector<Entry> entries;
-  const auto add = [&](const Matrix& part, auto row_of, auto column_of, bool mirrored) {
-    for (const Entry& entry : part.entries) {
-      const int row = row_of(entry.row()), column = column_of(entry.col());
-      if (row < 0 || column < 0) continue;
+  const auto add = [&](const std::vector<Entry>& part, const std::vector<int>& row_of,
+                       const std::vector<int>& column_of, bool mirrored) {
+    for (const Entry& entry : part) {
+      const int row = row_of[static_cast<size_t>(entry.row())], column = column_of[static_cast<size_t>(entry.col())];
       entries.emplace_back(row, column, entry.value());
       if (mirrored) entries.emplace_back(column, row, entry.value());
     }
   };
-  add(local.W, of_contact, of_contact, false);
-  add(local.V, of_contact, of_bilateral, true);
-  add(local.R, of_bilateral, of_bilateral, false);
-  SparseMatrix A(local.size(), local.size());
-  A.setFromTriplets(entries.begin(), entries.end());
-  return A;
+  add(matrices.Entries(W, dimension, dimension), rows.of_contacts, rows.of_contacts, false);
+  add(matrices.Entries(V, dimension), rows.of_contacts, rows.of_bilateral, true);
+  add(matrices.Entries(R), rows.of_bilateral, rows.of_bilateral, false);
+  return {LcpProblem::FromSparse(id, ToSparse(rows.size(), rows.size(), entries), std::move(b), rows.Bounds()),
+          std::move(rows)};
 }
 
-// Of normal entries and those of bilateral rows, by the rows of the problem.
-Eigen::VectorXd Merge(const LocalProblem& local, const std::vector<double>& of_contacts,
-                      const std::vector<double>& of_bilateral) {
-  Eigen::VectorXd merged(local.size());
-  const auto dimension = static_cast<size_t>(local.dimension);
-  for (size_t k = 0; k < local.contact_rows.size(); ++k) merged[local.contact_rows[k]] = of_contacts[dimension * k];
-  for (size_t k = 0; k < local.bilateral_rows.size(); ++k) merged[local.bilateral_rows[k]] = of_bilateral[k];
-  return merged;
-}
-
-LcpProblem ToProblem(const File& file, const LocalProblem& local, const std::string& id) {
-  const Index n = local.size();
-  RowBounds bounds = RowBounds::WithBilateralRows(n, {local.bilateral_rows.begin(), local.bilateral_rows.end()});
-  Eigen::VectorXd b = Merge(local, local.q, local.s);
-  if (!file.Has(kJ + std::string("/m")) && !file.Has(kInverseMass)) {
-    return LcpProblem::FromSparse(id, AssembleA(local), std::move(b), std::move(bounds));
+// The inverse of M, which is to be diagonal.
+Eigen::VectorXd InverseOfDiagonal(const File& file, const Matrix& M, const std::vector<Entry>& entries) {
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(M.rows);
+  for (const Entry& entry : entries) {
+    if (entry.row() == entry.col()) {
+      diagonal[entry.row()] += entry.value();
+    } else if (entry.value() != 0) {
+      file.Reject(M.name, "a diagonal matrix, others are not supported",
+                  "an entry in row " + std::to_string(entry.row()) + " and column " + std::to_string(entry.col()));
+    }
   }
-  const Matrix J = ReadMatrix(file, kJ);
-  const std::vector<double>& inverse_mass = file.Reals(kInverseMass);
-  RequireShape(file, kJ, J, static_cast<int>(n), static_cast<int>(std::min<size_t>(inverse_mass.size(), kMost)));
-  Eigen::VectorXd masses = Eigen::Map<const Eigen::VectorXd>(inverse_mass.data(), J.columns);
-  return LcpProblem::FromFactors(id, ToSparse(J), std::move(masses), std::move(b), std::move(bounds));
+  for (Index k = 0; k < diagonal.size(); ++k) {
+    if (diagonal[k] > 0 && std::isfinite(diagonal[k]) && std::isfinite(1 / diagonal[k])) continue;
+    file.Reject(M.name, "masses > 0 on the diagonal", std::to_string(diagonal[k]) + " at " + std::to_string(k));
+  }
+  return diagonal.cwiseInverse();
+}
+
+// The problem of M, H, G, f, w, b, by factors.
+std::pair<LcpProblem, Rows> ReadGlobal(const File& file, const FclibOptions& options, const std::string& id) {
+  Matrices matrices(file, options.triplets);
+  const int dimension = file.Integer(kGlobalDimension, kLeastDimension, kMostDimension);
+  const Matrix H = matrices.Read(kH), M = matrices.Read(kM);
+  RequireShape(file, kM, M, H.rows, H.rows);
+  const std::vector<double>& f = file.Reals(kLoads, H.rows);
+  const std::vector<double>& w = file.Reals(kVelocities, H.columns);
+  RequireNoFriction(file, kGlobalMu, H.columns / dimension, options.without_friction);
+  Matrix G;
+  std::vector<double> of_bilateral;
+  if (file.Has(kG + std::string("/m"))) {
+    G = matrices.Read(kG);
+    RequireShape(file, kG, G, H.rows, G.columns);
+    of_bilateral = file.Reals(kGlobalB, G.columns);
+  }
+  Rows rows = ReadRows(file, dimension, H, G);
+  std::vector<Entry> entries;
+  const auto add = [&](const std::vector<Entry>& part, const std::vector<int>& row_of) {
+    for (const Entry& entry : part) {
+      entries.emplace_back(row_of[static_cast<size_t>(entry.col())], entry.row(), entry.value());
+    }
+  };
+  add(matrices.Entries(H, 1, dimension), rows.of_contacts);
+  add(matrices.Entries(G), rows.of_bilateral);
+  const SparseMatrix J = ToSparse(rows.size(), H.rows, entries);
+  Eigen::VectorXd inverse_mass = InverseOfDiagonal(file, M, matrices.Entries(M));
+  const Eigen::VectorXd velocities = inverse_mass.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(f.data(), H.rows));
+  Eigen::VectorXd b = J * velocities + rows.Merge(w, of_bilateral);
+  return {LcpProblem::FromFactors(id, J, std::move(inverse_mass), std::move(b), rows.Bounds()), std::move(rows)};
+}
+
+// None where the file has no normal forces, or lists that were created and never written.
+std::optional<Eigen::VectorXd> ReadForces(const File& file, const Rows& rows) {
+  const auto is_unwritten = [&](const char* name, size_t count) { return count > 0 && file.Reals(name).empty(); };
+  const size_t normal = rows.of_contacts.size() * static_cast<size_t>(rows.dimension);
+  const size_t bilateral = rows.of_bilateral.size();
+  if (!file.Has(kNormalForces) || is_unwritten(kNormalForces, normal)) return std::nullopt;
+  const std::vector<double>& r = file.Reals(kNormalForces, static_cast<std::int64_t>(normal));
+  if (bilateral == 0) return rows.Merge(r, {});
+  if (is_unwritten(kBilateralForces, bilateral)) return std::nullopt;
+  return rows.Merge(r, file.Reals(kBilateralForces, static_cast<std::int64_t>(bilateral)));
 }
 
 // In compressed columns or rows, as Eigen has it.
@@ -323,19 +480,13 @@ Blocks Divide(const LcpProblem& problem, const std::vector<int>& place) {
 
 }  // namespace
 
-FclibProblem ReadFclibProblem(const std::string& path) {
+FclibProblem ReadFclibProblem(const std::string& path, const FclibOptions& options) {
   const File file(path);
-  const LocalProblem local = ReadLocal(file);
   const std::string id = file.Has(kId) ? file.Text(kId) : std::filesystem::path(path).stem().string();
-  std::optional<Eigen::VectorXd> f;
-  if (file.Has(kNormalForces)) {
-    const std::vector<double> none;
-    const std::vector<double>& of_bilateral =
-        local.s.empty() ? none : file.Reals(kBilateralForces, static_cast<std::int64_t>(local.s.size()));
-    f = Merge(local, file.Reals(kNormalForces, local.W.rows), of_bilateral);
-  }
+  const bool is_global = file.Has(kGlobalDimension) && !file.Has(kDimension);
   try {
-    return {ToProblem(file, local, id), std::move(f)};
+    auto [problem, rows] = (is_global ? ReadGlobal : ReadLocal)(file, options, id);
+    return {std::move(problem), ReadForces(file, rows)};
   } catch (const InputError& error) {  // a negative mass, or entries of one place whose sum overflows
     std::string what = error.what();
     if (!what.starts_with(path)) what = path + ": " + what;

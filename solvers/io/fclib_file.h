@@ -13,7 +13,10 @@ namespace lcpbench {
 //
 // u, r of spacedim (2 or 3) rows per contact, the first of them normal. With mu = 0 the cones say that r is normal and
 // 0 <= r_N, u_N, r_N u_N = 0: our problem. Contacts are its unilateral rows, l the forces of its bilateral ones:
-// R = A_BB, V = A_CB, s = b_B, W and q hold A_CC and b_C in their normal rows and columns.
+// R = A_BB, V = A_CB, s = b_B, W and q hold A_CC and b_C in their normal rows and columns. Global problems (group
+// fclib_global) are read where M is diagonal, and not written:
+//
+//   M v = H r + G l + f, u = H^T v + w, G^T v + b = 0:   J = (H G)^T, inverse masses 1 / M, b = J M^-1 f + (w, b).
 //
 // Tangential columns act on nothing where r_T = 0, and tangential rows give nothing but u_T, which nothing asks for.
 // So tangential entries are written as none, and passed over by the reader, which loses nothing of the forces.
@@ -22,20 +25,35 @@ namespace lcpbench {
 // every contact and then every bilateral row its row in the problem (row_order), and where there are factors J and
 // inverse_mass, which then win over W, V and R. Matrices are {nzmax, m, n, nz, p, i, x} as in fclib.h.
 
+/// What the list p of triplets has. fclib.h says their rows, Siconos writes their columns.
+enum class FclibTriplets {
+  /// What the ranges of the indices allow, in one matrix of the file at least. Refused where they allow both and the
+  /// problem is not the same either way.
+  kByRanges,
+  kRowsFirst,
+  kColumnsFirst
+};
+
+struct FclibOptions {
+  FclibTriplets triplets = FclibTriplets::kByRanges;
+  /// Reads mu as 0: the normal rows of a problem with friction.
+  bool without_friction = false;
+};
+
 /// What such a file holds.
 struct FclibProblem {
   LcpProblem problem;  ///< without friction
-  /// From the group solution: normal forces and l. Judged by nobody.
+  /// From the group solution: normal forces and l, none where one of them was never written. Judged by nobody.
   std::optional<Eigen::VectorXd> f;
 };
 
-/// Matrices as triplets (p rows, i columns, as fclib.h has it), compressed columns or rows; entries of one place add
-/// up. Without the group lcpbench contacts come first, and the id is the file's name without its extension. Read by a
-/// child process, see hdf5_file.h: memory is in proportion to the file, whatever it promises.
+/// Matrices as triplets, compressed columns or rows; entries of one place add up. Without the group lcpbench contacts
+/// come first, and the id is the file's name without its extension. Read by a child process, see hdf5_file.h: memory is
+/// in proportion to the file, whatever it promises.
 /// @throws InputError naming file, dataset, what was expected and what was found: no such file, a dataset missing or of
 /// another type, sizes that are negative or do not fit each other, a matrix W or R that is not square, indices outside,
-/// what is not finite, mu != 0 (friction is not supported), a row order that is none
-FclibProblem ReadFclibProblem(const std::string& path);
+/// what is not finite, mu != 0, a row order that is none, triplets that can be read both ways, M that is not diagonal
+FclibProblem ReadFclibProblem(const std::string& path, const FclibOptions& options = {});
 
 /// spacedim 2, matrices in compressed columns with all stored entries. Read back bit for bit; a dense problem as a
 /// sparse one. Not for several threads at once.

@@ -172,7 +172,7 @@ void RequireStoredHere(hid_t dataset, const std::string& path) {
   }
 }
 
-// The number of values, which the file really holds.
+// The number of values, which the file really holds: 0 where they were promised and never written.
 std::uint64_t CountOf(hid_t dataset, std::size_t value_size, std::uint64_t file_size, const std::string& path) {
   const Handle space(H5Dget_space(dataset), H5Sclose);
   constexpr int kMostRank = 1;
@@ -182,6 +182,7 @@ std::uint64_t CountOf(hid_t dataset, std::size_t value_size, std::uint64_t file_
   }
   const hssize_t points = H5Sget_simple_extent_npoints(space.id());
   const std::uint64_t stored = H5Dget_storage_size(dataset);
+  if (points > 0 && stored == 0) return 0;
   const auto count = static_cast<std::uint64_t>(std::max<hssize_t>(points, 0));
   if (points < 0 || count > file_size / value_size || stored != count * value_size) {
     throw Refusal{path + ": expected as many values as the file holds, " + std::to_string(stored) + " bytes of " +

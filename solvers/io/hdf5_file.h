@@ -13,7 +13,8 @@ using Hdf5Dataset = std::variant<std::vector<int>, std::vector<double>, std::str
 /// Datasets by their paths in the file, "/group/name".
 using Hdf5Datasets = std::vector<std::pair<std::string, Hdf5Dataset>>;
 
-/// Those of the wanted datasets that the file holds, in the order asked for.
+/// Those of the wanted datasets that the file holds, in the order asked for. A list that was created and never written
+/// (it has no byte in the file, and libhdf5 would give fill values) is empty.
 ///
 /// libhdf5 was not made for hostile files: it crashes on some, and allocates what others promise. So it runs in a
 /// forked child, which may open no other file, write none, and whose memory and processor time are limited in

@@ -209,6 +209,11 @@ LcpRecord ParseLcpRecord(std::string_view line, const std::string& where) {
   LcpReference reference;
   ParseReference(record, rows, &facts, &reference);
   const std::string category = record.Knows("category") ? record["category"].String() : "";
+  std::optional<double> symmetrized;
+  if (record.Knows("symmetrized")) {
+    symmetrized = record["symmetrized"].Number();
+    if (*symmetrized < 0) record["symmetrized"].Mismatch("a number >= 0");
+  }
 
   const std::vector<Index> bilateral = ParseBilateral(record, rows);
   const auto problem = [&]() -> LcpProblem {
@@ -226,7 +231,7 @@ LcpRecord ParseLcpRecord(std::string_view line, const std::string& where) {
     return LcpProblem::FromDense(std::move(id), std::move(A.dense), std::move(b), std::move(bounds), facts);
   };
   try {
-    return {problem(), std::move(reference), category};
+    return {problem(), std::move(reference), category, symmetrized};
   } catch (const InputError& error) {
     const std::string text = error.what();
     throw InputError(text.starts_with(where) ? text : where + ": " + text);
@@ -245,7 +250,7 @@ std::vector<LcpRecord> ReadLcpFile(const std::string& path) {
   return records;
 }
 
-std::string FormatLcpRecord(const LcpProblem& problem, bool with_matrix) {
+std::string FormatLcpRecord(const LcpProblem& problem, bool with_matrix, std::optional<double> symmetrized) {
   nlohmann::ordered_json record;
   record["id"] = problem.id();
   record["n"] = problem.size();
@@ -257,13 +262,15 @@ std::string FormatLcpRecord(const LcpProblem& problem, bool with_matrix) {
   if (with_matrix || !problem.has_factors()) record["A"] = ToJson(problem.SparseA());
   record["b"] = ToJson(problem.b());
   record["bilateral"] = problem.bilateral_rows();
+  if (symmetrized) record["symmetrized"] = *symmetrized;
   return record.dump();
 }
 
-std::string FormatSolveRecord(const LcpProblem& problem, std::string_view solver, const LcpResult& result,
+std::string FormatSolveRecord(const LcpRecord& of, std::string_view solver, const LcpResult& result,
                               const Verdict& verdict, double setup_s, double time_s) {
   nlohmann::ordered_json record;
-  record["id"] = problem.id();
+  record["id"] = of.problem.id();
+  if (of.symmetrized) record["symmetrized"] = *of.symmetrized;
   record["solver"] = solver;
   record["status"] = ToString(result.status);
   record["f"] = ToJson(result.f);

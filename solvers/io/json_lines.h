@@ -16,6 +16,8 @@ struct LcpRecord {
   LcpProblem problem;      ///< in the form of the record
   LcpReference reference;  ///< kUnknown where the record says nothing
   std::string category;    ///< "" where the record names none
+  /// LcpProblem::Asymmetry() of the matrix that (A + A^T) / 2 was made of; nothing where it stayed as it was.
+  std::optional<double> symmetrized = std::nullopt;
 };
 
 /// Parses one JSON line:
@@ -27,6 +29,7 @@ struct LcpRecord {
 ///   bilateral  row indices, 0-based, default none (or `joint`: n booleans; or contacts[i].joint); where several
 ///              of them are given, they must agree
 ///   status, w, f_minnorm, f_unique, rank_A, category  optional, what is known of the answer; null: not known
+///   symmetrized  optional, see LcpRecord
 /// Other keys are passed over; one that stands twice in an object is refused.
 /// A matrix is a list of rows, a flat row-major list, or {"shape":[r,c],"row":[...],"col":[...],"val":[...]} with
 /// 0-based indices (equal positions add up). A number is a JSON number or a string "p/q" or "p", rounded once to the
@@ -41,11 +44,13 @@ std::vector<LcpRecord> ReadLcpFile(const std::string& path);
 
 /// One line that ParseLcpRecord reads back bit for bit: the given form, b, bilateral rows.
 /// @param with_matrix  also writes A (as coordinates) where the problem is given by factors
-std::string FormatLcpRecord(const LcpProblem& problem, bool with_matrix = false);
+/// @param symmetrized  of LcpRecord
+std::string FormatLcpRecord(const LcpProblem& problem, bool with_matrix = false,
+                            std::optional<double> symmetrized = std::nullopt);
 
-/// One line for a solve: id, solver, status, f, w, iterations, setup_s, time_s, metrics, verdict, detail and the ray
-/// where there is one. Numbers that are not finite become null.
-std::string FormatSolveRecord(const LcpProblem& problem, std::string_view solver, const LcpResult& result,
+/// One line for a solve: id, solver, status, f, w, iterations, setup_s, time_s, metrics, verdict, detail, and where
+/// there are such the ray and what LcpRecord calls symmetrized. Numbers that are not finite become null.
+std::string FormatSolveRecord(const LcpRecord& record, std::string_view solver, const LcpResult& result,
                               const Verdict& verdict, double setup_s, double time_s);
 
 }  // namespace lcpbench

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::int64_t kMost = std::numeric_limits<int>::max() - 1;
 
-enum Storage { kDenseStorage = 0, kSparseStorage = 2 };
+enum Storage { kDenseStorage = 0, kBlockStorage = 1, kSparseStorage = 2 };
 enum SparseOrigin { kTriplet = 1, kColumns = 2 };
 
 // Rows of a block of equations.
@@ -27,23 +27,29 @@ struct Block {
   std::int64_t begin, end;
 };
 
-struct MixedProblem {
-  Index size = 0;
+struct StoredMatrix {
+  Index rows = 0, columns = 0;
   bool is_dense = true;
-  Eigen::MatrixXd dense;                             // M
-  std::vector<Eigen::Triplet<double, int>> entries;  // of a sparse M
+  Eigen::MatrixXd dense;
+  std::vector<Eigen::Triplet<double, int>> entries;  // of a sparse one
+
+  SparseMatrix Sparse() const {
+    SparseMatrix sparse(rows, columns);
+    sparse.setFromTriplets(entries.begin(), entries.end());
+    return sparse;
+  }
+};
+
+struct MixedProblem {
+  StoredMatrix M;
   std::vector<double> q;
   std::vector<Block> equations;   // ascending
   std::int64_t most_answers = 0;  // numbers that may follow: z of all rows, w of the complementarity rows
 
-  SparseMatrix Sparse() const {
-    SparseMatrix sparse(size, size);
-    sparse.setFromTriplets(entries.begin(), entries.end());
-    return sparse;
-  }
+  Index size() const { return M.rows; }
   RowBounds Bounds() const {
     RowBounds bounds;
-    bounds.bilateral.assign(static_cast<size_t>(size), 0);
+    bounds.bilateral.assign(static_cast<size_t>(size()), 0);
     for (const Block& block : equations) {
       std::fill(bounds.bilateral.begin() + block.begin, bounds.bilateral.begin() + block.end, 1);
     }
@@ -56,13 +62,13 @@ void RequireLine(TextWords* words, const std::string& expected) {
 }
 
 // @return how many entries follow
-std::int64_t ReadSparseHeader(TextWords* words, std::int64_t n, SparseOrigin origin) {
+std::int64_t ReadSparseHeader(TextWords* words, const StoredMatrix& matrix, SparseOrigin origin) {
   words->Expect("");
   RequireLine(words, "a line 'CSparse ...'");
   words->Expect("CSparse");
   RequireLine(words, "a line 'R-by-C, nzmax: N nnz: N'");
   if (origin == kTriplet) words->Expect("triplet:");
-  words->Expect(std::to_string(n) + "-by-" + std::to_string(n) + ",");
+  words->Expect(std::to_string(matrix.rows) + "-by-" + std::to_string(matrix.columns) + ",");
   words->Expect("nzmax:");
   words->Integer(0, kMost, "a number of places");
   words->Expect("nnz:");
@@ -74,24 +80,23 @@ std::int64_t ReadSparseHeader(TextWords* words, std::int64_t n, SparseOrigin ori
   return count;
 }
 
-void ReadSparse(TextWords* words, SparseOrigin origin, MixedProblem* problem) {
-  const std::int64_t n = problem->size;
-  const std::int64_t count = ReadSparseHeader(words, n, origin);
+void ReadSparse(TextWords* words, SparseOrigin origin, StoredMatrix* matrix) {
+  const std::int64_t count = ReadSparseHeader(words, *matrix, origin);
   std::int64_t read = 0;
   const auto read_entry = [&](std::int64_t column) {
     RequireLine(words, "entry " + std::to_string(++read) + " of " + std::to_string(count));
-    const std::int64_t row = words->Integer(0, n - 1, "a row");
-    if (origin == kTriplet) column = words->Integer(0, n - 1, "a column");
+    const std::int64_t row = words->Integer(0, matrix->rows - 1, "a row");
+    if (origin == kTriplet) column = words->Integer(0, matrix->columns - 1, "a column");
     words->Expect(":");
-    problem->entries.emplace_back(static_cast<int>(row), static_cast<int>(column), words->Number());
+    matrix->entries.emplace_back(static_cast<int>(row), static_cast<int>(column), words->Number());
     words->Expect("");
   };
   if (origin == kTriplet) {
     while (read < count) read_entry(0);
     return;
   }
-  for (std::int64_t column = 0; column < n; ++column) {
-    RequireLine(words, "column " + std::to_string(column) + " of " + std::to_string(n));
+  for (std::int64_t column = 0; column < matrix->columns; ++column) {
+    RequireLine(words, "column " + std::to_string(column) + " of " + std::to_string(matrix->columns));
     words->Expect("col");
     words->Integer(column, column, "the number of a column");
     words->Expect(":");
@@ -105,33 +110,78 @@ void ReadSparse(TextWords* words, SparseOrigin origin, MixedProblem* problem) {
   if (read != count) words->Reject(std::to_string(count) + " entries in all columns", std::to_string(read));
 }
 
-void ReadShape(TextWords* words, std::int64_t n) {
-  words->IntegerOfAnyLine(n, n, "a number of rows");
-  words->IntegerOfAnyLine(n, n, "a number of columns");
-}
-
-// A block of a matrix, in the order of its numbers in the file.
+// A part of a matrix, in the order of its numbers in the file.
 template <int order>
-Eigen::MatrixXd ReadBlock(TextWords* words, Index rows, Index columns, const char* name) {
+Eigen::MatrixXd ReadPart(TextWords* words, Index rows, Index columns, const char* name) {
   const std::vector<double> numbers = words->NumbersOfAnyLine(rows * columns, name);
   using Numbers = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, order>;
   return Eigen::Map<const Numbers>(numbers.data(), rows, columns);
 }
 
-// M without storage and shape, and q.
-void ReadMatrixAndVector(TextWords* words, std::int64_t storage, MixedProblem* problem) {
-  problem->is_dense = storage == kDenseStorage;
-  if (problem->is_dense) {
-    ReadShape(words, problem->size);
-    problem->dense = ReadBlock<Eigen::ColMajor>(words, problem->size, problem->size, "a matrix");
-  } else if (storage != kSparseStorage) {
-    words->Reject("a matrix of storage 0 (dense) or 2 (sparse)", std::to_string(storage));
-  } else {
+// The ends of the rows, or columns, of `count` blocks, of which the last is `end`.
+std::vector<std::int64_t> ReadEnds(TextWords* words, std::int64_t count, std::int64_t end) {
+  std::vector<std::int64_t> ends;
+  for (std::int64_t k = 0; k < count; ++k) {
+    const std::int64_t least = k + 1 == count ? end : (ends.empty() ? 0 : ends.back());
+    ends.push_back(words->IntegerOfAnyLine(least, end, "the end of a block"));
+  }
+  return ends;
+}
+
+// Blocks that are dense, column by column, with the number of each before it.
+void ReadSparseBlocks(TextWords* words, StoredMatrix* matrix) {
+  const std::int64_t count = words->IntegerOfAnyLine(0, kMost, "a number of blocks");
+  if (count == 0) return;  // Siconos' files say nothing more of a matrix 0
+  const std::int64_t block_rows = words->IntegerOfAnyLine(1, kMost, "a number of rows of blocks");
+  const std::int64_t block_columns = words->IntegerOfAnyLine(1, kMost, "a number of columns of blocks");
+  const std::vector<std::int64_t> row_ends = ReadEnds(words, block_rows, matrix->rows);
+  const std::vector<std::int64_t> column_ends = ReadEnds(words, block_columns, matrix->columns);
+  const std::int64_t starts =
+      words->IntegerOfAnyLine(2, block_rows + 1, "one more than the rows up to the last block,");
+  words->IntegerOfAnyLine(count, count, "the number of blocks again");
+  std::vector<std::int64_t> first_blocks, columns;
+  for (std::int64_t k = 0; k < starts; ++k) {
+    const std::int64_t least = k == 0 ? 0 : (k + 1 == starts ? count : first_blocks.back());
+    first_blocks.push_back(words->IntegerOfAnyLine(least, k == 0 ? 0 : count, "the first block of a row"));
+  }
+  for (std::int64_t k = 0; k < count; ++k) {
+    columns.push_back(words->IntegerOfAnyLine(0, block_columns - 1, "the column of a block"));
+  }
+  std::size_t row = 0;
+  for (std::int64_t k = 0; k < count; ++k) {
+    while (first_blocks[row + 1] <= k) ++row;
+    words->IntegerOfAnyLine(k, k, "the number of a block");
+    const auto column = static_cast<std::size_t>(columns[static_cast<std::size_t>(k)]);
+    const std::int64_t top = row == 0 ? 0 : row_ends[row - 1], left = column == 0 ? 0 : column_ends[column - 1];
+    for (std::int64_t j = left; j < column_ends[column]; ++j) {
+      std::int64_t i = top;
+      for (const double value : words->NumbersOfAnyLine(row_ends[row] - top, "a column of a block")) {
+        matrix->entries.emplace_back(static_cast<int>(i++), static_cast<int>(j), value);
+      }
+    }
+  }
+}
+
+// What follows storage and shape.
+StoredMatrix ReadMatrix(TextWords* words, std::int64_t storage, std::int64_t rows, std::int64_t columns) {
+  StoredMatrix matrix;
+  matrix.rows = rows;
+  matrix.columns = columns;
+  matrix.is_dense = storage == kDenseStorage;
+  if (matrix.is_dense) {
+    words->IntegerOfAnyLine(rows, rows, "a number of rows");
+    words->IntegerOfAnyLine(columns, columns, "a number of columns");
+    matrix.dense = ReadPart<Eigen::ColMajor>(words, rows, columns, "a matrix");
+  } else if (storage == kBlockStorage) {
+    ReadSparseBlocks(words, &matrix);
+  } else if (storage == kSparseStorage) {
     const auto origin = static_cast<SparseOrigin>(
         words->IntegerOfAnyLine(kTriplet, kColumns, "a sparse form, triplets (1) or compressed columns (2),"));
-    ReadSparse(words, origin, problem);
+    ReadSparse(words, origin, &matrix);
+  } else {
+    words->Reject("a matrix of storage 0 (dense), 1 (sparse blocks) or 2 (sparse)", std::to_string(storage));
   }
-  problem->q = words->NumbersOfAnyLine(problem->size, "q");
+  return matrix;
 }
 
 // The blocks of equations.
@@ -153,49 +203,132 @@ std::vector<Block> ReadBlocks(TextWords* words, std::int64_t equations, std::int
   return blocks;
 }
 
-// The problem of A, B, C, D, a and b: dense, equations first.
-MixedProblem ReadParts(TextWords* words, std::int64_t n, std::int64_t m) {
+// M = [A C; D B] and q = [a; b].
+struct Parts {
+  Eigen::MatrixXd A, B, C, D;
+  std::vector<double> a, b;
+};
+
+Parts ReadParts(TextWords* words, std::int64_t n, std::int64_t m) {
   const auto read = [words](Index rows, Index columns, const char* name) {
-    return ReadBlock<Eigen::RowMajor>(words, rows, columns, name);
+    return ReadPart<Eigen::RowMajor>(words, rows, columns, name);
   };
-  const Eigen::MatrixXd A = read(n, n, "A"), B = read(m, m, "B"), C = read(n, m, "C"), D = read(m, n, "D");
+  Parts parts;
+  parts.A = read(n, n, "A");
+  parts.B = read(m, m, "B");
+  parts.C = read(n, m, "C");
+  parts.D = read(m, n, "D");
+  parts.a = words->NumbersOfAnyLine(n, "a");
+  parts.b = words->NumbersOfAnyLine(m, "b");
+  return parts;
+}
+
+// Dense, equations first.
+MixedProblem Assemble(const Parts& parts) {
+  const Index n = parts.A.rows(), m = parts.B.rows();
   MixedProblem problem;
-  problem.size = n + m;
-  problem.q = words->NumbersOfAnyLine(n, "a");
-  const std::vector<double> b = words->NumbersOfAnyLine(m, "b");
-  problem.q.insert(problem.q.end(), b.begin(), b.end());
-  problem.most_answers = n + 2 * m;
+  problem.M.rows = problem.M.columns = n + m;
+  problem.q = parts.a;
+  problem.q.insert(problem.q.end(), parts.b.begin(), parts.b.end());
   problem.equations = {{0, n}};
-  problem.dense.resize(n + m, n + m);
-  problem.dense.topLeftCorner(n, n) = A;
-  problem.dense.topRightCorner(n, m) = C;
-  problem.dense.bottomLeftCorner(m, n) = D;
-  problem.dense.bottomRightCorner(m, m) = B;
+  problem.M.dense.resize(n + m, n + m);
+  problem.M.dense << parts.A, parts.C, parts.D, parts.B;
   return problem;
 }
 
+void RequireEqual(TextWords* words, double expected, double found, const std::string& where) {
+  if (expected == found) return;
+  words->Reject("A to b as M and q have them, " + RoundTripDigits(expected) + " " + where, RoundTripDigits(found));
+}
+
 void RequireSame(TextWords* words, const MixedProblem& given, const MixedProblem& parts) {
-  const SparseMatrix sparse = given.is_dense ? SparseMatrix() : given.Sparse();
+  const SparseMatrix sparse = given.M.is_dense ? SparseMatrix() : given.M.Sparse();
   const RowBounds bounds = given.Bounds();
-  std::vector<Index> order(static_cast<size_t>(given.size));  // the row of M for every row of the parts
+  std::vector<Index> order(static_cast<size_t>(given.size()));  // the row of M for every row of the parts
   std::iota(order.begin(), order.end(), 0);
   std::stable_partition(order.begin(), order.end(),
                         [&](Index row) { return bounds.bilateral[static_cast<size_t>(row)] != 0; });
-  const auto require = [&](double expected, double found, const std::string& where) {
-    if (expected == found) return;
-    words->Reject("A to b as M and q have them, " + RoundTripDigits(expected) + " " + where, RoundTripDigits(found));
-  };
-  for (Index j = 0; j < given.size; ++j) {
+  for (Index j = 0; j < given.size(); ++j) {
     const Index column = order[static_cast<size_t>(j)];
-    for (Index i = 0; i < given.size; ++i) {
+    for (Index i = 0; i < given.size(); ++i) {
       const Index row = order[static_cast<size_t>(i)];
-      require(given.is_dense ? given.dense(row, column) : sparse.coeff(row, column), parts.dense(i, j),
-              "in row " + std::to_string(row) + " and column " + std::to_string(column));
+      RequireEqual(words, given.M.is_dense ? given.M.dense(row, column) : sparse.coeff(row, column),
+                   parts.M.dense(i, j), "in row " + std::to_string(row) + " and column " + std::to_string(column));
     }
   }
   for (size_t i = 0; i < order.size(); ++i) {
-    require(given.q[static_cast<size_t>(order[i])], parts.q[i], "in row " + std::to_string(order[i]));
+    RequireEqual(words, given.q[static_cast<size_t>(order[i])], parts.q[i], "in row " + std::to_string(order[i]));
   }
+}
+
+// The last m rows of M and q and the parts D, B and b. What Siconos prints of A, C and a is of n equations, whatever M
+// has.
+void RequireSameComplementarity(TextWords* words, const StoredMatrix& M, const std::vector<double>& q,
+                                const Parts& parts) {
+  const SparseMatrix sparse = M.is_dense ? SparseMatrix() : M.Sparse();
+  const Index n = parts.A.rows(), m = parts.B.rows();
+  for (Index i = 0; i < m; ++i) {
+    const Index row = M.rows - m + i;
+    for (Index j = 0; j < n + m; ++j) {
+      RequireEqual(words, M.is_dense ? M.dense(row, j) : sparse.coeff(row, j),
+                   j < n ? parts.D(i, j) : parts.B(i, j - n),
+                   "in row " + std::to_string(row) + " and column " + std::to_string(j));
+    }
+    if (row < static_cast<Index>(q.size())) {
+      RequireEqual(words, q[static_cast<size_t>(row)], parts.b[static_cast<size_t>(i)],
+                   "in row " + std::to_string(row));
+    }
+  }
+}
+
+// Rows and columns 0 beside the n free unknowns, or below the equations, until there is one equation for each: an
+// equation 0 = 0, or an unknown that acts on nothing.
+MixedProblem MakeSquare(const StoredMatrix& M, const std::vector<double>& q, std::int64_t n, std::int64_t m) {
+  const Index equations = M.rows - m;
+  const Index free = std::max<Index>(equations, n);
+  const auto new_row = [&](Index row) { return row < equations ? row : row - equations + free; };
+  const auto new_column = [&](Index column) { return column < n ? column : column - n + free; };
+  MixedProblem problem;
+  problem.M.rows = problem.M.columns = free + m;
+  problem.M.is_dense = false;  // whatever n is: most of it may be 0
+  const auto add = [&](Index row, Index column, double value) {
+    problem.M.entries.emplace_back(static_cast<int>(new_row(row)), static_cast<int>(new_column(column)), value);
+  };
+  for (Index j = 0; j < M.dense.cols(); ++j) {
+    for (Index i = 0; i < M.dense.rows(); ++i) add(i, j, M.dense(i, j));
+  }
+  for (const auto& entry : M.entries) add(entry.row(), entry.col(), entry.value());
+  problem.q.assign(static_cast<size_t>(free + m), 0.0);
+  for (Index row = 0; row < M.rows; ++row) {
+    problem.q[static_cast<size_t>(new_row(row))] = q[static_cast<size_t>(row)];
+  }
+  problem.equations = {{0, free}};
+  return problem;
+}
+
+// M has n + m columns and another number of rows: the equations, and the m complementarity rows last. Siconos prints
+// n + m numbers of q whatever its rows are; the last m are also b.
+MixedProblem ReadRectangular(TextWords* words, const StoredMatrix& M, const std::vector<Block>& equations,
+                             bool has_parts, std::int64_t n, std::int64_t m) {
+  const auto text = [](std::int64_t number) { return std::to_string(number); };
+  if (M.rows < m) words->Reject("a matrix of at least " + text(m) + " complementarity rows", text(M.rows));
+  for (const Block& block : equations) {
+    if (block.begin < block.end && block.end > n) {
+      words->Reject("all equations before all complementarity rows, as M is not square", "another order of blocks");
+    }
+  }
+  std::vector<double> q = words->NumbersOfAnyLine(n + m, "q");
+  const Index known = n + m;
+  if (M.rows > known && (!has_parts || M.rows - m > known)) {
+    words->Reject("q of " + text(M.rows) + " rows, in q and b together", text(known) + (has_parts ? " and b" : ""));
+  }
+  if (has_parts) {
+    const Parts parts = ReadParts(words, n, m);
+    q.resize(static_cast<size_t>(std::min<Index>(known, M.rows)));
+    RequireSameComplementarity(words, M, q, parts);
+    for (Index row = known; row < M.rows; ++row) q.push_back(parts.b[static_cast<size_t>(row - (M.rows - m))]);
+  }
+  return MakeSquare(M, q, n, m);
 }
 
 // Words may follow, and behind an MLCP a known answer, as in Siconos' own collection; more numbers are too many.
@@ -213,18 +346,55 @@ void RequireEnd(TextWords* words, std::int64_t most_numbers) {
 }
 
 MixedProblem ReadMixed(TextWords* words, bool has_M, bool has_parts, std::int64_t n, std::int64_t m) {
-  if (n + m > kMost) words->Reject("at most " + std::to_string(kMost) + " rows", std::to_string(n + m));
+  const std::int64_t size = n + m;
+  if (size > kMost) words->Reject("at most " + std::to_string(kMost) + " rows", std::to_string(size));
   if (!has_M && !has_parts) words->Reject("M and q, or A to b, or both", "0 0");
-  if (!has_M) return ReadParts(words, n, m);
-  MixedProblem problem;
-  problem.size = n + m;
-  problem.most_answers = n + 2 * m;
-  problem.equations = ReadBlocks(words, n, problem.size);
+  if (!has_M) return Assemble(ReadParts(words, n, m));
+  const std::vector<Block> equations = ReadBlocks(words, n, size);
   const std::int64_t storage = words->IntegerOfAnyLine(0, kMost, "a storage");
-  ReadShape(words, problem.size);
-  ReadMatrixAndVector(words, storage, &problem);
-  if (has_parts) RequireSame(words, problem, ReadParts(words, n, m));
+  const std::int64_t rows = words->IntegerOfAnyLine(0, kMost - size, "a number of rows");
+  words->IntegerOfAnyLine(size, size, "a number of columns");
+  MixedProblem problem;
+  problem.M = ReadMatrix(words, storage, rows, size);
+  if (rows != size) return ReadRectangular(words, problem.M, equations, has_parts, n, m);
+  problem.q = words->NumbersOfAnyLine(size, "q");
+  problem.equations = equations;
+  if (has_parts) RequireSame(words, problem, Assemble(ReadParts(words, n, m)));
   return problem;
+}
+
+// Of W, q and mu, without friction: normal rows and columns, the first of every contact.
+MixedProblem ReadContacts(TextWords* words, std::int64_t dimension, std::int64_t contacts, std::int64_t storage,
+                          bool without_friction) {
+  const std::int64_t rows = dimension * contacts;
+  words->IntegerOfAnyLine(rows, rows, "a number of columns");
+  const StoredMatrix W = ReadMatrix(words, storage, rows, rows);
+  const std::vector<double> q = words->NumbersOfAnyLine(rows, "q");
+  for (const double mu : words->NumbersOfAnyLine(contacts, "friction coefficients")) {
+    if (mu == 0 || without_friction) continue;
+    words->Reject("friction coefficients 0, or --without-friction, which passes over them", RoundTripDigits(mu));
+  }
+  MixedProblem problem;
+  problem.M.rows = problem.M.columns = contacts;
+  problem.M.is_dense = W.is_dense;
+  const auto normal = Eigen::seqN(Index{0}, W.is_dense ? contacts : 0, dimension);
+  problem.M.dense = W.dense(normal, normal);
+  for (const auto& entry : W.entries) {
+    if (entry.row() % dimension != 0 || entry.col() % dimension != 0) continue;
+    problem.M.entries.emplace_back(entry.row() / static_cast<int>(dimension), entry.col() / static_cast<int>(dimension),
+                                   entry.value());
+  }
+  for (std::int64_t row = 0; row < rows; row += dimension) problem.q.push_back(q[static_cast<size_t>(row)]);
+  problem.most_answers = 1;
+  return problem;
+}
+
+// Contacts: rows of a contact (2 or 3), contacts, storage, rows. LCP: n, storage, n, n; where both are possible, it is
+// an LCP of two rows.
+bool IsOfContacts(const std::array<std::int64_t, 4>& head) {
+  const bool may_be_lcp = head[2] == head[0] && head[3] == head[0];
+  return (head[0] == 2 || head[0] == 3) && head[1] > 0 && head[3] == head[0] * head[1] && head[2] <= kSparseStorage &&
+         !may_be_lcp;
 }
 
 // LCP: n, storage, n, n. MLCP: flag, flag, n, m. Both look alike for one row, where the next word of an MLCP, the first
@@ -235,18 +405,23 @@ bool IsMixed(TextWords* words, const std::array<std::int64_t, 4>& head) {
   return may_be_mixed && (!may_be_lcp || (head[0] == 1 && words->PeekOfAnyLine() == "0"));
 }
 
-MixedProblem Read(TextWords* words) {
+MixedProblem Read(TextWords* words, bool without_friction) {
   std::array<std::int64_t, 4> head{};
   for (std::int64_t& number : head) number = words->IntegerOfAnyLine(0, kMost, "a size, a storage or a flag");
-  if (IsMixed(words, head)) return ReadMixed(words, head[0] == 1, head[1] == 1, head[2], head[3]);
   MixedProblem problem;
-  problem.size = head[0];
-  for (const std::int64_t side : {head[2], head[3]}) {
-    if (side == problem.size) continue;
-    words->Reject("a matrix of " + std::to_string(problem.size) + " x " + std::to_string(problem.size) + " entries",
+  if (IsMixed(words, head)) {
+    problem = ReadMixed(words, head[0] == 1, head[1] == 1, head[2], head[3]);
+    problem.most_answers = head[2] + 2 * head[3];
+    return problem;
+  }
+  if (IsOfContacts(head)) return ReadContacts(words, head[0], head[1], head[2], without_friction);
+  const std::int64_t n = head[0];
+  if (head[2] != n || head[3] != n) {
+    words->Reject("a matrix of " + std::to_string(n) + " x " + std::to_string(n) + " entries",
                   std::to_string(head[2]) + " x " + std::to_string(head[3]));
   }
-  ReadMatrixAndVector(words, head[1], &problem);
+  problem.M = ReadMatrix(words, head[1], n, n);
+  problem.q = words->NumbersOfAnyLine(n, "q");
   return problem;
 }
 
@@ -291,25 +466,25 @@ void WriteBlocks(const LcpProblem& problem, std::ostream& output) {
 
 }  // namespace
 
-LcpProblem ReadSiconosText(std::istream& input, const std::string& name, const std::string& id) {
+LcpProblem ReadSiconosText(std::istream& input, const std::string& name, const std::string& id, bool without_friction) {
   TextWords words(input, name);
-  MixedProblem read = Read(&words);
+  MixedProblem read = Read(&words, without_friction);
   RequireEnd(&words, read.most_answers);
-  Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(read.q.data(), read.size);
+  Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(read.q.data(), read.size());
   try {
-    if (!read.is_dense) return LcpProblem::FromSparse(id, read.Sparse(), std::move(q), read.Bounds());
-    return LcpProblem::FromDense(id, std::move(read.dense), std::move(q), read.Bounds());
+    if (!read.M.is_dense) return LcpProblem::FromSparse(id, read.M.Sparse(), std::move(q), read.Bounds());
+    return LcpProblem::FromDense(id, std::move(read.M.dense), std::move(q), read.Bounds());
   } catch (const InputError& error) {  // entries of one place whose sum overflows
     throw InputError(name + ": " + error.what());
   }
 }
 
-LcpProblem ReadSiconosProblem(const std::string& path) {
+LcpProblem ReadSiconosProblem(const std::string& path, bool without_friction) {
   std::error_code no_folder;
   if (std::filesystem::is_directory(path, no_folder)) throw InputError(path + ": is a folder, expected a file");
   std::ifstream file(path);
   if (!file) throw InputError(path + ": cannot be opened");
-  return ReadSiconosText(file, path, std::filesystem::path(path).stem().string());
+  return ReadSiconosText(file, path, std::filesystem::path(path).stem().string(), without_friction);
 }
 
 void WriteSiconosText(const LcpProblem& problem, std::ostream& output) {

@@ -9,17 +9,22 @@
 namespace lcpbench {
 
 // Text files of Siconos' numerics (.dat): linear complementarity problems (LCP) and mixed ones (MLCP), as
-// linearComplementarity_newFromFile and mixedLinearComplementarity_newFromFile read them (Siconos 4.4). docs/formats.md
-// has the layout. Our bilateral rows are the equations; blocks keep the order of rows.
+// linearComplementarity_newFromFile and mixedLinearComplementarity_newFromFile read them (Siconos 4.4), and contact
+// problems with friction (frictionContact_newFromFile), of which the normal rows are read and none is written.
+// docs/formats.md has the layout. Our bilateral rows are the equations; blocks keep the order of rows.
 
-/// Dense storage gives a dense problem, sparse storage a sparse one. Memory is in proportion to what the file holds.
+/// Dense storage gives a dense problem, sparse storage and sparse blocks a sparse one. An MLCP whose M has more or
+/// fewer equations than free unknowns is made square by rows and columns 0 (docs/formats.md), and sparse. Memory is in
+/// proportion to what the file holds.
 /// @param name  of the file, for error texts
-/// @throws InputError naming file, line, what was expected and what was found: another layout or storage (sparse
-/// blocks, compressed rows), sizes that are negative, do not fit each other or are not square, what is no finite
-/// number, too few numbers or too many, both storages of an MLCP where they differ
-LcpProblem ReadSiconosText(std::istream& input, const std::string& name, const std::string& id);
+/// @param without_friction  reads friction coefficients as 0
+/// @throws InputError naming file, line, what was expected and what was found: another layout or storage
+/// (compressed rows), sizes that are negative or do not fit each other, what is no finite
+/// number, too few numbers or too many, friction, both storages of an MLCP where they differ
+LcpProblem ReadSiconosText(std::istream& input, const std::string& name, const std::string& id,
+                           bool without_friction = false);
 /// The problem's id is the file's name without its extension.
-LcpProblem ReadSiconosProblem(const std::string& path);
+LcpProblem ReadSiconosProblem(const std::string& path, bool without_friction = false);
 
 /// An LCP, or where there are bilateral rows an MLCP of M and q alone with its blocks in the order of our rows (some of
 /// Siconos' MLCP solvers want the equations first). Dense problems as dense matrices, sparse ones as triplets with all

@@ -380,9 +380,52 @@ TEST_F(Command, ConvertFillsAFolderWithFilesOfAFormat) {
     EXPECT_EQ(back[0]["b"], Json({-5.0, -4.0}));
     EXPECT_EQ(back[1]["bilateral"], Json({0}));
   }
-  ExpectMistake("convert - --to xml -o " + folder_.string(), "expected a format of jsonl, mtx, hdf5, dat, found 'xml'",
-                problems);
+  ExpectMistake("convert - --to xml -o " + folder_.string(),
+                "expected a format of jsonl, mtx, hdf5, dat, qps, npz, found 'xml'", problems);
   ExpectMistake("convert - --to dat -o " + Path("x.mtx"), "expected a folder or a file of this format", problems);
+}
+
+TEST_F(Command, SymmetrizeMakesSymmetricWhatNearlyIsAndNotesTheAmount) {
+  const std::string nearly = R"({"id":"p","A":[[4,1.0625],[1,4]],"b":[-1,2],"status":"infeasible"})";
+  const std::string other = R"({"id":"q","A":[[1,2],[0,1]],"b":[1,1]})";
+  const CommandOutcome outcome = Succeed("convert --symmetrize 0.1 -", nearly + "\n" + other + "\n");
+  EXPECT_EQ(
+      outcome.error,
+      "symmetrized: 1, of an asymmetry of at most 0.015625; left as they are: 1, of an asymmetry of at least 2\n");
+  const std::vector<Json> made = Records(outcome.out);
+  EXPECT_EQ(made[0]["symmetrized"], 0.015625);
+  EXPECT_EQ(made[0]["A"]["val"], Json({4.0, 1.03125, 1.03125, 4.0}));
+  EXPECT_FALSE(made[1].contains("symmetrized"));
+  EXPECT_EQ(made[1]["A"]["val"], Json({1.0, 2.0, 1.0}));
+  // It stays with the problem, and comes to the answer.
+  EXPECT_EQ(Json::parse(Run("convert -", made[0].dump()).out)["symmetrized"], 0.015625);
+  Json answer = Json::parse(Run("solve --solver dantzig -", made[0].dump()).out);
+  EXPECT_EQ(answer["symmetrized"], 0.015625);
+  EXPECT_EQ(answer["status"], "solved");
+  Succeed("convert - -o " + Path("p.dat"), R"({"id":"p","A":[[4,1.0625],[1,4]],"b":[-1,2]})");
+  EXPECT_EQ(Json::parse(Run("solve --solver dantzig " + Path("p.dat")).out)["status"], "unsupported");
+  answer = Json::parse(Run("solve --solver dantzig --symmetrize 0.1 " + Path("p.dat")).out);
+  EXPECT_EQ(answer["symmetrized"], 0.015625);
+  ExpectMistake("convert --symmetrize 2 -", "--symmetrize", nearly);
+  ExpectMistake("convert -", "symmetrized", R"({"id":"p","A":[[1]],"b":[1],"symmetrized":-1})");
+}
+
+TEST_F(Command, ConvertWritesQuadraticProgramsAndReadsNone) {
+  for (const char* name : {"p.qps", "p.mps", "p.npz"}) {
+    Succeed("convert - -o " + Path(name), kProblem);
+    EXPECT_GT(fs::file_size(Path(name)), 50U);
+    ExpectMistake("convert " + Path(name), "are written, not read");
+  }
+  EXPECT_EQ(ReadFile(Path("p.qps")), ReadFile(Path("p.mps")));
+}
+
+TEST_F(Command, ReadersHaveOptionsForFclibFiles) {
+  const std::string seed = std::string(LCPBENCH_SOURCE_DIR) + "/tests/fuzz/fclib_file_corpus/columns_first_unwritten";
+  fs::copy_file(seed, Path("p.h5"));
+  EXPECT_EQ(Json::parse(Run("convert " + Path("p.h5")).out)["A"]["val"], Json({4.0, 7.0, 5.0, 1.0, 3.0, 5.0, 2.0}));
+  EXPECT_EQ(Run("convert --fclib-triplets columns-first --without-friction " + Path("p.h5")).status, 0);
+  ExpectMistake("convert --fclib-triplets rows-first " + Path("p.h5"), "V/i: expected indices from 0 to 0, found 3");
+  ExpectMistake("convert --fclib-triplets transposed " + Path("p.h5"), "--fclib-triplets");
 }
 
 TEST_F(Command, LostOutputIsToldInOneLineWithStatus3) {

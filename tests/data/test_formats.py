@@ -44,7 +44,7 @@ _RECORDING = [
                            "torque": [[0, 0, 0]] * 2},
      "contacts": [{"b": [0, 1], "p": [0, 0, 0], "n": [0, 0, 1], "gap": 0, "mu": 0, "id": "c", "shape": ["box", "box"], "radius": [None, None]}],
      "joints": [{"b": [0, -1], "kind": "ball", "id": "j", "rows": [{"J": [1, 0, 0] * 4, "error": 0}]}]}]
-_PROBLEM = {"id": "two", "n": 2, "A": [[2, 1], ["1", "2/1"]], "b": [-1, "1/2"], "bilateral": [1]}
+_PROBLEM = {"id": "two", "n": 2, "A": [[2, 1], ["1", "2/1"]], "b": [-1, "1/2"], "bilateral": [1], "symmetrized": 1e-5}
 
 
 def _line(name):
@@ -96,7 +96,7 @@ _DOCUMENTS = {
     "problem": ([
         _PROBLEM, {"b": [1, 2], "A": [1, 0, 0, 1], "joint": [True, False], "status": "solved", "w": [1, 2], "f_minnorm": None,
                    "f_unique": True, "rank_A": 2, "category": "c", "contacts": [{"joint": True}, {}]},
-        {"b": [1], "J": {"shape": [1, 3], "row": [0], "col": [2], "val": [1]}, "invM": [1, 1, 1], "id": 7}],
+        {"b": [1], "J": {"shape": [1, 3], "row": [0], "col": [2], "val": [1]}, "invM": [1, 1, 1], "columns_per_body": 3, "id": 7}],
         _SIZES + r"|/shape/\d: expected \d+, found|inverse mass|is not compressed"),
     "sequence": ([{**_PROBLEM, "previous": [-1, -1], "floor": 1e-12}], _SIZES + "|a row of the line before"),
     "reference": ([{"id": "two", "kind": "certified", "status": "solved", "f_unique": True, "w": [0, 1], "f_minnorm": [1, 0], "f": [1, 1]},

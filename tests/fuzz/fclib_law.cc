@@ -61,15 +61,19 @@ std::string BrokenOverflowLaw(const LcpProblem& problem, const std::string& path
 std::string BrokenFclibLaw(const std::string& bytes) {
   const TemporaryFile given, written;
   given.Write(bytes);
-  return BrokenReadingLaw(given.path() + ": ", [&](bool* is_read) -> std::string {
-    const LcpProblem problem = ReadFclibProblem(given.path()).problem;
-    *is_read = true;
-    if (!problem.b().allFinite()) return "b is not finite";
-    if (!problem.SparseA().coeffs().allFinite()) return BrokenOverflowLaw(problem, written.path());
-    WriteFclibProblem(problem, written.path());
-    const LcpProblem back = ReadFclibProblem(written.path()).problem;
-    return back.id() == problem.id() ? DifferenceOfProblems(back, problem) : "another id";
-  });
+  const auto broken = [&](const FclibOptions& options) {
+    return BrokenReadingLaw(given.path() + ": ", [&](bool* is_read) -> std::string {
+      const LcpProblem problem = ReadFclibProblem(given.path(), options).problem;
+      *is_read = true;
+      if (!problem.b().allFinite()) return "b is not finite";
+      if (!problem.SparseA().coeffs().allFinite()) return BrokenOverflowLaw(problem, written.path());
+      WriteFclibProblem(problem, written.path());
+      const LcpProblem back = ReadFclibProblem(written.path()).problem;
+      return back.id() == problem.id() ? DifferenceOfProblems(back, problem) : "another id";
+    });
+  };
+  const std::string by_ranges = broken({});
+  return by_ranges.empty() ? broken({FclibTriplets::kColumnsFirst, true}) : by_ranges;
 }
 
 }  // namespace lcpbench

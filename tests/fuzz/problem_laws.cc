@@ -41,10 +41,12 @@ std::string BrokenMatrixMarketLaw(const std::string& text) {
 }
 
 std::string BrokenSiconosLaw(const std::string& text) {
+  // Words are few in small texts: half of them are read with friction.
+  const bool without_friction = text.size() % 2 == 0;
   return BrokenReadingLaw("file:", [&](bool* is_read) -> std::string {
     std::istringstream input(text);
     std::stringstream written;
-    const LcpProblem problem = ReadSiconosText(input, "file", "id");
+    const LcpProblem problem = ReadSiconosText(input, "file", "id", without_friction);
     if (!problem.b().allFinite()) return "b is not finite";
     WriteSiconosText(problem, written);
     *is_read = true;

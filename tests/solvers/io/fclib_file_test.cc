@@ -151,10 +151,139 @@ TEST_F(FclibFile, TheNormalPartIsTheProblem) {
   spatial.reals["/fclib_local/vectors/mu"] = {0, -0.0};
   spatial.reals["/solution/r"] = {1, 8, 8, 2, 8, 8};
   spatial.Write(Path("spatial.h5"));
-  const FclibProblem read = ReadFclibProblem(Path("spatial.h5"));
+  const FclibProblem read = ReadFclibProblem(Path("spatial.h5"), {FclibTriplets::kRowsFirst, false});
   EXPECT_EQ(read.problem.DenseA(), (Eigen::Matrix2d() << 1, 3, 4, 2).finished());
   EXPECT_EQ(read.problem.b(), Eigen::Vector2d(-1, -2));
   EXPECT_EQ(read.f.value(), Eigen::Vector2d(1, 2));
+}
+
+// Triplets of a square matrix that is not symmetric fit both readings; a V that is not square tells them apart.
+TEST_F(FclibFile, TripletsAreReadByRowsOrByColumnsAndNeverTransposedInSilence) {
+  const FclibOptions rows_first{FclibTriplets::kRowsFirst, false}, columns_first{FclibTriplets::kColumnsFirst, false};
+  const std::string told = "triplets of which one reading is possible, or --fclib-triplets rows-first";
+  const Eigen::Matrix3d A = (Eigen::Matrix3d() << 4, 7, 5, 1, 3, 0, 5, 0, 2).finished();
+  const Eigen::Matrix3d turned = (Eigen::Matrix3d() << 4, 1, 5, 7, 3, 0, 5, 0, 2).finished();
+  Contents contents = Example();
+  const auto read = [&](const FclibOptions& options = {}) -> Eigen::Matrix3d {
+    contents.Write(Path("p.h5"));
+    return ReadFclibProblem(Path("p.h5"), options).problem.DenseA();
+  };
+  // p rows, i columns.
+  contents.Matrix(kW, 4, 4, 4, {0, 0, 2, 2}, {0, 2, 0, 2}, {4, 7, 1, 3});
+  contents.Matrix(kV, 4, 1, -1, {0, 1}, {0}, {5});
+  contents.Write(Path("p.h5"));
+  ExpectRefused(Path("p.h5"), "/fclib_local/W: expected " + told);
+  EXPECT_EQ(read(rows_first), A);
+  EXPECT_EQ(read(columns_first), turned);
+  // One program wrote the file: what V says holds for W.
+  contents.Matrix(kV, 4, 1, 2, {3, 0}, {0, 0}, {8, 5});
+  EXPECT_EQ(read(), A);
+  EXPECT_EQ(read(rows_first), A);
+  lcpbench::ExpectRefused([&] { read(columns_first); }, "V/p: expected indices from 0 to 0, found 3", Path("p.h5"));
+  contents.Matrix(kV, 4, 1, 2, {0, 0}, {3, 0}, {8, 5});
+  EXPECT_EQ(read(), turned);
+  lcpbench::ExpectRefused([&] { read(rows_first); }, "V/i: expected indices from 0 to 0, found 3", Path("p.h5"));
+  // Symmetric where it counts: tangential entries, their order, sums and zeros do not matter.
+  contents.Matrix(kV, 4, 1, -1, {0, 1}, {0}, {5});
+  contents.Matrix(kW, 4, 4, 7, {2, 0, 0, 2, 0, 1, 2}, {0, 0, 2, 2, 2, 0, 3}, {7, 4, 3, 3, 4, 9, 0});
+  EXPECT_EQ(read(), (Eigen::Matrix3d() << 4, 7, 5, 7, 3, 0, 5, 0, 2).finished());
+  contents.Matrix(kR, 1, 1, 1, {0}, {0}, {2});
+  EXPECT_EQ(read()(2, 2), 2);
+}
+
+TEST_F(FclibFile, EveryReadingOfATripletFileIsThatOfItsWriter) {
+  for (const TestProblem& test : GeneratedProblems()) {
+    SCOPED_TRACE(test.problem.id());
+    const LcpProblem given = InForm(test.problem, MatrixForm::kSparse);
+    if (!given.bilateral_rows().empty()) continue;
+    const auto n = static_cast<int>(given.size());
+    Contents contents;
+    contents.integers["/fclib_local/spacedim"] = {2};
+    std::vector<int> row, column;
+    std::vector<double> value;
+    for (int i = 0; i < n; ++i) {
+      for (SparseMatrix::InnerIterator it(given.SparseA(), i); it; ++it) {
+        row.push_back(2 * i);
+        column.push_back(2 * static_cast<int>(it.col()));
+        value.push_back(it.value());
+      }
+    }
+    std::vector<double> q(2 * static_cast<size_t>(n), 0.0);
+    for (int i = 0; i < n; ++i) q[2 * static_cast<size_t>(i)] = given.b()[i];
+    contents.reals["/fclib_local/vectors/q"] = q;
+    contents.reals["/fclib_local/vectors/mu"].assign(static_cast<size_t>(n), 0.0);
+    for (const FclibTriplets form : {FclibTriplets::kRowsFirst, FclibTriplets::kColumnsFirst}) {
+      const bool by_rows = form == FclibTriplets::kRowsFirst;
+      contents.Matrix(kW, 2 * n, 2 * n, static_cast<int>(value.size()), by_rows ? row : column, by_rows ? column : row,
+                      value);
+      contents.Write(Path("p.h5"));
+      EXPECT_EQ(DifferenceOfProblems(ReadFclibProblem(Path("p.h5"), {form, false}).problem, given), "");
+    }
+  }
+}
+
+// Two contacts of two bodies of one coordinate, and a joint: J = [1 0; -1 1; 0 1], inverse masses 1/2, 1/4.
+TEST_F(FclibFile, GlobalProblemsOfADiagonalMassAreReadByFactors) {
+  const std::string global = "/fclib_global", vectors = global + "/vectors";
+  Contents contents;
+  contents.integers[global + "/spacedim"] = {2};
+  contents.Matrix(global + "/M", 2, 2, 2, {0, 1}, {0, 1}, {2, 4});
+  contents.Matrix(global + "/H", 2, 4, 4, {0, 2, 2, 3}, {0, 0, 1, 1}, {1, -1, 1, 9});  // columns first, as Siconos
+  contents.Matrix(global + "/G", 2, 1, -1, {0, 1}, {1}, {1});
+  contents.reals[vectors + "/f"] = {-2, 8};
+  contents.reals[vectors + "/w"] = {0.5, 7, 0.25, 7};
+  contents.reals[vectors + "/b"] = {3};
+  contents.reals[vectors + "/mu"] = {0.5, 0.5};
+  contents.reals["/solution/r"] = {1, 8, 2, 8};
+  contents.reals["/solution/l"] = {-1};
+  contents.Write(Path("p.h5"));
+  ExpectRefused(Path("p.h5"), "expected friction coefficients 0, or --without-friction");
+  const FclibOptions normal{FclibTriplets::kByRanges, true};
+  const FclibProblem read = ReadFclibProblem(Path("p.h5"), normal);
+  EXPECT_EQ(Eigen::MatrixXd(read.problem.J()), (Eigen::MatrixXd(3, 2) << 1, 0, -1, 1, 0, 1).finished());
+  EXPECT_EQ(read.problem.inverse_mass(), Eigen::Vector2d(0.5, 0.25));
+  EXPECT_EQ(read.problem.b(), Eigen::Vector3d(-1 + 0.5, 1 + 2 + 0.25, 2 + 3));
+  EXPECT_EQ(read.problem.bilateral_rows(), std::vector<Index>{2});
+  EXPECT_EQ(read.f.value(), Eigen::Vector3d(1, 2, -1));
+  const auto expect = [&](const std::string& words) {
+    contents.Write(Path("q.h5"));
+    lcpbench::ExpectRefused([&] { ReadFclibProblem(Path("q.h5"), normal); }, words, Path("q.h5") + ": ");
+  };
+  contents.Matrix(global + "/M", 2, 2, 3, {0, 1, 0}, {0, 1, 1}, {2, 4, 1});
+  expect("M: expected a diagonal matrix, others are not supported, found an entry in row 1 and column 0");
+  contents.Matrix(global + "/M", 2, 2, 2, {0, 0}, {0, 0}, {2, 4});
+  expect("M: expected masses > 0 on the diagonal, found 0.000000 at 1");
+  contents.Matrix(global + "/M", 3, 3, 0, {}, {}, {});
+  expect("M: expected 2 x 2 entries, found 3 x 3");
+}
+
+// As a writer leaves it that creates a dataset and then has nothing for it.
+TEST_F(FclibFile, ForcesThatWereNeverWrittenAreNone) {
+  const auto create = [this](const char* name, hsize_t size) {
+    const hid_t file = H5Fopen(Path("p.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    ASSERT_GE(file, 0);
+    const hid_t group = H5Gopen2(file, "/solution", H5P_DEFAULT), space = H5Screate_simple(1, &size, nullptr);
+    const hid_t set = H5Dcreate2(group, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    ASSERT_GE(set, 0);
+    ASSERT_EQ(H5Dget_storage_size(set), 0U);
+    H5Dclose(set);
+    H5Sclose(space);
+    H5Gclose(group);
+    H5Fclose(file);
+  };
+  Contents contents = Example();
+  contents.reals["/solution/u"] = {1, 2, 3, 4};
+  contents.Write(Path("p.h5"));
+  create("r", 4);
+  FclibProblem read = ReadFclibProblem(Path("p.h5"));
+  EXPECT_EQ(read.problem.size(), 3);
+  EXPECT_FALSE(read.f.has_value());
+  contents.reals["/solution/r"] = {1, 8, 2, 8};
+  contents.Write(Path("p.h5"));
+  create("l", 1);
+  read = ReadFclibProblem(Path("p.h5"));
+  EXPECT_EQ(read.problem.size(), 3);
+  EXPECT_FALSE(read.f.has_value());
 }
 
 TEST_F(FclibFile, WhatIsWrongIsOneLineWithItsDataset) {
@@ -223,9 +352,10 @@ TEST_F(FclibFile, WhatIsWrongIsOneLineWithItsDataset) {
       {reals(vectors + "/s", {}), "vectors/s: expected 1 numbers, found 0"},
       {reals(vectors + "/mu", {0}), "vectors/mu: expected 2 numbers, found 1"},
       {reals(vectors + "/mu", {0, 0.3}),
-       "vectors/mu: expected friction coefficients 0, others are not supported, found 0.3"},
+       "vectors/mu: expected friction coefficients 0, or --without-friction, which passes over them, found 0.3"},
       {reals(vectors + "/mu", {-0.3, 0}), "vectors/mu: expected friction coefficients 0"},
-      {reals("/solution/r", {1, 2}), "/solution/l: expected a dataset of numbers, found none"},
+      {reals("/solution/r", {1, 2, 3, 4}), "/solution/l: expected a dataset of numbers, found none"},
+      {reals("/solution/r", {1, 2}), "/solution/r: expected 4 numbers, found 2"},
       {integers("/lcpbench/row_order", {0, 1}), "row_order: expected 3 numbers, found 2"},
       {integers("/lcpbench/row_order", {0, 1, 3}), "row_order: expected indices from 0 to 2, found 3"},
       {integers("/lcpbench/row_order", {0, 1, 1}), "row_order: expected every row once, found one twice"},
@@ -320,7 +450,7 @@ TEST_F(FclibFile, WhatLeadsOutOfTheFileIsRefused) {
   expect(create(q, chunks), "q: expected values in one piece");
   // Promised, and never written.
   const auto nothing = [](hid_t) {};
-  expect(create(q, nothing, {}, 1'000'000'000'000), "q: expected as many values as the file holds");
+  expect(create(q, nothing, {}, 1'000'000'000'000), "q: expected 4 numbers, found 0");
   // The same values under many names.
   const auto share = [&](hid_t file) {
     const std::string W_x = "/fclib_local/W/x";

@@ -83,10 +83,58 @@ TEST(SiconosText, ReadsWhatTheLibraryWrites) {
   EXPECT_EQ(Parse(both + "3  4 0 0 2  1 0  1 0  1  -1 -2   1 2 3 4 5").size(), 3);
   EXPECT_THROW(Parse(both + "3  4 0 0 2  1 0  1 0  1  -1 -2   1 2 3 4 5 6"), InputError);
   EXPECT_THROW(Parse(both + "3  4 0 0 2  1 0  1 0  1  -1 -2   1 2 3e999"), InputError);
+  // Sparse blocks of 1 and 2 rows, column by column; rows of blocks at the end may have none.
+  const LcpProblem blocks = Parse("3 1 3 3  3  2 2  1 3  1 3  3 3  0 2 3  0 1 1  0 4  1 5 6  2 1 2 3 4  -1 -2 -3");
+  EXPECT_EQ(blocks.given_form(), MatrixForm::kSparse);
+  EXPECT_EQ(blocks.DenseA(), (Eigen::Matrix3d() << 4, 5, 6, 0, 1, 3, 0, 2, 4).finished());
+  EXPECT_EQ(blocks.b(), Eigen::Vector3d(-1, -2, -3));
+  const LcpProblem above = Parse("2 1 2 2  1  2 2  1 2  1 2  2 1  0 1  1  0 7  1 2");
+  EXPECT_EQ(above.DenseA(), (Eigen::Matrix2d() << 0, 7, 0, 0).finished());
+  EXPECT_EQ(Parse("2 1 2 2  0  1 2").DenseA(), Eigen::MatrixXd::Zero(2, 2));
+  const LcpProblem mixed = Parse("1 0 1 1  0 1 2  0 1  1 2 2  1 1 1 2 2 2 1 0 1 0  0 1 2 3 4  -1 -2");
+  EXPECT_EQ(mixed.DenseA(), (Eigen::Matrix2d() << 1, 3, 2, 4).finished());
+  EXPECT_EQ(mixed.bilateral_rows(), std::vector<Index>{0});
   // One row: an LCP or an MLCP.
   EXPECT_TRUE(Parse("1 0 1 1 1 1 2 -1").bilateral_rows().empty());
   EXPECT_EQ(Parse("1 0 1 1  0 1 2  0 1  0 2 2 2 2  1 0 0 1  -1 -2").bilateral_rows(), std::vector<Index>{0});
   EXPECT_EQ(Parse("1 1 1 0  0 1  0  0 1 1 1 1  2 -1  2 -1").bilateral_rows(), std::vector<Index>{0});
+}
+
+// M has one row more, or less, than columns; q is printed with as many numbers as M has columns.
+TEST(SiconosText, OtherNumbersOfEquationsThanOfFreeUnknownsAreMadeSquare) {
+  // u - v = 0, -u - v + 1 = 0, 0 <= v, u + v - 1 >= 0: an unknown that acts on nothing beside u.
+  const LcpProblem more = Parse("1 1 1 1  0 1 2  0 1  0 3 2 3 2  1 -1 1  -1 -1 1  0 1  1 1 -1 1  0 -1  9 9 9");
+  EXPECT_EQ(more.DenseA(), (Eigen::Matrix3d() << 1, 0, -1, -1, 0, -1, 1, 0, 1).finished());
+  EXPECT_EQ(more.b(), Eigen::Vector3d(0, 1, -1));
+  EXPECT_EQ(more.bilateral_rows(), (std::vector<Index>{0, 1}));
+  // No equation: 0 = 0 for u. What Siconos prints of q beyond its rows means nothing.
+  const LcpProblem fewer =
+      Parse("1 0 1 1  0 1 2  0 1  2 1 2  1\nCSparse\ntriplet: 1-by-2, nzmax: 1 nnz: 1\n 0 1 : 5\n -2 8");
+  EXPECT_EQ(fewer.DenseA(), (Eigen::Matrix2d() << 0, 0, 0, 5).finished());
+  EXPECT_EQ(fewer.b(), Eigen::Vector2d(0, -2));
+  EXPECT_EQ(fewer.bilateral_rows(), std::vector<Index>{0});
+  // A promise of many equations costs nothing.
+  EXPECT_THROW(Parse("1 0 2000000000 0  0 2000000000  0  0 0 2000000000 0 2000000000"), InputError);
+}
+
+TEST(SiconosText, OfContactsWithFrictionTheNormalRowsAreRead) {
+  const std::string W = "2 2 0 4 4 4 4  4 9 1 9  9 9 9 9  1 9 3 9  9 9 9 9  -1 8 -2 8  ";
+  const LcpProblem dense = Parse(W + "0 0 1");
+  EXPECT_EQ(dense.DenseA(), (Eigen::Matrix2d() << 4, 1, 1, 3).finished());
+  EXPECT_EQ(dense.b(), Eigen::Vector2d(-1, -2));
+  EXPECT_TRUE(dense.bilateral_rows().empty());
+  ExpectRefused([&] { Parse(W + "0 0.5"); }, "friction coefficients 0, or --without-friction, which passes over them",
+                "file.dat:1: ");
+  EXPECT_THROW(Parse(W + "0"), InputError);
+  EXPECT_THROW(Parse(W + "0 0 1 1"), InputError);
+  std::istringstream blocks(
+      "3 2 1 6 6  2 2 2 3 6 3 6 3 2 0 1 2 0 1  0 5 1 1 1 1 1 1 1 1  1 6 1 1 1 1 1 1 1 1  -1 7 7 -2 7 7  0.7 0");
+  const LcpProblem sparse = ReadSiconosText(blocks, "file.dat", "id", true);
+  EXPECT_EQ(sparse.given_form(), MatrixForm::kSparse);
+  EXPECT_EQ(sparse.DenseA(), (Eigen::Matrix2d() << 5, 0, 0, 6).finished());
+  EXPECT_EQ(sparse.b(), Eigen::Vector2d(-1, -2));
+  // What is a problem of contacts and an LCP by its first words is an LCP.
+  EXPECT_EQ(Parse("2 1 2 2  1 1 1 2 2 2 1 0 1 0  0 1 2 3 4  -1 -2").size(), 2);
 }
 
 TEST(SiconosText, WhatIsWrongIsOneLineWithItsPlace) {
@@ -100,7 +148,18 @@ TEST(SiconosText, WhatIsWrongIsOneLineWithItsPlace) {
       {"2.5\n", "found '2.5'"},
       {"2\n0\n2\n3\n", "file.dat:4: expected a matrix of 2 x 2 entries, found '2 x 3'"},
       {"2\n0\n2\n2\n2 3\n", "file.dat:5: expected a number of columns from 2 to 2, found '3'"},
-      {"2\n1\n2\n2\n", "expected a matrix of storage 0 (dense) or 2 (sparse), found '1'"},
+      {"2\n3\n2\n2\n", "expected a matrix of storage 0 (dense), 1 (sparse blocks) or 2 (sparse), found '3'"},
+      {"2 1 2 2  -1", "expected a number of blocks from 0 to"},
+      {"2 1 2 2  1000000000 1 1 2 2 2 1000000000 0", "the first block of a row, found the end of the file"},
+      {"2 1 2 2  1 1 1  3", "expected the end of a block from 2 to 2, found '3'"},
+      {"2 1 2 2  1 2 2  2 1", "expected the end of a block from 2 to 2, found '1'"},
+      {"2 1 2 2  1 1 1  2 2  3 1", "expected one more than the rows up to the last block, from 2 to 2, found '3'"},
+      {"2 1 2 2  1 1 1  2 2  2 2", "expected the number of blocks again from 1 to 1, found '2'"},
+      {"2 1 2 2  1 1 1  2 2  2 1  1", "expected the first block of a row from 0 to 0, found '1'"},
+      {"2 1 2 2  1 1 1  2 2  2 1  0 0", "expected the first block of a row from 1 to 1, found '0'"},
+      {"2 1 2 2  1 1 1  2 2  2 1  0 1  1", "expected the column of a block from 0 to 0, found '1'"},
+      {"2 1 2 2  1 1 1  2 2  2 1  0 1  0  7", "expected the number of a block from 0 to 0, found '7'"},
+      {"2 1 2 2  1 1 1  2 2  2 1  0 1  0  0 1 2 3", "expected number 2 of the 2 of a column of a block"},
       {"2\n0\n2\n2\n2 2\n1 2\n3", "file.dat:7: expected number 4 of the 4 of a matrix, found the end of the file"},
       {"2\n0\n2\n2\n2 2\n1 2\n3 4\n5", "file.dat:8: expected number 2 of the 2 of q, found the end of the file"},
       {"2\n0\n2\n2\n2 2\n1 2\n3 nan\n5 6",
@@ -131,7 +190,15 @@ TEST(SiconosText, WhatIsWrongIsOneLineWithItsPlace) {
       {"1\n0\n1\n2\n0 2 3\n0 1\n", "expected blocks of 1 equations, found '2'"},
       {"1\n0\n1\n2\n1 2 3\n0 1\n", "expected the first row of the first block from 0 to 0, found '1'"},
       {"1\n0\n1\n2\n0 2 1\n", "expected the first row of the next block from 2 to 3, found '1'"},
-      {"1\n0\n1\n1\n0 1 2\n0 1\n0\n3\n2\n", "expected a number of rows from 2 to 2, found '3'"},
+      {"1\n0\n1\n1\n0 1 2\n0 1\n0\n3\n3\n", "expected a number of columns from 2 to 2, found '3'"},
+      {"1 0 1 1  0 1 2  0 1  0 3 2 3 2  1 2 3 4 5 6  1 2", "expected q of 3 rows, in q and b together, found '2'"},
+      {"1 1 1 1  0 1 2  0 1  0 4 2 4 2  1 2 3 4 5 6 7 8  1 2",
+       "expected q of 4 rows, in q and b together, found '2 and b'"},
+      {"1 0 0 1  0 1  1  0 0 1 0 1  1", "expected a matrix of at least 1 complementarity rows, found '0'"},
+      {"1 1 1 1  0 1 2  1 0  0 3 2 3 2  1 2 3 4 5 6  1 2",
+       "expected all equations before all complementarity rows, as M is not square, found 'another order of blocks'"},
+      {"1 1 1 1  0 1 2  0 1  0 3 2 3 2  1 2 3 4 5 6  1 2  1 6 0 4 1 2",
+       "expected A to b as M and q have them, 3 in row 2 and column 0, found '4'"},
       {"1 1 1 1  0 1 2  0 1  0 2 2 2 2  1 2 3 4  -1 -2  1 4 3 2  -1 -3",
        "expected A to b as M and q have them, -2 in row 1, found '-3'"},
       {"1 1 1 1  0 1 2  0 1  0 2 2 2 2  1 2 3 4  -1 -2  1 4 2 3  -1 -2",
