@@ -11,7 +11,7 @@
 #include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/recipes/formulas.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
-#include "benchmarks/collection/recipes/recording.h"
+#include "benchmarks/collection/recording.h"
 #include "benchmarks/motions/sequence.h"
 #include "model/scenes/scene.h"
 #include "solvers/io/json_lines.h"

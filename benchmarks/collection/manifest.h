@@ -9,7 +9,7 @@
 #include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/properties.h"
 #include "benchmarks/collection/recipes/recipe.h"
-#include "benchmarks/collection/recipes/recording.h"
+#include "benchmarks/collection/recording.h"
 
 namespace lcpbench {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "benchmarks/collection/gzip_file.h"
-#include "benchmarks/collection/recipes/recording.h"
+#include "benchmarks/collection/recording.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
 #include "solvers/io/json_lines.h"

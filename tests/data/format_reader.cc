@@ -15,7 +15,7 @@
 #include "benchmarks/campaign/sequence_file.h"
 #include "benchmarks/campaign/tuned_file.h"
 #include "benchmarks/collection/manifest.h"
-#include "benchmarks/collection/recipes/recording.h"
+#include "benchmarks/collection/recording.h"
 #include "benchmarks/collection/references.h"
 #include "benchmarks/recommend/rules.h"
 #include "model/records/records.h"

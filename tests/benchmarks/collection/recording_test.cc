@@ -1,4 +1,4 @@
-#include "benchmarks/collection/recipes/recording.h"
+#include "benchmarks/collection/recording.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-#include "benchmarks/collection/recipes/recording.h"
+#include "benchmarks/collection/recording.h"
 
 #include <algorithm>
 #include <cmath>
