@@ -235,7 +235,7 @@ TEST(Recording, StepsThatAreNoneAreRefusedByName) {
   RecordingHeader header;
   header.bodies.resize(1);
   const auto refused = [&](const std::string& contact, const char* why) {
-    testing::ExpectRefused(
+    ExpectRefused(
         [&] {
           ParseRecordedStep(
               R"({"step":1,"bodies":{"x":[[0,0]],"q":[0],"v":[[0,0]],"omega":[0],"force":[[0,0]],"torque":[0]},)"
