@@ -67,7 +67,7 @@ void ReadSequence(const std::string& path) {
 
 // A header, or a step of two bodies in the plane or, with quaternions, in space.
 void ReadRecordingLine(const std::string& text) {
-  if (text.find("lcpbench_recording") != std::string::npos) {
+  if (text.find("lcpbench_recording") != std::string::npos || text.find("\"engine\"") != std::string::npos) {
     ParseRecordingHeader(text, kWhere);
     return;
   }

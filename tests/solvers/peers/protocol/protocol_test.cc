@@ -151,7 +151,7 @@ TEST(Protocol, BrokenPayloadsAreErrors) {
     }
     EXPECT_GT(refused, 0);
   }
-  const Bytes hello = Encode(Hello{3, WantedForm::kDense, "n", "v", "l"});
+  const Bytes hello = Encode(Hello{kProtocolVersion + 1, WantedForm::kDense, "n", "v", "l"});
   EXPECT_THROW(DecodeHello(hello), std::runtime_error);
 }
 
