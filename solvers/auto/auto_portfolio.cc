@@ -9,6 +9,7 @@
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/linear_algebra/cost_model.h"
 #include "solvers/linear_algebra/islands.h"
+#include "solvers/linear_algebra/kept_order.h"
 
 namespace lcpbench {
 namespace {
