@@ -199,15 +199,6 @@ Tier Literature() {
   return tier;
 }
 
-Tier Recorded() {
-  Tier tier{"recorded",
-            "What engines met in scenes of their own: velocity steps and problems at rest, whole and islands.", true,
-            true};
-  tier.version = "3.0.0";
-  tier.has_recordings = true;
-  return tier;
-}
-
 Tier Nonsymmetric() {
   Tier tier{kNonsymmetricTier,
             "Nonsymmetric and indefinite A: \"unsupported\" is a right answer, and a wrong \"solved\" a false success.",
@@ -226,9 +217,10 @@ Tier Nonsymmetric() {
 }
 
 using Plan = std::pair<const char*, Tier (*)()>;
-constexpr Plan kPlans[] = {{"smoke", &Smoke},       {"engine", &Engine},         {"standard", &Standard},
-                           {"large", &Large},       {"sequences", &Sequences},   {"pathological", &Pathological},
-                           {"recorded", &Recorded}, {"literature", &Literature}, {kNonsymmetricTier, &Nonsymmetric}};
+constexpr Plan kPlans[] = {{"smoke", &Smoke},           {"engine", &Engine},
+                           {"standard", &Standard},     {"large", &Large},
+                           {"sequences", &Sequences},   {"pathological", &Pathological},
+                           {"literature", &Literature}, {kNonsymmetricTier, &Nonsymmetric}};
 
 }  // namespace
 
