@@ -85,8 +85,8 @@ struct Import {
         Take(ParseLcpRecord(line, where).problem, {relative, number}, where);
       };
       const auto take = [&](const LcpRecord& record) { Take(record.problem, {relative, 1}, file.string()); };
-      status = std::max(
-          status, IsJsonLines(file) ? ForEachLine({file.string()}, take_line) : ForEachProblem({file.string()}, {}, take));
+      status = std::max(status, IsJsonLines(file) ? ForEachLine({file.string()}, take_line)
+                                                  : ForEachProblem({file.string()}, {}, take));
     }
     if (manifest.problems.empty()) throw InputError(folder + ": no problem could be read");
     WriteGzipFile((fs::path(folder) / kReferencesName).string(), references_);

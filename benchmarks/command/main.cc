@@ -67,8 +67,8 @@ int RunCommand(int argc, char** argv) {
   CommandRun run;
   for (const auto add :
        {AddListCommand, AddGenerateCommand, AddSceneCommand, AddSolveCommand, AddServeCommand, AddCertifyCommand,
-        AddConvertCommand, AddCollectionCommand, AddImportCommand, AddRecordCommands, AddRecordingCommand, AddRunCommands, AddReportCommands,
-        AddRecommendCommand, AddSequenceCommand, AddMotionCommand}) {
+        AddConvertCommand, AddCollectionCommand, AddImportCommand, AddRecordCommands, AddRecordingCommand,
+        AddRunCommands, AddReportCommands, AddRecommendCommand, AddSequenceCommand, AddMotionCommand}) {
     add(app, run);
   }
   HideStandIns(app);

@@ -232,7 +232,8 @@ struct LcpProblem::Matrix {
       const double count = inverse_mass[k] == 0 ? 0 : columns.outerIndexPtr()[k + 1] - columns.outerIndexPtr()[k];
       pairs += count * count;
     }
-    RequireSparseMatrices(n, std::min(pairs / facts.columns_per_body, static_cast<double>(n) * static_cast<double>(n)), 2);
+    RequireSparseMatrices(n, std::min(pairs / facts.columns_per_body, static_cast<double>(n) * static_cast<double>(n)),
+                          2);
     std::vector<double> sums(static_cast<size_t>(n), 0.0);
     std::vector<Index> last_row(static_cast<size_t>(n), -1);
     std::vector<int> pattern;

@@ -71,10 +71,10 @@ struct ProblemArrays {
 /// As frictionless contact: f are normal forces [N], w gap accelerations [m/s^2], A = J M^-1 J^T [1/kg] the Delassus
 /// matrix and b the gap accelerations at zero force. An edge's curvature enters b (its normal turns), never A.
 ///
-/// Three given forms: A dense (n x n), A sparse (n x n), or factors J (n x pN, row order as assembled) with the inverse
-/// mass diagonal (pN, >= 0), p columns a body (3 in the plane, 6 in space) and A = J M^-1 J^T. The given form *is* the problem: verification uses it. The derived
-/// forms DenseA() and SparseA() are its roundings, made on the first request (so that their cost can be measured apart
-/// from a solve) and kept. Derived matrices are bitwise symmetric where the problem is given by factors.
+/// Three given forms: A dense (n x n), A sparse (n x n), or factors J (n x pN, row order as assembled; p = 3 columns a
+/// body in the plane, 6 in space) with the inverse mass diagonal (pN, >= 0) and A = J M^-1 J^T. The given form *is* the
+/// problem: verification uses it. DenseA() and SparseA() are its roundings, made on the first request (so that their
+/// cost can be measured apart from a solve) and kept, bitwise symmetric where the problem is given by factors.
 ///
 /// Immutable; copies share storage; safe to read from several threads. n = 0 is valid.
 /// All constructors throw InputError, naming the argument, on a shape that does not fit, NaN or infinity, a negative
@@ -119,8 +119,8 @@ class LcpProblem {
   const Eigen::VectorXd& inverse_mass() const;
   /// p, see MatrixFacts.
   int columns_per_body() const { return facts().columns_per_body; }
-  /// True if every row of J has its nonzeros in at most two bodies' columns with inverse mass > 0 somewhere in them: the
-  /// two-body fast path. False without factors.
+  /// True if every row of J has its nonzeros in at most two bodies' columns with inverse mass > 0 somewhere in them:
+  /// the two-body fast path. False without factors.
   bool has_two_body_rows() const;
 
   /// n x n. From factors: O(sum over columns of (column count)^2) plus n^2 to fill; from sparse: n^2.

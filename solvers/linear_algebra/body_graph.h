@@ -31,7 +31,7 @@ class BodyGraph {
     bool operator==(const Ends&) const = default;
   };
 
-  static bool Suits(const LcpProblem& problem) { 
+  static bool Suits(const LcpProblem& problem) {
     return problem.has_factors() && problem.columns_per_body() == 3 && problem.has_two_body_rows();
   }
 

@@ -97,7 +97,8 @@ class RowKernel {
 std::unique_ptr<RowKernel> MakeAssembledRows(const LcpProblem& problem, const ScaledProblem& scaled);
 /// Rows on any number of bodies: S = D^-1/2 J M^-1/2, one copy for the product and the update.
 std::unique_ptr<RowKernel> MakeFactorRows(const LcpProblem& problem, const ScaledProblem& scaled);
-/// The same for rows on at most two bodies each (LcpProblem::has_two_body_rows) of three columns, a cache line a row, many at once.
+/// The same for rows on at most two bodies each (LcpProblem::has_two_body_rows) of three columns, a cache line a row,
+/// many at once.
 std::unique_ptr<RowKernel> MakeTwoBodyRows(const LcpProblem& problem, const ScaledProblem& scaled);
 
 /// Rows per block of a coloured order. Colours span a block and not the whole problem, so that the bodies that a block

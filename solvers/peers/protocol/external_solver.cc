@@ -194,7 +194,8 @@ void ExternalSolver::SendStream() {
     throw WorkerFailure(How::kNotStarted, error.what());
   }
   if (has_stream_ || hello_.version == 1) return;
-  has_stream_ = Ask(MessageType::kStream, Encode(stream_, hello_.version), MessageType::kLoaded, options_.prepare_limit_s, TakeAnswer);
+  has_stream_ = Ask(MessageType::kStream, Encode(stream_, hello_.version), MessageType::kLoaded,
+                    options_.prepare_limit_s, TakeAnswer);
 }
 
 PassReply ExternalSolver::RunPass(const PassRequest& request, double limit_s) {

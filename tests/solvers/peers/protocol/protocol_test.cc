@@ -51,7 +51,8 @@ std::vector<ProblemArrays> Problems() {
 TEST(Protocol, ProblemsOfEveryFormComeBackBitForBit) {
   const std::vector<ProblemArrays> problems = Problems();
   for (const ProblemArrays& problem : problems) {
-    for (const std::uint32_t version : {1U, 2U, 3U}) ExpectSame(DecodeProblem(Encode(problem, version), version), problem);
+    for (const std::uint32_t version : {1U, 2U, 3U})
+      ExpectSame(DecodeProblem(Encode(problem, version), version), problem);
     const MatrixFacts facts = DecodeProblem(Encode(problem)).facts;
     EXPECT_EQ(facts.rank, problem.facts.rank);
     EXPECT_EQ(facts.f_unique, problem.facts.f_unique);
