@@ -30,12 +30,13 @@ enum class FclibTriplets {
   /// What the ranges of the indices allow, in one matrix of the file at least. Refused where they allow both and the
   /// problem is not the same either way.
   kByRanges,
-  kRowsFirst,
-  kColumnsFirst
+  kRowsFirst,    ///< p has the rows
+  kColumnsFirst  ///< p has the columns
 };
 
+/// How a file is read where the format leaves it open.
 struct FclibOptions {
-  FclibTriplets triplets = FclibTriplets::kByRanges;
+  FclibTriplets triplets = FclibTriplets::kByRanges;  ///< what p is
   /// Reads mu as 0: the normal rows of a problem with friction.
   bool without_friction = false;
 };
