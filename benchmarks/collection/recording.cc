@@ -114,7 +114,7 @@ class RowBuilder {
     J.setFromTriplets(entries_.begin(), entries_.end());
     MatrixFacts facts;
     facts.columns_per_body = width_;
-    return {LcpProblem::FromFactors(std::move(id), std::move(J), std::move(inverse_mass),
+    return {LcpProblem::FromFactors(std::move(id), J, std::move(inverse_mass),
                                     Eigen::Map<const Eigen::VectorXd>(b_.data(), rows_),
                                     RowBounds::WithBilateralRows(rows_, bilateral_), facts),
             std::move(identity_)};
@@ -355,7 +355,7 @@ std::optional<RecordedProblem> AccelerationProblem(const RecordingHeader& header
     constraint.feature1 = FeatureAt(body1, point + half, Vec2{} - n, contact.radius[1]);
     constraint.feature2 = FeatureAt(body2, point - half, n, contact.radius[0]);
     constraint.nominal_gap = contact.gap;
-    system.constraints.push_back(std::move(constraint));
+    system.constraints.push_back(constraint);
     recorded.identity.push_back(contact.identity);
   }
   if (system.constraints.empty()) return std::nullopt;
