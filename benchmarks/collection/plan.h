@@ -52,8 +52,11 @@ struct Tier {
 
 /// The tier whose problems are in no mean of a report: "unsupported" is a right answer to them.
 inline constexpr const char* kNonsymmetricTier = "nonsymmetric";
+/// The tier of problems that are meant to break something, and so in no mean of a report either.
+inline constexpr const char* kPathologicalTier = "pathological";
 
-/// smoke, engine, standard, large, sequences, pathological, literature, nonsymmetric.  @throws InputError naming them
+/// smoke, engine, standard, large, sequences, pathological, literature, recorded, nonsymmetric.
+/// @throws InputError naming them
 Tier PlanTier(std::string_view name);
 const std::vector<std::string>& AllTiers();
 

@@ -13,11 +13,13 @@ namespace {
 // Fuller matrices of more rows than this are not analysed as sparse ones at all.
 constexpr double kSparseFill = 0.4;
 constexpr Eigen::Index kAnalysedRows = 48;
+#ifdef LCPBENCH_WITH_SUITESPARSE
 // Where A has more entries per row than this, bodies carry so many rows that their graph is the sparser one; where
 // fewer, A is, and the other form is not analysed. Smaller problems are not worth two analyses.
 constexpr double kFullRows = 10;
 constexpr double kSparseRows = 10;
 constexpr Eigen::Index kLeastRowsForBodies = 1000;
+#endif
 
 }  // namespace
 
