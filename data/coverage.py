@@ -13,7 +13,7 @@ _DATA = Path(__file__).resolve().parent
 _README = _DATA / "README.md"
 _BEGIN = "<!-- coverage: written by data/coverage.py -->"
 _END = "<!-- end of coverage -->"
-_TIERS = ["smoke", "engine", "standard", "large", "pathological", "literature", "nonsymmetric"]
+_TIERS = ["smoke", "engine", "standard", "large", "pathological", "recorded", "literature", "nonsymmetric"]
 
 # (label, upper limit, inclusive)
 _SIZES = [("1–3", 3), ("4–30", 30), ("31–300", 300), ("301–3000", 3000), ("3001–20 000", 20_000), ("10⁵–10⁶", 10**6)]

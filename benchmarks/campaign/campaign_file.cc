@@ -84,18 +84,11 @@ std::map<std::string, Times> TimesByName(const std::string& folder) {
   return cells;
 }
 
-std::map<std::string, double> WeightsOf(const std::vector<PlannedProblem>& problems) {
-  std::vector<ManifestEntry> entries;
-  for (const PlannedProblem& planned : problems) entries.push_back(*planned.entry);
-  return WeightsByBase(entries);
-}
-
 // That a line of problems.jsonl says what the plan says; what was measured need only be a measurement.
-void RequireDescribes(const nlohmann::json& line, const std::string& set, const PlannedProblem& planned,
-                      double weight) {
+void RequireDescribes(const nlohmann::json& line, const std::string& set, const PlannedProblem& planned) {
   const LcpProblem none = LcpProblem::FromDense("none", Eigen::MatrixXd(0, 0), Eigen::VectorXd(0));
   // As a file has it: without infinite numbers.
-  const std::string text = RecordOf<DescribedProblem>(ProblemFields(), {set, planned, none, weight, {}, {}}).dump();
+  const std::string text = RecordOf<DescribedProblem>(ProblemFields(), {set, planned, none, {}, {}}).dump();
   auto expected = nlohmann::json::parse(text);
   expected["rows"] = planned.entry->properties.rows;
   for (const char* measured : {"bilateral", "oracle_s", "floor"}) expected[measured] = line.at(measured);
@@ -253,13 +246,12 @@ ProblemSet::ProblemSet(const std::string& path)
 
 AppendOnlyFile OpenProblems(const std::string& path, const std::vector<Manifest>& manifests,
                             const std::vector<PlannedProblem>& problems, std::size_t* done) {
-  const std::map<std::string, double> weights = WeightsOf(problems);
   *done = 0;
   return {path, "a problem of this campaign", [&](const nlohmann::json& line) {
             if (*done == problems.size()) throw InputError("a line more than it has problems");
             const PlannedProblem& planned = problems[*done];
             RequireFields(line);
-            RequireDescribes(line, manifests[planned.manifest].name, planned, weights.at(planned.entry->base));
+            RequireDescribes(line, manifests[planned.manifest].name, planned);
             ++*done;
           }};
 }
@@ -269,7 +261,6 @@ void WriteProblems(const std::string& path, const CampaignPlan& plan, const std:
   std::size_t done = 0;
   AppendOnlyFile file = OpenProblems(path, manifests, problems, &done);
   if (done == problems.size()) return;
-  const std::map<std::string, double> weights = WeightsOf(problems);
   std::vector<std::unique_ptr<ProblemSet>> sets;
   for (const std::string& manifest : plan.manifests) sets.push_back(std::make_unique<ProblemSet>(manifest));
   ProgressBar bar("problems", static_cast<double>(problems.size() - done));
@@ -278,7 +269,7 @@ void WriteProblems(const std::string& path, const CampaignPlan& plan, const std:
     const ManifestEntry& entry = *planned.entry;
     ProblemSet& set = *sets[planned.manifest];
     const LcpProblem problem = set.source.Get(entry);
-    DescribedProblem described{set.manifest.name, planned, problem, weights.at(entry.base), {}, {}};
+    DescribedProblem described{set.manifest.name, planned, problem, {}, {}};
     const std::optional<KnownAnswer> answer = set.references.Find(problem);
     if (answer && answer->f.size() > 0) {
       if (std::isfinite(*answer->reference.floor)) described.floor = answer->reference.floor;

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <map>
 #include <regex>
 #include <string_view>
 #include <tuple>
 #include <utility>
 
+#include "benchmarks/collection/plan.h"
 #include "model/scenes/random.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
@@ -57,6 +59,39 @@ void AddByTier(Task task, const CampaignPlan& plan, std::vector<Task>* tasks) {
   }
 }
 
+void SetWeights(const std::vector<Manifest>& manifests, std::vector<PlannedProblem>* problems) {
+  std::map<std::string_view, double> sharing;
+  for (const PlannedProblem& problem : *problems) sharing[problem.entry->base] += 1;
+  for (PlannedProblem& problem : *problems) problem.weight = 1 / sharing[problem.entry->base];
+  const auto is_in_means = [&](const PlannedProblem& problem) { return IsInMeans(manifests[problem.manifest].name); };
+  std::map<const SizeClass*, std::map<std::string_view, double>> weights;
+  for (const PlannedProblem& problem : *problems) {
+    if (is_in_means(problem)) weights[problem.size_class][problem.entry->origin] += problem.weight;
+  }
+  for (PlannedProblem& problem : *problems) {
+    if (!is_in_means(problem)) continue;
+    const auto& by_origin = weights[problem.size_class];
+    double sum = 0;
+    for (const auto& [origin, weight] : by_origin) sum += weight;
+    problem.weight *= sum / (static_cast<double>(by_origin.size()) * by_origin.at(problem.entry->origin));
+  }
+}
+
+// Of problems by size class and fill, each of these lists by turns of the origins.
+void TakeTurns(std::vector<PlannedProblem>* problems) {
+  std::map<std::tuple<Index, bool, std::string_view>, int> taken;
+  std::map<const ManifestEntry*, int> turn;
+  const auto list = [](const PlannedProblem& problem) {
+    return std::tuple(problem.size_class->least, problem.entry->fill);
+  };
+  for (const PlannedProblem& problem : *problems) {
+    turn[problem.entry] = taken[std::tuple_cat(list(problem), std::tuple(std::string_view(problem.entry->origin)))]++;
+  }
+  std::stable_sort(problems->begin(), problems->end(), [&](const PlannedProblem& a, const PlannedProblem& b) {
+    return std::tuple(list(a), turn.at(a.entry)) < std::tuple(list(b), turn.at(b.entry));
+  });
+}
+
 }  // namespace
 
 double DisturbanceOf(const NoiseRule& rule, const Disturbance& found, double fast_probe_s) {
@@ -103,6 +138,8 @@ void RequireValid(const CampaignPlan& plan) {
   }
 }
 
+bool IsInMeans(const std::string& manifest) { return manifest != kNonsymmetricTier; }
+
 std::vector<PlannedProblem> PlanProblems(const CampaignPlan& plan, const std::vector<Manifest>& manifests) {
   const std::regex filter(plan.filter);
   std::vector<PlannedProblem> problems;
@@ -112,7 +149,7 @@ std::vector<PlannedProblem> PlanProblems(const CampaignPlan& plan, const std::ve
         const Index rows = entry.properties.rows;
         if (plan.most_rows > 0 && rows > plan.most_rows) continue;
         if (!plan.filter.empty() && !std::regex_search("solve/" + entry.id + "/", filter)) continue;
-        problems.push_back({m, &entry, &SizeClassOf(rows)});
+        problems.push_back({m, &entry, &SizeClassOf(rows), 1});
       }
     };
     add(manifests[m].problems);
@@ -126,6 +163,8 @@ std::vector<PlannedProblem> PlanProblems(const CampaignPlan& plan, const std::ve
     };
     return key(a) < key(b);
   });
+  SetWeights(manifests, &problems);
+  TakeTurns(&problems);
   return problems;
 }
 

@@ -75,10 +75,17 @@ struct PlannedProblem {
   std::size_t manifest = 0;  ///< index into the plan's
   const ManifestEntry* entry = nullptr;
   const SizeClass* size_class = nullptr;
+  double weight = 1;  ///< what it counts in medians, shares and intervals
 };
 
+/// Whether problems of that manifest are in means: all but those of kNonsymmetricTier.
+bool IsInMeans(const std::string& manifest);
+
 /// The campaign's problems by size class, within a class those of the collection before those that fill it up, and
-/// both in an order drawn by the seed: a task that is cut short by its budget has seen a fair sample.
+/// both by turns of their origins, of each in an order drawn by the seed: a task that is cut short by its budget has
+/// seen a fair sample.
+/// Weights: the k problems that have a base in common share a weight of 1, and within a size class the origins that
+/// are there weigh the same, their sum being what it was; but for problems that are in no mean (IsInMeans).
 /// @param manifests  must outlive the result
 std::vector<PlannedProblem> PlanProblems(const CampaignPlan& plan, const std::vector<Manifest>& manifests);
 

@@ -214,9 +214,11 @@ constexpr FieldOf<Described> kProblem[] = {
     {{"base", "name", "", "of the variants of one recipe, or of the steps of one motion, the same"},
      Planned<&ManifestEntry::base>},
     {{"weight", "positive", "",
-      "1/k for the k problems of the campaign that have that base: what it counts in medians, shares and intervals"},
-     [](const Described& of) { return Json(of.weight); }},
-    {{"origin", "name", "", "placed, motion, literature"}, Planned<&ManifestEntry::origin>},
+      "what it counts in medians, shares and intervals: 1/k for the k problems of the campaign that have that base, "
+      "times "
+      "what makes the origins of a size class weigh the same"},
+     [](const Described& of) { return Json(of.planned.weight); }},
+    {{"origin", "name", "", "placed, motion, recorded, literature"}, Planned<&ManifestEntry::origin>},
     {{"fill", "boolean", "", "of a further seed, to fill up a stream"}, Planned<&ManifestEntry::fill>},
     {{"size_class", "name", "", "key, of campaign.json"},
      [](const Described& of) { return Json(of.planned.size_class->key); }},
@@ -234,7 +236,7 @@ constexpr FieldOf<Described> kProblem[] = {
      }},
     {{"reference", "name", "", "certified, bounded or none"},
      [](const Described& of) { return Json(of.planned.entry->reference.kind); }},
-    {{"counts", "boolean", "", "in means"}, [](const Described& of) { return Json(of.set != kNonsymmetricTier); }},
+    {{"counts", "boolean", "", "in means"}, [](const Described& of) { return Json(IsInMeans(of.set)); }},
     {{"oracle_s", "positive?", "s", "what an oracle pays (benchmarks/measure/oracle.h); null: not known"},
      [](const Described& of) { return OrNull(of.oracle_s); }},
     {{"floor", "time?", "", "rounding floor that verdicts are relative to; null: not known"},

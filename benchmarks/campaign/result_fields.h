@@ -85,7 +85,6 @@ struct DescribedProblem {
   const std::string& set;
   const PlannedProblem& planned;
   const LcpProblem& problem;
-  double weight;
   std::optional<double> oracle_s;
   std::optional<double> floor;
 };

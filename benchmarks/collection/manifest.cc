@@ -455,13 +455,6 @@ ManifestEntry FillEntry(const Recipe& recipe) {
   return entry;
 }
 
-std::map<std::string, double> WeightsByBase(const std::vector<ManifestEntry>& problems) {
-  std::map<std::string, double> weights;
-  for (const ManifestEntry& entry : problems) weights[entry.base] += 1;
-  for (auto& [base, weight] : weights) weight = 1 / weight;
-  return weights;
-}
-
 ProblemSource::ProblemSource(std::string folder) : folder_(std::move(folder)) {}
 
 LcpProblem ProblemSource::Get(const ManifestEntry& entry) {

@@ -115,9 +115,6 @@ struct Manifest {
   std::vector<SequenceEntry> sequences;
 };
 
-/// 1 / k for the k problems that have a base in common: what each of them counts where all do.
-std::map<std::string, double> WeightsByBase(const std::vector<ManifestEntry>& problems);
-
 /// Of a problem that fills up; its answer is certified.
 ManifestEntry FillEntry(const Recipe& recipe);
 

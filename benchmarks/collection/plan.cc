@@ -121,7 +121,7 @@ Tier Large() {
 }
 
 Tier Pathological() {
-  Tier tier{kPathologicalTier, "Problems that are meant to break something, each of which says what.", false, true};
+  Tier tier{"pathological", "Problems that are meant to break something, each of which says what.", false, true};
   for (const HardCase& hard : AllHardCases()) AddHard({hard.key}, {8, 40, 200}, kUnchanged, hard.purpose, &tier);
   AddHard({"discs-in-v", "roller-bearing", "rounded-wall", "billiards-break"}, {60, 240}, kUnchanged,
           "Rank-deficient A: forces are not unique, and pivots vanish but for rounding.", &tier, 21);
@@ -226,15 +226,9 @@ Tier Recorded() {
 
 using Plan = std::pair<const char*, Tier (*)()>;
 constexpr Plan kPlans[] = {
-    {"smoke", &Smoke},
-    {"engine", &Engine},
-    {"standard", &Standard},
-    {"large", &Large},
-    {"sequences", &Sequences},
-    {kPathologicalTier, &Pathological},
-    {"literature", &Literature},
-    {"recorded", &Recorded},
-    {kNonsymmetricTier, &Nonsymmetric},
+    {"smoke", &Smoke},           {"engine", &Engine},       {"standard", &Standard},
+    {"large", &Large},           {"sequences", &Sequences}, {"pathological", &Pathological},
+    {"literature", &Literature}, {"recorded", &Recorded},   {kNonsymmetricTier, &Nonsymmetric},
 };
 
 }  // namespace

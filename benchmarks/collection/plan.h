@@ -52,8 +52,6 @@ struct Tier {
 
 /// The tier whose problems are in no mean of a report: "unsupported" is a right answer to them.
 inline constexpr const char* kNonsymmetricTier = "nonsymmetric";
-/// The tier of problems that are meant to break something, and so in no mean of a report either.
-inline constexpr const char* kPathologicalTier = "pathological";
 
 /// smoke, engine, standard, large, sequences, pathological, literature, recorded, nonsymmetric.
 /// @throws InputError naming them

@@ -48,9 +48,10 @@ const std::vector<CampaignPlan>& Campaigns() {
        .budgets = {.judge_s = 1.5, .timed_s = 0.5, .parts_s = 0.1, .again_s = 0.1},
        .limits = {.most_s = 0.5}},
       // The numbers in README.md and docs/, and comparisons between commits: every class to 10^4 rows, with all
-      // problems of the collection and all that fill up its streams, at the one tier that every solver is meant for.
+      // problems of the collection and all that fill up its streams, of every origin, at the one tier that every
+      // solver is meant for.
       {.name = "core",
-       .manifests = {"engine", "standard"},
+       .manifests = {"engine", "standard", "recorded", "literature"},
        .tiers = {1e-6},
        .most_rows = 10'000,
        .budgets = {.judge_s = 2, .timed_s = 1, .parts_s = 0.2, .again_s = 0.2},
@@ -77,6 +78,9 @@ const std::vector<CampaignPlan>& Campaigns() {
        .passes = 3,
        .budgets = {.judge_s = 600, .timed_s = 600, .parts_s = 120, .again_s = 120},
        .limits = {.most_s = 60}},
+      {.name = "recorded",
+       .manifests = {"recorded"},
+       .budgets = {.judge_s = 3, .timed_s = 1.5, .parts_s = 0.3, .again_s = 0.3}},
       {.name = "literature", .manifests = {"literature"}, .most_rows = 10'000, .limits = {.most_s = 10}},
       {.name = "nonsymmetric", .manifests = {"nonsymmetric"}, .passes = 3, .limits = {.most_s = 2}},
       // What every decade of precision costs.
