@@ -42,17 +42,15 @@ Json FieldAt(const Judged& judged, std::size_t k, const char* name) {
 
 // Null where the answer was called solved and is verified, with nothing more to say.
 Json ExceptionOf(std::size_t at, const Judged& judged, std::size_t k) {
-  if (!judged.excluded.empty()) {
-    return {{"at", at}, {"claim", "excluded"}, {"passes", false}, {"reason", judged.excluded}};
-  }
+  const bool is_excluded = !judged.excluded.empty();
   Json exception = {{"at", at}};
-  if (judged.reply.records.empty()) {
+  if (is_excluded || judged.reply.records.empty()) {
     LcpResult none;
     none.detail = judged.reply.detail;
     Verdict verdict;
-    verdict.reason = judged.reply.detail;
+    verdict.reason = is_excluded ? judged.excluded : judged.reply.detail;
     for (const auto& field : ExceptionFields()) exception[field.name] = field.value({none, verdict});
-    exception["claim"] = judged.reply.outcome;
+    exception["claim"] = is_excluded ? "excluded" : judged.reply.outcome;
     return exception;
   }
   for (const auto& field : ExceptionFields()) exception[field.name] = FieldAt(judged, k, field.name);

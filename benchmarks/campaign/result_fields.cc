@@ -90,6 +90,8 @@ constexpr FieldOf<Answer> kColumns[] = {
     {{"allocations", "[time?]", "", "of it; null: in another process"}, OfAnswer<&Answer::allocations>},
 };
 
+constexpr ResultField kPlace[] = {{"at", "count", "", "place in the lists"}};
+
 constexpr FieldOf<Answer> kExceptions[] = {
     {{"claim", "name", "",
       "the solver's status; or crashed, killed, out_of_memory; or excluded: not tried, by the rule in `reason`"},
@@ -428,7 +430,7 @@ std::vector<RecordSchema> ResultSchema() {
       Schema("line", "What every line of streams.jsonl begins with", kLine),
       Schema("judge", "What follows in a line of kind judge (pass 0); a list has an entry for each attempted problem",
              kJudge, kColumns, kOfTheLine),
-      Schema("exception", "An entry of `exceptions`, besides `at`, its place in the lists", kExceptions),
+      Schema("exception", "An entry of `exceptions`", kPlace, kExceptions),
       Schema("fresh", "What follows in a line of kind fresh; a list has an entry for each problem of the task", kGroup,
              TimesOf(PassKind::kFresh), kTimed),
       Schema("parts", "Of kind parts (pass 1), with clock reads in between, for explanation only",

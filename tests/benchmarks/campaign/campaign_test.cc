@@ -122,8 +122,9 @@ TEST_F(Campaign, AnswersAtTheFloorAreVerifiedAndTimed) {
 }
 
 TEST_F(Campaign, StricterTiersAreNotTriedAfterTheTimeRanOut) {
-  Succeed(Data("smoke") + " --filter disc-pile-n8- --time-limit 0.1 --solvers hanging" + External("hanging", "hang") +
-          " -o " + Path("r"));
+  const std::string campaign = Data("smoke") + " --filter disc-pile-n8- --time-limit 0.1 --solvers hanging" +
+                               External("hanging", "hang") + " -o " + Path("r");
+  Succeed(campaign);
   const std::vector<Json> cells = Cells();
   ASSERT_EQ(cells.size(), 3U);
   EXPECT_EQ(cells[0]["tier"], 1e-3);
@@ -133,6 +134,9 @@ TEST_F(Campaign, StricterTiersAreNotTriedAfterTheTimeRanOut) {
     EXPECT_EQ(cells[k]["claim"], "excluded") << cells[k].dump();
     EXPECT_EQ(cells[k]["excluded"], "out of time at the looser tier 1e-03");
   }
+  // What was not tried is no reason not to go on.
+  Succeed(campaign + " --resume");
+  EXPECT_EQ(Cells(), cells);
 }
 
 TEST_F(Campaign, SolversThatAreNotInTheBuildAreNamedAndHaveNoCells) {

@@ -173,6 +173,7 @@ TEST_F(KeptCampaign, WhatIsNotOfThePlanIsRefusedByFileAndLine) {
        {with(line, "first", 4711), "a task"},
        {with(line, "pass", (1LL << 32) + line["pass"].get<int>()), "pass 42949672"},
        {with(line, "excluded", nullptr), "field 'excluded'"},
+       {with(line, "exceptions", Json::array({{{"at", 1e30}}})), "field 'exceptions/0/at'"},
        {"{\"pass\":1," + line.dump().substr(1), "/pass: this key stands twice"}}};
   for (const std::string file : {"problems.jsonl", "streams.jsonl"}) {
     const std::string before = ReadFile(folder_ / "c" / file);
