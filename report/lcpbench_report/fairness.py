@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from . import formats
 from .inputs import Inputs
 from .statistics.cells import CHANGED, LEAST_PASSES, VERIFIED
-from .statistics.load import TASK_BUDGET
+from .statistics.load import ORIGINS, TASK_BUDGET
 
 # A solver is called out as built for looser tiers when it verifies less than this part of what it does at the loosest.
 _TIER_DROP = 0.75
@@ -140,13 +140,15 @@ def _judging(inputs: Inputs) -> _Lines:
            "table, where ours run without it and peers with one and a further solve.")
     if len(inputs.cells):
         problems = inputs.cells.drop_duplicates("problem")
-        variants, filled = int((problems["weight"] < 1).sum()), int(problems["fill"].astype(bool).sum())
+        filled = int(problems["fill"].astype(bool).sum())
+        variants = int(problems["base"].duplicated(keep=False).sum())
         weights = problems[problems["counts"].astype(bool)].groupby("origin")["weight"].sum()
-        share = weights.get("motion", 0) / max(weights.sum(), 1e-300)
+        shares = formats.words([f"{ORIGINS[origin]} {formats.percent(float(weights[origin] / weights.sum()))}"
+                                for origin in ORIGINS if weights.get(origin, 0) > 0])
         yield ("Weights", f"Of the k problems of one base, which differ in one number or are steps of one motion, each weighs "
-               f"1/k in medians, shares and intervals: {variants} of {len(problems)} problems weigh less than 1. "
-               f"{formats.percent(float(share))} of the counted weight are steps of motions; {filled} problems fill up size "
-               "classes, by the recipes of the collection with further seeds. Intervals draw families, and bases within them.")
+               f"1/k in medians, shares and intervals: {variants} of {len(problems)} problems share a base. Within a size "
+               "class the origins that are there weigh the same, however many problems each has. Of the counted weight have: "
+               f"{shares}. {filled} problems fill up size classes, by the recipes of the collection with further seeds. Intervals draw families, and bases within them.")
     if found := [entry["key"] for entry in inputs.solvers if entry.get("ablation")]:
         yield ("Ablation", f"{formats.plural(len(found), 'key')} stand in the ablation table only, in no other figure: our "
                "solvers without their own check, peers with a check and one more solve with a shifted diagonal, and our "
@@ -161,5 +163,8 @@ def _problems(inputs: Inputs) -> _Lines:
         steps = sum(int(sequence["steps"]) for campaign in inputs.campaigns for sequence in campaign.sequences.values())
         yield ("Sequences", f"The {steps} steps of the sequences were recorded once, driven by one solver: every solver is "
                "given the same problems, not those that its own errors would lead to. The motion section shows these.")
-    yield ("Scope", "Scenes are synthetic, planar and frictionless; solvers were called one at a time. ρ is our measure: a "
+    recorded = {about["family"].split()[0] for about in inputs.problems.values() if about["origin"] == "recorded"}
+    foreign = (f" Of the scenes of {formats.words(sorted(recorded))}, in the plane or in space, contacts and joints were "
+               "recorded as these engines met them, without friction and softness." if recorded else "")
+    yield ("Scope", f"Scenes of our own are synthetic and planar.{foreign} All contacts are frictionless; solvers were called one at a time. ρ is our measure: a "
            "library that stops on a criterion of its own may do more work than a tier needs.")

@@ -16,6 +16,10 @@ ABLATION_WORDS = ("These versions are in no other table or figure: our solvers w
          "Debian builds the peers' libraries. Time: of the version over its solver, median over the problems that both verify. "
          "Right and false: of the version, then of its solver. False: false successes and answers below the tier.")
 
+ORIGIN_WORDS = ("Share of the problems that is verified, and median time over that of the fastest right solver of each problem, "
+         "at the main tier; ✗: fails on half. Own scenes and motions are this project's; engines' problems were recorded from "
+         "scenes of their own; literature is what others published. In parentheses: problems.")
+
 
 def caption(inputs: Inputs, found: Headline) -> str:
     """What a cell says, by which rule it is bold, and where it was measured."""
@@ -100,6 +104,7 @@ def render(inputs: Inputs, lines: list[str], changes: str = "") -> str:
                        "the most), the one with the least geometric mean of fresh times, failures entered with the time limit. "
                        "Redundant: rows of A depend on each other.")
         parts += ["## Times", "", full_headline(inputs, headline(inputs))]
+        parts += _part("By origin of the problems", shown_tables.origins(inputs), ORIGIN_WORDS)
         parts += _part("Ablations", shown_tables.ablation(inputs, all_only=True), ABLATION_WORDS)
         parts += _part("Verified and false", shown_tables.coverage(inputs), "Share of the problems that are verified; ✗ with the "
                        "number of false successes: answers that a solver called solved and that are not; ↓ with the number of "

@@ -13,6 +13,7 @@ from .headline_table import Entry, Headline, headline
 from .inputs import PATHOLOGICAL, Inputs
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, VERIFIED
 from .statistics.class_times import ALL, RIGHT
+from .statistics.load import ORIGINS
 from .table import Table, code
 
 _MOST_SOLVERS = 25  # of the table of sequences
@@ -218,6 +219,29 @@ def scaling(inputs: Inputs) -> Table | None:
                   rows)
 
 
+def origins(inputs: Inputs) -> Table | None:
+    """A row per solver and a column per origin, at the main tier: the share verified, and its time over that of the
+    fastest right solver of each problem. None where all problems are of one origin."""
+    table = choice.table(inputs, "origins", choice.main_tier(inputs))
+    there = [origin for origin in ORIGINS if len(table) and origin in set(table["origin"])]
+    if len(there) < 2:
+        return None
+    by = table.set_index(["solver", "origin"])
+    most = table.groupby("origin")["problems"].max()
+
+    def words(solver: str, origin: str) -> str:
+        if (solver, origin) not in by.index:
+            return DASH
+        of = by.loc[(solver, origin)]
+        ratio = f"{times(of['ratio'])}×" if math.isfinite(of["ratio"]) else "✗"
+        sample = f" of {int(of['problems'])}" if of["problems"] < most[origin] else ""
+        return f"{share_of(of['verified_share'])}{sample} · {ratio}"
+
+    return Table(["solver", *(f"{ORIGINS[origin]} ({most[origin]})" for origin in there)],
+                 [[key(solver), *(words(solver, origin) for origin in there)] for solver in
+                  inputs.in_order(table["solver"])])
+
+
 # ----- sequences and motion
 
 def sequences(inputs: Inputs, detailed: bool = False) -> Table | None:
@@ -313,6 +337,7 @@ def settings(inputs: Inputs) -> Table:
 # Name of the file -> table of papers.
 PAPERS: dict[str, Callable[[Inputs], Table | None]] = {
     "headline": lambda inputs: by_solver(headline(inputs)) if len(inputs.cells) and headline(inputs).solvers else None,
-    "coverage": coverage, "means": means, "accuracy": accuracy, "scaling": scaling, "sequences": latencies,
+    "coverage": coverage, "means": means, "accuracy": accuracy, "scaling": scaling, "origins": origins,
+    "sequences": latencies,
     "deadlines": in_time,
 }

@@ -5,14 +5,17 @@ from .choice import main_tier
 from .headline_table import ClassRow, Headline, headline
 from .inputs import Inputs
 from .statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, VERIFIED
+from .statistics.load import ORIGINS
 
-MOST_LINES = 11
+MOST_LINES = 12
+# Rankings that correlate as much, by the lower end of the interval, are called the same, or alike.
+_SAME, _ALIKE = 0.95, 0.8
 
 
 def summary_lines(inputs: Inputs) -> list[str]:
     """Plain text; solver keys in backticks."""
-    of_cells = (_what, lambda of: peers(headline(of)), _coverage, false_successes, _fastest, _by_size, _accuracy,
-                _robustness)
+    of_cells = (_what, lambda of: peers(headline(of)), _coverage, false_successes, _fastest, _by_size, origins,
+                _accuracy, _robustness)
     rules = (*of_cells, _sequences, _motion, _scaling) if len(inputs.cells) else (_sequences, _motion)
     return [line for rule in rules if (line := rule(inputs))][:MOST_LINES]
 
@@ -97,6 +100,22 @@ def _by_size(inputs: Inputs) -> str:
             best = ranked[0]
             parts.append(f"{_rows([formats.size_class(size_class)])} `{best.solver}` ({formats.seconds(best.mean)})")
     return f"By size, among those that verify as much as any: {'; '.join(parts)}." if len(parts) > 1 else ""
+
+
+def origins(inputs: Inputs) -> str:
+    """Whether the ranking of solvers changes with where problems come from."""
+    table = choice.table(inputs, "rank_correlation", main_tier(inputs))
+    if table.empty:
+        return ""
+    parts = [f"{ORIGINS[of['origin']]} and {ORIGINS[of['other']]} {of['correlation']:.2f} "
+             f"({of['correlation_low']:.2f}–{of['correlation_high']:.2f})" for of in table.to_dict("records")]
+    least = table.loc[table["correlation"].idxmin()]
+    words = ("hardly changes" if table["correlation_low"].min() >= _SAME
+             else "changes little" if table["correlation_low"].min() >= _ALIKE
+             else f"changes, most between {ORIGINS[least['origin']]} and {ORIGINS[least['other']]}")
+    return (f"With the origin of problems the ranking of solvers {words}: rank correlations at "
+            f"{formats.power(main_tier(inputs))}, in the size classes that two origins have in common, are "
+            f"{'; '.join(parts)}.")
 
 
 def peers(found: Headline) -> str:

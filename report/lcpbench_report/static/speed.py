@@ -13,6 +13,8 @@ import pandas as pd
 from .. import choice
 from ..formats import power
 from ..inputs import Inputs
+from ..statistics.distributions import profile_table
+from ..statistics.load import ORIGINS, TASK_BUDGET
 from ..statistics.weighted import weighted_median
 from . import canvas
 
@@ -121,6 +123,29 @@ def profile(inputs: Inputs, tier: float):
         pane.set_title(title)
         pane.set_ylabel(f"share of {table['problems'].iloc[0]} problems, tier {power(tier)}" if pane is panes[0] else "")
         canvas.legend_below(pane, canvas.handles(solvers, inputs.styles))
+    return figure
+
+
+def profile_by_origin(inputs: Inputs):
+    """A panel for every origin at the main tier, with the best of ours and of the peers; None with one origin."""
+    cells = choice.main_cells(inputs)
+    there = [origin for origin in ORIGINS if (cells["origin"] == origin).any()]
+    if len(there) < 2:
+        return None
+    solvers = choice.best_own(inputs, _FEW[0]) + choice.best_peers(inputs, _FEW[1])
+    figure, panes = canvas.panels(len(there), canvas.PAGE, 2.6, sharey=True)
+    for pane, origin in zip(panes, there):
+        table = profile_table(cells[(cells["origin"] == origin) & (cells["excluded"] != TASK_BUDGET)])
+        for solver in solvers:
+            curve = table[table["solver"] == solver]
+            pane.plot(curve["tau"], curve["share"], **canvas.line(inputs.styles[solver], False), clip_on=False)
+        canvas.log_axis(pane.xaxis, "$\\tau$", canvas.power_tick)
+        pane.set_xlim(1, 1000)
+        pane.set_ylim(0, 1.01)
+        problems = table["problems"].iloc[0] if len(table) else 0
+        pane.set_title(f"{ORIGINS[origin]}, {problems} problems", fontsize=7.5)
+    panes[0].set_ylabel(f"share solved within $\\tau$ times the best, tier {power(choice.main_tier(inputs))}", fontsize=7)
+    canvas.legend_outside(figure, canvas.handles(solvers, inputs.styles), 5)
     return figure
 
 

@@ -14,7 +14,7 @@ from ..formats import power
 from . import canvas, quality, speed, steps
 
 _OF_CELLS = {"time-by-size": speed.by_size, "time-by-family": speed.by_family, "accuracy": quality.distributions,
-             "coverage": quality.bars, "work-precision": quality.work_precision, "scaling": speed.exponents,
+             "coverage": quality.bars, "work-precision": quality.work_precision, "scaling": speed.exponents, "profile-by-origin": speed.profile_by_origin,
              "robustness": quality.pathological, "robustness-grids": quality.grids}
 _OF_SEQUENCES = {"sequence-latency": steps.latency, "sequence-deadlines": steps.deadlines}
 _LARGE = 1_000_000  # bytes of a CSV file that is compressed

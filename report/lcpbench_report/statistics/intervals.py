@@ -50,17 +50,21 @@ class Bootstrap:
         if len(np.unique(bases)) < 2:
             return math.nan, math.nan
         order = np.argsort(values, kind="stable")
-        return _percentiles(self._medians(values[order], weights[order].astype(np.float32), bases[order]))
+        return interval_of(self._medians(values[order], weights[order].astype(np.float32), bases[order]))
 
     def mean(self, problems, values, weights, inverse=lambda mean: mean, over=None) -> tuple[float, float]:
         """Interval of inverse(weighted mean), or of its ratio to that of the values `over`, drawn together."""
-        values, weights, bases = self._sample(values, weights, problems)
-        if len(np.unique(bases)) < 2:
+        if len(np.unique(self._base_of.loc[np.asarray(problems)])) < 2:
             return math.nan, math.nan
+        found = [inverse(self.means(problems, each, weights)) for each in (values, *([] if over is None else [over]))]
+        return interval_of(found[0] / found[1] if over is not None else found[0])
+
+    def means(self, problems, values, weights) -> np.ndarray:
+        """The weighted mean in every resample; NaN in those that have none of the problems."""
+        values, weights, bases = self._sample(values, weights, problems)
         whole = self._sums(bases, weights)
-        found = [inverse(self._sums(bases, weights * each)[whole > 0] / whole[whole > 0])
-                 for each in (values, *([] if over is None else [np.asarray(over, dtype=float)]))]
-        return _percentiles(found[0] / found[1] if over is not None else found[0])
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.where(whole > 0, self._sums(bases, weights * values) / whole, math.nan)
 
     def base_means(self, problems, values, weights) -> np.ndarray:
         """The weighted mean of every base that has values."""
@@ -137,8 +141,10 @@ def _draw(families: np.ndarray) -> np.ndarray:
     return drawn
 
 
-def _percentiles(found: np.ndarray) -> tuple[float, float]:
-    """Outwards to a value that was found: infinite ones have none between them."""
+def interval_of(found: np.ndarray) -> tuple[float, float]:
+    """Of what resamples gave, without those that are NaN; outwards to a value that was found: infinite ones have none
+    between them."""
+    found = found[~np.isnan(found)]
     if not len(found):
         return math.nan, math.nan
     low = int(_TAIL * (len(found) - 1))

@@ -32,7 +32,8 @@ _SOLVER = {"key": "name", "setting": "text", "origin": "text", "uses_tolerance":
 _LIMITS = {"time_per_row_s": "time", "least_s": "time", "most_s": "positive"}
 _SIZE_CLASS = {"key": "name", "least": "count", "most": "count?", "stream": "count"}
 _REFERENCES = ("certified", "bounded", "none")
-_ORIGINS = ("placed", "motion", "literature")
+# Of problems -> in words.
+ORIGINS = {"placed": "own scenes", "motion": "own motions", "recorded": "engines", "literature": "literature"}
 METRICS = ("rho", "backward_error", "gap_rel", "w_error", "f_error")
 # Arrays of a judge line, a number for every problem that had its turn.
 JUDGED = (*METRICS, "best_tier", "iterations", "first_s", "allocations", "factor_share")
@@ -141,7 +142,7 @@ def _read_problems(path: Path, info: dict, note: Callable[[str], None]) -> dict[
     for number, line in read_lines(path, note):
         place = f"{path.name}:{number}"
         record = check_record(place, line, "problem")
-        for key, words in (("reference", _REFERENCES), ("origin", _ORIGINS), ("size_class", classes)):
+        for key, words in (("reference", _REFERENCES), ("origin", ORIGINS), ("size_class", classes)):
             check_word(place, record, key, words)
         own = classes[record["size_class"]]
         if not own["least"] <= record["rows"] <= (math.inf if own["most"] is None else own["most"]):

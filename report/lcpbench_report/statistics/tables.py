@@ -15,6 +15,7 @@ from .distributions import accuracy_table, oracle_table, profile_table, scaling_
 from .latency import deadline_table, latency_by_solver_table, latency_table
 from .load import Campaign
 from .means import delivered_table, mean_table
+from .origins import origin_table, rank_table
 from .pairwise import pairwise_table
 
 FOLDER = "analysis"
@@ -23,6 +24,7 @@ _OF_CELLS: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
     "cells": lambda cells: cells, "class_times": class_table, "profiles": profile_table, "pairwise": pairwise_table,
     "means": mean_table, "coverage": coverage_table, "scaling": scaling_table, "delivered": delivered_table,
     "accuracy": accuracy_table, "oracle": oracle_table,
+    "origins": origin_table, "rank_correlation": rank_table,
 }
 # Name -> function of a campaign that has passes over sequences.
 STEP_TABLES: dict[str, Callable[[Campaign], pd.DataFrame]] = {

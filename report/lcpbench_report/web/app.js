@@ -2,7 +2,7 @@
 // What the visitor chose, the controls, and drawing what is in sight.
 
 const view = {
-  family: "*", low: 0, high: Infinity, tier: nearestTier([...DATA.tiers, ...DATA.tiers.length ? [] : [1e-6]].map((tier) => ({tier})), 1e-6).tier, metric: "time", norm: "none",
+  origin: "*", family: "*", low: 0, high: Infinity, tier: nearestTier([...DATA.tiers, ...DATA.tiers.length ? [] : [1e-6]].map((tier) => ({tier})), 1e-6).tier, metric: "time", norm: "none",
   axis: "rows", size: "all", scene: DATA.motion.length ? `${DATA.motion[0].scene}@${DATA.motion[0].level}` : "", all: false,
   shown: SOLVERS.filter((solver) => solver.shown).map(({key}) => key),
 };
@@ -79,6 +79,7 @@ function fillControls() {
   const explored = PROBLEMS.families.filter((_, f) => PROBLEMS.family.some((of, i) => of === f && EXPLORED_SETS[PROBLEMS.set[i]]));
   const sizes = CLASSES.map((one, c) => [String(c), one.label]);
   const entries = {
+    origin: [["*", "all origins"], ...PROBLEMS.origins.map((origin) => [origin, origin])],
     family: [["*", "all families"], ...explored.map((family) => [family, family])],
     low: sizes, high: sizes, tier: DATA.tiers.map((tier) => [String(tier), tierName(tier)]),
     metric: Object.entries(METRICS).map(([key, {title}]) => [key, title]),

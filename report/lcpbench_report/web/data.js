@@ -33,7 +33,7 @@ function unpack(text) {
 }
 
 const ORACLE = unpack(PROBLEMS.oracle);
-const WEIGHTS = PROBLEMS.weight;  // of k variants of one base, 1/k each
+const WEIGHTS = PROBLEMS.weight;  // of k variants of one base, 1/k each; origins of a size class alike
 const weightOf = (picked) => picked.reduce((sum, i) => sum + WEIGHTS[i], 0);
 const unpacked = new Map();
 
@@ -91,5 +91,5 @@ const leftOut = (picked, kept) => kept.length < picked.length
 function selected(view) {
   const wanted = (i) => view.family === "*" ? PROBLEMS.counts[i] || view.all : PROBLEMS.families[PROBLEMS.family[i]] === view.family;
   return [...PROBLEMS.rows.keys()].filter((i) => PROBLEMS.rows[i] >= view.low && PROBLEMS.rows[i] <= view.high &&
-    EXPLORED_SETS[PROBLEMS.set[i]] && wanted(i));
+    EXPLORED_SETS[PROBLEMS.set[i]] && wanted(i) && (view.origin === "*" || PROBLEMS.origins[PROBLEMS.origin[i]] === view.origin));
 }

@@ -62,14 +62,15 @@ def _headline(inputs: Inputs) -> dict:
     found = headline(inputs)
     return {"headline": shown_tables.classes(found).html(), "headline_words": summary.peers(found),
             "by_solver": shown_tables.by_solver(found).html("by-solver"), "caption": markdown.caption(inputs, found),
-            "ablation_words": markdown.ABLATION_WORDS}
+            "ablation_words": markdown.ABLATION_WORDS, "origin_words": markdown.ORIGIN_WORDS,
+            "rank_words": summary.origins(inputs)}
 
 
 def _tables(inputs: Inputs) -> dict[str, Markup | None]:
     found = {"choices": (shown_tables.choices(inputs, detailed=True), "choose by-size"),
              "deadlines": (shown_tables.within_deadlines(inputs), "choose"),
              "warm": (shown_tables.sequences(inputs, detailed=True), ""),
-             "ablation": (shown_tables.ablation(inputs), ""),
+             "ablation": (shown_tables.ablation(inputs), ""), "origins": (shown_tables.origins(inputs), ""),
              "settings": (shown_tables.settings(inputs), "")}
     return {name: made and made.html(of_class) for name, (made, of_class) in found.items()}
 

@@ -15,6 +15,7 @@ from .. import motion
 from ..formats import power, short, size_class
 from ..inputs import Inputs
 from ..statistics.cells import BELOW_TIER, CHANGED, EXCLUDED, FAILED, FALSE_SUCCESS, VERIFIED
+from ..statistics.load import ORIGINS
 from ..statistics.means import shift_of
 from ..style import MARKER_PATHS
 
@@ -65,7 +66,9 @@ def _problems(inputs: Inputs, names: list[str]) -> dict:
     about = [inputs.problems[name] for name in names]
     (family, families), (of_set, sets) = (pd.factorize(np.array([record[key] for record in about], dtype=object))
                                           for key in ("family", "set"))
-    found = {"name": names, "families": families.tolist(), "family": family.tolist(), "sets": sets.tolist(),
+    origins = [origin for origin in ORIGINS if any(record["origin"] == origin for record in about)]
+    found = {"name": names, "origins": [ORIGINS[origin] for origin in origins],
+             "origin": [origins.index(record["origin"]) for record in about], "families": families.tolist(), "family": family.tolist(), "sets": sets.tolist(),
              "set": of_set.tolist(), "counts": [int(record["counts"]) for record in about],
              "rows": [record["rows"] for record in about], "oracle": pack(_column(about, "oracle_s")), "weight": [record["weight"] for record in about]}
     for key in ("redundancy", "mass_ratio", "condition", "fraction_active"):

@@ -1,0 +1,120 @@
+"""What the tables say of problems of several origins."""
+
+import math
+import unittest
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from lcpbench_report import summary
+from lcpbench_report.inputs import load_inputs
+from lcpbench_report.shown_tables import origins
+from lcpbench_report.statistics.origins import LARGEST_LOSS, origin_table, rank_table
+from .cases import FolderCase
+from .synthetic_campaign import cells_of, fail, slower, write_campaign
+
+FACTORS = {"first": 1.0, "second": 2.0, "third": 4.0, "fourth": 8.0}
+
+
+def _cells(of_placed: dict[str, float], of_recorded: dict[str, float], problems: int = 40) -> pd.DataFrame:
+    """Times are exact multiples of the first's."""
+    rng = np.random.default_rng(7)
+    parts = []
+    for origin, factors in (("placed", of_placed), ("recorded", of_recorded)):
+        times = pd.DataFrame(np.exp(rng.normal(0, 1, (problems, 1))) * np.array(list(factors.values())),
+                             index=[f"{origin}-{k}" for k in range(problems)], columns=list(factors))
+        parts.append(cells_of(times, origin=origin, family=f"{origin} scenes"))
+    return pd.concat(parts, ignore_index=True)
+
+
+class Rankings(unittest.TestCase):
+    def test_the_same_ranking_has_correlation_1_and_a_reversed_one_minus_1(self):
+        reversed_factors = dict(zip(FACTORS, reversed(FACTORS.values())))
+        for other, expected in ((FACTORS, 1.0), (reversed_factors, -1.0)):
+            row = rank_table(_cells(FACTORS, other)).iloc[0]
+            self.assertEqual((row["origin"], row["other"], row["solvers"]), ("placed", "recorded", 4))
+            for column in ("correlation", "correlation_low", "correlation_high"):
+                self.assertAlmostEqual(row[column], expected, msg=column)
+
+    def test_a_failure_costs_the_largest_loss(self):
+        fails = FACTORS | {"first": math.inf}
+        row = rank_table(_cells(FACTORS, fails)).iloc[0]
+        self.assertAlmostEqual(row["correlation"], -0.2)  # the first of four is the last there
+        self.assertGreater(LARGEST_LOSS, math.log(FACTORS["fourth"]))
+
+    def test_classes_that_one_origin_lacks_are_not_compared(self):
+        cells = _cells(FACTORS, FACTORS)
+        cells.loc[cells["origin"] == "recorded", "size_class"] = "13-30"
+        self.assertTrue(rank_table(cells).empty)
+
+    def test_few_problems_are_no_ranking(self):
+        self.assertTrue(rank_table(_cells(FACTORS, FACTORS, problems=9)).empty)
+
+    def test_a_noisy_ranking_has_an_interval_that_holds_its_correlation(self):
+        rng = np.random.default_rng(1)
+        cells = _cells(FACTORS, FACTORS)
+        cells["time_s"] *= np.exp(rng.normal(0, 1.5, len(cells)))
+        row = rank_table(cells).iloc[0]
+        self.assertLess(row["correlation_low"], row["correlation_high"])
+        self.assertLessEqual(row["correlation_low"], row["correlation"])
+        self.assertLessEqual(row["correlation"], row["correlation_high"])
+
+
+class Shares(unittest.TestCase):
+    def test_ratios_and_shares_are_by_origin(self):
+        cells = _cells(FACTORS, FACTORS | {"third": math.inf})
+        by = origin_table(cells).set_index(["origin", "solver"])
+        self.assertAlmostEqual(by.loc[("placed", "fourth"), "ratio"], 8)
+        self.assertEqual(by.loc[("placed", "third"), "verified_share"], 1)
+        self.assertEqual(by.loc[("recorded", "third"), "verified_share"], 0)
+        self.assertEqual(by.loc[("recorded", "third"), "ratio"], math.inf)
+
+    def test_weights_count(self):
+        cells = _cells(FACTORS, FACTORS)
+        light = cells["problem"].str.endswith(("-0", "-1", "-2"))
+        cells.loc[(cells["solver"] == "first") & light, ["time_s", "verdict"]] = [math.inf, "failed:time_limit"]
+        cells.loc[light, "weight"] = 0.0
+        by = origin_table(cells).set_index(["origin", "solver"])
+        self.assertEqual(by.loc[("placed", "first"), "verified_share"], 1)
+
+
+_ENGINES = ("-0", "-1")  # of four copies
+
+
+def of_engines(solver: str, change):
+    """`change` for the cells of a solver on problems of engines."""
+    return lambda record: (change(record) if record["solver"] == solver and record["problem"].endswith(_ENGINES)
+                           else record)
+
+
+class Said(FolderCase):
+    def _inputs(self, change=lambda record: record):
+        def to_engines(problem: dict) -> dict:
+            return problem | ({"origin": "recorded"} if problem["problem"].endswith(_ENGINES) else {})
+        return load_inputs([write_campaign(Path(self.folder) / "c", FACTORS, tiers=(1e-6,), copies=4, change=change,
+                                           change_problem=to_engines)])
+
+    def test_equal_rankings_are_said_to_hardly_change(self):
+        line = summary.origins(self._inputs())
+        self.assertIn("hardly changes", line)
+        self.assertIn("own scenes and engines 1.00 (1.00–1.00)", line)
+
+    def test_a_solver_that_is_slow_on_engines_changes_the_ranking(self):
+        line = summary.origins(self._inputs(of_engines("first", lambda record: slower(record, 100))))
+        self.assertIn("changes, most between own scenes and engines", line)
+
+    def test_the_table_has_a_column_for_every_origin(self):
+        text = origins(self._inputs(of_engines("second", fail))).markdown()
+        self.assertIn("own scenes (24)", text)
+        self.assertIn("engines (24)", text)
+        self.assertRegex(text.replace("\u202f", " "), r"\| `second` \| 100 % · (1\.9|2\.0)\d× \| 0 % · ✗ \|")
+
+    def test_one_origin_has_no_such_table(self):
+        inputs = load_inputs([write_campaign(Path(self.folder) / "d", FACTORS, tiers=(1e-6,))])
+        self.assertIsNone(origins(inputs))
+        self.assertEqual(summary.origins(inputs), "")
+
+
+if __name__ == "__main__":
+    unittest.main()
