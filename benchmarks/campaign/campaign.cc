@@ -257,26 +257,26 @@ class Campaign {
     const auto weight_of = [](const SequenceEntry& entry) {
       return static_cast<double>(entry.problems * entry.most_rows * entry.most_rows);
     };
-    std::map<std::string, const SequenceEntry*> missing;
+    std::map<std::string, const Task*> missing;
     for (const Task& pass : passes_) {
-      if (pass.excluded.empty()) missing[SequencePath(options_.folder, pass.about)] = pass.sequence;
+      if (pass.excluded.empty()) missing[SequencePath(options_.folder, pass.about)] = &pass;
     }
     double weight = 0;
     std::erase_if(missing, [&](const auto& item) {
-      const auto& [path, entry] = item;
-      if (fs::exists(path)) return ReadSequenceFile(path, entry->sha256), true;
-      weight += weight_of(*entry);
+      const auto& [path, pass] = item;
+      if (fs::exists(path)) return ReadSequenceFile(path, pass->sequence->sha256), true;
+      weight += weight_of(*pass->sequence);
       return false;
     });
     if (missing.empty()) return true;
     ProgressBar bar("sequences", weight);
-    for (const auto& [path, entry] : missing) {
+    for (const auto& [path, pass] : missing) {
       try {
-        WriteSequenceFile(*entry, path);
+        WriteSequenceFile(*pass->sequence, FolderOf(plan_.manifests[pass->manifest]), path);
       } catch (const Interrupted&) {
         return false;
       }
-      bar.Advance(weight_of(*entry), entry->id);
+      bar.Advance(weight_of(*pass->sequence), pass->about);
     }
     return true;
   }

@@ -38,7 +38,6 @@ const char* SettingOf(const SolverEntry& solver) {
   return solver.origin == SolverOrigin::kPeer && solver.uses_tolerance ? "tuned" : "default";
 }
 
-std::string FolderOf(const std::string& path) { return std::filesystem::path(path).parent_path().string(); }
 
 // UTC, ISO 8601.
 std::string Now() {
@@ -167,7 +166,7 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
       json["sequences"].push_back({{"sequence", entry.id},
                                    {"set", manifest.name},
                                    {"family", entry.family},
-                                   {"rows", entry.start.rows},
+                                   {"rows", SizeOf(entry)},
                                    {"most_rows", entry.most_rows},
                                    {"steps", entry.problems}});
     }

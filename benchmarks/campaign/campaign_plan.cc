@@ -202,8 +202,8 @@ std::vector<Task> PlanTasks(const CampaignPlan& plan, const std::vector<PlannedP
 std::vector<Task> PlanPasses(const CampaignPlan& plan, const std::vector<Manifest>& manifests) {
   constexpr double kMillisecond = 1e-3;
   std::vector<Task> passes;
-  for (const Manifest& manifest : manifests) {
-    for (const SequenceEntry& entry : manifest.sequences) {
+  for (std::size_t m = 0; m < manifests.size(); ++m) {
+    for (const SequenceEntry& entry : manifests[m].sequences) {
       for (const std::string& key : plan.solvers) {
         const SolverEntry& solver = FindSolver(key);
         if (!solver.available) continue;
@@ -212,6 +212,7 @@ std::vector<Task> PlanPasses(const CampaignPlan& plan, const std::vector<Manifes
         task.about = entry.id;
         task.excluded = SizeRefusal(solver, entry.most_rows);
         task.sequence = &entry;
+        task.manifest = m;
         for (const char* mode : {"cold", "warm"}) {
           task.mode = mode;
           AddByTier(task, plan, &passes);

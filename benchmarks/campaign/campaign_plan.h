@@ -109,6 +109,7 @@ struct Task {
   bool is_stream = false;  ///< its class is timed as a stream
   // Of a sequence.
   const SequenceEntry* sequence = nullptr;  ///< null: problems
+  std::size_t manifest = 0;                 ///< that has it: index into the plan's
   std::string mode;
   bool warm = false;
   double deadline_s = 0;  ///< 0: none

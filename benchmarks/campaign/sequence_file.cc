@@ -8,7 +8,7 @@
 
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/collection/gzip_file.h"
-#include "benchmarks/collection/recipes/motion_steps.h"
+#include "benchmarks/collection/sequence_problems.h"
 #include "benchmarks/measure/progress.h"
 #include "benchmarks/measure/reference_solves.h"
 #include "solvers/io/json_lines.h"
@@ -64,9 +64,10 @@ std::string Line(const SequenceStep& step) {
   return line + more.dump().substr(1) + "\n";
 }
 
-LcpReference ReferenceOf(const LcpProblem& problem, const MotionProblem& met) {
+LcpReference ReferenceOf(const SequenceProblem& met) {
   LcpReference reference;
-  const bool solved = met.result.status == LcpStatus::kSolved;
+  const LcpProblem& problem = met.problem;
+  const bool solved = met.is_exact && met.result.status == LcpStatus::kSolved;
   const double exact_floor = solved ? RoundingFloor(problem, met.result.f) : std::numeric_limits<double>::infinity();
   // With a detail it is the answer to a problem that differs a little (exact_solver.h): its w is not this one's.
   if (solved && met.result.detail.empty() && exact_floor <= kLargestFloorOfW) {
@@ -90,12 +91,6 @@ SequenceStep ParseStep(const std::string& line, const std::string& where, std::s
 
 }  // namespace
 
-std::vector<int> PreviousRows(RowMatching* matching, const MotionProblem& met) {
-  std::vector<int> previous;
-  for (const std::optional<int>& row : matching->Follow(met.system, met.rows)) previous.push_back(row.value_or(-1));
-  return previous;
-}
-
 void RequirePrevious(const std::vector<int>& previous, Index rows, std::size_t rows_before, const std::string& where) {
   const bool fits = std::all_of(previous.begin(), previous.end(),
                                 [=](int row) { return row >= -1 && row < static_cast<int>(rows_before); });
@@ -107,16 +102,14 @@ std::string SequencePath(const std::string& folder, const std::string& id) {
   return (fs::path(folder) / "sequences" / (id + ".jsonl.gz")).string();
 }
 
-void WriteSequenceFile(const SequenceEntry& entry, const std::string& path) {
+void WriteSequenceFile(const SequenceEntry& entry, const std::string& folder, const std::string& path) {
   std::vector<SequenceStep> steps;
   SequenceHash hash;
-  RowMatching matching;
-  const std::string end =
-      ForEachSequenceProblem(entry.start, entry.steps, [&](const LcpProblem& problem, const MotionProblem& met) {
-        Interruption::Check();
-        steps.push_back({problem, PreviousRows(&matching, met), ReferenceOf(problem, met)});
-        hash.Add(problem);
-      });
+  const std::string end = ForEachProblemOf(entry, folder, [&](const SequenceProblem& met) {
+    Interruption::Check();
+    steps.push_back({met.problem, met.previous, ReferenceOf(met)});
+    hash.Add(met.problem);
+  });
   if (!end.empty()) throw InputError(entry.id + ": " + end);
   std::error_code error;
   fs::create_directories(fs::path(path).parent_path(), error);

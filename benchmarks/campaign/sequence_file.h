@@ -5,8 +5,6 @@
 #include <vector>
 
 #include "benchmarks/collection/manifest.h"
-#include "model/motion/contact_finder.h"
-#include "model/motion/motion.h"
 #include "solvers/lcp/problem.h"
 
 namespace lcpbench {
@@ -14,7 +12,7 @@ namespace lcpbench {
 // A sequence's problems as a file, so that driving the motion by exact arithmetic is paid once per campaign: JSON lines
 // compressed by gzip, one per problem. A line is FormatLcpRecord, with `status` and `w` where the exact answer is
 // known, and besides
-//   previous  for each row the index of the same row in the line before (RowMatching), or -1: it was not there
+//   previous  for each row the index of the same row in the line before, or -1: it was not there
 //   floor     the problem's rounding floor (verify.h): of the exact answer, or the least of FindReferenceFloor;
 //             null where there is none
 
@@ -28,9 +26,10 @@ struct SequenceStep {
 std::string SequencePath(const std::string& folder, const std::string& id);
 
 /// Makes the sequence and writes it, as WriteGzipFile.
+/// @param folder  of its manifest
 /// @throws InputError where the problems are not those of the manifest (SHA-256), and as WriteGzipFile; Interrupted
 /// (progress.h) after a signal
-void WriteSequenceFile(const SequenceEntry& entry, const std::string& path);
+void WriteSequenceFile(const SequenceEntry& entry, const std::string& folder, const std::string& path);
 
 /// @param sha256  SequenceHash of the problems
 /// Writes given steps as such a file; of the references `status`, `w` and `floor`.
@@ -40,9 +39,6 @@ std::string WriteSequenceSteps(const std::vector<SequenceStep>& steps, const std
 
 /// @throws InputError naming the file and what it should be, also where the hash is another
 std::vector<SequenceStep> ReadSequenceFile(const std::string& path, const std::string& sha256);
-
-/// RowMatching::Follow, with -1 for rows that were not there.
-std::vector<int> PreviousRows(RowMatching* matching, const MotionProblem& met);
 
 /// @throws InputError unless `previous` has a row of the line before, or -1, for every row
 void RequirePrevious(const std::vector<int>& previous, Index rows, std::size_t rows_before, const std::string& where);

@@ -12,6 +12,7 @@
 #include "benchmarks/collection/recipes/formulas.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
 #include "benchmarks/collection/recording.h"
+#include "benchmarks/collection/sequence_problems.h"
 #include "benchmarks/motions/sequence.h"
 #include "model/scenes/scene.h"
 #include "solvers/io/json_lines.h"
@@ -135,10 +136,14 @@ class Builder {
     std::set<std::string> names;
     for (const auto& file : fs::directory_iterator(fs::path(folder_) / kRecordings)) {
       const std::string name = file.path().filename().string();
-      if (name.ends_with(".jsonl.gz") && !name.ends_with(kRecordedSequence)) names.insert(name);
+      if (name.ends_with(".jsonl.gz")) names.insert(name);
     }
     all_ += static_cast<int>(names.size());
     for (const std::string& name : names) {
+      if (name.ends_with(kRecordedSequence)) {
+        AddRecordedSequence(name);
+        continue;
+      }
       RecordingReader reader((fs::path(folder_) / kRecordings / name).string());
       std::vector<RecordedStep> steps;
       for (RecordedStep step; reader.Next(&step);) steps.push_back(step);
@@ -148,6 +153,25 @@ class Builder {
       }
       Advance(name);
     }
+  }
+
+  // All of its steps.
+  void AddRecordedSequence(const std::string& name) {
+    RecordedSteps source{std::string(kRecordings) + "/" + name, 0};
+    RecordingReader reader((std::filesystem::path(folder_) / source.path).string());
+    int steps = 0;
+    for (RecordedStep step; reader.Next(&step); ++steps) {
+      if (steps == 0) source.first = step.number;
+    }
+    SequenceEntry entry = MeasureSequence(source, steps, folder_);
+    entry.provenance = ProvenanceOf(reader.header());
+    entry.licence = reader.header().licence;
+    manifest_.sequences.push_back(std::move(entry));
+    Advance(name);
+  }
+
+  static std::string ProvenanceOf(const RecordingHeader& header) {
+    return header.engine + " " + header.engine_version + ", " + header.source;
   }
 
   void AddRecordedStep(const RecordingHeader& header, const RecordedStep& step, const std::string& path) {
@@ -180,7 +204,7 @@ class Builder {
     entry->source = std::move(source);
     entry->base = header.engine + "-" + header.scene;
     entry->origin = "recorded";
-    entry->provenance = header.engine + " " + header.engine_version + ", " + header.source;
+    entry->provenance = ProvenanceOf(header);
     entry->licence = header.licence;
   }
 
@@ -300,22 +324,20 @@ std::optional<Examined> KnownTier::Find(const LcpProblem& problem) const {
   return Examined{entry->second, references_.Line(problem.id())};
 }
 
-SequenceEntry MeasureSequence(const Recipe& start, int steps) {
-  SequenceEntry entry;
-  entry.id = RecipeId(start) + "-motion";
-  entry.family = start.scene;
-  entry.start = start;
-  entry.steps = steps;
+namespace {
+
+SequenceEntry WithMeasures(SequenceEntry entry, const std::string& folder) {
   SequenceHash hash;
   ActiveSetHistory history;
   std::vector<Index> rows;
   std::int64_t still = 0;
   const std::string end =
-      ForEachSequenceProblem(start, steps, [&](const LcpProblem& problem, const MotionProblem& met) {
+      ForEachProblemOf(entry, folder, [&](const SequenceProblem& met) {
+        const LcpProblem& problem = met.problem;
         hash.Add(problem);
         rows.push_back(problem.size());
         if (met.result.status == LcpStatus::kInfeasible) ++entry.unsolvable;
-        const ActiveSetChange change = history.Follow(met, ComputeMetrics(problem, met.result.f).w);
+        const ActiveSetChange change = history.Follow(problem, met.previous, met.result.f, ComputeMetrics(problem, met.result.f).w);
         if (rows.size() == 1) return;
         std::int64_t changes = 0;
         const auto count = [&changes](const std::vector<int>& list, std::int64_t* sum) {
@@ -344,6 +366,27 @@ SequenceEntry MeasureSequence(const Recipe& start, int steps) {
   }
   entry.sha256 = hash.Result();
   return entry;
+}
+
+}  // namespace
+
+SequenceEntry MeasureSequence(const Recipe& start, int steps) {
+  SequenceEntry entry;
+  entry.id = RecipeId(start) + "-motion";
+  entry.family = start.scene;
+  entry.source = start;
+  entry.steps = steps;
+  return WithMeasures(std::move(entry), ".");
+}
+
+SequenceEntry MeasureSequence(const RecordedSteps& source, int steps, const std::string& folder) {
+  const RecordingReader reader((std::filesystem::path(folder) / source.path).string());
+  SequenceEntry entry;
+  entry.id = reader.header().engine + "-" + reader.header().scene + "-sequence";
+  entry.family = reader.header().engine + " " + reader.header().scene;
+  entry.source = source;
+  entry.steps = steps;
+  return WithMeasures(std::move(entry), folder);
 }
 
 BuiltTier BuildTier(const Tier& tier, const ExamineOptions& options, const KnownTier* known,

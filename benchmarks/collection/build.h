@@ -21,7 +21,8 @@ struct BuiltTier {
 };
 inline constexpr const char* kMotionProblems = "problems/motion.jsonl.gz";
 
-/// Of recordings every file counts but those of sequences (`-sequence.jsonl.gz`). Of each, kRecordedSteps steps spread
+/// Files of sequences (`-sequence.jsonl.gz`) are sequences as a whole, where every step has 1 to kMostSequenceRows rows.
+/// Of each other recording kRecordedSteps steps spread
 /// evenly over it give the whole scene at the velocity level, its largest island where that is not the whole, and the
 /// whole scene at the acceleration level where there is one; with the same rules as motions for what is refused, and
 /// no two with the same content.
@@ -61,9 +62,11 @@ BuiltTier BuildTier(const Tier& tier, const ExamineOptions& options, const Known
 /// Where a tier's problems stand, relative to the folder of manifests.
 std::string ProblemFileOf(const Tier& tier);
 
-/// Counts and hashes the problems of a sequence.
-/// @throws InputError where the motion ends before its time, and as ForEachSequenceProblem
+/// Counts and hashes the problems of a sequence, and names it; provenance and licence are the caller's.
+/// @param folder  of the manifest, for recordings
+/// @throws InputError where the motion ends before its time, and as ForEachProblemOf
 SequenceEntry MeasureSequence(const Recipe& start, int steps);
+SequenceEntry MeasureSequence(const RecordedSteps& source, int steps, const std::string& folder);
 
 /// How often a candidate is tried with another seed, and by what its seed is raised.
 inline constexpr int kSeedsTried = 20;

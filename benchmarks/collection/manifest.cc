@@ -224,6 +224,15 @@ void Members(auto& archive, Is<RecordingSource> auto& recording) {
   }
 }
 
+void Members(auto& archive, Is<RecordedSteps> auto& recording) {
+  archive.Must("path", recording.path);
+  archive.Must("first", recording.first);
+  if constexpr (std::remove_reference_t<decltype(archive)>::kReads) {
+    RequireInside(archive.field["path"], recording.path);
+    archive.Within("first", 0, kInfinity);
+  }
+}
+
 void Members(auto& archive, Is<ReferenceSummary> auto& reference) {
   archive.Must("kind", reference.kind);
   archive.Some("status", reference.status);
@@ -326,10 +335,23 @@ void Members(auto& archive, Is<ManifestEntry> auto& entry) {
   archive.Must("sha256", entry.sha256);
 }
 
+void SequenceSource(Writer& writer, const SequenceEntry& entry) {
+  if (const auto* start = std::get_if<Recipe>(&entry.source)) writer.Must("start", *start);
+  if (const auto* recording = std::get_if<RecordedSteps>(&entry.source)) writer.Must("recording", *recording);
+}
+
+void SequenceSource(Reader& reader, SequenceEntry& entry) {
+  if (reader.field.Has("recording")) {
+    reader.Must("recording", entry.source.emplace<RecordedSteps>());
+  } else {
+    reader.Must("start", entry.source.emplace<Recipe>());
+  }
+}
+
 void Members(auto& archive, Is<SequenceEntry> auto& entry) {
   archive.Must("id", entry.id);
   archive.Must("family", entry.family);
-  archive.Must("start", entry.start);
+  SequenceSource(archive, entry);
   archive.Must("steps", entry.steps);
   archive.Must("problems", entry.problems);
   archive.Object("rows", [&](auto& inside) {
@@ -453,6 +475,17 @@ ManifestEntry FillEntry(const Recipe& recipe) {
   entry.properties.rows = recipe.rows;
   entry.reference.kind = "certified";
   return entry;
+}
+
+std::string FolderOf(const std::string& path) { return std::filesystem::path(path).parent_path().string(); }
+
+Index SizeOf(const SequenceEntry& entry) {
+  if (const auto* start = std::get_if<Recipe>(&entry.source)) return start->rows;
+  constexpr Index kSizes[] = {12, 40, 120};
+  for (const Index size : kSizes) {
+    if (entry.most_rows <= size) return size;
+  }
+  return kMostSequenceRows;
 }
 
 ProblemSource::ProblemSource(std::string folder) : folder_(std::move(folder)) {}

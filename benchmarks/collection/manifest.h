@@ -74,12 +74,21 @@ struct FillClass {
   std::string sha256;                  ///< SequenceHash of its problems in their order
 };
 
-/// Of a sequence: consecutive problems of one motion, and how much the active set changes.
+/// Of a step of a recorded sequence.
+inline constexpr Index kMostSequenceRows = 300;
+
+/// Consecutive steps of a recording, whole scenes at the velocity level.
+struct RecordedSteps {
+  std::string path;  ///< relative to the manifest's folder
+  int first = 0;     ///< number of the first step
+};
+
+/// Of a sequence: consecutive problems of one motion or recording, and how much the active set changes.
 struct SequenceEntry {
   std::string id;
   std::string family;
-  Recipe start;   ///< the scene that starts moving; no changes
-  int steps = 0;  ///< of the scene's own length
+  std::variant<Recipe, RecordedSteps> source;  ///< a recipe, without changes: the scene that starts moving
+  int steps = 0;                               ///< of the scene's own length, or of the recording
   std::int64_t problems = 0;
   Index least_rows = 0;
   Index median_rows = 0;
@@ -96,6 +105,10 @@ struct SequenceEntry {
   std::string licence;
   std::string sha256;  ///< SequenceHash
 };
+
+/// Rows of the recipe; of a recording, whose scene has no size of its own, the least class of 12, 40, 120 and 300 rows
+/// that has all its steps.
+Index SizeOf(const SequenceEntry& entry);
 
 /// Candidates that were not taken, by reason.
 struct Refusal {
@@ -117,6 +130,9 @@ struct Manifest {
 
 /// Of a problem that fills up; its answer is certified.
 ManifestEntry FillEntry(const Recipe& recipe);
+
+/// Of a manifest's path: what the paths in it are relative to.
+std::string FolderOf(const std::string& path);
 
 /// The text of a manifest file.
 std::string FormatManifest(const Manifest& manifest);

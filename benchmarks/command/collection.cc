@@ -15,6 +15,7 @@
 #include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
+#include "benchmarks/collection/sequence_problems.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
 #include "benchmarks/measure/progress.h"
@@ -27,7 +28,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string FolderOf(const std::string& path) { return fs::path(path).parent_path().string(); }
 
 struct Build {
   std::string tier_name;
@@ -119,8 +119,7 @@ struct Check {
     }
     for (const SequenceEntry& entry : manifest.sequences) {
       SequenceHash hash;
-      ForEachSequenceProblem(entry.start, entry.steps,
-                             [&hash](const LcpProblem& problem, const MotionProblem&) { hash.Add(problem); });
+      ForEachProblemOf(entry, FolderOf(path), [&hash](const SequenceProblem& met) { hash.Add(met.problem); });
       Compare(entry.id, entry.sha256, hash.Result());
     }
     const auto all =
@@ -176,8 +175,7 @@ struct WriteProblems {
     }
     for (const SequenceEntry& entry : manifest.sequences) {
       if (!wanted(entry.id)) continue;
-      ForEachSequenceProblem(entry.start, entry.steps,
-                             [&](const LcpProblem& problem, const MotionProblem&) { write(problem); });
+      ForEachProblemOf(entry, FolderOf(path), [&](const SequenceProblem& met) { write(met.problem); });
     }
     out.Close();
     if (!left.empty()) throw InputError(path + ": no problem or sequence '" + left.front() + "'");

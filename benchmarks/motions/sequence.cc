@@ -27,21 +27,27 @@ Json Describe(const Verdict& verdict) {
 
 }  // namespace
 
-ActiveSetChange ActiveSetHistory::Follow(const MotionProblem& met, const Eigen::VectorXd& w) {
-  const std::vector<std::optional<int>> previous = matching_.Follow(met.system, met.rows);
-  const Eigen::VectorXd& D = met.problem.DiagonalA();
+std::vector<int> PreviousRows(RowMatching* matching, const MotionProblem& met) {
+  std::vector<int> previous;
+  for (const std::optional<int>& row : matching->Follow(met.system, met.rows)) previous.push_back(row.value_or(-1));
+  return previous;
+}
+
+ActiveSetChange ActiveSetHistory::Follow(const LcpProblem& problem, const std::vector<int>& previous,
+                                         const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
+  const Eigen::VectorXd& D = problem.DiagonalA();
   ActiveSetChange change;
   std::vector<bool> active;
   std::vector<bool> stays(active_.size(), false);
-  for (std::size_t k = 0; k < met.rows.size(); ++k) {
+  for (std::size_t k = 0; k < previous.size(); ++k) {
     const auto i = static_cast<Index>(k);
     const int row = static_cast<int>(k);
-    active.push_back(met.problem.is_bilateral(i) || (D[i] > 0 ? D[i] : 1.0) * met.result.f[i] > w[i]);
-    if (!previous[k]) {
+    active.push_back(problem.is_bilateral(i) || (D[i] > 0 ? D[i] : 1.0) * f[i] > w[i]);
+    if (previous[k] < 0) {
       change.entered.push_back(row);
       continue;
     }
-    const auto before = static_cast<std::size_t>(*previous[k]);
+    const auto before = static_cast<std::size_t>(previous[k]);
     stays[before] = true;
     if (active[k] && !active_[before]) change.activated.push_back(row);
     if (!active[k] && active_[before]) change.deactivated.push_back(row);
@@ -72,7 +78,7 @@ void SequenceWriter::Write(const MotionProblem& met) {
   if (!verdict.passes) ++counts_.not_passed;
   if (verdict.false_success) ++counts_.false_successes;
 
-  const ActiveSetChange change = history_.Follow(met, verdict.metrics.w);
+  const ActiveSetChange change = history_.Follow(met.problem, PreviousRows(&matching_, met), met.result.f, verdict.metrics.w);
   Json motion;
   motion["step"] = step_;
   motion["time"] = met.time;

@@ -10,8 +10,11 @@
 
 namespace lcpbench {
 
-/// How a problem differs from the one before it. Rows are told to be the same by RowMatching; indices are rows of the
-/// problem itself but for `left`, which are rows of the one before.
+/// For each row the index of the same row in the problem before (RowMatching::Follow), or -1: it was not there.
+std::vector<int> PreviousRows(RowMatching* matching, const MotionProblem& met);
+
+/// How a problem differs from the one before it. Indices are rows of the problem itself but for `left`, which are rows
+/// of the one before.
 struct ActiveSetChange {
   std::vector<int> entered;
   std::vector<int> left;
@@ -19,14 +22,15 @@ struct ActiveSetChange {
   std::vector<int> deactivated;  ///< in both, active there only
 };
 
-/// Compares every problem of a motion with the one before.
+/// Compares every problem of a sequence with the one before.
 class ActiveSetHistory {
  public:
-  /// @param w  Metrics::w of the answer
-  ActiveSetChange Follow(const MotionProblem& met, const Eigen::VectorXd& w);
+  /// @param previous  of each row the index of the same row before, or -1
+  /// @param w  Metrics::w of the answer f
+  ActiveSetChange Follow(const LcpProblem& problem, const std::vector<int>& previous, const Eigen::VectorXd& f,
+                         const Eigen::VectorXd& w);
 
  private:
-  RowMatching matching_;
   std::vector<bool> active_;  // of the problem before
 };
 
@@ -62,6 +66,7 @@ class SequenceWriter {
   bool with_matrix_;
   int step_ = 0;
   bool acceleration_written_ = false;
+  RowMatching matching_;
   ActiveSetHistory history_;
   SequenceCounts counts_;
 };

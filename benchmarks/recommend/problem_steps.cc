@@ -9,6 +9,7 @@
 #include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
+#include "benchmarks/motions/sequence.h"
 #include "model/contact/assembly.h"
 #include "model/motion/contact_finder.h"
 #include "solvers/io/json_lines.h"

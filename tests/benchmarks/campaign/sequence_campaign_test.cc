@@ -53,7 +53,7 @@ class SequenceFile : public CommandTest {
  protected:
   std::vector<SequenceStep> WrittenAndRead(const SequenceEntry& entry) const {
     const std::string path = SequencePath(folder_.string(), entry.id);
-    WriteSequenceFile(entry, path);
+    WriteSequenceFile(entry, ".", path);
     return ReadSequenceFile(path, entry.sha256);
   }
 };
@@ -66,7 +66,7 @@ TEST_F(SequenceFile, HoldsTheProblemsAndWhichRowsAreTheSame) {
   std::ptrdiff_t left = 0;
   RowMatching matching;
   ForEachSequenceProblem(
-      GearTrain().start, GearTrain().steps, [&](const LcpProblem& problem, const MotionProblem& met) {
+      std::get<Recipe>(GearTrain().source), GearTrain().steps, [&](const LcpProblem& problem, const MotionProblem& met) {
         const SequenceStep& step = steps[k];
         ASSERT_EQ(step.problem.size(), problem.size());
         EXPECT_TRUE((step.problem.b().array() == problem.b().array()).all());
@@ -93,9 +93,9 @@ TEST_F(SequenceFile, AnotherHashOrDamageIsRefused) {
   const std::string path = SequencePath(folder_.string(), DiscsInV().id);
   SequenceEntry other = DiscsInV();
   other.sha256 = GearTrain().sha256;
-  EXPECT_THROW(WriteSequenceFile(other, path), InputError);
+  EXPECT_THROW(WriteSequenceFile(other, ".", path), InputError);
   EXPECT_FALSE(std::filesystem::exists(path));
-  WriteSequenceFile(DiscsInV(), path);
+  WriteSequenceFile(DiscsInV(), ".", path);
   EXPECT_THROW(ReadSequenceFile(path, other.sha256), InputError);
   std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
   EXPECT_THROW(ReadSequenceFile(path, DiscsInV().sha256), InputError);
@@ -107,7 +107,7 @@ TEST_F(SequenceFile, AHugeExactAnswerLendsNeitherItsFloorNorItsW) {
   const std::vector<SequenceStep> steps = WrittenAndRead(entry);
   std::size_t k = 0;
   double largest = 0;
-  ForEachSequenceProblem(entry.start, entry.steps, [&](const LcpProblem& problem, const MotionProblem& met) {
+  ForEachSequenceProblem(std::get<Recipe>(entry.source), entry.steps, [&](const LcpProblem& problem, const MotionProblem& met) {
     const double exact = RoundingFloor(problem, met.result.f);
     largest = std::max(largest, exact);
     EXPECT_LE(*steps[k].reference.floor, 1e-9) << k;

@@ -95,7 +95,7 @@ TEST(Manifest, IsReadAsItWasWritten) {
   ProblemSource source("");
   for (const ManifestEntry& entry : read.problems) EXPECT_EQ(ContentHash(source.Get(entry)), entry.sha256);
   ASSERT_EQ(read.sequences.size(), 1U);
-  EXPECT_EQ(read.sequences[0].sha256, MeasureSequence(read.sequences[0].start, 100).sha256);
+  EXPECT_EQ(read.sequences[0].sha256, MeasureSequence(std::get<Recipe>(read.sequences[0].source), 100).sha256);
 }
 
 // Two steps of a motion, three fill-ups and a sequence.
@@ -124,7 +124,7 @@ Manifest OneOfEach() {
   SequenceEntry& sequence = manifest.sequences.emplace_back();
   sequence.id = "sequence";
   sequence.family = "rockers";
-  sequence.start = {"rockers", 5, 3, {}};
+  sequence.source = Recipe{"rockers", 5, 3, {}};
   sequence.steps = 2;
   sequence.problems = 2;
   sequence.most_rows = 3;
@@ -202,9 +202,9 @@ TEST_P(CollectionTier, IsWhatItsHashesSay) {
   }
   int left = 4;
   for (const SequenceEntry& entry : manifest_.sequences) {
-    if (entry.start.rows > 20 || left == 0) continue;
+    if (SizeOf(entry) > 20 || left == 0) continue;
     --left;
-    EXPECT_EQ(MeasureSequence(entry.start, entry.steps).sha256, entry.sha256) << entry.id;
+    EXPECT_EQ(MeasureSequence(std::get<Recipe>(entry.source), entry.steps).sha256, entry.sha256) << entry.id;
   }
 }
 
@@ -282,7 +282,7 @@ TEST_P(CollectionTier, IsWhatIsPlanned) {
   }
   EXPECT_EQ(next, manifest_.problems.size());
   ASSERT_EQ(manifest_.sequences.size(), tier_.sequences.size());
-  for (size_t k = 0; k < tier_.sequences.size(); ++k) EXPECT_EQ(manifest_.sequences[k].start, tier_.sequences[k].start);
+  for (size_t k = 0; k < tier_.sequences.size(); ++k) EXPECT_EQ(std::get<Recipe>(manifest_.sequences[k].source), tier_.sequences[k].start);
 }
 
 // ----- the committed answers, judged as any solver's are
