@@ -160,7 +160,8 @@ def sequences(entries):
 
 def text():
     manifests = {tier: json.loads((_DATA / f"{tier}.json").read_text(encoding="utf-8")) for tier in _TIERS}
-    entries = json.loads((_DATA / "sequences.json").read_text(encoding="utf-8"))["sequences"]
+    entries = [entry for tier in ("sequences", "recorded")
+               for entry in json.loads((_DATA / f"{tier}.json").read_text(encoding="utf-8"))["sequences"]]
     everything = [problem for manifest in manifests.values() for problem in manifest["problems"]]
     return "\n\n".join([
         _BEGIN,

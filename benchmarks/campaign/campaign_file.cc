@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <system_error>
 
 #include "benchmarks/campaign/journal.h"
@@ -37,7 +38,6 @@ const char* SettingOf(const SolverEntry& solver) {
   if (!solver.base.empty()) return "variant";
   return solver.origin == SolverOrigin::kPeer && solver.uses_tolerance ? "tuned" : "default";
 }
-
 
 // UTC, ISO 8601.
 std::string Now() {
@@ -161,8 +161,11 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
       json["size_limits"].push_back({{"solver", solver.key}, {"largest", limit->largest}, {"reason", limit->reason}});
     }
   }
+  std::set<const SequenceEntry*> planned;
+  for (const Task& pass : PlanPasses(plan, manifests)) planned.insert(pass.sequence);
   for (const Manifest& manifest : manifests) {
     for (const SequenceEntry& entry : manifest.sequences) {
+      if (!planned.contains(&entry)) continue;
       json["sequences"].push_back({{"sequence", entry.id},
                                    {"set", manifest.name},
                                    {"family", entry.family},

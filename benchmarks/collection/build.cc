@@ -331,26 +331,26 @@ SequenceEntry WithMeasures(SequenceEntry entry, const std::string& folder) {
   ActiveSetHistory history;
   std::vector<Index> rows;
   std::int64_t still = 0;
-  const std::string end =
-      ForEachProblemOf(entry, folder, [&](const SequenceProblem& met) {
-        const LcpProblem& problem = met.problem;
-        hash.Add(problem);
-        rows.push_back(problem.size());
-        if (met.result.status == LcpStatus::kInfeasible) ++entry.unsolvable;
-        const ActiveSetChange change = history.Follow(problem, met.previous, met.result.f, ComputeMetrics(problem, met.result.f).w);
-        if (rows.size() == 1) return;
-        std::int64_t changes = 0;
-        const auto count = [&changes](const std::vector<int>& list, std::int64_t* sum) {
-          *sum += static_cast<std::int64_t>(list.size());
-          changes += static_cast<std::int64_t>(list.size());
-        };
-        count(change.entered, &entry.entered);
-        count(change.left, &entry.left);
-        count(change.activated, &entry.activated);
-        count(change.deactivated, &entry.deactivated);
-        if (changes == 0) ++still;
-        entry.churn += static_cast<double>(changes) / static_cast<double>(std::max<Index>(problem.size(), 1));
-      });
+  const std::string end = ForEachProblemOf(entry, folder, [&](const SequenceProblem& met) {
+    const LcpProblem& problem = met.problem;
+    hash.Add(problem);
+    rows.push_back(problem.size());
+    if (met.result.status == LcpStatus::kInfeasible) ++entry.unsolvable;
+    const ActiveSetChange change =
+        history.Follow(problem, met.previous, met.result.f, ComputeMetrics(problem, met.result.f).w);
+    if (rows.size() == 1) return;
+    std::int64_t changes = 0;
+    const auto count = [&changes](const std::vector<int>& list, std::int64_t* sum) {
+      *sum += static_cast<std::int64_t>(list.size());
+      changes += static_cast<std::int64_t>(list.size());
+    };
+    count(change.entered, &entry.entered);
+    count(change.left, &entry.left);
+    count(change.activated, &entry.activated);
+    count(change.deactivated, &entry.deactivated);
+    if (changes == 0) ++still;
+    entry.churn += static_cast<double>(changes) / static_cast<double>(std::max<Index>(problem.size(), 1));
+  });
   if (!end.empty()) throw InputError(entry.id + ": " + end);
   entry.problems = static_cast<std::int64_t>(rows.size());
   if (rows.size() > 1) {

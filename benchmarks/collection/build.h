@@ -21,11 +21,10 @@ struct BuiltTier {
 };
 inline constexpr const char* kMotionProblems = "problems/motion.jsonl.gz";
 
-/// Files of sequences (`-sequence.jsonl.gz`) are sequences as a whole, where every step has 1 to kMostSequenceRows rows.
-/// Of each other recording kRecordedSteps steps spread
-/// evenly over it give the whole scene at the velocity level, its largest island where that is not the whole, and the
-/// whole scene at the acceleration level where there is one; with the same rules as motions for what is refused, and
-/// no two with the same content.
+/// Files of sequences (`-sequence.jsonl.gz`) are sequences as a whole, where every step has 1 to kMostSequenceRows
+/// rows. Of each other recording kRecordedSteps steps spread evenly over it give the whole scene at the velocity level,
+/// its largest island where that is not the whole, and the whole scene at the acceleration level where there is one;
+/// with the same rules as motions for what is refused, and no two with the same content.
 inline constexpr const char* kRecordings = "recordings";
 inline constexpr const char* kRecordedSequence = "-sequence.jsonl.gz";
 inline constexpr int kRecordedSteps = 8;

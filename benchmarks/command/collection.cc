@@ -28,7 +28,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-
 struct Build {
   std::string tier_name;
   std::string output = "data";

@@ -53,6 +53,7 @@ const std::vector<CampaignPlan>& Campaigns() {
       {.name = "core",
        .manifests = {"engine", "standard", "recorded", "literature"},
        .tiers = {1e-6},
+       .filter = "^solve/",
        .most_rows = 10'000,
        .budgets = {.judge_s = 2, .timed_s = 1, .parts_s = 0.2, .again_s = 0.2},
        .limits = {.most_s = 1},
@@ -80,6 +81,7 @@ const std::vector<CampaignPlan>& Campaigns() {
        .limits = {.most_s = 60}},
       {.name = "recorded",
        .manifests = {"recorded"},
+       .filter = "^solve/",
        .budgets = {.judge_s = 3, .timed_s = 1.5, .parts_s = 0.3, .again_s = 0.3}},
       {.name = "literature", .manifests = {"literature"}, .most_rows = 10'000, .limits = {.most_s = 10}},
       {.name = "nonsymmetric", .manifests = {"nonsymmetric"}, .passes = 3, .limits = {.most_s = 2}},
@@ -89,7 +91,11 @@ const std::vector<CampaignPlan>& Campaigns() {
        .tiers = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12},
        .filter = "-n(40|250|1000)-s1/",
        .fills = false},
-      {.name = "sequences", .manifests = {"sequences"}, .passes = 6, .limits = {.most_s = 0.5}},
+      {.name = "sequences",
+       .manifests = {"sequences", "recorded"},
+       .filter = "^steps/",
+       .passes = 6,
+       .limits = {.most_s = 0.5}},
   };
   return campaigns;
 }

@@ -78,7 +78,8 @@ void SequenceWriter::Write(const MotionProblem& met) {
   if (!verdict.passes) ++counts_.not_passed;
   if (verdict.false_success) ++counts_.false_successes;
 
-  const ActiveSetChange change = history_.Follow(met.problem, PreviousRows(&matching_, met), met.result.f, verdict.metrics.w);
+  const ActiveSetChange change =
+      history_.Follow(met.problem, PreviousRows(&matching_, met), met.result.f, verdict.metrics.w);
   Json motion;
   motion["step"] = step_;
   motion["time"] = met.time;

@@ -18,6 +18,7 @@
 #include "benchmarks/collection/build.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
+#include "benchmarks/collection/recording.h"
 #include "model/motion/contact_finder.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
@@ -65,24 +66,26 @@ TEST_F(SequenceFile, HoldsTheProblemsAndWhichRowsAreTheSame) {
   std::ptrdiff_t entered = 0;
   std::ptrdiff_t left = 0;
   RowMatching matching;
-  ForEachSequenceProblem(
-      std::get<Recipe>(GearTrain().source), GearTrain().steps, [&](const LcpProblem& problem, const MotionProblem& met) {
-        const SequenceStep& step = steps[k];
-        ASSERT_EQ(step.problem.size(), problem.size());
-        EXPECT_TRUE((step.problem.b().array() == problem.b().array()).all());
-        const std::vector<std::optional<int>> expected = matching.Follow(met.system, met.rows);
-        ASSERT_EQ(step.previous.size(), expected.size());
-        for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(step.previous[i], expected[i].value_or(-1));
-        if (k > 0) {
-          const auto stay = std::count_if(step.previous.begin(), step.previous.end(), [](int row) { return row >= 0; });
-          entered += problem.size() - stay;
-          left += steps[k - 1].problem.size() - stay;
-        }
-        ASSERT_TRUE(step.reference.w.has_value());
-        EXPECT_LE(ComputeMetrics(step.problem, met.result.f, &step.reference).w_error, 1e-12);
-        EXPECT_LE(*step.reference.floor, 1e-9);
-        ++k;
-      });
+  ForEachSequenceProblem(std::get<Recipe>(GearTrain().source), GearTrain().steps,
+                         [&](const LcpProblem& problem, const MotionProblem& met) {
+                           const SequenceStep& step = steps[k];
+                           ASSERT_EQ(step.problem.size(), problem.size());
+                           EXPECT_TRUE((step.problem.b().array() == problem.b().array()).all());
+                           const std::vector<std::optional<int>> expected = matching.Follow(met.system, met.rows);
+                           ASSERT_EQ(step.previous.size(), expected.size());
+                           for (std::size_t i = 0; i < expected.size(); ++i)
+                             EXPECT_EQ(step.previous[i], expected[i].value_or(-1));
+                           if (k > 0) {
+                             const auto stay = std::count_if(step.previous.begin(), step.previous.end(),
+                                                             [](int row) { return row >= 0; });
+                             entered += problem.size() - stay;
+                             left += steps[k - 1].problem.size() - stay;
+                           }
+                           ASSERT_TRUE(step.reference.w.has_value());
+                           EXPECT_LE(ComputeMetrics(step.problem, met.result.f, &step.reference).w_error, 1e-12);
+                           EXPECT_LE(*step.reference.floor, 1e-9);
+                           ++k;
+                         });
   EXPECT_EQ(entered, GearTrain().entered);
   EXPECT_EQ(left, GearTrain().left);
   EXPECT_GT(entered, 0);
@@ -107,13 +110,14 @@ TEST_F(SequenceFile, AHugeExactAnswerLendsNeitherItsFloorNorItsW) {
   const std::vector<SequenceStep> steps = WrittenAndRead(entry);
   std::size_t k = 0;
   double largest = 0;
-  ForEachSequenceProblem(std::get<Recipe>(entry.source), entry.steps, [&](const LcpProblem& problem, const MotionProblem& met) {
-    const double exact = RoundingFloor(problem, met.result.f);
-    largest = std::max(largest, exact);
-    EXPECT_LE(*steps[k].reference.floor, 1e-9) << k;
-    EXPECT_EQ(steps[k].reference.w.has_value(), exact <= 1e-12 && met.result.detail.empty()) << k;
-    ++k;
-  });
+  ForEachSequenceProblem(
+      std::get<Recipe>(entry.source), entry.steps, [&](const LcpProblem& problem, const MotionProblem& met) {
+        const double exact = RoundingFloor(problem, met.result.f);
+        largest = std::max(largest, exact);
+        EXPECT_LE(*steps[k].reference.floor, 1e-9) << k;
+        EXPECT_EQ(steps[k].reference.w.has_value(), exact <= 1e-12 && met.result.detail.empty()) << k;
+        ++k;
+      });
   EXPECT_GT(largest, 1);
 }
 
@@ -147,6 +151,61 @@ TEST(SequencePlan, EveryModeHasItsTiers) {
   EXPECT_EQ(passes["pgs"], iterative);
 }
 
+class RecordedSequence : public SequenceFile {
+ protected:
+  static SequenceEntry Entry(int steps = 100) {
+    return MeasureSequence(RecordedSteps{"recordings/ode-heightfield-sequence.jsonl.gz", 200}, steps, kData);
+  }
+  static constexpr const char* kData = LCPBENCH_SOURCE_DIR "/data";
+};
+
+TEST_F(RecordedSequence, FollowsRowsByTheEnginesNames) {
+  const SequenceEntry entry = Entry();
+  const std::string path = SequencePath(folder_.string(), entry.id);
+  WriteSequenceFile(entry, kData, path);
+  const std::vector<SequenceStep> steps = ReadSequenceFile(path, entry.sha256);
+  ASSERT_EQ(steps.size(), 100U);
+  RecordingReader reader(std::string(kData) + "/recordings/ode-heightfield-sequence.jsonl.gz");
+  std::vector<std::string> before;
+  std::int64_t entered = 0;
+  std::int64_t left = 0;
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    RecordedStep step;
+    ASSERT_TRUE(reader.Next(&step));
+    const RecordedProblem made = VelocityProblem(reader.header(), step);
+    ASSERT_EQ(made.problem.b(), steps[k].problem.b());
+    std::set<int> taken;
+    for (std::size_t i = 0; i < made.identity.size(); ++i) {
+      const int previous = steps[k].previous[i];
+      if (previous >= 0) {
+        EXPECT_EQ(before.at(static_cast<std::size_t>(previous)), made.identity[i]);
+        EXPECT_TRUE(taken.insert(previous).second) << "two rows are the same row of the step before";
+      } else if (k > 0) {
+        ++entered;
+        EXPECT_EQ(std::count(before.begin(), before.end(), made.identity[i]), 0) << made.identity[i];
+      }
+    }
+    if (k > 0) left += static_cast<std::int64_t>(before.size() - taken.size());
+    before = made.identity;
+  }
+  EXPECT_EQ(entered, entry.entered);
+  EXPECT_EQ(left, entry.left);
+  EXPECT_GT(entered, 0);
+}
+
+TEST_F(RecordedSequence, LacksNoStepAndHasNoneTooLarge) {
+  try {
+    Entry(101);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("step 300: expected it in the recording"), std::string::npos)
+        << error.what();
+  }
+  EXPECT_THROW(MeasureSequence(RecordedSteps{"recordings/ode-heightfield-sequence.jsonl.gz", 199}, 2, kData),
+               InputError);
+  EXPECT_THROW(MeasureSequence(RecordedSteps{"recordings/box2d-tiles.jsonl.gz", 30}, 1, kData), InputError);
+}
+
 class SequencePass : public CommandTest {
  protected:
   void SetUp() override {
@@ -158,7 +217,7 @@ class SequencePass : public CommandTest {
     request_.judged = {1e-3, 1e-6};
     request_.limits.least_s = request_.limits.most_s = 10;
     request_.budget_s = 100;
-    WriteSequenceFile(GearTrain(), request_.file);
+    WriteSequenceFile(GearTrain(), ".", request_.file);
   }
 
   SequenceReply Run() {

@@ -17,6 +17,7 @@
 #include "benchmarks/collection/plan.h"
 #include "benchmarks/collection/properties.h"
 #include "benchmarks/collection/references.h"
+#include "benchmarks/collection/sequence_problems.h"
 #include "model/scenes/scene.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/io/matrix_market.h"
@@ -204,7 +205,9 @@ TEST_P(CollectionTier, IsWhatItsHashesSay) {
   for (const SequenceEntry& entry : manifest_.sequences) {
     if (SizeOf(entry) > 20 || left == 0) continue;
     --left;
-    EXPECT_EQ(MeasureSequence(std::get<Recipe>(entry.source), entry.steps).sha256, entry.sha256) << entry.id;
+    SequenceHash hash;
+    ForEachProblemOf(entry, kData, [&hash](const SequenceProblem& met) { hash.Add(met.problem); });
+    EXPECT_EQ(hash.Result(), entry.sha256) << entry.id;
   }
 }
 
@@ -212,8 +215,9 @@ TEST_P(CollectionTier, IsWhatItsHashesSay) {
 // Literal problems stand there alone, with those that were refused among them.
 TEST_P(CollectionTier, HasFilesOfTheSameProblems) {
   const std::string path = kData + "problems/" + GetParam() + ".jsonl.gz";
-  ASSERT_EQ(std::filesystem::exists(path), tier_.has_files);
-  if (!tier_.has_files) return;
+  const bool is_expected = tier_.has_files && !tier_.has_recordings;
+  ASSERT_EQ(std::filesystem::exists(path), is_expected);
+  if (!is_expected) return;
   std::vector<const ManifestEntry*> placed;
   for (const ManifestEntry& entry : manifest_.problems) {
     const bool is_literal = std::holds_alternative<FileSource>(entry.source);
@@ -280,9 +284,20 @@ TEST_P(CollectionTier, IsWhatIsPlanned) {
          std::holds_alternative<FileSource>(manifest_.problems[next].source)) {
     ++next;
   }
+  if (tier_.has_recordings) {
+    for (const ManifestEntry& entry : manifest_.problems) {
+      EXPECT_TRUE(std::holds_alternative<RecordingSource>(entry.source)) << entry.id;
+    }
+    // What the collection promises of engines.
+    EXPECT_GE(manifest_.problems.size(), 400U);
+    EXPECT_GE(manifest_.sequences.size(), 40U);
+    for (const SequenceEntry& entry : manifest_.sequences) EXPECT_EQ(entry.problems, 100) << entry.id;
+    return;
+  }
   EXPECT_EQ(next, manifest_.problems.size());
   ASSERT_EQ(manifest_.sequences.size(), tier_.sequences.size());
-  for (size_t k = 0; k < tier_.sequences.size(); ++k) EXPECT_EQ(std::get<Recipe>(manifest_.sequences[k].source), tier_.sequences[k].start);
+  for (size_t k = 0; k < tier_.sequences.size(); ++k)
+    EXPECT_EQ(std::get<Recipe>(manifest_.sequences[k].source), tier_.sequences[k].start);
 }
 
 // ----- the committed answers, judged as any solver's are
