@@ -1,7 +1,7 @@
 #include <algorithm>
-#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "benchmarks/collection/gzip_file.h"
@@ -16,18 +16,16 @@ namespace {
 
 struct RecordingProblems {
   std::vector<std::string> files;
-  RecordedLevel level = RecordedLevel::kVelocity;
+  std::string level = "velocity";
   Index island_rows = 0;
   std::string output = "-";
 
   void Declare(CLI::App& app) {
     app.add_option("FILE", files, "Recordings, plain or gzip; - for standard input")->required();
-    const std::map<std::string, RecordedLevel> levels = {{"velocity", RecordedLevel::kVelocity},
-                                                         {"acceleration", RecordedLevel::kAcceleration}};
     app.add_option("--level", level,
                    "velocity: the engine's time step; acceleration: where all contacts are of circles")
-        ->transform(CLI::CheckedTransformer(levels, CLI::ignore_case))
-        ->default_str("velocity");
+        ->check(CLI::IsMember({"velocity", "acceleration"}))
+        ->capture_default_str();
     app.add_option("--island-rows", island_rows, "Islands of at least so many rows, each a problem; 0: whole scenes")
         ->check(AtLeast(0))
         ->capture_default_str();
@@ -37,20 +35,25 @@ struct RecordingProblems {
 
   int Run() const {
     TextOutput lines(output);
+    const RecordedLevel wanted = level == "velocity" ? RecordedLevel::kVelocity : RecordedLevel::kAcceleration;
     std::optional<RecordingHeader> header;
+    bool is_first = true;
     const auto write = [&lines](const RecordedProblem& made) {
       if (made.problem.size() > 0) lines.stream() << FormatLcpRecord(made.problem, false) << '\n';
     };
     int status = 0;
     for (const std::string& file : files) {
       header.reset();
+      is_first = true;
       status = std::max(status, ForEachLine({file}, [&](const std::string& line, const std::string& where) {
-                          if (!header.has_value()) {
+                          if (std::exchange(is_first, false)) {
                             header = ParseRecordingHeader(line, where);
                             return;
                           }
+                          // Without a header, which was told, nothing can be said of steps.
+                          if (!header.has_value()) return;
                           const RecordedStep step = ParseRecordedStep(line, *header, where);
-                          const std::optional<RecordedProblem> whole = MakeRecorded(*header, step, level);
+                          const std::optional<RecordedProblem> whole = MakeRecorded(*header, step, wanted);
                           if (!whole.has_value()) return;
                           if (island_rows == 0) return write(*whole);
                           for (const RecordedProblem& island : IslandsOf(*whole, island_rows)) write(island);

@@ -140,7 +140,8 @@ BLOCKS: dict[str, Callable[[Page], str]] = {
     "tuning": _tuning, "recommendation": _recommendation,
     "own-keys": lambda page: _keys(of["key"] for of in _solvers(page, "own")),
     "peer-keys": lambda page: _keys(of["key"] for of in _solvers(page, "peer")),
-    "scene-keys": lambda page: _keys(sorted({about["family"] for about in page.inputs.problems.values()})),
+    "scene-keys": lambda page: _keys(sorted({about["family"] for about in page.inputs.problems.values()
+                                                if about["origin"] in ("placed", "motion")})),
     "own-solvers": lambda page: _solver_table(page, "own"),
     "peer-solvers": lambda page: _solver_table(page, "peer", "library_version", "licence"),
 }

@@ -76,6 +76,29 @@ TEST_F(CollectionCommand, ImportLeavesOutWhatCannotBeReadAndSaysSo) {
   EXPECT_EQ(imported["problems"][0]["file"]["line"], 1);
 }
 
+// What docs/recording.md tells a user to do.
+TEST_F(CollectionCommand, ARecorderOfAUsersOwnEngineGivesProblemsThatAreSolved) {
+  const std::string example = LCPBENCH_SOURCE_DIR "/examples/record_discs.py";
+  ASSERT_EQ(std::system(("/usr/bin/python3 " + example + " 12 200 > " + Path("discs.jsonl")).c_str()), 0);
+  for (const char* level : {"velocity", "acceleration"}) {
+    Succeed("recording --level " + std::string(level) + " " + Path("discs.jsonl") + " -o " + Path("problems.jsonl"));
+    const std::vector<std::string> problems = Lines(ReadFile(folder_ / "problems.jsonl"));
+    EXPECT_GT(problems.size(), 10U) << level;
+    const CommandOutcome solved = Succeed("solve --solver auto --tolerance 1e-9 " + Path("problems.jsonl"));
+    const std::vector<std::string> answers = Lines(solved.out);
+    ASSERT_EQ(answers.size(), problems.size());
+    for (const std::string& answer : answers)
+      EXPECT_NE(answer.find(R"("status":"solved")"), std::string::npos) << answer;
+  }
+
+  // A mistake in the header is one mistake, however many steps follow.
+  std::string text = ReadFile(folder_ / "discs.jsonl");
+  const std::string dimension = "\"dimension\": 2";
+  Write("wrong.jsonl", text.replace(text.find(dimension), dimension.size(), "\"dimension\": 4"));
+  ExpectMistake("recording " + Path("wrong.jsonl"), "wrong.jsonl:1: /dimension: expected 2 or 3, found 4");
+  ExpectMistake("recording --level x " + Path("discs.jsonl"), "--level: x not in {velocity,acceleration}");
+}
+
 TEST_F(CollectionCommand, MistakesAreToldInOneLine) {
   ExpectMistake("collection build middling -o " + folder_.string(), "unknown tier 'middling'");
   ExpectMistake("collection build smoke -o " + Path("nowhere"), "expected a folder");
