@@ -21,8 +21,8 @@ BASELINE := build/baseline
 OWN       = dantzig auto semismooth-newton lemke bpp active-set pgs psor nncg apgd ipopt-qp ipopt-ncp ipm hybrid
 
 # What the rules of `lcpbench recommend` are made of: folders of campaigns, and the manifests that have their problems.
-CAMPAIGNS          ?= build/results/standard build/results/sequences
-CAMPAIGN_MANIFESTS ?= data/engine.json data/standard.json
+CAMPAIGNS          ?= $(addprefix build/results/,standard sequences recorded literature)
+CAMPAIGN_MANIFESTS ?= $(addprefix data/,engine.json standard.json recorded.json literature.json)
 
 # How long and with which new inputs `make fuzz` goes on.
 FUZZ_SECONDS ?= 60
@@ -55,7 +55,7 @@ help:
 	@echo "make test     install what is missing, build, run all tests"
 	@echo "make build    install what is missing, configure and build"
 	@echo "make ablation   what our own checks, checks for peers, and instruction sets are worth: a build and a campaign (20 minutes)"
-	@echo "make recommendation   rules of lcpbench recommend from the campaigns standard and sequences (CAMPAIGNS=folders; a minute)"
+	@echo "make recommendation   rules of lcpbench recommend from the campaigns standard, sequences, recorded and literature (CAMPAIGNS=folders; a minute)"
 	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
 	@echo "make record-engines   let physics engines step scenes of their own, and record them in data/recordings (RECORDINGS=box2d-)"
 	@echo "make scene-benchmark      time scene generation, contact detection and assembly at 10^3 to 10^5 rows"

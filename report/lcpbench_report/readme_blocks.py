@@ -100,7 +100,17 @@ def _recommendation(page: Page) -> str:
     passed, groups = (sum(of["families"][key] for of in tried["tiers"]) for key in ("pass", "groups"))
     return (f"the best of the named backends is within {tried['within']:g}× of the best of ours on {100 * min(shares):.1f} % "
             f"to {100 * max(shares):.1f} % of the problems, by tier and measure, and in {passed} of {groups} cases (families "
-            f"by tiers and measures) on at least {100 * tried['least_share']:.0f} %.")
+            f"by tiers and measures) on at least {100 * tried['least_share']:.0f} %." + _sources(tried))
+
+
+def _sources(tried: dict) -> str:
+    """Of engines and publications that the rules were not made of."""
+    held_out = tried.get("sources")
+    if not held_out:
+        return ""
+    problems, right = (sum(of[key] for of in held_out) for key in ("problems", "right"))
+    return (f" With all problems of one engine or one publication held out it is so on {100 * right / problems:.1f} %, and in "
+            f"{sum(of['passes'] for of in held_out)} of {len(held_out)} cases on at least {100 * tried['least_share']:.0f} %.")
 
 
 def _solvers(page: Page, origin: str) -> list[dict]:

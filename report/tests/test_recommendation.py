@@ -29,7 +29,7 @@ def outcomes_of(latency, families=FAMILIES, sizes=(10, 20, 100, 200), tiers=(1e-
     table = pd.DataFrame([
         {"problem": f"{family}-n{size}-s{seed}", "family": family, "rows": size, "seed": float(seed), "solver": solver,
          "tier": tier, "verified": (time := latency(solver, family, size, tier)) < math.inf, "false_success": False,
-         "weight": 1.0, "time_s": time}
+         "weight": 1.0, "source": None, "time_s": time}
         for family, size, seed, tier, solver in itertools.product(families, sizes, seeds, tiers, solvers)])
     features = table.drop_duplicates("problem").set_index("problem")[["rows"]].astype(float)
     return Outcomes(table, features, list(solvers), [], [{"name": "made-up", "commit": "", "cpu": ""}], EDGES)
@@ -122,6 +122,23 @@ class EvaluationTest(unittest.TestCase):
         leave_out = frozenset({"discs"})
         self.assertEqual(rules.make_regions(first, leave_out), rules.make_regions(second, leave_out))
         self.assertNotEqual(rules.make_regions(first), rules.make_regions(second))
+
+    def test_what_one_engine_met_is_held_out_at_once(self):
+        """Solver b is the best on one engine's two families alone: a rule that knows one of them names it."""
+        made = outcomes_of(lambda solver, family, rows, tier: {"a": 1.0 if family < "c" else 9.0,
+                                                               "b": 9.0 if family < "c" else 1.0, "c": 20.0}[solver])
+        made.table["source"] = made.table["family"].map({"chains": "engine", "discs": "engine"})
+        found = evaluation.evaluate(made)
+        self.assertEqual({row["source"] for row in found["sources"]}, {"engine"})
+        self.assertEqual([(row["problems"], row["right"], row["passes"]) for row in found["sources"]],
+                         [(8, 0, False)] * 2)
+        by_family = {row["family"]: row["passes"] for row in found["families"]}
+        self.assertTrue(by_family["chains"] and by_family["discs"])
+        self.assertEqual(found["tiers"][0]["sources"], {"groups": 1, "pass": 0, "problems": 8, "right": 0, "share": 0.0})
+
+    def test_without_other_sources_none_is_held_out(self):
+        made = outcomes_of(lambda solver, family, rows, tier: {"a": 1, "b": 2, "c": 3}[solver])
+        self.assertEqual(evaluation.evaluate(made)["sources"], [])
 
     def test_nine_of_ten_problems_are_enough_and_eight_are_not(self):
         for wrong, passes in ((1, True), (2, False)):

@@ -3,7 +3,8 @@
 For every family rules are made of all other families. On each of its problems the recommendation is the fastest of
 the candidates that is verified there, since that is what `lcpbench recommend` finds out by measuring them; it is right
 where its time is within WITHIN of the best measured solver. A family passes where the median of that ratio is at
-most WITHIN and it is right on LEAST_SHARE of the problems or more. The same with seeds in the place of families.
+most WITHIN and it is right on LEAST_SHARE of the problems or more. The same with seeds in the place of families, and
+with sources: all that one engine met, or that was published as one family, is held out at once.
 """
 
 import math
@@ -48,13 +49,16 @@ def evaluate(outcomes: Outcomes) -> dict:
     tables, edges = rules.tier_tables(outcomes), outcomes.edges
     by_family = [row for table in tables for row in held_out(outcomes, table, table.families, edges)]
     by_seed = [row for table in tables for row in held_out(outcomes, table, table.seeds.fillna(-1), edges)]
+    by_source = [row for table in tables for row in held_out(outcomes, table, table.sources, edges)]
     return {"within": WITHIN, "least_share": LEAST_SHARE, "most_candidates": rules.MOST,
             "divisions": compare_divisions(outcomes),
             "tiers": [{"tier": table.tier} | {name: _summary([row for row in rows if row["tier"] == table.tier])
-                                              for name, rows in (("families", by_family), ("seeds", by_seed))}
+                                              for name, rows in (("families", by_family), ("seeds", by_seed),
+                                                                    ("sources", by_source))}
                       for table in tables],
             "families": [_plain(row, "family", str) for row in by_family],
-            "seeds": [_plain(row, "seed", int) for row in by_seed]}
+            "seeds": [_plain(row, "seed", int) for row in by_seed],
+            "sources": [_plain(row, "source", str) for row in by_source]}
 
 
 def compare_divisions(outcomes: Outcomes) -> list[dict]:
@@ -76,11 +80,12 @@ def compare_divisions(outcomes: Outcomes) -> list[dict]:
 
 
 def held_out(outcomes: Outcomes, table: TierTable, groups: pd.Series, edges: Edges) -> list[dict]:
-    """A row per group (of problems), held out in turn."""
+    """A row per group (of problems), held out in turn; problems without one are always among those that rules are made
+    of."""
     numbers, sizes = rules.partition(outcomes, edges)
     own = [key for key in outcomes.own if key in table.verified]
     rows = []
-    for group in sorted(groups.unique()):
+    for group in sorted(groups.dropna().unique()):
         problems, training = (groups.index[mask.to_numpy()] for mask in (groups == group, groups != group))
         if len(training) == 0:
             continue
@@ -114,7 +119,8 @@ def _plain(row: dict, name: str, kind: type) -> dict:
 
 
 def as_text(evaluation: dict) -> str:
-    """Tables of families that were held out, of their sums by tier, and of divisions."""
-    tables = {"families held out": pd.DataFrame(evaluation["families"]), "by tier": pd.json_normalize(evaluation["tiers"]),
+    """Tables of families and sources that were held out, of their sums by tier, and of divisions."""
+    tables = {"families held out": pd.DataFrame(evaluation["families"]),
+              "sources held out": pd.DataFrame(evaluation["sources"]), "by tier": pd.json_normalize(evaluation["tiers"]),
               "regions by, all tiers": pd.DataFrame(evaluation["divisions"])}
     return "\n\n".join(f"{title}:\n{table.to_string(index=False)}" for title, table in tables.items())

@@ -22,7 +22,8 @@ _STEPS_RIGHT = 0.99  # of a sequence's steps: less counts as failed
 
 @dataclass
 class Outcomes:
-    """`table` has _COLUMNS and the problem's seed; time_s (infinite where the answer was not verified) is the fresh time,
+    """`table` has _COLUMNS, the problem's seed and its source, where that is not this project: the engine that met it, or the
+    family of what others published; time_s (infinite where the answer was not verified) is the fresh time,
     from the caller's arrays to f; of sequences the median latency of a step from a warm start. `features`: a row per
     problem, by its name."""
 
@@ -57,7 +58,7 @@ def read_outcomes(folders: Iterable[Path], features: Path) -> Outcomes:
     known["rows"] = problems["rows"].astype(float)
     # Names end in -sSEED; grids of one property have seeds from 101 on.
     seeds = cells["problem"].str.extract(r"-s(\d+)$", expand=False).astype(float)
-    return _outcomes(cells[_COLUMNS].assign(seed=seeds).reset_index(drop=True), known, infos)
+    return _outcomes(cells[_COLUMNS].assign(seed=seeds, source=_sources(cells)).reset_index(drop=True), known, infos)
 
 
 def read_sequences(folders: Iterable[Path]) -> Outcomes | None:
@@ -76,7 +77,13 @@ def read_sequences(folders: Iterable[Path]) -> Outcomes | None:
     found = table.assign(weight=1.0, verified=verified, false_success=table["false_successes"] > 0,
                          time_s=table["p50"].where(verified, math.inf))
     features = found.drop_duplicates("problem").set_index("problem")[["rows"]].astype(float)
-    return _outcomes(found[_COLUMNS].assign(seed=math.nan), features, infos)
+    return _outcomes(found[_COLUMNS].assign(seed=math.nan, source=None), features, infos)
+
+
+def _sources(cells: pd.DataFrame) -> pd.Series:
+    """An engine's families are "engine scene"."""
+    families = cells["family"].where(cells["origin"] != "recorded", cells["family"].str.split().str[0])
+    return families.where(cells["origin"].isin(("recorded", "literature")), None)
 
 
 def _outcomes(table: pd.DataFrame, features: pd.DataFrame, infos: list[dict]) -> Outcomes:

@@ -69,6 +69,7 @@ class TierTable:
     tier: float
     families: pd.Series
     seeds: pd.Series
+    sources: pd.Series  # None: of this project
     weights: pd.Series
     # [s], infinite where the answer was not verified; not a number where there was no cell.
     times: pd.DataFrame
@@ -91,7 +92,8 @@ def tier_tables(outcomes: Outcomes) -> list[TierTable]:
         times, verified, false = (cells.pivot(index="problem", columns="solver", values=name)
                                   for name in ("time_s", "verified", "false_success"))
         of_problem = cells.drop_duplicates("problem").set_index("problem").reindex(verified.index)
-        made.append(TierTable(float(tier), of_problem["family"], of_problem["seed"], of_problem["weight"], times,
+        made.append(TierTable(float(tier), of_problem["family"], of_problem["seed"],
+                              of_problem["source"], of_problem["weight"], times,
                               verified.eq(True), false.eq(True)))
     return made
 
