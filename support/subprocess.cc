@@ -116,7 +116,10 @@ void TellGuard(pid_t told) {
   const std::lock_guard lock(mutex);
   std::array<int, 2> ends{-1, -1};
   if (guard < 0 && socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) == 0) {
-    if (fork() == 0) StandGuard(ends[0]);
+    const pid_t started = fork();
+    if (started == 0) StandGuard(ends[0]);
+    // Here too: who kills this process' group before the guard has run must not kill the guard with it.
+    if (started > 0) setpgid(started, started);
     close(ends[0]);
     guard = ends[1];
   }
