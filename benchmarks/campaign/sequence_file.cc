@@ -67,11 +67,11 @@ std::string Line(const SequenceStep& step) {
 LcpReference ReferenceOf(const SequenceProblem& met) {
   LcpReference reference;
   const LcpProblem& problem = met.problem;
-  const bool solved = met.is_exact && met.result.status == LcpStatus::kSolved;
-  const double exact_floor = solved ? RoundingFloor(problem, met.result.f) : std::numeric_limits<double>::infinity();
+  const bool solved = met.result != nullptr && met.result->status == LcpStatus::kSolved;
+  const double exact_floor = solved ? RoundingFloor(problem, met.result->f) : std::numeric_limits<double>::infinity();
   // With a detail it is the answer to a problem that differs a little (exact_solver.h): its w is not this one's.
-  if (solved && met.result.detail.empty() && exact_floor <= kLargestFloorOfW) {
-    reference.w = ComputeMetrics(problem, met.result.f).w;
+  if (solved && met.result->detail.empty() && exact_floor <= kLargestFloorOfW) {
+    reference.w = ComputeMetrics(problem, met.result->f).w;
   }
   const double floor = FloorOf(problem, exact_floor);
   if (std::isfinite(floor)) reference.floor = floor;

@@ -13,6 +13,7 @@
 #include "benchmarks/collection/recipes/motion_steps.h"
 #include "benchmarks/collection/recording.h"
 #include "benchmarks/collection/sequence_problems.h"
+#include "benchmarks/measure/reference_solves.h"
 #include "benchmarks/motions/sequence.h"
 #include "model/scenes/scene.h"
 #include "solvers/io/json_lines.h"
@@ -335,9 +336,9 @@ SequenceEntry WithMeasures(SequenceEntry entry, const std::string& folder) {
     const LcpProblem& problem = met.problem;
     hash.Add(problem);
     rows.push_back(problem.size());
-    if (met.result.status == LcpStatus::kInfeasible) ++entry.unsolvable;
-    const ActiveSetChange change =
-        history.Follow(problem, met.previous, met.result.f, ComputeMetrics(problem, met.result.f).w);
+    const LcpResult answer = met.result != nullptr ? *met.result : SolveNearly(problem);
+    if (answer.status == LcpStatus::kInfeasible) ++entry.unsolvable;
+    const ActiveSetChange change = history.Follow(problem, met.previous, answer.f, ComputeMetrics(problem, answer.f).w);
     if (rows.size() == 1) return;
     std::int64_t changes = 0;
     const auto count = [&changes](const std::vector<int>& list, std::int64_t* sum) {

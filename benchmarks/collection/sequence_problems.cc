@@ -5,7 +5,6 @@
 
 #include "benchmarks/collection/recipes/motion_steps.h"
 #include "benchmarks/collection/recording.h"
-#include "benchmarks/measure/reference_solves.h"
 #include "benchmarks/motions/sequence.h"
 #include "support/input_error.h"
 
@@ -47,7 +46,7 @@ void ForEachRecorded(const SequenceEntry& entry, const RecordedSteps& source, co
                        std::to_string(rows));
     }
     const std::vector<int> previous = Matched(made.identity, &before);
-    handle({made.problem, previous, SolveNearly(made.problem), false});
+    handle({made.problem, previous, nullptr});
   }
 }
 
@@ -62,7 +61,7 @@ std::string ForEachProblemOf(const SequenceEntry& entry, const std::string& fold
   RowMatching matching;
   return ForEachSequenceProblem(std::get<Recipe>(entry.source), entry.steps,
                                 [&](const LcpProblem& problem, const MotionProblem& met) {
-                                  handle({problem, PreviousRows(&matching, met), met.result, true});
+                                  handle({problem, PreviousRows(&matching, met), &met.result});
                                 });
 }
 
