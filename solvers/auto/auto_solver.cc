@@ -74,7 +74,8 @@ class AutoEngine {
     whole_is_ready_ = true;
   }
   SmallPivoting::Request RequestFor(const LcpOptions& options, const Deadline* deadline) const {
-    return {tableau::kMargin * std::sqrt(options.tolerance), options.initial_f, deadline, options_.self_check};
+    const double* initial_f = options.initial_f == nullptr ? nullptr : options.initial_f->data();
+    return {tableau::kMargin * std::sqrt(options.tolerance), initial_f, deadline, options_.self_check};
   }
   bool TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
   bool TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);

@@ -22,6 +22,7 @@ namespace lcpbench {
 ///     void Reserve(Index max_rows);                                    optional: LcpSolver::Reserve
 ///     void Prepare(const LcpProblem&);                                 LcpSolver::DoPrepare
 ///     void Solve(const LcpProblem&, const LcpOptions&, LcpResult*);    LcpSolver::DoSolve
+///     bool SolveArrays(const ProblemArrays&, const LcpOptions&, LcpResult*);   optional: LcpSolver::DoSolveArrays
 /// none of them virtual. No engine sees extreme numbers: such a problem is brought into range first (RangeScaling), and
 /// what is claimed of it judged by the verifier. A solver with more to tell than LcpSolver asks is a class on this one.
 template <typename SolverOptions, typename SolverEngine>
@@ -41,6 +42,8 @@ class EngineSolver : public LcpSolver {
   void DoPrepare(const LcpProblem& problem) override;  ///< the engine's Prepare
   /// The engine's Solve.
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
+  /// The engine's SolveArrays.
+  bool DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) override;
 
   const std::unique_ptr<Engine> engine_;  ///< never null
 
@@ -85,6 +88,15 @@ void EngineSolver<Options, Engine>::DoSolve(const LcpProblem& problem, const Lcp
                         [this](const LcpProblem& scaled, const LcpOptions& wanted, LcpResult* found) {
                           engine_->Solve(scaled, wanted, found);
                         });
+}
+
+template <typename Options, typename Engine>
+bool EngineSolver<Options, Engine>::DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options,
+                                                  LcpResult* result) {
+  if constexpr (requires { engine_->SolveArrays(arrays, options, result); }) {
+    return engine_->SolveArrays(arrays, options, result);
+  }
+  return false;
 }
 
 }  // namespace lcpbench

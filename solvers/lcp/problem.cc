@@ -1,7 +1,6 @@
 #include "solvers/lcp/problem.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "solvers/lcp/memory_budget.h"
+#include "solvers/lcp/number_range.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -22,14 +22,6 @@ using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
   throw InputError("problem '" + id + "': " + what);
 }
 
-// Numbers that products of two or three do not take out of the range of doubles (LcpProblem::has_extreme_matrix).
-struct Range {
-  double least, most;
-};
-constexpr Range kFactorRange{0x1p-64, 0x1p64};
-constexpr Range kEntryRange{0x1p-192, 0x1p192};
-constexpr Range kLoadRange{0x1p-300, 0x1p128};
-
 // Which ends of the range there are numbers beyond, zeros apart.
 struct Beyond {
   bool least = false;
@@ -37,22 +29,11 @@ struct Beyond {
 };
 
 Beyond RequireFinite(const std::string& id, const char* name, const Range& range, const double* values, Index count) {
-  // By the bits of absolute values, which ascend as the numbers do, NaN and infinity last, and by signs of differences:
-  // without a branch, and with what even the baseline instruction set does several at a time.
-  const auto least = std::bit_cast<std::uint64_t>(range.least);
-  const auto most = std::bit_cast<std::uint64_t>(range.most);
-  constexpr std::uint64_t kSign = std::uint64_t{1} << 63U;
-  std::uint64_t small = 0;
-  std::uint64_t large = 0;
-  for (Index i = 0; i < count; ++i) {
-    const std::uint64_t size = std::bit_cast<std::uint64_t>(values[i]) & ~kSign;
-    large |= most - size;
-    small |= (size - least) & (0 - size);
-  }
-  const bool has_small = (small & kSign) != 0;
-  if ((large & kSign) == 0) return {has_small, false};
+  NumberRange looked(range);
+  looked.Look(values, count);
+  if (!looked.has_large()) return {looked.has_small(), false};
   const double* found = std::find_if(values, values + count, [](double value) { return !std::isfinite(value); });
-  if (found == values + count) return {has_small, true};
+  if (found == values + count) return {looked.has_small(), true};
   Reject(id, std::string(name) + " must be finite, entry " + std::to_string(found - values) + " is " +
                  std::to_string(*found));
 }

@@ -25,7 +25,7 @@ constexpr std::array<std::pair<LcpStatus, std::string_view>, 7> kStatusKeys{{
     {LcpStatus::kUnsupported, "unsupported"},
 }};
 
-void CheckOptions(const LcpProblem& problem, const LcpOptions& options) {
+void CheckOptions(Index rows, const LcpOptions& options) {
   const auto require = [](bool holds, const std::string_view what, auto found) {
     if (!holds) throw InputError(std::string(what) + ", found " + std::to_string(found));
   };
@@ -34,8 +34,7 @@ void CheckOptions(const LcpProblem& problem, const LcpOptions& options) {
   require(options.max_iterations >= 0, "iteration limit must be >= 0", options.max_iterations);
   if (options.initial_f == nullptr) return;
   const Index size = options.initial_f->size();
-  if (size != problem.size())
-    require(false, "initial f must have " + std::to_string(problem.size()) + " entries", size);
+  if (size != rows) require(false, "initial f must have " + std::to_string(rows) + " entries", size);
   if (!options.initial_f->allFinite()) throw InputError("initial f must be finite");
 }
 
@@ -84,7 +83,7 @@ void LcpSolver::Prepare(const LcpProblem& problem) {
 }
 
 void LcpSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  CheckOptions(problem, options);
+  CheckOptions(problem.size(), options);
   StartResult(problem.size(), result);
   if (problem.size() == 0) {
     result->status = LcpStatus::kSolved;
@@ -120,11 +119,14 @@ bool LcpSolver::DoSolveArrays(const ProblemArrays& /*arrays*/, const LcpOptions&
 }
 
 void LcpSolver::SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
-  if (options.initial_f == nullptr && arrays.rows > 0) {
+  CheckOptions(arrays.rows, options);
+  if (arrays.rows > 0) {
     StartResult(arrays.rows, result);
     result->status = LcpStatus::kNumericalFailure;
     try {
       if (DoSolveArrays(arrays, options, result)) return;
+    } catch (const InputError&) {
+      throw;
     } catch (const MemoryRefusal& refusal) {
       result->status = LcpStatus::kUnsupported;
       result->detail = refusal.what();

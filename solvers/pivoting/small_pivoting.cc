@@ -48,6 +48,21 @@ void Eliminate(double* tableau, Index n, Index r, const double* pivot_row) {
   }
 }
 
+// A row with both sides on one body has one side: the sum of both.
+template <int p>
+double JoinSides(double* J, double* momentum, Index along, const double* mass, std::int64_t* second_body) {
+  double d = 0;
+  for (int c = 0; c < p; ++c) {
+    const double j = J[c * along] + J[(p + c) * along];
+    J[c * along] = j;
+    momentum[c * along] = mass[c] * j;
+    J[(p + c) * along] = momentum[(p + c) * along] = 0;
+    d += mass[c] * (j * j);
+  }
+  *second_body = -1;
+  return d;
+}
+
 void EliminateLong(double* tableau, Index n, Index r, Index stride, const double* pivot_row) {
   for (Index i = 0; i < n; ++i) {
     double* __restrict row = tableau + i * stride;
@@ -60,6 +75,8 @@ void EliminateLong(double* tableau, Index n, Index r, Index stride, const double
 
 // Active sets that are tried before the tableau: the guess, and what its violated rows make of it.
 constexpr int kMaxGuesses = 2;
+// Of bodies in space.
+constexpr Index kMostColumnsPerBody = 6;
 
 }  // namespace
 
@@ -74,6 +91,18 @@ void SmallPivoting::Reserve(Index max_rows, Index problem_rows) {
                              &force_, &w_, &pivot_row_, &correction_, &blocked_weight_}) {
     v->setZero(stride);
   }
+}
+
+void SmallPivoting::ReserveRows(Index max_rows, Index max_bodies) {
+  Reserve(max_rows);
+  const auto sides = At(2 * q_.size());
+  if (body_of_.size() < static_cast<Index>(sides)) {
+    body_of_.setConstant(static_cast<Index>(sides), -1);
+    before_.resize(sides, -1);
+    jacobian_.setZero(static_cast<Index>(sides) * kMostColumnsPerBody);
+    momentum_.setZero(static_cast<Index>(sides) * kMostColumnsPerBody);
+  }
+  if (last_.size() < At(max_bodies)) last_.resize(At(max_bodies), -1);
 }
 
 // Exchanges f_r and w_r. False if rounding is all that the pivot is made of.
@@ -331,6 +360,134 @@ bool SmallPivoting::LoadDense(const LcpProblem& problem) {
     }
   }
   return true;
+}
+
+bool SmallPivoting::LoadRows(const StepRows& all, std::span<const std::int32_t> part) {
+  if (all.columns_per_body == 3) {
+    return all.J != nullptr ? LoadRowsOf<3>(all, all.J, part) : LoadRowsOf<3>(all, all.J_single, part);
+  }
+  return all.J != nullptr ? LoadRowsOf<6>(all, all.J, part) : LoadRowsOf<6>(all, all.J_single, part);
+}
+
+// Component c of side s of row i lies at (s p + c) along + i step: rows side by side, or components.
+template <int p, typename Real>
+bool SmallPivoting::LoadRowsOf(const StepRows& all, const Real* J, std::span<const std::int32_t> part) {
+  SetSize(static_cast<Index>(part.size()));
+  const bool by_registers = n_ <= kLaneRows;
+  const Index along = by_registers ? stride_ : 1;
+  const Index step = by_registers ? 1 : 2 * p;
+  double* const jacobian = jacobian_.data();
+  double* const momentum = momentum_.data();
+  for (Index i = 0; i < n_; ++i) {
+    const Index row = part[At(i)];
+    const Real* from = J + row * 2 * p;
+    double* to = jacobian + i * step;
+    double* to_momentum = momentum + i * step;
+    double d = 0;
+    const std::int32_t first = all.body[2 * row];
+    for (Index s = 0; s < 2; ++s) {
+      const std::int32_t body = all.body[2 * row + s];
+      const double* mass = all.inverse_mass + static_cast<Index>(body) * p;
+      bool moves = false;
+      for (int c = 0; c < p; ++c) {
+        const Index at = (s * p + c) * along;
+        const double j = body < 0 ? 0.0 : static_cast<double>(from[s * p + c]);
+        const double m = body < 0 ? 0.0 : mass[c];
+        moves = moves || m > 0;
+        to[at] = j;
+        to_momentum[at] = m * j;
+        d += m * (j * j);
+      }
+      body_of_[s * stride_ + i] = moves ? body : -1;
+    }
+    if (first >= 0 && first == all.body[2 * row + 1])
+      d = JoinSides<p>(to, to_momentum, along, all.inverse_mass + first * p, &body_of_[stride_ + i]);
+    diagonal_[i] = d;
+    b_[i] = all.b[row];
+    if (all.bilateral != nullptr && all.bilateral[row] != 0) joints_.push_back(i);
+  }
+  if (!Scale()) return false;
+  if (by_registers) {
+    AssembleByRegisters<p>();
+  } else {
+    AssembleByBodies<p>();
+  }
+  return true;
+}
+
+// Of every row against all others at once: products of sides that are not on one body are masked out.
+template <int p>
+void SmallPivoting::AssembleByRegisters() {
+  const Index registers = stride_ / kRegister;
+  for (Index i = n_; i < stride_; ++i) {
+    body_of_[i] = body_of_[stride_ + i] = -2;
+    for (Index c = 0; c < 2 * p; ++c) jacobian_[c * stride_ + i] = 0;
+  }
+  for (Index c = 0; c < 2 * p; ++c) {
+    for (Index v = 0; v < registers; ++v) {
+      AsRegisters(jacobian_.data() + c * stride_)[v] *= AsRegisters(scale_.data())[v];
+    }
+  }
+  const auto* bodies = reinterpret_cast<const IntegerRegister*>(body_of_.data());
+  for (Index i = 0; i < n_; ++i) {
+    double g[2 * p];
+    for (Index c = 0; c < 2 * p; ++c) g[c] = momentum_[c * stride_ + i] * scale_[i];
+    const std::int64_t a = body_of_[i];
+    const std::int64_t b = body_of_[stride_ + i];
+    for (Index v = 0; v < registers; ++v) {
+      Register sums[4] = {};  // of the first side with first and second sides, then of the second side
+      for (int c = 0; c < p; ++c) {
+        const Register first = AsRegisters(jacobian_.data() + c * stride_)[v];
+        const Register second = AsRegisters(jacobian_.data() + (p + c) * stride_)[v];
+        sums[0] += g[c] * first;
+        sums[1] += g[c] * second;
+        sums[2] += g[p + c] * first;
+        sums[3] += g[p + c] * second;
+      }
+      const IntegerRegister firsts = bodies[v];
+      const IntegerRegister seconds = bodies[registers + v];
+      const Register zero = {};
+      const Register row = ((firsts == a ? sums[0] : zero) + (seconds == b ? sums[3] : zero)) +
+                           ((seconds == a ? sums[1] : zero) + (firsts == b ? sums[2] : zero));
+      AsRegisters(matrix_.data() + i * stride_)[v] = row;
+      AsRegisters(tableau_.data() + i * stride_)[v] = row;
+    }
+  }
+}
+
+// Row by row against the rows before it on the same bodies.
+template <int p>
+void SmallPivoting::AssembleByBodies() {
+  std::fill_n(tableau_.data(), n_ * stride_, 0.0);
+  for (Index i = 0; i < n_; ++i) {
+    const double s = scale_[i];
+    double* const J = jacobian_.data() + i * 2 * p;
+    double* const row = tableau_.data() + i * stride_;
+    for (int c = 0; c < 2 * p; ++c) J[c] *= s;
+    row[i] = diagonal_[i] * s * s;
+    for (Index side = 0; side < 2; ++side) {
+      const std::int64_t body = body_of_[side * stride_ + i];
+      if (body < 0) continue;
+      double g[p];
+      for (int c = 0; c < p; ++c) g[c] = momentum_[(2 * i + side) * p + c] * s;
+      const auto here = static_cast<std::int32_t>(2 * i + side);
+      const std::int32_t before = last_[At(body)];
+      for (std::int32_t other = before; other >= 0; other = before_[At(other)]) {
+        const Index j = other / 2;
+        const double* J_other = jacobian_.data() + static_cast<Index>(other) * p;
+        double sum = 0;
+        for (int c = 0; c < p; ++c) sum += g[c] * J_other[c];
+        row[j] += sum;
+        tableau_[j * stride_ + i] = row[j];
+      }
+      before_[At(here)] = before;
+      last_[At(body)] = here;
+    }
+  }
+  for (Index i = 0; i < 2 * stride_; ++i) {
+    if (i % stride_ < n_ && body_of_[i] >= 0) last_[At(body_of_[i])] = -1;
+  }
+  std::copy_n(tableau_.data(), n_ * stride_, matrix_.data());
 }
 
 bool SmallPivoting::LoadPart(const LcpProblem& problem, std::span<const Index> rows) {

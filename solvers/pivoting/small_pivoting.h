@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/pivoting/vector_register.h"
+#include "solvers/rows/step_rows.h"
 
 namespace lcpbench {
 
@@ -36,16 +38,20 @@ class SmallPivoting {
   static constexpr Index kMaxRows = 128;
   /// Up to this many rows no clock is read: 6 n + 20 pivots, the most there are, take some ten microseconds.
   static constexpr Index kRowsWithoutClock = 24;
+  /// Up to this many rows A is assembled by vector registers over all pairs of rows, above by lists of rows per body.
+  static constexpr Index kLaneRows = 16;
 
   /// For up to `max_rows` <= kMaxRows rows at a time; for SolvePart also the rows of the whole problem.
   void Reserve(Index max_rows, Index problem_rows = 0);
+  /// The same for SolveRows.
+  void ReserveRows(Index max_rows, Index max_bodies);
 
   struct Request {
     /// What every row's backward error shall be at most; forces that are nothing but rounding are set to 0 for it.
     double row_limit = 1e-6;
     /// nullptr, or forces whose positive ones tell the active set: if A_FF f_F = -b_F gives the answer for it, or after
     /// changing sides of violated rows once, there is no tableau.
-    const Eigen::VectorXd* initial_f = nullptr;
+    const double* initial_f = nullptr;
     /// nullptr for none; Solve gives up when it has expired. Not read up to kRowsWithoutClock.
     const Deadline* deadline = nullptr;
     /// false: the basic point is the answer, neither measured nor refined, and rho is 0 unless it gave up.
@@ -62,14 +68,22 @@ class SmallPivoting {
   /// Writes the basic point's forces, refined once against A where that helps, to `f` (n entries, in the problem's
   /// units, f_C >= 0). Reads DenseA() and DiagonalA().
   Answer Solve(const LcpProblem& problem, const Request& request, Eigen::VectorXd* f) {
-    return SolveRows(
-        LoadDense(problem), [](Index i) { return i; }, request, f);
+    return SolveLoaded(
+        LoadDense(problem), [](Index i) { return i; }, request, f->data(), nullptr);
   }
 
   /// The same for the LCP of `rows` (ascending) alone. Reads SparseA() and DiagonalA(), writes the entries `rows` of f.
   Answer SolvePart(const LcpProblem& problem, std::span<const Index> rows, const Request& request, Eigen::VectorXd* f) {
-    return SolveRows(
-        LoadPart(problem, rows), [rows](Index i) { return rows[static_cast<size_t>(i)]; }, request, f);
+    return SolveLoaded(
+        LoadPart(problem, rows), [rows](Index i) { return rows[static_cast<size_t>(i)]; }, request, f->data(), nullptr);
+  }
+
+  /// The same for the rows `part` (ascending) of an engine's arrays, which have been checked; A is assembled straight
+  /// into the tableau. Writes the entries `part` of f and w. ReserveRows comes before.
+  Answer SolveRows(const StepRows& all, std::span<const std::int32_t> part, const Request& request, double* f,
+                   double* w) {
+    return SolveLoaded(
+        LoadRows(all, part), [part](Index i) { return Index{part[static_cast<size_t>(i)]}; }, request, f, w);
   }
 
   /// Pivots of the last Solve; guessed active sets that were tried count as one each.
@@ -78,10 +92,17 @@ class SmallPivoting {
  private:
   bool LoadDense(const LcpProblem& problem);
   bool LoadPart(const LcpProblem& problem, std::span<const Index> rows);
+  bool LoadRows(const StepRows& all, std::span<const std::int32_t> part);
+  template <int p, typename Real>
+  bool LoadRowsOf(const StepRows& all, const Real* J, std::span<const std::int32_t> part);
+  template <int p>
+  void AssembleByRegisters();
+  template <int p>
+  void AssembleByBodies();
   void SetSize(Index n);
   bool Scale();
   template <typename Given>
-  Answer SolveRows(bool is_loaded, const Given& given, const Request& request, Eigen::VectorXd* f);
+  Answer SolveLoaded(bool is_loaded, const Given& given, const Request& request, double* f, double* w);
   Answer Finish(const Request& request);
   double Run(const Deadline* deadline);
   bool RowsMeet(double limit) const;
@@ -122,21 +143,28 @@ class SmallPivoting {
   Eigen::VectorXd blocked_weight_;     // the weight of a row that may not be moved for now, else 0
   std::vector<Index> joints_, guess_;  // guess_: active rows, ascending
   std::vector<int> local_;             // by row of the whole problem: its place in the part where it last was in one
+
+  // Of SolveRows. Up to kLaneRows rows J lies by components, a component's rows side by side; above by rows.
+  Eigen::VectorXd jacobian_, momentum_;  // scaled J, and J M^-1
+  Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1>
+      body_of_;                              // of each row its first body, then (from stride_ on) its second; -1: none
+  std::vector<std::int32_t> last_, before_;  // by body: its last (row, side) so far; by (row, side): the one before
 };
 
 /// Row i of what is solved is row given(i) of the problem.
 template <typename Given>
-SmallPivoting::Answer SmallPivoting::SolveRows(bool is_loaded, const Given& given, const Request& request,
-                                               Eigen::VectorXd* f) {
+SmallPivoting::Answer SmallPivoting::SolveLoaded(bool is_loaded, const Given& given, const Request& request, double* f,
+                                                 double* w) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   pivots_ = 0;
   if (!is_loaded) return {kInfinity, kInfinity, false};
   guess_.clear();
   for (Index i = 0; i < n_ && request.initial_f != nullptr; ++i) {
-    if (least_force_[i] < 0 || (*request.initial_f)[given(i)] > 0) guess_.push_back(i);
+    if (least_force_[i] < 0 || request.initial_f[given(i)] > 0) guess_.push_back(i);
   }
   const Answer answer = Finish(request);
-  for (Index i = 0; i < n_; ++i) (*f)[given(i)] = force_[i] * (scale_[i] * inverse_b_scale_);
+  for (Index i = 0; i < n_; ++i) f[given(i)] = force_[i] * (scale_[i] * inverse_b_scale_);
+  for (Index i = 0; i < n_ && w != nullptr; ++i) w[given(i)] = w_[i] * (inverse_b_scale_ / scale_[i]);
   return answer;
 }
 

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+/// Internal to solvers/: whether numbers leave the range in which methods may multiply two or three of them.
+namespace lcpbench {
+
+/// Absolute values of numbers that are not 0.
+struct Range {
+  double least, most;
+};
+/// Products of two or three do not leave the range of doubles (LcpProblem::has_extreme_matrix, has_extreme_b).
+inline constexpr Range kFactorRange{0x1p-64, 0x1p64};
+inline constexpr Range kEntryRange{0x1p-192, 0x1p192};
+inline constexpr Range kLoadRange{0x1p-300, 0x1p128};
+
+/// Looks at numbers by the bits of their absolute values, which ascend as the numbers do, NaN and infinity last, and by
+/// signs of differences: without a branch, and with what even the baseline instruction set does several at a time.
+class NumberRange {
+ public:
+  explicit NumberRange(const Range& range)
+      : least_(std::bit_cast<std::uint64_t>(range.least)), most_(std::bit_cast<std::uint64_t>(range.most)) {}
+
+  template <typename Real>
+  void Look(const Real* values, std::int64_t count) {
+    std::uint64_t small = 0;
+    std::uint64_t large = 0;
+    for (std::int64_t i = 0; i < count; ++i) {
+      const std::uint64_t size = std::bit_cast<std::uint64_t>(static_cast<double>(values[i])) & ~kSign;
+      large |= most_ - size;
+      small |= (size - least_) & (0 - size);
+    }
+    small_ |= small;
+    large_ |= large;
+  }
+
+  /// A number that is not 0 below the range.
+  bool has_small() const { return (small_ & kSign) != 0; }
+  /// A number above the range, infinity or NaN.
+  bool has_large() const { return (large_ & kSign) != 0; }
+
+ private:
+  static constexpr std::uint64_t kSign = std::uint64_t{1} << 63U;
+  std::uint64_t least_, most_;
+  std::uint64_t small_ = 0;
+  std::uint64_t large_ = 0;
+};
+
+}  // namespace lcpbench

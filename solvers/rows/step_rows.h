@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+
+#include "solvers/lcp/problem.h"
+
+namespace lcpbench {
+
+/// One problem as an engine's arrays hold it, read in place: rows that act on at most two bodies.
+///     w = A f + b,   A = J M^-1 J^T,   unilateral rows: 0 <= f _|_ w >= 0,   bilateral rows: w = 0, f free
+/// as LcpProblem, with its units. p = columns_per_body numbers a body: 3 in the plane (x, y, rotation), 6 in space in
+/// principal axes (three translations, three rotations about the principal axes), so that M^-1 is diagonal.
+///
+/// Nothing is owned or copied; the arrays must not change during a call. Rows that act on more than two bodies are for
+/// LcpProblem.
+struct StepRows {
+  int columns_per_body = 3;                  ///< p, 3 or 6
+  Index rows = 0;                            ///< n
+  Index bodies = 0;                          ///< how many `inverse_mass` has
+  const std::int32_t* body = nullptr;        ///< 2 n: the bodies of a row, in [0, bodies); -1: none (the ground)
+  const double* J = nullptr;                 ///< 2 p n: of each row the p numbers of its first, then of its second body
+  const float* J_single = nullptr;           ///< the same in single precision, instead of J; sums are in double
+  const double* b = nullptr;                 ///< n
+  const unsigned char* bilateral = nullptr;  ///< n, 1: a joint; nullptr: every row is unilateral
+  const double* inverse_mass = nullptr;      ///< p bodies, >= 0; 0: cannot move
+};
+
+/// Whether all numbers are in the range that methods square them in (LcpProblem::has_extreme_matrix, has_extreme_b).
+/// Of the inverse masses those of bodies that rows name are looked at.  O(n)
+/// @param initial_f  n numbers, or nullptr
+/// @throws InputError naming the array, the place and what was found: a size or p out of range, an array that is
+///         missing, a body outside [-1, bodies), NaN or infinity, a negative inverse mass
+bool CheckRows(const StepRows& rows, const double* initial_f);
+
+}  // namespace lcpbench

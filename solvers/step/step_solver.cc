@@ -1,0 +1,135 @@
+#include "solvers/step/step_solver.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "solvers/auto/auto_solver.h"
+#include "solvers/lcp/residual.h"
+#include "solvers/rows/row_solver.h"
+#include "support/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+// The same rows in compressed form, for what AutoSolver asks.
+ProblemArrays ToArrays(const StepRows& rows) {
+  ProblemArrays arrays;
+  const Index p = rows.columns_per_body;
+  arrays.id = "step";
+  arrays.rows = rows.rows;
+  arrays.columns = rows.bodies * p;
+  arrays.facts.columns_per_body = rows.columns_per_body;
+  arrays.row_start.push_back(0);
+  for (Index i = 0; i < rows.rows; ++i) {
+    std::int32_t sides[2] = {0, 1};
+    const std::int32_t* body = rows.body + 2 * i;
+    if (body[0] > body[1]) std::swap(sides[0], sides[1]);
+    const bool is_joined = body[0] == body[1];
+    for (const std::int32_t side : sides) {
+      if (body[side] < 0 || (is_joined && side == 1)) continue;
+      for (Index c = 0; c < p; ++c) {
+        const auto number = [&](Index of) {
+          const Index at = (2 * i + of) * p + c;
+          return rows.J != nullptr ? rows.J[at] : static_cast<double>(rows.J_single[at]);
+        };
+        arrays.column.push_back(static_cast<int>(body[side] * p + c));
+        arrays.value.push_back(is_joined ? number(0) + number(1) : number(side));
+      }
+    }
+    arrays.row_start.push_back(static_cast<int>(arrays.column.size()));
+  }
+  arrays.b.assign(rows.b, rows.b + rows.rows);
+  if (rows.bilateral != nullptr) arrays.bilateral.assign(rows.bilateral, rows.bilateral + rows.rows);
+  arrays.inverse_mass.assign(rows.inverse_mass, rows.inverse_mass + arrays.columns);
+  return arrays;
+}
+
+}  // namespace
+
+struct StepSolver::Implementation {
+  StepOptions options;
+  RowSolver rows;
+  std::unique_ptr<AutoSolver> others;
+  LcpResult result;
+  Eigen::VectorXd initial_f, gaps;
+  std::int64_t fallbacks = 0;
+
+  LcpOptions SolveOptions() const {
+    LcpOptions solve;
+    solve.tolerance = options.tolerance;
+    solve.time_limit_s = options.time_limit_s;
+    return solve;
+  }
+
+  // What RowSolver leaves open. `f` holds what it reached.
+  StepAnswer Ask(const StepRows& of, const double* start, double* f, double* w) {
+    ++fallbacks;
+    if (others == nullptr) others = std::make_unique<AutoSolver>();
+    const LcpProblem problem = LcpProblem::FromArrays(ToArrays(of));
+    LcpOptions solve = SolveOptions();
+    if (start != nullptr) {
+      initial_f = Eigen::Map<const Eigen::VectorXd>(start, of.rows);
+      solve.initial_f = &initial_f;
+    }
+    others->Solve(problem, solve, &result);
+    std::copy_n(result.f.data(), of.rows, f);
+    if (w != nullptr) {
+      problem.ComputeW(result.f, &gaps);
+      std::copy_n(gaps.data(), of.rows, w);
+    }
+    return {result.status, result.iterations, Residual<double>(problem).Rho(result.f)};
+  }
+};
+
+StepSolver::StepSolver(const StepOptions& options) : implementation_(std::make_unique<Implementation>()) {
+  if (!(options.tolerance > 0 && options.tolerance < 1)) {
+    throw InputError("tolerance must be in (0, 1), found " + std::to_string(options.tolerance));
+  }
+  if (!(options.time_limit_s > 0)) {
+    throw InputError("time limit must be > 0 s, found " + std::to_string(options.time_limit_s));
+  }
+  implementation_->options = options;
+}
+
+StepSolver::~StepSolver() = default;
+
+void StepSolver::Reserve(Index max_rows, Index max_bodies) { implementation_->rows.Reserve(max_rows, max_bodies); }
+
+std::int64_t StepSolver::fallbacks() const { return implementation_->fallbacks; }
+
+StepAnswer StepSolver::Solve(const StepRows& rows, const double* initial_f, double* f, double* w) {
+  Implementation& own = *implementation_;
+  const bool is_in_range = CheckRows(rows, initial_f);
+  if (rows.rows == 0) return {LcpStatus::kSolved, 0, 0};
+  if (is_in_range) {
+    own.rows.Reserve(rows.rows, rows.bodies);
+    const RowAnswer answer = own.rows.Solve(rows, own.SolveOptions(), initial_f, f, w);
+    if (answer.solved) return {LcpStatus::kSolved, answer.iterations, answer.rho};
+  }
+  return own.Ask(rows, initial_f, f, w);
+}
+
+void StepSolver::SolveBatch(const StepRows& rows, std::span<const std::int32_t> start, double* f,
+                            std::span<StepAnswer> answers) {
+  if (start.size() != answers.size() + 1 || start.front() != 0 || start.back() != rows.rows) {
+    throw InputError("start must have one number more than there are answers, from 0 to the number of rows");
+  }
+  for (std::size_t k = 0; k < answers.size(); ++k) {
+    if (start[k + 1] < start[k]) throw InputError("start must ascend, entry " + std::to_string(k + 1) + " does not");
+  }
+  for (std::size_t k = 0; k < answers.size(); ++k) {
+    StepRows part = rows;
+    const std::int64_t first = start[k];
+    const std::int64_t width = 2 * rows.columns_per_body;
+    part.rows = start[k + 1] - first;
+    part.body += 2 * first;
+    if (part.J != nullptr) part.J += width * first;
+    if (part.J_single != nullptr) part.J_single += width * first;
+    part.b += first;
+    if (part.bilateral != nullptr) part.bilateral += first;
+    answers[k] = Solve(part, nullptr, f + first);
+  }
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+
+#include "solvers/lcp/solver.h"
+#include "solvers/rows/step_rows.h"
+
+namespace lcpbench {
+
+/// Options of StepSolver.
+struct StepOptions {
+  double tolerance = 1e-9;                                        ///< requested bound on rho (verify.h), in (0, 1)
+  double time_limit_s = std::numeric_limits<double>::infinity();  ///< of one Solve, wall clock [s], > 0
+};
+
+/// How a solve of StepSolver ended.
+struct StepAnswer {
+  LcpStatus status = LcpStatus::kNotRun;  ///< the solver's claim, as LcpResult::status
+  std::int64_t iterations = -1;           ///< pivots, and iterations of what solved large islands
+  /// Natural residual of f (verify.h) over all rows, as the solver measured it in double; infinite where it did not.
+  double rho = std::numeric_limits<double>::infinity();
+};
+
+/// From an engine's arrays to forces, for the LCP of one time step: what `auto` does, without LcpProblem objects.
+///
+/// Reads the caller's arrays in place, copies no matrix, and allocates nothing up to the sizes given to Reserve (1000
+/// rows and more), unless all of its own methods fail on an island (RowSolver): then AutoSolver's other backends are
+/// asked, whose factorizations allocate. Method, guaranteed class (every A = J M^-1 J^T) and checks are those of
+/// RowSolver and AutoSolver; kSolved is claimed only for an f that passed.
+///
+/// The input is checked in the same call: NaN, infinity, negative masses, and bodies out of range are refused.
+/// One object serves one thread at a time. The same rows and start give the same bits, whatever came before.
+class StepSolver {
+ public:
+  /// @throws InputError for options out of range
+  explicit StepSolver(const StepOptions& options = {});
+  ~StepSolver();
+
+  /// Workspace for steps of up to `max_rows` rows and `max_bodies` bodies; larger ones allocate once by themselves.
+  void Reserve(Index max_rows, Index max_bodies);
+
+  /// @param rows       the arrays of this step
+  /// @param initial_f  warm start: rows.rows numbers, finite, 0 for new rows; nullptr: a cold start
+  /// @param f          rows.rows numbers, written: forces, the best there are where the status is not kSolved
+  /// @param w          rows.rows numbers, written: A f + b in double; nullptr: not wanted
+  /// @throws InputError naming the array, the row or body, and what was found, with nothing written
+  StepAnswer Solve(const StepRows& rows, const double* initial_f, double* f, double* w = nullptr);
+
+  /// Many problems that share no body that can move, each given by its rows: problem k has the rows start[k] to
+  /// start[k + 1] - 1 of `rows`. From arrays to forces by one problem per SIMD lane where that pays.
+  /// @param start    one number more than there are problems, ascending from 0 to rows.rows
+  /// @param f        rows.rows numbers, written
+  /// @param answers  one per problem, written
+  /// @throws InputError as Solve, and for `start`
+  void SolveBatch(const StepRows& rows, std::span<const std::int32_t> start, double* f, std::span<StepAnswer> answers);
+
+  /// How many solves went to AutoSolver since the construction: those that allocate.
+  std::int64_t fallbacks() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace lcpbench
