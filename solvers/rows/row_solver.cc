@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <optional>
 
 #include "solvers/pivoting/tableau_rules.h"
 
@@ -11,38 +13,140 @@ namespace {
 
 std::size_t At(std::int64_t i) { return static_cast<std::size_t>(i); }
 constexpr Index kRowsWithoutIslands = 16;
+constexpr std::size_t kTableauRows = 64;
+// Rounding of a sum over a row's two bodies and the rows of each, in units of epsilon times the sum of absolute values.
+constexpr double kRoundings = 32;
+// Parts of the largest force of an island below which forces are taken for rounding, where a row's error asks for it.
+constexpr double kRoundingOfForces[] = {1e-13, 1e-11, 1e-9};
+// Of bodies in space.
+constexpr Index kMostColumns = 6;
 
 }  // namespace
 
 void RowSolver::Reserve(Index max_rows, Index max_bodies) {
   islands_.Reserve(max_rows, max_bodies);
   tableau_.ReserveRows(std::min(max_rows, SmallPivoting::kMaxRows), max_bodies);
+  profile_.Reserve(max_rows, max_bodies);
+  if (velocity_.size() < At(kMostColumns * max_bodies)) {
+    velocity_.resize(At(kMostColumns * max_bodies), 0.0);
+    size_.resize(At(kMostColumns * max_bodies), 0.0);
+  }
   const Index known = static_cast<Index>(all_.size());
   if (known >= max_rows) return;
   all_.resize(At(max_rows));
   std::iota(all_.begin() + known, all_.end(), static_cast<std::int32_t>(known));
 }
 
+// Whether f passes for the rows `part`, by the given numbers in double, with a bound of what rounding can hide. Writes
+// w.
+template <int p, typename Real>
+bool RowSolver::Judge(const StepRows& rows, const Real* J, std::span<const std::int32_t> part, double tolerance,
+                      const double* f, double* w, double* rho) {
+  const auto for_sides = [&](Index row, auto&& visit) {
+    for (Index s = 0; s < 2; ++s) {
+      const std::int32_t body = rows.body[2 * row + s];
+      if (body >= 0) visit(J + (2 * row + s) * p, static_cast<Index>(body) * p);
+    }
+  };
+  double* const v = velocity_.data();
+  double* const size = size_.data();
+  for (const std::int32_t row : part) {
+    if (f[row] == 0) continue;
+    for_sides(row, [&](const Real* j, Index at) {
+      for (int c = 0; c < p; ++c) {
+        const double change = rows.inverse_mass[at + c] * (static_cast<double>(j[c]) * f[row]);
+        v[at + c] += change;
+        size[at + c] += std::abs(change);
+      }
+    });
+  }
+  const double row_limit = tableau::kMargin * std::sqrt(tolerance);
+  double r_square = 0;
+  double b_square = 0;
+  double rounding_square = 0;
+  bool rows_meet = true;
+  for (const std::int32_t row : part) {
+    double d = 0;
+    double sum = rows.b[row];
+    double magnitude = std::abs(rows.b[row]);
+    for_sides(row, [&](const Real* jacobian, Index at) {
+      for (int c = 0; c < p; ++c) {
+        const auto j = static_cast<double>(jacobian[c]);
+        d += rows.inverse_mass[at + c] * (j * j);
+        sum += j * v[at + c];
+        magnitude += std::abs(j) * size[at + c];
+      }
+    });
+    w[row] = sum;
+    const bool is_joint = rows.bilateral != nullptr && rows.bilateral[row] != 0;
+    const double force = d * f[row];
+    const double defect = is_joint ? sum : std::min(sum, force);
+    const double inverse = d > 0 ? 1 / d : 1;
+    r_square += defect * defect * inverse;
+    b_square += rows.b[row] * rows.b[row] * inverse;
+    rounding_square += magnitude * magnitude * inverse;
+    rows_meet = rows_meet && std::abs(defect) <= row_limit * magnitude && (is_joint || f[row] >= 0);
+  }
+  for (const std::int32_t row : part) {
+    for_sides(row, [&](const Real*, Index at) {
+      for (int c = 0; c < p; ++c) v[at + c] = size[at + c] = 0;
+    });
+  }
+  const double norm = b_square > 0 ? std::sqrt(b_square) : 1;
+  *rho = std::sqrt(r_square) / norm;
+  const double rounding = kRoundings * std::numeric_limits<double>::epsilon() * std::sqrt(rounding_square) / norm;
+  return *rho + rounding <= tolerance && rows_meet;
+}
+
 RowAnswer RowSolver::Solve(const StepRows& rows, const LcpOptions& options, const double* initial_f, double* f,
                            double* w) {
-  const SmallPivoting::Request request{tableau::kMargin * std::sqrt(options.tolerance), initial_f, nullptr, true};
   RowAnswer answer;
-  const auto solve = [&](std::span<const std::int32_t> part) {
-    const SmallPivoting::Answer of_part = tableau_.SolveRows(rows, part, request, f, w);
-    answer.iterations += tableau_.pivots();
-    answer.rho = std::max(answer.rho, of_part.rho);
-    return of_part.rho <= tableau::kMostRho && of_part.rho + of_part.rounding <= options.tolerance && of_part.rows_meet;
-  };
+  answer.solved = true;
+  std::optional<Deadline> deadline;
+  if (rows.rows > SmallPivoting::kRowsWithoutClock && std::isfinite(options.time_limit_s)) deadline.emplace(options);
+  const Request request{rows, options, initial_f, deadline.has_value() ? &*deadline : nullptr, f, w};
   if (rows.rows <= kRowsWithoutIslands) {
-    answer.solved = solve({all_.data(), At(rows.rows)});
+    SolvePart(request, {all_.data(), At(rows.rows)}, &answer);
     return answer;
   }
   islands_.Find(rows);
-  for (Index k = 0; k < islands_.count(); ++k) {
-    if (islands_.rows(k).size() > SmallPivoting::kMaxRows || !solve(islands_.rows(k))) return answer;
-  }
-  answer.solved = true;
+  for (Index k = 0; k < islands_.count() && answer.solved; ++k) SolvePart(request, islands_.rows(k), &answer);
   return answer;
+}
+
+void RowSolver::SolvePart(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer) {
+  const double tolerance = request.options.tolerance;
+  if (part.size() <= kTableauRows) {
+    const SmallPivoting::Answer found = tableau_.SolveRows(
+        request.rows, part, {tableau::kMargin * std::sqrt(tolerance), request.initial_f, request.deadline, true},
+        request.f, request.w);
+    answer->iterations += tableau_.pivots();
+    if (found.rho <= tableau::kMostRho && found.rho + found.rounding <= tolerance && found.rows_meet) {
+      answer->rho = std::max(answer->rho, found.rho);
+      return;
+    }
+  }
+  // Above, and where the tableau gave up: rows that depend on others.
+  profile_.Solve(request.rows, part, {tolerance / 2, request.initial_f, request.deadline}, request.f);
+  answer->iterations += profile_.iterations();
+  double rho = 0;
+  bool passes = JudgePart(request, part, &rho);
+  for (const double rounding : kRoundingOfForces) {
+    if (passes) break;
+    profile_.Polish(request.rows, rounding, request.f);
+    passes = JudgePart(request, part, &rho);
+  }
+  answer->solved = answer->solved && passes;
+  answer->rho = std::max(answer->rho, rho);
+}
+
+bool RowSolver::JudgePart(const Request& request, std::span<const std::int32_t> part, double* rho) {
+  const StepRows& rows = request.rows;
+  const auto by = [&](auto* J) {
+    return rows.columns_per_body == 3 ? Judge<3>(rows, J, part, request.options.tolerance, request.f, request.w, rho)
+                                      : Judge<6>(rows, J, part, request.options.tolerance, request.f, request.w, rho);
+  };
+  return rows.J != nullptr ? by(rows.J) : by(rows.J_single);
 }
 
 template <int p>

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "solvers/lcp/solver.h"
 #include "solvers/pivoting/small_pivoting.h"
+#include "solvers/rows/profile_pivoting.h"
 #include "solvers/rows/row_islands.h"
 #include "solvers/rows/step_rows.h"
 
@@ -26,7 +28,23 @@ class RowSolver {
   RowAnswer Solve(const StepRows& rows, const LcpOptions& options, const double* initial_f, double* f, double* w);
 
  private:
+  struct Request {
+    const StepRows& rows;
+    const LcpOptions& options;
+    const double* initial_f;
+    const Deadline* deadline;  // or nullptr
+    double* f;
+    double* w;
+  };
+  void SolvePart(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer);
+  bool JudgePart(const Request& request, std::span<const std::int32_t> part, double* rho);
+  template <int p, typename Real>
+  bool Judge(const StepRows& rows, const Real* J, std::span<const std::int32_t> part, double tolerance, const double* f,
+             double* w, double* rho);
+
   RowIslands islands_;
+  ProfilePivoting profile_;
+  std::vector<double> velocity_, size_;  // by body, 0 between calls
   SmallPivoting tableau_;
   std::vector<std::int32_t> all_;
 };
