@@ -9,27 +9,27 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <set>
 #include <sstream>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "benchmarks/campaign/named_campaigns.h"
+#include "benchmarks/command/options.h"
 #include "benchmarks/measure/data_file.h"
 #include "benchmarks/studies/fresh_contestant.h"
 #include "benchmarks/studies/fresh_problems.h"
 #include "benchmarks/studies/fresh_stream.h"
 #include "benchmarks/studies/fresh_table.h"
+#include "solvers/linear_algebra/library_threads.h"
 #include "solvers/registry.h"
 #include "support/exit_status.h"
 #include "support/input_error.h"
 #include "support/printable.h"
+#include "support/subprocess.h"
 #include "support/text_file.h"
 
 namespace lcpbench {
@@ -48,6 +48,7 @@ struct Options {
   std::vector<std::string> solvers = {"auto",        "dantzig",         "nncg",           "lemke",
                                       "ode-dantzig", "ode-dantzig-cfm", "bullet-dantzig", "bullet-dantzig-cfm"};
   bool solvers_are_chosen = false;
+  NamedSolvers named;
   bool only_workers = false;
   std::string table;
   int cpu = -1;
@@ -65,25 +66,22 @@ void Declare(CLI::App* app, Options* options) {
   app->add_option("--scenes", from.scenes, "Scene families as they are placed, or all")->delimiter(',');
   app->add_option("--motions", from.motions, "Scene families, steps of whose motions are taken, or all")
       ->delimiter(',');
-  app->add_option("--sizes", from.sizes, "Rows of scenes and motions")->delimiter(',')->check(CLI::PositiveNumber);
+  app->add_option("--sizes", from.sizes, "Rows of scenes and motions")->delimiter(',')->check(AtLeast(1));
   app->add_option("--seeds", from.seeds, "Of scenes and motions [default: three that the collection does not have]")
       ->delimiter(',');
-  app->add_option("--steps", from.steps, "Taken of a motion")->check(CLI::PositiveNumber)->capture_default_str();
+  app->add_option("--steps", from.steps, "Taken of a motion")->check(AtLeast(1))->capture_default_str();
   app->add_option("--most-rows", options->plan.most_rows, "No larger problems")
-      ->check(CLI::PositiveNumber)
+      ->check(AtLeast(1))
       ->capture_default_str();
-  app->add_option("--problems", from.most_problems, "Of a size class at most [default: all]")
-      ->check(CLI::PositiveNumber);
+  app->add_option("--problems", from.most_problems, "Of a size class at most [default: all]")->check(AtLeast(1));
   app->add_option("--solvers", options->solvers, "Keys of lcpbench list solvers")
       ->delimiter(',')
       ->capture_default_str();
   app->add_flag("--only-workers", options->only_workers,
                 "Peers that are linked in run in their workers, as the others");
-  app->add_option("--passes", options->plan.passes, "Over every stream")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  app->add_option("--passes", options->plan.passes, "Over every stream")->check(AtLeast(1))->capture_default_str();
   app->add_option("--tier", options->tier, "Tolerance, asked for and judged at")
-      ->check(CLI::Range(1e-15, 0.5))
+      ->check(Tolerance())
       ->capture_default_str();
   app->add_option_function<double>(
          "--task-budget",
@@ -92,9 +90,10 @@ void Declare(CLI::App* app, Options* options) {
            options->plan.budgets.timed_s = budget_s;
          },
          "Seconds that a solver has for judging a size class, and as many for timing it [default: those of core]")
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveSeconds());
   app->add_option("--order", options->plan.seed, "Seed of all orders")->capture_default_str();
-  app->add_option("--cpu", options->cpu, "The processor that everything is kept on")->check(CLI::NonNegativeNumber);
+  AddCpuOption(*app, &options->cpu);
+  options->named.Declare(*app);
   app->add_option("--table", options->table, "File for the tables, instead of standard output");
   app->footer("Besides, the options of Google Benchmark: --benchmark_filter=fresh/7-12/, --benchmark_out=FILE, ...");
 }
@@ -320,6 +319,12 @@ int Main(int argc, char** argv) {
   options.plan.filter.clear();
   options.plan.most_rows = 1000;
   CLI::App app{"Fresh times of solvers in one process, by size class and origin", "fresh_benchmark"};
+  // One line per mistake, as everywhere else.
+  app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
+    return Printable(failed->get_name() + ": " + error.what()) + " (see --help)\n";
+  });
+  LimitLibraryThreads(1);  // one solve, one thread, as in campaigns
+  EndSubprocessesOnSignals();
   Declare(&app, &options);
   try {
     app.parse(argc, argv);
@@ -337,6 +342,7 @@ int Main(int argc, char** argv) {
   benchmark::Initialize(&count, words.data());
   if (benchmark::ReportUnrecognizedArguments(count, words.data())) return kMisuse;
 
+  options.named.Register();
   if (options.cpu >= 0) KeepOn(options.cpu);
   Complete(&options);
   Study study(options, MakeContestants(options.solvers, options.only_workers));

@@ -51,16 +51,21 @@ std::string ShareText(double share) {
 // The best right peer; where none is right, the one with the least median of those that are right on as much as any.
 struct Rival {
   const FreshTimes* times = nullptr;
-  bool is_right = true;
+  bool is_right = true;  // else it is marked
 };
+
+// Few problems prove little.
+std::size_t TurnsOfBest(const FreshGroup& group) { return std::min(kLeastTurns, group.weights.size()); }
 
 Rival RivalOf(const FreshGroup& group) {
   if (const FreshTimes* best = BestOf(group, false)) return {best, true};
   double most = 0;
   for (const FreshTimes& times : group.solvers) {
-    if (!times.is_own) most = std::max(most, Summarize(times, group.weights).right);
+    const FreshSummary summary = Summarize(times, group.weights);
+    if (!times.is_own && summary.problems >= TurnsOfBest(group)) most = std::max(most, summary.right);
   }
-  return most > 0 ? Rival{BestOf(group, false, most), false} : Rival{};
+  const FreshTimes* best = most > 0 ? BestOf(group, false, most) : nullptr;
+  return {best, best == nullptr};
 }
 
 double RatioToRival(const FreshGroup& group, const FreshTimes& times) {
@@ -173,11 +178,11 @@ const FreshTimes* BestOf(const FreshGroup& group, bool own, double least) {
   constexpr double kRounding = 1e-12;
   const FreshTimes* best = nullptr;
   double best_s = kInfinity;
-  const std::size_t turns = std::min(kLeastTurns, group.weights.size());
   for (const FreshTimes& times : group.solvers) {
     if (times.is_own != own) continue;
     const FreshSummary summary = Summarize(times, group.weights);
-    if (summary.problems < turns || !(summary.right >= least - kRounding) || !(summary.median_s < best_s)) continue;
+    if (summary.problems < TurnsOfBest(group) || !(summary.right >= least - kRounding) || !(summary.median_s < best_s))
+      continue;
     best = &times;
     best_s = summary.median_s;
   }

@@ -91,6 +91,17 @@ TEST(FreshTable, SaysWhereNoPeerIsRight) {
   std::ostringstream without;
   WriteFreshTables({group}, without);
   EXPECT_NE(without.str().find("| placed | 2* quick |"), std::string::npos) << without.str();
+  // One that is right on the few problems that it had is no rival, and does not hide the one that had all.
+  std::vector<double> few(100, kNoTurn);
+  few[0] = 1;
+  group.solvers.push_back({"few", false, few});
+  std::ostringstream hidden;
+  WriteFreshTables({group}, hidden);
+  EXPECT_NE(hidden.str().find("| placed | 2* quick |"), std::string::npos) << hidden.str();
+  group.solvers[1].seconds.assign(100, kWrong);
+  std::ostringstream none;
+  WriteFreshTables({group}, none);
+  EXPECT_NE(none.str().find("| placed | – |"), std::string::npos) << none.str();
 }
 
 }  // namespace
