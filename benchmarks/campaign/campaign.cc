@@ -142,40 +142,19 @@ class Campaign {
     journal_.WriteJudged(task, judged);
   }
 
-  // What is timed in a pass, and what the solver object and the processor are warmed with before: other problems than
-  // those that are timed, other ones in every pass.
   PassRequest PassOf(const Task& task, const Journal::Judgement& judgement, PassKind kind, int pass) const {
-    constexpr double kLeastInterval = 2e-6;  // s
-    constexpr std::uint32_t kMostTogether = 8;
-    constexpr std::size_t kMostWarmUps = 16;
-    constexpr std::size_t kOneIn = 8;
-    PassRequest request;
-    request.kind = kind;
-    request.tolerance = task.tier;
     std::vector<std::size_t> verified;
+    double time_limit_s = 0;
     const Journal::Judgement& loosest = *journal_.Find(TaskKey(task, task.judged.front()));
     for (std::size_t place = 0; place < loosest.attempted; ++place) {
       if (loosest.unverified.count(place) > 0) continue;
       verified.push_back(place);
-      request.time_limit_s = std::max(request.time_limit_s, LimitOf(task, place));
+      time_limit_s = std::max(time_limit_s, LimitOf(task, place));
     }
-    if (verified.empty()) return request;
-    const std::size_t count = verified.size();
-    const std::size_t warm = count < 2 ? 0 : std::clamp<std::size_t>(count / kOneIn, 1, kMostWarmUps);
-    std::vector<bool> warms(count, false);
-    const std::vector<std::size_t> fixed = ShuffleGroups(verified, plan_.seed + task.first, 0);
-    for (std::size_t k = 0; k < warm; ++k) {
-      const std::size_t chosen = fixed[(static_cast<std::size_t>(pass - 1) * warm + k) % count];
-      warms[chosen] = true;
-      request.warm_up.push_back(static_cast<std::uint32_t>(verified[chosen]));
-    }
-    for (const std::size_t k : ShuffleGroups(verified, plan_.seed + task.first, pass)) {
-      if (!warms[k]) request.order.push_back(static_cast<std::uint32_t>(verified[k]));
-    }
-    if (kind == PassKind::kFresh && task.is_stream && judgement.median_s > 0) {
-      request.group = static_cast<std::uint32_t>(
-          std::clamp(std::ceil(kLeastInterval / judgement.median_s), 1.0, static_cast<double>(kMostTogether)));
-    }
+    PassRequest request = PlanPass(verified, kind, plan_.seed + task.first, pass);
+    request.tolerance = task.tier;
+    request.time_limit_s = time_limit_s;
+    if (kind == PassKind::kFresh && task.is_stream) request.group = GroupOf(judgement.median_s);
     return request;
   }
 

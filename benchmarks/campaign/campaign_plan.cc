@@ -258,6 +258,34 @@ std::vector<std::size_t> ShuffleGroups(const std::vector<std::size_t>& group_of_
   return order;
 }
 
+PassRequest PlanPass(const std::vector<std::size_t>& places, PassKind kind, std::uint64_t seed, int pass) {
+  constexpr std::size_t kMostWarmUps = 16;
+  constexpr std::size_t kOneIn = 8;
+  PassRequest request;
+  request.kind = kind;
+  const std::size_t count = places.size();
+  if (count == 0) return request;
+  const std::size_t warm = count < 2 ? 0 : std::clamp<std::size_t>(count / kOneIn, 1, kMostWarmUps);
+  std::vector<bool> warms(count, false);
+  const std::vector<std::size_t> fixed = ShuffleGroups(places, seed, 0);
+  for (std::size_t k = 0; k < warm; ++k) {
+    const std::size_t chosen = fixed[(static_cast<std::size_t>(pass - 1) * warm + k) % count];
+    warms[chosen] = true;
+    request.warm_up.push_back(static_cast<std::uint32_t>(places[chosen]));
+  }
+  for (const std::size_t k : ShuffleGroups(places, seed, pass)) {
+    if (!warms[k]) request.order.push_back(static_cast<std::uint32_t>(places[k]));
+  }
+  return request;
+}
+
+std::uint32_t GroupOf(double median_s) {
+  constexpr double kLeastInterval = 2e-6;  // s
+  constexpr double kMostTogether = 8;
+  if (!(median_s > 0)) return 1;
+  return static_cast<std::uint32_t>(std::clamp(std::ceil(kLeastInterval / median_s), 1.0, kMostTogether));
+}
+
 std::vector<std::size_t> OrderOfRound(const std::vector<Task>& tasks, std::uint64_t seed, int round) {
   std::vector<std::size_t> groups(tasks.size(), 0);
   for (std::size_t k = 1; k < tasks.size(); ++k) {

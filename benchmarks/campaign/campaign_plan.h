@@ -8,6 +8,7 @@
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/properties.h"
 #include "benchmarks/measure/process_watch.h"
+#include "solvers/lcp/fresh_pass.h"
 
 namespace lcpbench {
 
@@ -138,6 +139,15 @@ std::vector<std::size_t> OrderOfRound(const std::vector<Task>& tasks, std::uint6
 /// Tasks of shard k of n (k from 1): by a hash of what they are about and the solver, so that shards do not depend on
 /// the order, and the tiers of one solver stay together.
 std::vector<Task> TasksOfShard(std::vector<Task> tasks, int k, int n);
+
+/// What is timed in a pass, and what the solver object and the processor are warmed with before: other problems than
+/// those that are timed, other ones in every pass. Tolerance, limits and group are the caller's.
+/// @param places  in the stream, of the problems to time
+/// @param pass    from 1
+PassRequest PlanPass(const std::vector<std::size_t>& places, PassKind kind, std::uint64_t seed, int pass);
+
+/// How many problems of a stream share a pair of clock reads (PassRequest::group). @param median_s  of a solve [s]
+std::uint32_t GroupOf(double median_s);
 
 /// What a solver is excluded by at stricter tiers after it ran out of time at `tier` on the same problem.
 std::string OutOfTimeRule(double tier);

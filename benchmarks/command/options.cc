@@ -263,12 +263,4 @@ void RegisterVariants(const std::vector<std::string>& variants) {
   }
 }
 
-std::string DataFile(const std::string& name) {
-  for (const std::string& folder : {std::string("data"), std::string(kDataFolder)}) {
-    std::string path = folder + "/" + name + ".json";
-    if (std::filesystem::exists(path)) return path;
-  }
-  throw InputError("data/" + name + ".json: not there, nor in " + kDataFolder);
-}
-
 }  // namespace lcpbench

@@ -74,7 +74,4 @@ struct NamedSolvers {
 /// @throws InputError as NamedSolvers::Register
 void RegisterVariants(const std::vector<std::string>& variants);
 
-/// NAME.json of data/. @throws InputError where it is neither in the working directory's nor in the source tree's
-std::string DataFile(const std::string& name);
-
 }  // namespace lcpbench

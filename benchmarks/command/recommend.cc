@@ -7,6 +7,7 @@
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
+#include "benchmarks/measure/data_file.h"
 #include "benchmarks/recommend/measurement.h"
 #include "benchmarks/recommend/problem_steps.h"
 #include "benchmarks/recommend/recommendation.h"

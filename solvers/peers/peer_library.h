@@ -14,7 +14,7 @@
 namespace lcpbench {
 
 /// What one worker executable is built from: an adapter file defines ThisPeerLibrary() and is linked with
-/// worker_main.cc and the one library.
+/// worker_main.cc and the one library. Of the peers of linked_peers.h their worker.cc does.
 struct PeerLibrary {
   std::string version;  ///< as the library itself says, where it does
   /// One of its solvers, by the key in peer_table.h. @throws InputError for impossible settings

@@ -1,6 +1,6 @@
 // Bullet: btSolveDantzigLCP and btLemkeAlgorithm, double precision.
 //
-// Bullet keeps an error flag in a global variable and its containers in its own allocator; both stay in this worker.
+// Bullet keeps an error flag in a global variable and its containers in its own allocator; both are its alone.
 // Lemke gives up after a number of loops of its own choosing unless told (default of the class: 100); it takes
 // unilateral rows only.
 
@@ -13,6 +13,7 @@
 
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/peers/dantzig_peer.h"
+#include "solvers/peers/linked_peers.h"
 #include "solvers/peers/peer_library.h"
 
 namespace lcpbench {
@@ -74,7 +75,7 @@ std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
 
 }  // namespace
 
-PeerLibrary ThisPeerLibrary() {
+PeerLibrary BulletLibrary() {
   // 324 is 3.24.
   constexpr int kHundred = 100;
   return {std::to_string(btGetVersion() / kHundred) + "." + std::to_string(btGetVersion() % kHundred), &Make};

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "solvers/peers/dantzig_peer.h"
+#include "solvers/peers/linked_peers.h"
 #include "solvers/peers/peer_library.h"
 
 /// Hands out memory from `next` on. Its owner sets `next` back to `begin` before each use.
@@ -38,7 +39,7 @@ namespace {
 static_assert(sizeof(dReal) == sizeof(double), "ODE was built for single precision");
 static_assert(dInfinity == std::numeric_limits<double>::infinity(), "ODE compares bounds with its own infinity");
 
-// Of the call that runs: a worker solves one problem at a time, and ODE's handler takes no context.
+// Of the call that runs: a process solves one problem at a time, and ODE's handler takes no context.
 struct CallState {
   std::vector<double> b_and_x;
   std::vector<double> lower_and_upper;
@@ -90,7 +91,7 @@ std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
 
 }  // namespace
 
-PeerLibrary ThisPeerLibrary() {
+PeerLibrary OdeLibrary() {
   dSetMessageHandler(&NoteFailure);
   // The library does not tell its version at run time; that of its header, which the build demands to be 0.16.2.
   return {dODE_VERSION, &Make};

@@ -1,0 +1,81 @@
+#include "benchmarks/campaign/named_campaigns.h"
+
+namespace lcpbench {
+namespace {
+
+// A first look, in about a minute with our solvers: one seed of all families from 2 to 160 rows, of some up to 1000,
+// problems of every kind that is meant to break something, and four short motions. In these Ipopt is left out: its
+// milliseconds a step are most of the time that all would take.
+constexpr const char* kQuickProblems =
+    "^solve/[a-z-]+-n(2|10|25|64|160)-s1/|"
+    "^solve/(disc-pile|tall-stacks|chain-of-links|ovals-in-bowl)-n(400|1000)-s1/|"
+    "^solve/(squeezed-row|barely-squeezed-row|idle-line|fixed-pairs|overpinned-beam)-n40-s1/|"
+    "^solve/(tall-stacks-n40-s1-mass-ratio-1e[+]08|disc-track-n40-s1-conformal-1e-06|gear-train-n60-s1-scale-rows-60|"
+    "disc-pile-n30-s1-duplicate-rows-1|disc-pile-n30-s1-oppose-rows-0.2|ovals-in-bowl-n60-s1-crowd-contacts-1e-07)/|"
+    "^steps/((disc-track|gear-train|boxes-and-discs)-n12|disc-pile-n40)-s1-motion/(?!ipopt)";
+
+}  // namespace
+
+const std::vector<CampaignPlan>& NamedCampaigns() {
+  static const std::vector<CampaignPlan> campaigns{
+      {.name = "quick",
+       .manifests = {"engine", "standard", "pathological", "sequences"},
+       .filter = kQuickProblems,
+       .fills = false,
+       .passes = 3,
+       .budgets = {.judge_s = 1.5, .timed_s = 0.5, .parts_s = 0.1, .again_s = 0.1},
+       .limits = {.most_s = 0.5}},
+      // The numbers in README.md and docs/, and comparisons between commits: every class to 10^4 rows, with all
+      // problems of the collection and all that fill up its streams, of every origin, at the one tier that every
+      // solver is meant for.
+      {.name = "core",
+       .manifests = {"engine", "standard", "recorded", "literature"},
+       .tiers = {1e-6},
+       .filter = "^solve/",
+       .most_rows = 10'000,
+       .budgets = {.judge_s = 2, .timed_s = 1, .parts_s = 0.2, .again_s = 0.2},
+       .limits = {.most_s = 1},
+       .tuning = {"tuned"}},
+      // What checks and instruction sets are worth: with --ablations and --external KEY-baseline=...
+      {.name = "ablation",
+       .manifests = {"engine", "standard"},
+       .tiers = {1e-6},
+       .most_rows = 1000,
+       .fills = false,
+       .passes = 3,
+       .budgets = {.judge_s = 1, .timed_s = 0.5, .parts_s = 0, .again_s = 0},
+       .limits = {.most_s = 0.5}},
+      {.name = "engine", .manifests = {"engine"}, .limits = {.most_s = 0.5}},
+      {.name = "smoke", .manifests = {"smoke"}, .limits = {.most_s = 0.5}},
+      {.name = "standard",
+       .manifests = {"engine", "standard"},
+       .budgets = {.judge_s = 3, .timed_s = 1.5, .parts_s = 0.3, .again_s = 0.3},
+       .tuning = {"tuned"}},
+      {.name = "pathological", .manifests = {"pathological"}},
+      {.name = "large",
+       .manifests = {"large"},
+       .passes = 3,
+       .budgets = {.judge_s = 600, .timed_s = 600, .parts_s = 120, .again_s = 120},
+       .limits = {.most_s = 60}},
+      {.name = "recorded",
+       .manifests = {"recorded"},
+       .filter = "^solve/",
+       .budgets = {.judge_s = 3, .timed_s = 1.5, .parts_s = 0.3, .again_s = 0.3}},
+      {.name = "literature", .manifests = {"literature"}, .most_rows = 10'000, .limits = {.most_s = 10}},
+      {.name = "nonsymmetric", .manifests = {"nonsymmetric"}, .passes = 3, .limits = {.most_s = 2}},
+      // What every decade of precision costs.
+      {.name = "precision",
+       .manifests = {"standard"},
+       .tiers = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12},
+       .filter = "-n(40|250|1000)-s1/",
+       .fills = false},
+      {.name = "sequences",
+       .manifests = {"sequences", "recorded"},
+       .filter = "^steps/",
+       .passes = 6,
+       .limits = {.most_s = 0.5}},
+  };
+  return campaigns;
+}
+
+}  // namespace lcpbench

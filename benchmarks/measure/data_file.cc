@@ -1,0 +1,18 @@
+#include "benchmarks/measure/data_file.h"
+
+#include <filesystem>
+
+#include "build_info.h"
+#include "support/input_error.h"
+
+namespace lcpbench {
+
+std::string DataFile(const std::string& name) {
+  for (const std::string& folder : {std::string("data"), std::string(kDataFolder)}) {
+    std::string path = folder + "/" + name + ".json";
+    if (std::filesystem::exists(path)) return path;
+  }
+  throw InputError("data/" + name + ".json: not there, nor in " + kDataFolder);
+}
+
+}  // namespace lcpbench

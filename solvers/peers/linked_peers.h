@@ -1,0 +1,17 @@
+#pragma once
+
+#include "solvers/peers/peer_library.h"
+
+namespace lcpbench {
+
+// Peers that may also be linked into a program beside ours, for they live in one process with it and their licences
+// (BSD or LGPL, Zlib) let them. Each is a library of its own, lcpbench_linked_<folder>, of which the peer's worker is
+// made, too: both run the same code. A solver of theirs that does not end takes the program with it, which a worker
+// does not: let the worker solve a problem first. Not for several threads.
+
+/// Where lcpbench_linked_ode is linked.
+PeerLibrary OdeLibrary();
+/// Where lcpbench_linked_bullet is linked.
+PeerLibrary BulletLibrary();
+
+}  // namespace lcpbench
