@@ -14,6 +14,7 @@
 #include "solvers/linear_algebra/islands.h"
 #include "solvers/pivoting/small_pivoting.h"
 #include "solvers/pivoting/tableau_rules.h"
+#include "solvers/rows/row_solver.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -24,6 +25,9 @@ constexpr double kWorthDividing = 0.75;
 // Fewer idle rows than one in so many are not likely to cut an island into pieces of a tableau's size: the longest
 // piece of a chain cut at random is some ln(cuts) times the mean one.
 constexpr Index kRowsPerCut = 16;
+
+// Larger steps have islands that RowSolver leaves open anyway, and cost more to look at.
+constexpr Index kMostStepRows = 20000;
 
 // What is known of a tableau's answer in double.
 enum class Known { kRight, kUnclear, kWrong };
@@ -67,6 +71,7 @@ class AutoEngine {
   void Reserve(Index max_rows) { tableau_.Reserve(std::min(max_rows, options_.tableau_rows)); }
   void Prepare(const LcpProblem& problem);
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
+  bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
 
  private:
   void PrepareWhole(const LcpProblem& problem) {
@@ -89,6 +94,11 @@ class AutoEngine {
   bool divides_ = false;  // whether islands are looked for at all
 
   GivenFormTest test_;  // of problems of one tableau
+
+  // Of arrays.
+  TwoBodyCopy step_;
+  RowSolver rows_;
+  Eigen::VectorXd gaps_;
 
   // Of problems that are too large for one tableau.
   IdleRows idle_rows_;
@@ -243,6 +253,25 @@ void AutoEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lcp
   if (problem.size() > tableau_rows_ && may_choose && TryIslands(problem, options, deadline, result)) return;
   if (!whole_is_ready_ && choice == AutoPortfolio::Choice::kByCost) PrepareWhole(problem);
   whole_.Solve(problem, options, choice, deadline, result);
+}
+
+// A step's rows: nothing is made of A but what RowSolver assembles. What it leaves open goes the long way.
+bool AutoEngine::SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
+  if (options.max_iterations != 0 || !options_.self_check || options_.tableau_rows == 0) return false;
+  if (arrays.rows > kMostStepRows || !step_.Take(arrays)) return false;
+  const StepRows& rows = step_.rows();
+  rows_.Reserve(rows.rows, rows.bodies);
+  if (gaps_.size() < rows.rows) gaps_.resize(rows.rows);
+  const double* const initial_f = options.initial_f == nullptr ? nullptr : options.initial_f->data();
+  const RowAnswer answer = rows_.Solve(rows, options, initial_f, result->f.data(), gaps_.data());
+  if (!answer.solved) {
+    result->f.setZero();
+    return false;
+  }
+  result->status = LcpStatus::kSolved;
+  result->iterations = answer.iterations;
+  result->detail = "rows";
+  return true;
 }
 
 template class EngineSolver<AutoOptions, AutoEngine>;

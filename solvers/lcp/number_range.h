@@ -35,6 +35,8 @@ class NumberRange {
     large_ |= large;
   }
 
+  /// No number is outside the range, zeros apart.
+  bool is_within() const { return ((small_ | large_) & kSign) == 0; }
   /// A number that is not 0 below the range.
   bool has_small() const { return (small_ & kSign) != 0; }
   /// A number above the range, infinity or NaN.

@@ -78,7 +78,7 @@ double Dot(const double* a, const double* b, Index n) {
 
 void ProfilePivoting::Reserve(Index max_rows, Index max_bodies) {
   if (local_.size() < At(max_bodies)) local_.resize(At(max_bodies), -1);
-  if (Index{x_.size()} >= max_rows) return;
+  if (given_.size() >= At(max_rows)) return;
   const Index n = max_rows;
   const Index most_bodies = 2 * n;
   for (auto* v : {&given_, &first_body_, &second_body_, &profile_first_, &last_below_, &active_first_, &order_}) {

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 
+#include "solvers/lcp/number_range.h"
 #include "solvers/pivoting/tableau_rules.h"
 
 namespace lcpbench {
@@ -26,7 +27,7 @@ constexpr Index kMostColumns = 6;
 void RowSolver::Reserve(Index max_rows, Index max_bodies) {
   islands_.Reserve(max_rows, max_bodies);
   tableau_.ReserveRows(std::min(max_rows, SmallPivoting::kMaxRows), max_bodies);
-  profile_.Reserve(max_rows, max_bodies);
+  profile_.Reserve(std::min(max_rows, kMostIslandRows), max_bodies);
   if (velocity_.size() < At(kMostColumns * max_bodies)) {
     velocity_.resize(At(kMostColumns * max_bodies), 0.0);
     size_.resize(At(kMostColumns * max_bodies), 0.0);
@@ -110,6 +111,9 @@ RowAnswer RowSolver::Solve(const StepRows& rows, const LcpOptions& options, cons
     return answer;
   }
   islands_.Find(rows);
+  for (Index k = 0; k < islands_.count(); ++k) {
+    if (Index{static_cast<Index>(islands_.rows(k).size())} > kMostIslandRows) return {};
+  }
   for (Index k = 0; k < islands_.count() && answer.solved; ++k) SolvePart(request, islands_.rows(k), &answer);
   return answer;
 }
@@ -149,33 +153,43 @@ bool RowSolver::JudgePart(const Request& request, std::span<const std::int32_t> 
   return rows.J != nullptr ? by(rows.J) : by(rows.J_single);
 }
 
+// Columns that do not ascend or are out of range end it as a third body does: LcpProblem finds the words for them.
 template <int p>
 bool TwoBodyCopy::TakeRows(const ProblemArrays& arrays) {
   const Index n = arrays.rows;
   if (body_.size() < At(2 * n)) body_.resize(At(2 * n));
   if (J_.size() < At(2 * p * n)) J_.resize(At(2 * p * n));
-  const int* start = arrays.row_start.data();
-  const int* column = arrays.column.data();
-  const double* value = arrays.value.data();
-  const double* mass = arrays.inverse_mass.data();
+  const int* const start = arrays.row_start.data();
+  const int* const column = arrays.column.data();
+  const double* const value = arrays.value.data();
+  const double* const mass = arrays.inverse_mass.data();
+  const auto columns = static_cast<int>(arrays.columns);
+  const auto entries = static_cast<int>(arrays.column.size());
   double* J = J_.data();
   std::int32_t* body = body_.data();
   for (Index i = 0; i < n; ++i, J += 2 * p, body += 2) {
     for (int c = 0; c < 2 * p; ++c) J[c] = 0;
     body[0] = body[1] = -1;
-    for (int e = start[i]; e < start[i + 1]; ++e) {
+    const int end = start[i + 1];
+    if (end < start[i] || end > entries) return false;
+    int sides = 0;
+    int last = -1;
+    for (int e = start[i]; e < end;) {
       const int k = column[e] / p;
-      const int c = column[e] - k * p;
-      if (mass[column[e]] == 0) continue;
-      if (k == body[0] || body[0] < 0) {
-        body[0] = k;
-        J[c] = value[e];
-      } else if (k == body[1] || body[1] < 0) {
-        body[1] = k;
-        J[p + c] = value[e];
-      } else {
-        return false;
+      if (column[e] <= last || column[e] >= columns) return false;
+      double moves = 0;
+      for (int c = 0; c < p; ++c) moves += mass[k * p + c];
+      double* side = J + sides * p;
+      if (moves > 0) {
+        if (sides == 2) return false;
+        body[sides++] = k;
       }
+      do {
+        if (column[e] <= last || column[e] >= columns) return false;
+        last = column[e];
+        if (moves > 0) side[last - k * p] = value[e];
+        ++e;
+      } while (e < end && column[e] < (k + 1) * p);
     }
   }
   return true;
@@ -183,12 +197,25 @@ bool TwoBodyCopy::TakeRows(const ProblemArrays& arrays) {
 
 bool TwoBodyCopy::Take(const ProblemArrays& arrays) {
   const int p = arrays.facts.columns_per_body;
-  if (arrays.columns % p != 0) return false;
-  rows_ = {};
+  const auto count = static_cast<Index>(arrays.value.size());
+  const bool fits = arrays.form == MatrixForm::kFactors && (p == 3 || p == 6) && arrays.columns % p == 0 &&
+                    At(arrays.rows) == arrays.b.size() && At(arrays.rows) + 1 == arrays.row_start.size() &&
+                    arrays.column.size() == arrays.value.size() && At(arrays.columns) == arrays.inverse_mass.size() &&
+                    (arrays.bilateral.empty() || arrays.bilateral.size() == arrays.b.size()) &&
+                    arrays.row_start.front() == 0 && arrays.row_start.back() == count;
+  if (!fits) return false;
+  NumberRange of_factors(kFactorRange);
+  NumberRange of_loads(kLoadRange);
+  of_factors.Look(arrays.value.data(), count);
+  of_factors.Look(arrays.inverse_mass.data(), arrays.columns);
+  of_loads.Look(arrays.b.data(), arrays.rows);
+  if (!of_factors.is_within() || !of_loads.is_within()) return false;
+  double least = 0;
+  for (const double m : arrays.inverse_mass) least = std::min(least, m);
+  if (least < 0 || !(p == 3 ? TakeRows<3>(arrays) : TakeRows<6>(arrays))) return false;
   rows_.columns_per_body = p;
   rows_.rows = arrays.rows;
   rows_.bodies = arrays.columns / p;
-  if (!(p == 3 ? TakeRows<3>(arrays) : TakeRows<6>(arrays))) return false;
   rows_.body = body_.data();
   rows_.J = J_.data();
   rows_.b = arrays.b.data();

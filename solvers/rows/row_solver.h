@@ -19,12 +19,25 @@ struct RowAnswer {
   double rho = 0;               ///< natural residual of f, in double
 };
 
+/// From a step's rows to forces: what AutoSolver and StepSolver ask first.
+///
+/// 1. Rows fall into islands that share no moving body (RowIslands), each one solved by itself.
+/// 2. Up to 64 rows: principal pivoting on a dense tableau, into which A is assembled (SmallPivoting).
+/// 3. Above, and where the tableau gave up: ProfilePivoting.
+///
+/// An island counts as solved only if its f passes by rho and backward errors of the given rows, in double and with a
+/// bound of what rounding can hide. What does not is left to the caller, as is an island of more than kMostIslandRows.
+/// Only Reserve allocates.
 class RowSolver {
  public:
+  static constexpr Index kMostIslandRows = 2000;
+
+  /// Workspace for up to `max_rows` rows and `max_bodies` bodies.
   void Reserve(Index max_rows, Index max_bodies);
-  /// @param rows  checked
-  /// @param f     n, written
-  /// @param w     n, written
+  /// @param rows       checked (CheckRows), not extreme
+  /// @param initial_f  n numbers, finite, or nullptr
+  /// @param f          n, written, also where it is not solved
+  /// @param w          n, written where solved: A f + b in double
   RowAnswer Solve(const StepRows& rows, const LcpOptions& options, const double* initial_f, double* f, double* w);
 
  private:
@@ -46,13 +59,15 @@ class RowSolver {
   ProfilePivoting profile_;
   std::vector<double> velocity_, size_;  // by body, 0 between calls
   SmallPivoting tableau_;
-  std::vector<std::int32_t> all_;
+  std::vector<std::int32_t> all_;  // 0, 1, 2, ...
 };
 
-/// Arrays in compressed rows, as two-body rows: the entries of J on bodies that move, copied to their places.
+/// Arrays in compressed rows, as two-body rows: the entries of J on bodies that move, copied to their places, and all
+/// numbers checked on the way.
 class TwoBodyCopy {
  public:
-  /// False if a row acts on more than two bodies that can move.  O(entries)
+  /// False if a row acts on more than two bodies that can move, a number is extreme, or the arrays are wrong, which
+  /// LcpProblem::FromArrays tells with its words.  O(entries); allocates where it has met no problem as large
   bool Take(const ProblemArrays& arrays);
   const StepRows& rows() const { return rows_; }
 

@@ -89,7 +89,7 @@ bool CheckRows(const StepRows& rows, const double* initial_f) {
   if (!is_known || !is_finite || (negative >> 63U) != 0 || of_factors.has_large() || of_loads.has_large()) {
     RejectNumber(rows, initial_f);
   }
-  return !of_factors.has_large() && !of_factors.has_small() && !of_loads.has_large() && !of_loads.has_small();
+  return of_factors.is_within() && of_loads.is_within();
 }
 
 }  // namespace lcpbench
