@@ -98,12 +98,14 @@ void ProfilePivoting::Reserve(Index max_rows, Index max_bodies) {
   for (auto* v : {&column_, &mask_}) v->setZero(n + 2 * kRegister);
 }
 
-// Breadth-first from a body far from the first one, by the rows that bodies share; then from its end.
+// Breadth-first from a body far from the first one, by the rows that bodies share; then from its end. What is not
+// connected with it comes behind.
 void ProfilePivoting::OrderBodies() {
   std::int32_t start = 0;
   for (int round = 0; round < 2; ++round) {
     std::fill_n(place_.begin(), bodies_, -1);
     std::int32_t count = 0;
+    std::int32_t unplaced = 0;
     queue_[0] = start;
     place_[At(start)] = count++;
     for (std::int32_t head = 0; head < count; ++head) {
@@ -115,6 +117,10 @@ void ProfilePivoting::OrderBodies() {
         place_[At(other)] = count;
         queue_[At(count++)] = other;
       }
+      if (head + 1 < count || count == bodies_) continue;
+      while (place_[At(unplaced)] >= 0) ++unplaced;
+      place_[At(unplaced)] = count;
+      queue_[At(count++)] = unplaced;
     }
     start = queue_[At(count - 1)];
   }
