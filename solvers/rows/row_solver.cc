@@ -8,6 +8,7 @@
 
 #include "solvers/lcp/number_range.h"
 #include "solvers/pivoting/tableau_rules.h"
+#include "solvers/rows/tiny_rows.h"
 
 namespace lcpbench {
 namespace {
@@ -120,10 +121,18 @@ RowAnswer RowSolver::Solve(const StepRows& rows, const LcpOptions& options, cons
 
 void RowSolver::SolvePart(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer) {
   const double tolerance = request.options.tolerance;
+  const double row_limit = tableau::kMargin * std::sqrt(tolerance);
+  if (part.size() <= TinyRows::kMostRows) {
+    double rho = 0;
+    if (TinyRows::Solve(request.rows, part, tolerance, row_limit, request.f, request.w, &rho)) {
+      ++answer->iterations;
+      answer->rho = std::max(answer->rho, rho);
+      return;
+    }
+  }
   if (part.size() <= kTableauRows) {
     const SmallPivoting::Answer found = tableau_.SolveRows(
-        request.rows, part, {tableau::kMargin * std::sqrt(tolerance), request.initial_f, request.deadline, true},
-        request.f, request.w);
+        request.rows, part, {row_limit, request.initial_f, request.deadline, true}, request.f, request.w);
     answer->iterations += tableau_.pivots();
     if (found.rho <= tableau::kMostRho && found.rho + found.rounding <= tolerance && found.rows_meet) {
       answer->rho = std::max(answer->rho, found.rho);
@@ -209,7 +218,7 @@ bool TwoBodyCopy::Take(const ProblemArrays& arrays) {
   of_factors.Look(arrays.value.data(), count);
   of_factors.Look(arrays.inverse_mass.data(), arrays.columns);
   of_loads.Look(arrays.b.data(), arrays.rows);
-  if (!of_factors.is_within() || !of_loads.is_within()) return false;
+  if (of_factors.has_large() || !of_loads.is_within()) return false;
   double least = 0;
   for (const double m : arrays.inverse_mass) least = std::min(least, m);
   if (least < 0 || !(p == 3 ? TakeRows<3>(arrays) : TakeRows<6>(arrays))) return false;
@@ -221,7 +230,7 @@ bool TwoBodyCopy::Take(const ProblemArrays& arrays) {
   rows_.b = arrays.b.data();
   rows_.bilateral = arrays.bilateral.empty() ? nullptr : arrays.bilateral.data();
   rows_.inverse_mass = arrays.inverse_mass.data();
-  return true;
+  return !of_factors.has_small() || HasDiagonalInRange(rows_);
 }
 
 }  // namespace lcpbench

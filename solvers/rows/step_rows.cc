@@ -89,7 +89,24 @@ bool CheckRows(const StepRows& rows, const double* initial_f) {
   if (!is_known || !is_finite || (negative >> 63U) != 0 || of_factors.has_large() || of_loads.has_large()) {
     RejectNumber(rows, initial_f);
   }
-  return of_factors.is_within() && of_loads.is_within();
+  return !of_factors.has_large() && of_loads.is_within() && (!of_factors.has_small() || HasDiagonalInRange(rows));
+}
+
+bool HasDiagonalInRange(const StepRows& rows) {
+  const Index p = rows.columns_per_body;
+  for (Index i = 0; i < rows.rows; ++i) {
+    double d = 0;
+    for (Index side = 0; side < 2; ++side) {
+      const std::int32_t body = rows.body[2 * i + side];
+      for (Index c = 0; c < p && body >= 0; ++c) {
+        const Index at = (2 * i + side) * p + c;
+        const double j = rows.J != nullptr ? rows.J[at] : static_cast<double>(rows.J_single[at]);
+        d += rows.inverse_mass[body * p + c] * (j * j);
+      }
+    }
+    if (!(d <= kEntryRange.most) || (d < kEntryRange.least && d > 0)) return false;
+  }
+  return true;
 }
 
 }  // namespace lcpbench

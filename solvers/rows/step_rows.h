@@ -32,4 +32,7 @@ struct StepRows {
 ///         missing, a body outside [-1, bodies), NaN or infinity, a negative inverse mass
 bool CheckRows(const StepRows& rows, const double* initial_f);
 
+/// Whether no A_ii is extreme: small numbers do no harm beside others of their row.  O(n)
+bool HasDiagonalInRange(const StepRows& rows);
+
 }  // namespace lcpbench
