@@ -32,10 +32,35 @@ struct BatchGroup {
   int pivots[kBatchMaxLanes] = {};
 };
 
+/// The same for problems that are given by their rows (StepRows), all with `rows` rows; of `group.items` b, f, joints
+/// and n, the lane's own rows without those that fill it up, are read.
+struct RowGroup {
+  BatchGroup group;
+  const std::int32_t* body[kBatchMaxLanes] = {};
+  const double* J[kBatchMaxLanes] = {};
+  const float* J_single[kBatchMaxLanes] = {};  ///< read where J[0] is none
+  const double* inverse_mass = nullptr;
+  std::int64_t bodies = 0;
+  int columns_per_body = 3;
+  int rows = 0;
+  double rho[kBatchMaxLanes] = {};  ///< answer: an upper bound, at most 4 times too large
+};
+
 using BatchKernel = void (*)(BatchGroup* group);
+using RowKernel = void (*)(RowGroup* group);
+
+/// Of one instruction set.
+struct BatchKernels {
+  std::size_t lanes;
+  BatchKernel solve;
+  RowKernel solve_rows;
+};
 
 void SolveGroupAvx512(BatchGroup* group);
 void SolveGroupAvx2(BatchGroup* group);
 void SolveGroupSse2(BatchGroup* group);
+void SolveRowsAvx512(RowGroup* group);
+void SolveRowsAvx2(RowGroup* group);
+void SolveRowsSse2(RowGroup* group);
 
 }  // namespace lcpbench

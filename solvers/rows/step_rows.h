@@ -32,4 +32,7 @@ struct StepRows {
 ///         missing, a body outside [-1, bodies), NaN or infinity, a negative inverse mass
 bool CheckRows(const StepRows& rows, const double* initial_f);
 
+/// The rows first to last - 1 alone.
+StepRows PartOf(const StepRows& rows, std::int64_t first, std::int64_t last);
+
 }  // namespace lcpbench

@@ -1,0 +1,206 @@
+#include "solvers/batch/row_batch.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "solvers/batch/kernel.h"
+#include "solvers/pivoting/tableau_rules.h"
+
+namespace lcpbench {
+namespace {
+
+// Problems of a block: as many as a second-level cache holds, and enough that the groups of a size, one after another,
+// find their instructions in the first level.
+constexpr std::size_t kBlock = 512;
+constexpr std::size_t kSizes = kBatchMaxRows + 1;
+constexpr int kMostSides = 2 * 6;
+static_assert(RowBatch::kMaxRows == kBatchMaxRows);
+
+// Bit i: byte i of up to 8 is not 0.
+std::uint32_t BitsOfBytes(const unsigned char* bytes, int count) {
+  std::uint64_t word = 0;
+  std::memcpy(&word, bytes, static_cast<std::size_t>(count));
+  word |= word >> 4U;
+  word |= word >> 2U;
+  word |= word >> 1U;
+  word &= 0x0101010101010101;
+  return static_cast<std::uint32_t>((word * 0x0102040810204080) >> 56U);
+}
+
+std::uint32_t JointsOf(const unsigned char* bilateral, int n) {
+  std::uint32_t joints = 0;
+  for (int i = 0; i < n; i += 8) {
+    joints |= (n - i >= 8 ? BitsOfBytes(bilateral + i, 8) : BitsOfBytes(bilateral + i, n - i)) << i;
+  }
+  return joints;
+}
+
+}  // namespace
+
+struct RowBatch::Implementation {
+  explicit Implementation(BatchInstructions instructions) : kernels(FindBatchKernels(instructions)) {}
+
+  // A lane's rows, filled up by rows of zeros.
+  struct Padded {
+    std::array<std::int32_t, 2 * kBatchMaxRows> body;
+    std::array<double, kMostSides * kBatchMaxRows> J;
+    std::array<float, kMostSides * kBatchMaxRows> J_single;
+    std::array<double, kBatchMaxRows> b, f;
+  };
+
+  void Start(const StepRows& of, std::span<const std::int32_t> starts, double tolerance, double* forces, Receiver* to) {
+    rows = &of;
+    start = starts;
+    f = forces;
+    receiver = to;
+    group.group.rho_limit = std::min(tableau::kMostRho, tolerance / 2);
+    group.group.rounding_limit = tolerance / 2;
+    group.group.close_rho_limit = tolerance;
+    group.group.row_limit = tableau::kMargin * std::sqrt(tolerance);
+    group.columns_per_body = of.columns_per_body;
+    group.bodies = of.bodies;
+    group.inverse_mass = of.inverse_mass;
+    std::fill(std::begin(group.J), std::end(group.J), nullptr);
+    std::fill(std::begin(group.J_single), std::end(group.J_single), nullptr);
+    waiting_count.fill(0);
+  }
+
+  std::int32_t SizeOf(std::int32_t problem) const {
+    return start[static_cast<std::size_t>(problem) + 1] - start[static_cast<std::size_t>(problem)];
+  }
+
+  void Sort(std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) {
+      const std::int32_t n = start[k + 1] - start[k];
+      const auto problem = static_cast<std::int32_t>(k);
+      if (n > kMaxRows || n == 0) {
+        receiver->Leave(problem);
+      } else {
+        const auto size = static_cast<std::size_t>(n);
+        waiting[size][waiting_count[size]++] = problem;
+      }
+    }
+  }
+
+  // Whole groups of each size.
+  void SolveFull() {
+    const std::size_t lanes = kernels.lanes;
+    for (std::size_t size = 1; size < kSizes; ++size) {
+      std::size_t from = 0;
+      const std::size_t count = waiting_count[size];
+      for (; from + lanes <= count; from += lanes) SolveEqual({&waiting[size][from], lanes});
+      std::copy(&waiting[size][from], &waiting[size][count], waiting[size].data());
+      waiting_count[size] = count - from;
+    }
+  }
+
+  void SolveRest() {
+    std::array<std::int32_t, kBatchMaxLanes> problems{};
+    std::size_t used = 0;
+    for (std::size_t size = kSizes - 1; size > 0; --size) {
+      for (std::size_t k = 0; k < waiting_count[size]; ++k) {
+        problems[used++] = waiting[size][k];
+        if (used < kernels.lanes) continue;
+        SolveMixed({problems.data(), used});
+        used = 0;
+      }
+    }
+    if (used > 0) SolveMixed({problems.data(), used});
+  }
+
+  void PointTo(std::size_t lane, std::int32_t problem) {
+    const std::int64_t first = start[static_cast<std::size_t>(problem)];
+    const std::int64_t width = 2 * rows->columns_per_body;
+    const std::int32_t n = SizeOf(problem);
+    group.body[lane] = rows->body + 2 * first;
+    if (rows->J != nullptr) {
+      group.J[lane] = rows->J + width * first;
+    } else {
+      group.J_single[lane] = rows->J_single + width * first;
+    }
+    BatchItem& item = group.group.items[lane];
+    item.b = rows->b + first;
+    item.f = f + first;
+    item.n = n;
+    item.joints = rows->bilateral == nullptr ? 0 : JointsOf(rows->bilateral + first, n);
+  }
+
+  void SolveEqual(std::span<const std::int32_t> problems) {
+    for (std::size_t l = 0; l < problems.size(); ++l) PointTo(l, problems[l]);
+    Run(problems, SizeOf(problems[0]));
+  }
+
+  void SolveMixed(std::span<const std::int32_t> problems) {
+    const std::int32_t n = SizeOf(problems[0]);  // the largest
+    const auto width = static_cast<std::size_t>(2 * rows->columns_per_body);
+    for (std::size_t l = 0; l < kernels.lanes; ++l) {
+      const std::size_t of = l < problems.size() ? l : 0;
+      PointTo(l, problems[of]);
+      BatchItem& item = group.group.items[l];
+      if (item.n == n) continue;
+      const auto own = static_cast<std::size_t>(item.n);
+      const auto all = static_cast<std::size_t>(n);
+      Padded& copy = padded[l];
+      std::fill(std::copy_n(group.body[l], 2 * own, copy.body.begin()), copy.body.begin() + 2 * n, -1);
+      std::fill(std::copy_n(item.b, own, copy.b.begin()), copy.b.begin() + n, 0.0);
+      group.body[l] = copy.body.data();
+      item.b = copy.b.data();
+      item.f = copy.f.data();
+      if (rows->J != nullptr) {
+        std::fill_n(std::copy_n(group.J[l], width * own, copy.J.begin()), width * (all - own), 0.0);
+        group.J[l] = copy.J.data();
+      } else {
+        std::fill_n(std::copy_n(group.J_single[l], width * own, copy.J_single.begin()), width * (all - own), 0.0F);
+        group.J_single[l] = copy.J_single.data();
+      }
+    }
+    Run(problems, n);
+  }
+
+  void Run(std::span<const std::int32_t> problems, std::int32_t n) {
+    group.rows = n;
+    kernels.solve_rows(&group);
+    for (std::size_t l = 0; l < problems.size(); ++l) {
+      const BatchItem& item = group.group.items[l];
+      double* const to = f + start[static_cast<std::size_t>(problems[l])];
+      if (item.f != to) std::copy_n(item.f, item.n, to);
+    }
+    for (std::size_t l = 0; l < problems.size(); ++l) {
+      if ((group.group.met >> l & 1U) != 0) {
+        receiver->Take(problems[l], group.group.pivots[l], group.rho[l]);
+      } else {
+        receiver->Leave(problems[l]);
+      }
+    }
+  }
+
+  const BatchKernels& kernels;
+  const StepRows* rows = nullptr;
+  std::span<const std::int32_t> start;
+  double* f = nullptr;
+  Receiver* receiver = nullptr;
+  RowGroup group;
+  std::array<Padded, kBatchMaxLanes> padded;
+  // By size: the problems that wait for neighbours.
+  std::array<std::array<std::int32_t, kBlock + kBatchMaxLanes>, kSizes> waiting;
+  std::array<std::size_t, kSizes> waiting_count{};
+};
+
+RowBatch::RowBatch(BatchInstructions instructions) : implementation_(std::make_unique<Implementation>(instructions)) {}
+RowBatch::~RowBatch() = default;
+
+void RowBatch::Solve(const StepRows& rows, std::span<const std::int32_t> start, double tolerance, double* f,
+                     Receiver* receiver) {
+  Implementation& own = *implementation_;
+  own.Start(rows, start, tolerance, f, receiver);
+  const std::size_t count = start.size() - 1;
+  for (std::size_t first = 0; first < count; first += kBlock) {
+    own.Sort(first, std::min(count, first + kBlock));
+    own.SolveFull();
+  }
+  own.SolveRest();
+}
+
+}  // namespace lcpbench
