@@ -26,6 +26,9 @@ struct BatchGroup {
   double rounding_limit = 0;   ///< can hide at most this much of it
   double close_rho_limit = 0;  ///< up to this one a test in higher precision is worth while
   double row_limit = 0;        ///< at most this backward error of each row, in double
+  /// This part of A_ii is added to it in the tableau, so that rows that depend on others move, too; refinement against
+  /// A itself makes up for it.
+  double shift = 0;
   // Answers.
   std::uint32_t met = 0;    ///< bit l: the f of lane l passed both limits
   std::uint32_t close = 0;  ///< bit l: it passed close_rho_limit and row_limit

@@ -7,6 +7,7 @@
 
 #include "solvers/batch/kernel.h"
 #include "solvers/pivoting/tableau_rules.h"
+#include "solvers/rows/extended_rho.h"
 
 namespace lcpbench {
 namespace {
@@ -16,6 +17,8 @@ namespace {
 constexpr std::size_t kBlock = 512;
 constexpr std::size_t kSizes = kBatchMaxRows + 1;
 constexpr int kMostSides = 2 * 6;
+// What the first try leaves is tried once more with this part of A_ii added (BatchGroup::shift).
+constexpr double kShift = 1e-8;
 static_assert(RowBatch::kMaxRows == kBatchMaxRows);
 
 // Bit i: byte i of up to 8 is not 0.
@@ -50,6 +53,18 @@ struct RowBatch::Implementation {
     std::array<double, kBatchMaxRows> b, f;
   };
 
+  // Problems that wait for neighbours of their size. A block and less than a group that the blocks before left have
+  // room.
+  struct Queue {
+    std::array<std::array<std::int32_t, kBlock + (2 * kBatchMaxLanes)>, kSizes> problems;
+    std::array<std::size_t, kSizes> count{};
+
+    void Add(std::int32_t problem, std::int32_t n) {
+      const auto size = static_cast<std::size_t>(n);
+      problems[size][count[size]++] = problem;
+    }
+  };
+
   void Start(const StepRows& of, std::span<const std::int32_t> starts, double tolerance, double* forces, Receiver* to) {
     rows = &of;
     start = starts;
@@ -64,7 +79,8 @@ struct RowBatch::Implementation {
     group.inverse_mass = of.inverse_mass;
     std::fill(std::begin(group.J), std::end(group.J), nullptr);
     std::fill(std::begin(group.J_single), std::end(group.J_single), nullptr);
-    waiting_count.fill(0);
+    first_try.count.fill(0);
+    second_try.count.fill(0);
   }
 
   std::int32_t SizeOf(std::int32_t problem) const {
@@ -78,36 +94,37 @@ struct RowBatch::Implementation {
       if (n > kMaxRows || n == 0) {
         receiver->Leave(problem);
       } else {
-        const auto size = static_cast<std::size_t>(n);
-        waiting[size][waiting_count[size]++] = problem;
+        first_try.Add(problem, n);
       }
     }
   }
 
   // Whole groups of each size.
-  void SolveFull() {
+  void SolveFull(Queue* queue) {
     const std::size_t lanes = kernels.lanes;
     for (std::size_t size = 1; size < kSizes; ++size) {
       std::size_t from = 0;
-      const std::size_t count = waiting_count[size];
-      for (; from + lanes <= count; from += lanes) SolveEqual({&waiting[size][from], lanes});
-      std::copy(&waiting[size][from], &waiting[size][count], waiting[size].data());
-      waiting_count[size] = count - from;
+      const std::size_t count = queue->count[size];
+      if (count < lanes) continue;
+      std::array<std::int32_t, kBlock + (2 * kBatchMaxLanes)>& problems = queue->problems[size];
+      for (; from + lanes <= count; from += lanes) SolveEqual(queue, {&problems[from], lanes});
+      std::copy(&problems[from], &problems[count], problems.data());
+      queue->count[size] = count - from;
     }
   }
 
-  void SolveRest() {
+  void SolveRest(Queue* queue) {
     std::array<std::int32_t, kBatchMaxLanes> problems{};
     std::size_t used = 0;
     for (std::size_t size = kSizes - 1; size > 0; --size) {
-      for (std::size_t k = 0; k < waiting_count[size]; ++k) {
-        problems[used++] = waiting[size][k];
+      for (std::size_t k = 0; k < queue->count[size]; ++k) {
+        problems[used++] = queue->problems[size][k];
         if (used < kernels.lanes) continue;
-        SolveMixed({problems.data(), used});
+        SolveMixed(queue, {problems.data(), used});
         used = 0;
       }
     }
-    if (used > 0) SolveMixed({problems.data(), used});
+    if (used > 0) SolveMixed(queue, {problems.data(), used});
   }
 
   void PointTo(std::size_t lane, std::int32_t problem) {
@@ -127,12 +144,12 @@ struct RowBatch::Implementation {
     item.joints = rows->bilateral == nullptr ? 0 : JointsOf(rows->bilateral + first, n);
   }
 
-  void SolveEqual(std::span<const std::int32_t> problems) {
+  void SolveEqual(Queue* queue, std::span<const std::int32_t> problems) {
     for (std::size_t l = 0; l < problems.size(); ++l) PointTo(l, problems[l]);
-    Run(problems, SizeOf(problems[0]));
+    Run(queue, problems, SizeOf(problems[0]));
   }
 
-  void SolveMixed(std::span<const std::int32_t> problems) {
+  void SolveMixed(Queue* queue, std::span<const std::int32_t> problems) {
     const std::int32_t n = SizeOf(problems[0]);  // the largest
     const auto width = static_cast<std::size_t>(2 * rows->columns_per_body);
     for (std::size_t l = 0; l < kernels.lanes; ++l) {
@@ -156,11 +173,12 @@ struct RowBatch::Implementation {
         group.J_single[l] = copy.J_single.data();
       }
     }
-    Run(problems, n);
+    Run(queue, problems, n);
   }
 
-  void Run(std::span<const std::int32_t> problems, std::int32_t n) {
+  void Run(Queue* queue, std::span<const std::int32_t> problems, std::int32_t n) {
     group.rows = n;
+    group.group.shift = queue == &first_try ? 0 : kShift;
     kernels.solve_rows(&group);
     for (std::size_t l = 0; l < problems.size(); ++l) {
       const BatchItem& item = group.group.items[l];
@@ -170,10 +188,21 @@ struct RowBatch::Implementation {
     for (std::size_t l = 0; l < problems.size(); ++l) {
       if ((group.group.met >> l & 1U) != 0) {
         receiver->Take(problems[l], group.group.pivots[l], group.rho[l]);
+      } else if ((group.group.close >> l & 1U) != 0 && IsRight(problems[l])) {
+        receiver->Take(problems[l], group.group.pivots[l], group.rho[l]);
+      } else if (queue == &first_try) {
+        second_try.Add(problems[l], SizeOf(problems[l]));
       } else {
         receiver->Leave(problems[l]);
       }
     }
+  }
+
+  // Where rounding may hide more than the tolerance.
+  bool IsRight(std::int32_t problem) const {
+    const std::int64_t first = start[static_cast<std::size_t>(problem)];
+    const StepRows part = PartOf(*rows, first, start[static_cast<std::size_t>(problem) + 1]);
+    return ExtendedRho(part, f + first) <= group.group.close_rho_limit;
   }
 
   const BatchKernels& kernels;
@@ -183,9 +212,7 @@ struct RowBatch::Implementation {
   Receiver* receiver = nullptr;
   RowGroup group;
   std::array<Padded, kBatchMaxLanes> padded;
-  // By size: the problems that wait for neighbours.
-  std::array<std::array<std::int32_t, kBlock + kBatchMaxLanes>, kSizes> waiting;
-  std::array<std::size_t, kSizes> waiting_count{};
+  Queue first_try, second_try;
 };
 
 RowBatch::RowBatch(BatchInstructions instructions) : implementation_(std::make_unique<Implementation>(instructions)) {}
@@ -198,9 +225,11 @@ void RowBatch::Solve(const StepRows& rows, std::span<const std::int32_t> start, 
   const std::size_t count = start.size() - 1;
   for (std::size_t first = 0; first < count; first += kBlock) {
     own.Sort(first, std::min(count, first + kBlock));
-    own.SolveFull();
+    own.SolveFull(&own.first_try);
+    own.SolveFull(&own.second_try);
   }
-  own.SolveRest();
+  own.SolveRest(&own.first_try);
+  own.SolveRest(&own.second_try);
 }
 
 }  // namespace lcpbench

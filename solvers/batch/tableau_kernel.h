@@ -65,6 +65,7 @@ class TableauKernel {
     TakeJoints();
     Run();
     group_.met &= L::Bits(usable);
+    group_.close &= L::Bits(usable);
     alignas(64) double squares[kLaneCount];
     L::Store(squares, rho_square_);
     for (int l = 0; l < kLaneCount; ++l) group->rho[l] = __builtin_sqrt(squares[l]);
@@ -80,8 +81,12 @@ class TableauKernel {
     }
     WriteForces();
     Check();
-    const M poor = L::Set(kGoodEnough * kGoodEnough) < rho_square_;
-    if (L::Any(poor)) Refine(poor);
+    const int most = group_.shift > 0 ? kMostRefinements : 1;
+    for (int k = 0; k < most; ++k) {
+      const M poor = L::Set(kGoodEnough * kGoodEnough) < rho_square_;
+      if (!L::Any(poor)) break;
+      Refine(poor);
+    }
     Judge();
     StoreForces();
   }
@@ -101,6 +106,7 @@ class TableauKernel {
   // a lane that cycles costs its neighbours the rest.
   static constexpr int kMaxSweeps = 12;
   static constexpr int kUpwardSweeps = 3;
+  static constexpr int kMostRefinements = 4;  // with a shift
   static constexpr double kLeastPivot = tableau::kLeastPivot;
   static constexpr double kNoise = tableau::kNoise;
   static constexpr double kGoodEnough = tableau::kGoodEnoughInLanes;
@@ -225,11 +231,12 @@ class TableauKernel {
       norm = L::Fma(q, q, norm);
     });
     b_square_ = L::Select(zero < norm, norm, one);
+    const V shift = L::Set(group_.shift);
     Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V s = scale_[i];
       EachUpTo(i, [&](auto j) LCPBENCH_INLINE_LAMBDA { tableau_[At(i, j)] = matrix_[At(i, j)] * s * scale_[j]; });
       const V d = matrix_[At(i, i)] * s * s;
-      tableau_[At(i, i)] = d;
+      tableau_[At(i, i)] = L::Fma(d, shift, d);
       least_[i] = L::Set(kLeastPivot) * d;
     });
     noise_ = L::Set(-kNoise);
