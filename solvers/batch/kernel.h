@@ -46,6 +46,16 @@ struct RowGroup {
   std::int64_t bodies = 0;
   int columns_per_body = 3;
   int rows = 0;
+  /// What memory shall bring meanwhile, a little with every row: of the group after this one all but the bodies, which
+  /// have come before, and of the one after that the bodies.
+  struct Next {
+    const std::int32_t* body;
+    const char* J;
+    const double* b;
+    const double* f;
+    const std::int32_t* later_body;
+  } next[kBatchMaxLanes] = {};
+  int next_rows = 0;                ///< of the smaller one of both; 0: nothing
   double rho[kBatchMaxLanes] = {};  ///< answer: an upper bound, at most 4 times too large
 };
 

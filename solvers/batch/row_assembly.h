@@ -31,6 +31,7 @@ class RowAssembly {
     M usable = LoadBodies();
     M signs = L::FromBits(0);
     for (int i = 0; i < n_; ++i) {
+      if (i < group_.next_rows) FetchNext(i);
       V* const J = J_ + 2 * p * i;
       V momentum[2 * p];
       LoadMasses(i, momentum);
@@ -77,6 +78,27 @@ class RowAssembly {
       const int count = n_ - i < kWidth ? n_ - i : kWidth;
       L::LoadTransposed(from, static_cast<std::size_t>(i), count, part);
       for (int k = 0; k < count; ++k) b[i + k] = part[k];
+    }
+  }
+
+  // At once, as many lines would have to wait for each other.
+  void FetchNext(int i) const {
+    constexpr int kRowBytes = static_cast<int>(2 * p * sizeof(Real));
+    for (int l = 0; l < kWidth; ++l) {
+      const RowGroup::Next& next = group_.next[l];
+      const char* const J = next.J + i * kRowBytes;
+      __builtin_prefetch(J);
+      __builtin_prefetch(J + kRowBytes - 1);
+      if (i % 8 == 0) {
+        __builtin_prefetch(next.b + i);
+        __builtin_prefetch(next.f + i, 1);
+        __builtin_prefetch(next.later_body + 2 * i);
+      }
+      for (int side = 0; side < 2; ++side) {
+        const std::int64_t body = next.body[2 * i + side];
+        // What is out of range is refused later: to fetch it does no harm.
+        __builtin_prefetch(group_.inverse_mass + p * body);
+      }
     }
   }
 

@@ -12,9 +12,10 @@
 namespace lcpbench {
 namespace {
 
-// Problems of a block: as many as a second-level cache holds, and enough that the groups of a size, one after another,
-// find their instructions in the first level.
+// Problems of a block: enough that the groups of a size, one after another, find their instructions in the first-level
+// cache, and few enough that what lies beside a problem is still in some cache when its turn comes.
 constexpr std::size_t kBlock = 512;
+constexpr std::size_t kRoom = kBlock + (2 * kBatchMaxLanes);
 constexpr std::size_t kSizes = kBatchMaxRows + 1;
 constexpr int kMostSides = 2 * 6;
 // What the first try leaves is tried once more with this part of A_ii added (BatchGroup::shift).
@@ -56,7 +57,7 @@ struct RowBatch::Implementation {
   // Problems that wait for neighbours of their size. A block and less than a group that the blocks before left have
   // room.
   struct Queue {
-    std::array<std::array<std::int32_t, kBlock + (2 * kBatchMaxLanes)>, kSizes> problems;
+    std::array<std::array<std::int32_t, kRoom>, kSizes> problems;
     std::array<std::size_t, kSizes> count{};
 
     void Add(std::int32_t problem, std::int32_t n) {
@@ -87,7 +88,33 @@ struct RowBatch::Implementation {
     return start[static_cast<std::size_t>(problem) + 1] - start[static_cast<std::size_t>(problem)];
   }
 
+  // Reads a block in order, a byte from every cache line: in this order memory brings lines before they are asked for.
+  // The sum is there so that the loads are.
+  unsigned Touch(std::size_t first, std::size_t last) const {
+    const std::int64_t begin = start[first];
+    const std::int64_t end = start[last];
+    const std::int64_t p = rows->columns_per_body;
+    const unsigned of_J = rows->J != nullptr ? TouchLines(rows->J + 2 * p * begin, rows->J + 2 * p * end)
+                                             : TouchLines(rows->J_single + 2 * p * begin, rows->J_single + 2 * p * end);
+    const unsigned of_loads = TouchLines(rows->b + begin, rows->b + end) + TouchLines(f + begin, f + end);
+    // Bodies of an island mostly lie side by side, and what is out of range is refused later: to fetch it does no harm.
+    for (std::int64_t k = 2 * begin; k < 2 * end; k += 2) {
+      __builtin_prefetch(rows->inverse_mass + std::int64_t{rows->body[k]} * p);
+    }
+    return of_J + of_loads;
+  }
+  template <typename Number>
+  static unsigned TouchLines(const Number* begin, const Number* end) {
+    constexpr std::ptrdiff_t kLine = 64;
+    const auto* byte = reinterpret_cast<const unsigned char*>(begin);
+    const auto* const last = reinterpret_cast<const unsigned char*>(end);
+    unsigned sum = 0;
+    for (; byte < last; byte += kLine) sum += *byte;
+    return sum;
+  }
+
   void Sort(std::size_t first, std::size_t last) {
+    touched = Touch(first, last);
     for (std::size_t k = first; k < last; ++k) {
       const std::int32_t n = start[k + 1] - start[k];
       const auto problem = static_cast<std::int32_t>(k);
@@ -99,17 +126,40 @@ struct RowBatch::Implementation {
     }
   }
 
-  // Whole groups of each size.
+  // Whole groups of each size. While one is solved, memory brings the next.
   void SolveFull(Queue* queue) {
     const std::size_t lanes = kernels.lanes;
+    std::size_t count = 0;
     for (std::size_t size = 1; size < kSizes; ++size) {
-      std::size_t from = 0;
-      const std::size_t count = queue->count[size];
-      if (count < lanes) continue;
-      std::array<std::int32_t, kBlock + (2 * kBatchMaxLanes)>& problems = queue->problems[size];
-      for (; from + lanes <= count; from += lanes) SolveEqual(queue, {&problems[from], lanes});
-      std::copy(&problems[from], &problems[count], problems.data());
-      queue->count[size] = count - from;
+      const std::array<std::int32_t, kRoom>& problems = queue->problems[size];
+      for (std::size_t from = 0; from + lanes <= queue->count[size]; from += lanes) full[count++] = &problems[from];
+    }
+    if (count == 0) return;
+    for (std::size_t k = 0; k < count; ++k) {
+      PrepareNext(full[std::min(k + 1, count - 1)], full[std::min(k + 2, count - 1)]);
+      SolveEqual(queue, {full[k], lanes});
+    }
+    group.next_rows = 0;
+    for (std::size_t size = 1; size < kSizes; ++size) {
+      std::array<std::int32_t, kRoom>& problems = queue->problems[size];
+      const std::size_t left = queue->count[size] % lanes;
+      std::copy_n(&problems[queue->count[size] - left], left, problems.data());
+      queue->count[size] = left;
+    }
+  }
+
+  void PrepareNext(const std::int32_t* problems, const std::int32_t* later) {
+    const int p = rows->columns_per_body;
+    group.next_rows = std::min(SizeOf(problems[0]), SizeOf(later[0]));
+    for (std::size_t l = 0; l < kernels.lanes; ++l) {
+      const std::int64_t first = start[static_cast<std::size_t>(problems[l])];
+      RowGroup::Next& next = group.next[l];
+      next.body = rows->body + 2 * first;
+      next.J = rows->J != nullptr ? reinterpret_cast<const char*>(rows->J + 2 * p * first)
+                                  : reinterpret_cast<const char*>(rows->J_single + 2 * p * first);
+      next.b = rows->b + first;
+      next.f = f + first;
+      next.later_body = rows->body + 2 * std::int64_t{start[static_cast<std::size_t>(later[l])]};
     }
   }
 
@@ -212,7 +262,9 @@ struct RowBatch::Implementation {
   Receiver* receiver = nullptr;
   RowGroup group;
   std::array<Padded, kBatchMaxLanes> padded;
+  volatile unsigned touched = 0;
   Queue first_try, second_try;
+  std::array<const std::int32_t*, (kBlock / 2) + (kSizes * kBatchMaxLanes)> full;  // groups of whole lanes
 };
 
 RowBatch::RowBatch(BatchInstructions instructions) : implementation_(std::make_unique<Implementation>(instructions)) {}
