@@ -56,8 +56,8 @@ long double ExtendedRho(const StepRows& rows, const double* f) {
       }
     }
     const bool is_joint = rows.bilateral != nullptr && rows.bilateral[i] != 0;
-    const Extended defect = is_joint ? w : std::min(d * f[i], w);
     const Extended unit = d > 0 ? d : 1;
+    const Extended defect = is_joint ? w : std::min(unit * f[i], w);
     sum += defect * defect / unit;
     square += Extended{rows.b[i]} * rows.b[i] / unit;
   }
