@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <random>
 #include <string>
 #include <utility>
@@ -22,14 +23,35 @@ constexpr std::uint64_t kSceneSeeds = 40;
 // Where a number of a body in the plane is in one of six.
 constexpr std::array<int, 3> kInSpace{0, 1, 5};
 
+class Scene {
+ public:
+  explicit Scene(const LcpProblem& problem) : arrays_(ProblemArrays::Of(problem)) { is_taken_ = copy_.Take(arrays_); }
+  const StepRows& rows() const { return copy_.rows(); }
+  bool IsSolvedWhenRounded() const {
+    if (!is_taken_) return false;
+    StepRows rounded = rows();
+    const std::vector<float> J(rounded.J, rounded.J + 6 * rounded.rows);
+    rounded.J = nullptr;
+    rounded.J_single = J.data();
+    std::vector<double> f(At(rounded.rows));
+    return StepSolver().Solve(rounded, nullptr, f.data()).status == LcpStatus::kSolved;
+  }
+
+ private:
+  ProblemArrays arrays_;  // read in place
+  TwoBodyCopy copy_;
+  bool is_taken_ = false;
+};
+
 }  // namespace
 
 IslandBatch::IslandBatch(int p, std::int32_t problems, int most_rows) : columns_per_body(p), start{0} {
-  std::vector<std::vector<LcpProblem>> scenes(At(most_rows) + 1);
+  std::vector<std::vector<std::unique_ptr<Scene>>> scenes(At(most_rows) + 1);
   for (int n = 1; n <= most_rows; ++n) {
     for (const SceneFamily& family : AllScenes()) {
       for (std::uint64_t seed = 1; seed <= kSceneSeeds; ++seed) {
-        scenes[At(n)].push_back(AssembleContactLcp(family.generate(n, seed)).problem);
+        auto scene = std::make_unique<Scene>(AssembleContactLcp(family.generate(n, seed)).problem);
+        if (scene->IsSolvedWhenRounded()) scenes[At(n)].push_back(std::move(scene));
       }
     }
   }
@@ -37,7 +59,7 @@ IslandBatch::IslandBatch(int p, std::int32_t problems, int most_rows) : columns_
   for (std::int32_t k = 0; k < problems; ++k) {
     const int n = 1 + static_cast<int>(engine() % static_cast<std::uint64_t>(most_rows));
     if (engine() % 2 == 0) {
-      AddScene(scenes[At(n)][engine() % scenes[At(n)].size()]);
+      AddScene(scenes[At(n)][engine() % scenes[At(n)].size()]->rows());
     } else {
       AddRandom(n, engine());
     }
@@ -48,11 +70,7 @@ IslandBatch::IslandBatch(int p, std::int32_t problems, int most_rows) : columns_
   answers.resize(At(problems));
 }
 
-void IslandBatch::AddScene(const LcpProblem& scene) {
-  TwoBodyCopy copy;
-  const ProblemArrays arrays = ProblemArrays::Of(scene);  // read in place
-  if (!copy.Take(arrays)) return AddRandom(static_cast<int>(scene.size()), 1);
-  const StepRows& rows = copy.rows();
+void IslandBatch::AddScene(const StepRows& rows) {
   const int p = columns_per_body;
   first_body.push_back(static_cast<std::int32_t>(inverse_mass.size()) / p);
   for (Index k = 0; k < 2 * rows.rows; ++k) {
@@ -109,7 +127,8 @@ void IslandBatch::AddRandom(int rows, std::uint64_t seed) {
       const double turn[3] = {r[1] * n[2] - r[2] * n[1], r[2] * n[0] - r[0] * n[2], r[0] * n[1] - r[1] * n[0]};
       double numbers[6] = {n[0], n[1], p == 3 ? turn[2] : n[2], turn[0], turn[1], turn[2]};
       for (int c = 0; c < p; ++c) {
-        numbers[c] *= on < 0 ? 0.0 : sign;
+        // Single precision has them exactly.
+        numbers[c] = on < 0 ? 0.0 : sign * static_cast<double>(static_cast<float>(numbers[c]));
         if (on >= 0) load += numbers[c] * velocity[At(on * p + c)];
       }
       J.insert(J.end(), numbers, numbers + p);

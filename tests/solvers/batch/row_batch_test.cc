@@ -257,7 +257,7 @@ TEST_P(RowBatchTest, DoesNotAllocateAfterReserve) {
   CountAllocations(true);
   for (const int p : {3, 6}) {
     Batch batch(p, false);
-    StepSolver trial;
+    StepSolver trial({.instructions = GetParam()});
     for (unsigned seed = 0; seed < 1000; ++seed) {
       // Those that AutoSolver's backends are asked for may allocate.
       Batch alone(p, false);
