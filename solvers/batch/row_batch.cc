@@ -1,5 +1,7 @@
 #include "solvers/batch/row_batch.h"
 
+#include <immintrin.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,10 +24,16 @@ constexpr int kMostSides = 2 * 6;
 constexpr double kShift = 1e-8;
 static_assert(RowBatch::kMaxRows == kBatchMaxRows);
 
-// Bit i: byte i of up to 8 is not 0.
-std::uint32_t BitsOfBytes(const unsigned char* bytes, int count) {
+// Bit i: byte i of `count` <= 8 is not 0. If `is_whole`, all 8 can be read.
+std::uint32_t BitsOfBytes(const unsigned char* bytes, int count, bool is_whole) {
   std::uint64_t word = 0;
-  std::memcpy(&word, bytes, static_cast<std::size_t>(count));
+  if (is_whole) {
+    std::memcpy(&word, bytes, 8);
+    word &= ~std::uint64_t{0} >> (64 - 8 * count);
+  } else {
+    std::memcpy(&word, bytes, static_cast<std::size_t>(count));
+  }
+  if (word == 0) return 0;
   word |= word >> 4U;
   word |= word >> 2U;
   word |= word >> 1U;
@@ -33,11 +41,10 @@ std::uint32_t BitsOfBytes(const unsigned char* bytes, int count) {
   return static_cast<std::uint32_t>((word * 0x0102040810204080) >> 56U);
 }
 
-std::uint32_t JointsOf(const unsigned char* bilateral, int n) {
+// @param left  numbers that `bilateral` has, >= n
+std::uint32_t JointsOf(const unsigned char* bilateral, int n, std::int64_t left) {
   std::uint32_t joints = 0;
-  for (int i = 0; i < n; i += 8) {
-    joints |= (n - i >= 8 ? BitsOfBytes(bilateral + i, 8) : BitsOfBytes(bilateral + i, n - i)) << i;
-  }
+  for (int i = 0; i < n; i += 8) joints |= BitsOfBytes(bilateral + i, std::min(n - i, 8), i + 8 <= left) << i;
   return joints;
 }
 
@@ -191,7 +198,7 @@ struct RowBatch::Implementation {
     item.b = rows->b + first;
     item.f = f + first;
     item.n = n;
-    item.joints = rows->bilateral == nullptr ? 0 : JointsOf(rows->bilateral + first, n);
+    item.joints = rows->bilateral == nullptr ? 0 : JointsOf(rows->bilateral + first, n, rows->rows - first);
   }
 
   void SolveEqual(Queue* queue, std::span<const std::int32_t> problems) {
@@ -229,6 +236,10 @@ struct RowBatch::Implementation {
   void Run(Queue* queue, std::span<const std::int32_t> problems, std::int32_t n) {
     group.rows = n;
     group.group.shift = queue == &first_try ? 0 : kShift;
+#if defined(__AVX__)
+    // SSE2's instructions take twice the time while upper halves of registers are in use; GCC 12 forgets some.
+    if (kernels.lanes == 2) _mm256_zeroupper();
+#endif
     kernels.solve_rows(&group);
     for (std::size_t l = 0; l < problems.size(); ++l) {
       const BatchItem& item = group.group.items[l];
