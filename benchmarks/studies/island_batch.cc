@@ -105,7 +105,7 @@ void IslandBatch::AddRandom(int rows, std::uint64_t seed) {
   const int p = columns_per_body;
   const int bodies = 1 + static_cast<int>(engine() % static_cast<std::uint64_t>(1 + (rows / 2)));
   first_body.push_back(static_cast<std::int32_t>(inverse_mass.size()) / p);
-  std::vector<double> velocity(At(bodies * p));
+  std::vector<double> velocity(At(std::int64_t{bodies} * p));
   for (double& v : velocity) v = normal(engine);
   for (int k = 0; k < bodies; ++k) {
     const double mass = std::exp2(normal(engine));
@@ -199,7 +199,7 @@ double IslandBatch::CountRefused(bool single) const {
     arrays.columns = static_cast<Index>(arrays.inverse_mass.size());
     arrays.b.assign(b.begin() + start[k], b.begin() + start[k + 1]);
     arrays.bilateral.assign(bilateral.begin() + start[k], bilateral.begin() + start[k + 1]);
-    const LcpProblem problem = LcpProblem::FromArrays(std::move(arrays));
+    const LcpProblem problem = LcpProblem::FromArrays(arrays);
     LcpResult result;
     result.status = answers[k].status;
     result.f = Eigen::Map<const Eigen::VectorXd>(f.data() + start[k], problem.size());

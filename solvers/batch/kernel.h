@@ -59,6 +59,14 @@ struct RowGroup {
   double rho[kBatchMaxLanes] = {};  ///< answer: an upper bound, at most 4 times too large
 };
 
+/// Brings inverse_mass[at] into the cache, if there is such a number. Of no linkage: see lanes.h.
+[[maybe_unused, gnu::always_inline]] static inline void FetchMass(const double* inverse_mass, std::int64_t at) {
+  const auto address =
+      reinterpret_cast<std::uintptr_t>(inverse_mass) + (static_cast<std::uintptr_t>(at) * sizeof(double));
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): may be outside of the array
+  __builtin_prefetch(reinterpret_cast<const void*>(address));
+}
+
 using BatchKernel = void (*)(BatchGroup* group);
 using RowKernel = void (*)(RowGroup* group);
 

@@ -83,7 +83,8 @@ class RowAssembly {
 
   // At once, as many lines would have to wait for each other.
   void FetchNext(int i) const {
-    constexpr int kRowBytes = static_cast<int>(2 * p * sizeof(Real));
+    constexpr std::ptrdiff_t kRowBytes = std::ptrdiff_t{2} * p * sizeof(Real);
+    const std::ptrdiff_t side_0 = std::ptrdiff_t{2} * i;
     for (int l = 0; l < kWidth; ++l) {
       const RowGroup::Next& next = group_.next[l];
       const char* const J = next.J + i * kRowBytes;
@@ -92,12 +93,12 @@ class RowAssembly {
       if (i % 8 == 0) {
         __builtin_prefetch(next.b + i);
         __builtin_prefetch(next.f + i, 1);
-        __builtin_prefetch(next.later_body + 2 * i);
+        __builtin_prefetch(next.later_body + side_0);
       }
       for (int side = 0; side < 2; ++side) {
-        const std::int64_t body = next.body[2 * i + side];
+        const std::int64_t body = next.body[side_0 + side];
         // What is out of range is refused later: to fetch it does no harm.
-        __builtin_prefetch(group_.inverse_mass + p * body);
+        FetchMass(group_.inverse_mass, p * body);
       }
     }
   }

@@ -17,9 +17,10 @@ namespace {
 // Problems of a block: enough that the groups of a size, one after another, find their instructions in the first-level
 // cache, and few enough that what lies beside a problem is still in some cache when its turn comes.
 constexpr std::size_t kBlock = 512;
-constexpr std::size_t kRoom = kBlock + (2 * kBatchMaxLanes);
+constexpr std::size_t kMostLanes = kBatchMaxLanes;
+constexpr std::size_t kRoom = kBlock + (2 * kMostLanes);
 constexpr std::size_t kSizes = kBatchMaxRows + 1;
-constexpr int kMostSides = 2 * 6;
+constexpr std::size_t kMostNumbers = std::size_t{2} * 6 * kBatchMaxRows;  // of J
 // What the first try leaves is tried once more with this part of A_ii added (BatchGroup::shift).
 constexpr double kShift = 1e-8;
 static_assert(RowBatch::kMaxRows == kBatchMaxRows);
@@ -55,9 +56,9 @@ struct RowBatch::Implementation {
 
   // A lane's rows, filled up by rows of zeros.
   struct Padded {
-    std::array<std::int32_t, 2 * kBatchMaxRows> body;
-    std::array<double, kMostSides * kBatchMaxRows> J;
-    std::array<float, kMostSides * kBatchMaxRows> J_single;
+    std::array<std::int32_t, 2 * kSizes> body;
+    std::array<double, kMostNumbers> J;
+    std::array<float, kMostNumbers> J_single;
     std::array<double, kBatchMaxRows> b, f;
   };
 
@@ -87,6 +88,7 @@ struct RowBatch::Implementation {
     group.inverse_mass = of.inverse_mass;
     std::fill(std::begin(group.J), std::end(group.J), nullptr);
     std::fill(std::begin(group.J_single), std::end(group.J_single), nullptr);
+    group.next_rows = 0;
     first_try.count.fill(0);
     second_try.count.fill(0);
   }
@@ -106,7 +108,7 @@ struct RowBatch::Implementation {
     const unsigned of_loads = TouchLines(rows->b + begin, rows->b + end) + TouchLines(f + begin, f + end);
     // Bodies of an island mostly lie side by side, and what is out of range is refused later: to fetch it does no harm.
     for (std::int64_t k = 2 * begin; k < 2 * end; k += 2) {
-      __builtin_prefetch(rows->inverse_mass + std::int64_t{rows->body[k]} * p);
+      FetchMass(rows->inverse_mass, rows->body[k] * p);
     }
     return of_J + of_loads;
   }
@@ -156,7 +158,7 @@ struct RowBatch::Implementation {
   }
 
   void PrepareNext(const std::int32_t* problems, const std::int32_t* later) {
-    const int p = rows->columns_per_body;
+    const std::int64_t p = rows->columns_per_body;
     group.next_rows = std::min(SizeOf(problems[0]), SizeOf(later[0]));
     for (std::size_t l = 0; l < kernels.lanes; ++l) {
       const std::int64_t first = start[static_cast<std::size_t>(problems[l])];
@@ -186,7 +188,7 @@ struct RowBatch::Implementation {
 
   void PointTo(std::size_t lane, std::int32_t problem) {
     const std::int64_t first = start[static_cast<std::size_t>(problem)];
-    const std::int64_t width = 2 * rows->columns_per_body;
+    const std::int64_t width = std::int64_t{2} * rows->columns_per_body;
     const std::int32_t n = SizeOf(problem);
     group.body[lane] = rows->body + 2 * first;
     if (rows->J != nullptr) {
@@ -208,7 +210,7 @@ struct RowBatch::Implementation {
 
   void SolveMixed(Queue* queue, std::span<const std::int32_t> problems) {
     const std::int32_t n = SizeOf(problems[0]);  // the largest
-    const auto width = static_cast<std::size_t>(2 * rows->columns_per_body);
+    const std::size_t width = 2 * static_cast<std::size_t>(rows->columns_per_body);
     for (std::size_t l = 0; l < kernels.lanes; ++l) {
       const std::size_t of = l < problems.size() ? l : 0;
       PointTo(l, problems[of]);
@@ -217,7 +219,7 @@ struct RowBatch::Implementation {
       const auto own = static_cast<std::size_t>(item.n);
       const auto all = static_cast<std::size_t>(n);
       Padded& copy = padded[l];
-      std::fill(std::copy_n(group.body[l], 2 * own, copy.body.begin()), copy.body.begin() + 2 * n, -1);
+      std::fill(std::copy_n(group.body[l], 2 * own, copy.body.begin()), copy.body.begin() + std::ptrdiff_t{2} * n, -1);
       std::fill(std::copy_n(item.b, own, copy.b.begin()), copy.b.begin() + n, 0.0);
       group.body[l] = copy.body.data();
       item.b = copy.b.data();
@@ -247,9 +249,9 @@ struct RowBatch::Implementation {
       if (item.f != to) std::copy_n(item.f, item.n, to);
     }
     for (std::size_t l = 0; l < problems.size(); ++l) {
-      if ((group.group.met >> l & 1U) != 0) {
-        receiver->Take(problems[l], group.group.pivots[l], group.rho[l]);
-      } else if ((group.group.close >> l & 1U) != 0 && IsRight(problems[l])) {
+      const bool met = (group.group.met >> l & 1U) != 0;
+      const bool close = (group.group.close >> l & 1U) != 0;
+      if (met || (close && IsRight(problems[l]))) {
         receiver->Take(problems[l], group.group.pivots[l], group.rho[l]);
       } else if (queue == &first_try) {
         second_try.Add(problems[l], SizeOf(problems[l]));
@@ -275,7 +277,7 @@ struct RowBatch::Implementation {
   std::array<Padded, kBatchMaxLanes> padded;
   volatile unsigned touched = 0;
   Queue first_try, second_try;
-  std::array<const std::int32_t*, (kBlock / 2) + (kSizes * kBatchMaxLanes)> full;  // groups of whole lanes
+  std::array<const std::int32_t*, (kBlock / 2) + (kSizes * kMostLanes)> full;  // groups of whole lanes
 };
 
 RowBatch::RowBatch(BatchInstructions instructions) : implementation_(std::make_unique<Implementation>(instructions)) {}

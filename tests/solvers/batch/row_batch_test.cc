@@ -63,7 +63,7 @@ struct Batch {
       const double m = chance(0.1) ? 0.0 : std::exp2(3 * normal(engine));
       for (int c = 0; c < p; ++c) {
         inverse_mass.push_back(m * (1 + c));
-        velocity[static_cast<std::size_t>(k * p + c)] = m == 0 ? 0.0 : normal(engine);
+        velocity[Place(k, c)] = m == 0 ? 0.0 : normal(engine);
       }
     }
     const double joints = chance(0.5) ? 0.2 : 0.0;
@@ -79,7 +79,7 @@ struct Batch {
         for (int c = 0; c < p; ++c) {
           const double number = chance(0.2) ? 0.0 : static_cast<double>(static_cast<float>(normal(engine)));
           J.push_back(number);
-          if (on >= 0) load += number * velocity[static_cast<std::size_t>(on * p + c)];
+          if (on >= 0) load += number * velocity[Place(on, c)];
         }
         body.push_back(on < 0 ? -1 : first + on);
       }
@@ -143,6 +143,9 @@ struct Batch {
   }
 
  private:
+  std::size_t Place(int k, int c) const {
+    return (static_cast<std::size_t>(k) * static_cast<std::size_t>(p)) + static_cast<std::size_t>(c);
+  }
   static std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
   double Number(std::int32_t side, int c) const {
     const double j = J[At(side * p + c)];
@@ -303,7 +306,7 @@ TEST_P(RowBatchTest, RefusesBadInputByItsPlaceAmongAllRows) {
   }
   const auto used = std::find_if(batch.body.begin() + 200, batch.body.end(), [](std::int32_t k) { return k >= 0; });
   for (const double bad : {std::nan(""), infinity, -1.0}) {
-    double& number = batch.inverse_mass[static_cast<std::size_t>(3 * *used + 2)];
+    double& number = batch.inverse_mass[(3 * static_cast<std::size_t>(*used)) + 2];
     const double good = std::exchange(number, bad);
     expect_refused("body " + std::to_string(*used));
     number = good;
