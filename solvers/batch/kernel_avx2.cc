@@ -3,5 +3,6 @@
 namespace lcpbench {
 
 void SolveGroupAvx2(BatchGroup* group) { SolveGroup(group); }
+void SolveRowsAvx2(RowGroup* group) { SolveRows(group); }
 
 }  // namespace lcpbench

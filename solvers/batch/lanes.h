@@ -3,12 +3,18 @@
 #include <immintrin.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
 /// Internal to solvers/batch/.
 namespace lcpbench {
 namespace {
+
+/// The two bodies of a row.
+struct IndexPair {
+  std::int32_t index[2];
+};
 
 /// As many doubles at once as the instruction set has lanes that this header is compiled for: 8 with AVX-512 (F, DQ and
 /// VL), 4 with AVX2 and FMA, 2 with SSE2, which every x86-64 has. In an unnamed namespace like all that kernels are
@@ -80,10 +86,26 @@ struct Lanes {
     return static_cast<unsigned>(_mm_movemask_pd(reinterpret_cast<V>(m)));
 #endif
   }
+  /// Which lanes have the same integers, to select by.
+#if defined(__AVX512F__)
+  using Choice = __mmask8;
+  static Choice Equal(M a, M b) {
+    return _mm512_cmpeq_epi64_mask(reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b));
+  }
+  /// a where `first`, else b where `second`, else 0.
+  static V Choose(Choice first, V a, Choice second, V b) {
+    return _mm512_mask_mov_pd(_mm512_maskz_mov_pd(second, b), first, a);
+  }
+#else
+  using Choice = M;
+  static Choice Equal(M a, M b) { return a == b; }
+  static V Choose(Choice first, V a, Choice second, V b) { return Select(first, a, Masked(second, b)); }
+#endif
   static M FromBits(unsigned bits) { return FromBits(bits, std::make_integer_sequence<int, kWidth>{}); }
 
   /// to[j] has from[l][offset + j] in lane l, j < count <= kWidth; nothing beyond is read.
-  static void LoadTransposed(const double* const* from, std::size_t offset, int count, V* to) {
+  template <typename Real>
+  static void LoadTransposed(const Real* const* from, std::size_t offset, int count, V* to) {
     for (int l = 0; l < kWidth; ++l) to[l] = LoadFirst(from[l] + offset, count);
     Transpose<1>(to);
   }
@@ -107,6 +129,30 @@ struct Lanes {
     return _mm256_maskload_pd(from, reinterpret_cast<__m256i>(FromBits(FirstBits(count))));
 #else
     return count > 1 ? _mm_loadu_pd(from) : _mm_load_sd(from);
+#endif
+  }
+  static V LoadFirst(const float* from, int count) {
+#if defined(__AVX512F__)
+    return _mm512_cvtps_pd(_mm256_maskz_loadu_ps(static_cast<__mmask8>(FirstBits(count)), from));
+#elif defined(__AVX2__)
+    if (count >= kWidth) return _mm256_cvtps_pd(_mm_loadu_ps(from));
+    const __m128i first = _mm_cmpgt_epi32(_mm_set1_epi32(count), _mm_setr_epi32(0, 1, 2, 3));
+    return _mm256_cvtps_pd(_mm_maskload_ps(from, first));
+#else
+    return V{from[0], count > 1 ? from[1] : 0.0};
+#endif
+  }
+  /// Two indices become one lane's 64 bits.
+  static V LoadFirst(const IndexPair* from, int count) {
+#if defined(__AVX512F__)
+    return reinterpret_cast<V>(_mm512_maskz_loadu_epi64(static_cast<__mmask8>(FirstBits(count)), from));
+#elif defined(__AVX2__)
+    const M first = FromBits(FirstBits(count < kWidth ? count : kWidth));
+    return reinterpret_cast<V>(
+        _mm256_maskload_epi64(reinterpret_cast<const long long*>(from), reinterpret_cast<__m256i>(first)));
+#else
+    const auto* pair = reinterpret_cast<const __m128i*>(from);
+    return reinterpret_cast<V>(count > 1 ? _mm_loadu_si128(pair) : _mm_loadl_epi64(pair));
 #endif
   }
   static void StoreFirst(double* to, int count, V v) {

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "solvers/batch/instructions.h"
 #include "solvers/batch/kernel.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/pivoting/tableau_rules.h"
@@ -21,34 +22,6 @@
 
 namespace lcpbench {
 namespace {
-
-struct Kernel {
-  BatchInstructions instructions;
-  std::string_view name;
-  std::size_t lanes;
-  BatchKernel solve;
-  bool (*is_available)();
-};
-
-// The widest last.
-constexpr std::array kKernels{
-    Kernel{BatchInstructions::kSse2, "sse2", 2, &SolveGroupSse2, [] { return true; }},
-    Kernel{BatchInstructions::kAvx2, "avx2", 4, &SolveGroupAvx2,
-           [] { return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0; }},
-    Kernel{BatchInstructions::kAvx512, "avx512", 8, &SolveGroupAvx512,
-           [] {
-             return __builtin_cpu_supports("fma") != 0 && __builtin_cpu_supports("avx512f") != 0 &&
-                    __builtin_cpu_supports("avx512dq") != 0 && __builtin_cpu_supports("avx512vl") != 0;
-           }},
-};
-
-const Kernel& FindKernel(BatchInstructions instructions) {
-  for (auto kernel = kKernels.rbegin(); kernel != kKernels.rend(); ++kernel) {
-    const bool is_wanted = instructions == BatchInstructions::kBest || kernel->instructions == instructions;
-    if (is_wanted && kernel->is_available()) return *kernel;
-  }
-  throw InputError("batch: this machine has no " + std::string(ToString(instructions)));
-}
 
 // Groups that a thread takes at a time.
 constexpr std::size_t kChunk = 4;
@@ -106,24 +79,12 @@ class WorkerPool {
   std::vector<std::thread> threads_;
 };
 
-std::string_view ToString(BatchInstructions instructions) {
-  for (const Kernel& kernel : kKernels) {
-    if (kernel.instructions == instructions) return kernel.name;
-  }
-  return "best";
-}
-
-std::vector<BatchInstructions> AvailableBatchInstructions() {
-  std::vector<BatchInstructions> available;
-  for (const Kernel& kernel : kKernels) {
-    if (kernel.is_available()) available.push_back(kernel.instructions);
-  }
-  return available;
-}
-
 struct BatchSolver::Implementation {
   explicit Implementation(const BatchOptions& batch_options)
-      : kernel(FindKernel(batch_options.instructions)), pool(CheckedThreads(batch_options)) {
+      : instructions(batch_options.instructions == BatchInstructions::kBest ? AvailableBatchInstructions().back()
+                                                                            : batch_options.instructions),
+        kernel(FindBatchKernels(instructions)),
+        pool(CheckedThreads(batch_options)) {
     for (int i = 0; i < batch_options.threads; ++i) {
       fallback.push_back(std::make_unique<AutoSolver>(batch_options.fallback));
     }
@@ -229,7 +190,8 @@ struct BatchSolver::Implementation {
     batch->Take(p, *result);
   }
 
-  const Kernel& kernel;
+  BatchInstructions instructions;
+  const BatchKernels& kernel;
   std::vector<std::unique_ptr<AutoSolver>> fallback;  // one per thread
   std::vector<LcpResult> scratch;
   std::vector<GivenFormTest> tests;
@@ -348,6 +310,6 @@ void BatchSolver::Solve(const DenseBatch& batch, const LcpOptions& options, doub
 }
 
 Index BatchSolver::fallbacks() const { return implementation_->fallbacks; }
-BatchInstructions BatchSolver::instructions() const { return implementation_->kernel.instructions; }
+BatchInstructions BatchSolver::instructions() const { return implementation_->instructions; }
 
 }  // namespace lcpbench

@@ -3,23 +3,13 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string_view>
-#include <vector>
 
 #include "solvers/auto/auto_solver.h"
+#include "solvers/batch/instructions.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {
-
-/// Instruction sets that the kernels are compiled for. kBest: the widest of those that this machine has.
-enum class BatchInstructions { kBest, kSse2, kAvx2, kAvx512 };
-
-/// "best", "sse2", "avx2", "avx512".
-std::string_view ToString(BatchInstructions instructions);
-
-/// What this machine has, narrowest first; never empty.
-std::vector<BatchInstructions> AvailableBatchInstructions();
 
 /// Options of BatchSolver.
 struct BatchOptions {

@@ -6,6 +6,7 @@
 
 #include "solvers/batch/kernel.h"
 #include "solvers/batch/lanes.h"
+#include "solvers/batch/row_assembly.h"
 #include "solvers/pivoting/tableau_rules.h"
 
 namespace lcpbench {
@@ -51,6 +52,27 @@ class TableauKernel {
 
   void Solve() {
     Load();
+    Run();
+  }
+
+  // The assembled matrix replaces that of the group's items.
+  void SolveRows(RowGroup* group) {
+    for (int i = group->rows; i < N; ++i) {
+      b_[i] = L::Set(0);
+      for (int j = 0; j <= i; ++j) matrix_[At(i, j)] = L::Set(0);
+    }
+    const M usable = AssembleRows(group, matrix_, b_);
+    TakeJoints();
+    Run();
+    group_.met &= L::Bits(usable);
+    group_.close &= L::Bits(usable);
+    alignas(64) double squares[kLaneCount];
+    L::Store(squares, rho_square_);
+    for (int l = 0; l < kLaneCount; ++l) group->rho[l] = __builtin_sqrt(squares[l]);
+  }
+
+ private:
+  [[gnu::noinline]] void Run() {
     Scale();
     if (any_joint_) Sweep(true, false);
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
@@ -59,13 +81,16 @@ class TableauKernel {
     }
     WriteForces();
     Check();
-    const M poor = L::Set(kGoodEnough * kGoodEnough) < rho_square_;
-    if (L::Any(poor)) Refine(poor);
+    const int most = group_.shift > 0 ? kMostRefinements : 1;
+    for (int k = 0; k < most; ++k) {
+      const M poor = L::Set(kGoodEnough * kGoodEnough) < rho_square_;
+      if (!L::Any(poor)) break;
+      Refine(poor);
+    }
     Judge();
     StoreForces();
   }
 
- private:
   using L = Lanes;
   using V = L::V;
   using M = L::M;
@@ -81,6 +106,7 @@ class TableauKernel {
   // a lane that cycles costs its neighbours the rest.
   static constexpr int kMaxSweeps = 12;
   static constexpr int kUpwardSweeps = 3;
+  static constexpr int kMostRefinements = 4;  // with a shift
   static constexpr double kLeastPivot = tableau::kLeastPivot;
   static constexpr double kNoise = tableau::kNoise;
   static constexpr double kGoodEnough = tableau::kGoodEnoughInLanes;
@@ -112,20 +138,16 @@ class TableauKernel {
   void Load() {
     int n = 0;
     bool uniform = true;
-    std::uint32_t joints = 0;
     const double* matrices[kLaneCount];
     const double* loads[kLaneCount];
     for (int l = 0; l < kLaneCount; ++l) {
       const BatchItem& item = group_.items[l];
       n = item.n > n ? item.n : n;
       uniform &= item.n == group_.items[0].n;
-      joints |= item.joints;
       matrices[l] = item.A;
       loads[l] = item.b;
     }
-    for (int i = 0; i < N; ++i) joint_[i] = L::FromBits(0);
-    any_joint_ = joints != 0;
-    if (any_joint_) LoadJoints();
+    TakeJoints();
     if (!uniform) {
       LoadMixed();
     } else if (n == N) {
@@ -152,6 +174,13 @@ class TableauKernel {
     }
   }
 
+  void TakeJoints() {
+    std::uint32_t joints = 0;
+    for (int l = 0; l < kLaneCount; ++l) joints |= group_.items[l].joints;
+    for (int i = 0; i < N; ++i) joint_[i] = L::FromBits(0);
+    any_joint_ = joints != 0;
+    if (any_joint_) LoadJoints();
+  }
   [[gnu::noinline]] void LoadJoints() {
     for (int i = 0; i < N; ++i) {
       unsigned bits = 0;
@@ -202,11 +231,12 @@ class TableauKernel {
       norm = L::Fma(q, q, norm);
     });
     b_square_ = L::Select(zero < norm, norm, one);
+    const V shift = L::Set(group_.shift);
     Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V s = scale_[i];
       EachUpTo(i, [&](auto j) LCPBENCH_INLINE_LAMBDA { tableau_[At(i, j)] = matrix_[At(i, j)] * s * scale_[j]; });
       const V d = matrix_[At(i, i)] * s * s;
-      tableau_[At(i, i)] = d;
+      tableau_[At(i, i)] = L::Fma(d, shift, d);
       least_[i] = L::Set(kLeastPivot) * d;
     });
     noise_ = L::Set(-kNoise);
@@ -380,8 +410,13 @@ class TableauKernel {
 
   void Judge() {
     // SmallPivoting::Answer::rounding, squared, with D_ii = 4 for forces and b.
-    constexpr double kRounding = 2 * (N + 8) * std::numeric_limits<double>::epsilon() * 2 * 2;
-    const V rounding = L::Set(kRounding * kRounding * N) * (size_ * size_) / b_square_;
+    // By the lane's own rows: what it is worth must not depend on its neighbours.
+    constexpr double kRounding = 2 * std::numeric_limits<double>::epsilon() * 2 * 2;
+    alignas(64) double rows_of[kLaneCount];
+    for (int l = 0; l < kLaneCount; ++l) rows_of[l] = group_.items[l].n;
+    const V n = L::Load(rows_of);
+    const V part = L::Set(kRounding) * (n + L::Set(8)) * size_;
+    const V rounding = n * (part * part) / b_square_;
     const M clear = rounding <= L::Set(group_.rounding_limit * group_.rounding_limit);
     const M right = solid_ & clear & (rho_square_ <= L::Set(group_.rho_limit * group_.rho_limit));
     M rows = rows_met_;
@@ -458,6 +493,17 @@ void SolveGroupOfSize(int n, BatchGroup* group) {
     SolveGroupOfSize<N + 2>(n, group);
   }
 }
+
+template <int N = 2>
+void SolveRowsOfSize(RowGroup* group) {
+  if (group->rows <= N) {
+    TableauKernel<N>(&group->group).SolveRows(group);
+  } else if constexpr (N < kBatchMaxRows) {
+    SolveRowsOfSize<N + 2>(group);
+  }
+}
+
+void SolveRows(RowGroup* group) { SolveRowsOfSize(group); }
 
 void SolveGroup(BatchGroup* group) {
   int n = 0;

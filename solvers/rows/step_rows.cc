@@ -109,4 +109,16 @@ bool HasDiagonalInRange(const StepRows& rows) {
   return true;
 }
 
+StepRows PartOf(const StepRows& rows, std::int64_t first, std::int64_t last) {
+  StepRows part = rows;
+  const std::int64_t width = 2 * rows.columns_per_body;
+  part.rows = last - first;
+  part.body += 2 * first;
+  if (part.J != nullptr) part.J += width * first;
+  if (part.J_single != nullptr) part.J_single += width * first;
+  part.b += first;
+  if (part.bilateral != nullptr) part.bilateral += first;
+  return part;
+}
+
 }  // namespace lcpbench

@@ -34,5 +34,7 @@ bool CheckRows(const StepRows& rows, const double* initial_f);
 
 /// Whether no A_ii is extreme: small numbers do no harm beside others of their row.  O(n)
 bool HasDiagonalInRange(const StepRows& rows);
+/// The rows first to last - 1 alone.
+StepRows PartOf(const StepRows& rows, std::int64_t first, std::int64_t last);
 
 }  // namespace lcpbench

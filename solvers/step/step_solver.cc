@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "solvers/auto/auto_solver.h"
+#include "solvers/batch/row_batch.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/rows/row_solver.h"
 #include "support/input_error.h"
@@ -45,11 +47,55 @@ ProblemArrays ToArrays(const StepRows& rows) {
   return arrays;
 }
 
+// Rows that name few of many bodies, with these bodies alone: what solves one problem must not look at a whole world.
+class OwnBodies {
+ public:
+  void Reserve(Index max_rows) {
+    const auto sides = static_cast<std::size_t>(2 * max_rows);
+    bodies_.reserve(sides);
+    local_.reserve(sides);
+    inverse_mass_.reserve(sides * 6);
+  }
+  StepRows Take(StepRows rows) {
+    bodies_.clear();
+    for (Index k = 0; k < 2 * rows.rows; ++k) {
+      const std::int32_t body = rows.body[k];
+      if (body < -1 || body >= rows.bodies) return rows;  // refused as it is
+      if (body >= 0) bodies_.push_back(body);
+    }
+    std::sort(bodies_.begin(), bodies_.end());
+    bodies_.erase(std::unique(bodies_.begin(), bodies_.end()), bodies_.end());
+    local_.clear();
+    for (Index k = 0; k < 2 * rows.rows; ++k) {
+      const auto place = std::lower_bound(bodies_.begin(), bodies_.end(), rows.body[k]);
+      local_.push_back(rows.body[k] < 0 ? -1 : static_cast<std::int32_t>(place - bodies_.begin()));
+    }
+    inverse_mass_.clear();
+    for (const std::int32_t body : bodies_) {
+      const double* mass = rows.inverse_mass + static_cast<Index>(body) * rows.columns_per_body;
+      inverse_mass_.insert(inverse_mass_.end(), mass, mass + rows.columns_per_body);
+    }
+    rows.bodies = static_cast<Index>(bodies_.size());
+    rows.body = local_.data();
+    rows.inverse_mass = inverse_mass_.data();
+    return rows;
+  }
+
+ private:
+  std::vector<std::int32_t> bodies_, local_;
+  std::vector<double> inverse_mass_;
+};
+
 }  // namespace
 
 struct StepSolver::Implementation {
+  explicit Implementation(const StepOptions& given) : options(given), batch(given.instructions) {}
+
   StepOptions options;
   RowSolver rows;
+  RowBatch batch;
+  OwnBodies own_bodies;
+  std::int64_t left = 0;
   std::unique_ptr<AutoSolver> others;
   LcpResult result;
   Eigen::VectorXd initial_f, gaps;
@@ -82,19 +128,21 @@ struct StepSolver::Implementation {
   }
 };
 
-StepSolver::StepSolver(const StepOptions& options) : implementation_(std::make_unique<Implementation>()) {
+StepSolver::StepSolver(const StepOptions& options) : implementation_(std::make_unique<Implementation>(options)) {
   if (!(options.tolerance > 0 && options.tolerance < 1)) {
     throw InputError("tolerance must be in (0, 1), found " + std::to_string(options.tolerance));
   }
   if (!(options.time_limit_s > 0)) {
     throw InputError("time limit must be > 0 s, found " + std::to_string(options.time_limit_s));
   }
-  implementation_->options = options;
 }
 
 StepSolver::~StepSolver() = default;
 
-void StepSolver::Reserve(Index max_rows, Index max_bodies) { implementation_->rows.Reserve(max_rows, max_bodies); }
+void StepSolver::Reserve(Index max_rows, Index max_bodies) {
+  implementation_->rows.Reserve(max_rows, max_bodies);
+  implementation_->own_bodies.Reserve(max_rows);
+}
 
 std::int64_t StepSolver::fallbacks() const { return implementation_->fallbacks; }
 
@@ -110,6 +158,39 @@ StepAnswer StepSolver::Solve(const StepRows& rows, const double* initial_f, doub
   return own.Ask(rows, initial_f, f, w);
 }
 
+std::int64_t StepSolver::left() const { return implementation_->left; }
+
+// What becomes of the problems of a batch.
+class StepSolver::BatchReceiver final : public RowBatch::Receiver {
+ public:
+  BatchReceiver(StepSolver* solver, const StepRows& rows, std::span<const std::int32_t> start, double* f,
+                std::span<StepAnswer> answers)
+      : solver_(*solver), rows_(rows), start_(start), f_(f), answers_(answers) {}
+
+  void Take(std::int32_t problem, int pivots, double rho) override {
+    answers_[static_cast<std::size_t>(problem)] = {LcpStatus::kSolved, pivots, rho};
+  }
+  void Leave(std::int32_t problem) override {
+    Implementation& own = *solver_.implementation_;
+    const auto k = static_cast<std::size_t>(problem);
+    ++own.left;
+    try {
+      const StepRows part = own.own_bodies.Take(PartOf(rows_, start_[k], start_[k + 1]));
+      answers_[k] = solver_.Solve(part, nullptr, f_ + start_[k]);
+    } catch (const InputError&) {
+      CheckRows(rows_, nullptr);  // names the row by its place among all
+      throw;
+    }
+  }
+
+ private:
+  StepSolver& solver_;
+  const StepRows& rows_;
+  std::span<const std::int32_t> start_;
+  double* f_;
+  std::span<StepAnswer> answers_;
+};
+
 void StepSolver::SolveBatch(const StepRows& rows, std::span<const std::int32_t> start, double* f,
                             std::span<StepAnswer> answers) {
   if (start.size() != answers.size() + 1 || start.front() != 0 || start.back() != rows.rows) {
@@ -118,18 +199,11 @@ void StepSolver::SolveBatch(const StepRows& rows, std::span<const std::int32_t> 
   for (std::size_t k = 0; k < answers.size(); ++k) {
     if (start[k + 1] < start[k]) throw InputError("start must ascend, entry " + std::to_string(k + 1) + " does not");
   }
-  for (std::size_t k = 0; k < answers.size(); ++k) {
-    StepRows part = rows;
-    const std::int64_t first = start[k];
-    const std::int64_t width = 2 * rows.columns_per_body;
-    part.rows = start[k + 1] - first;
-    part.body += 2 * first;
-    if (part.J != nullptr) part.J += width * first;
-    if (part.J_single != nullptr) part.J_single += width * first;
-    part.b += first;
-    if (part.bilateral != nullptr) part.bilateral += first;
-    answers[k] = Solve(part, nullptr, f + first);
-  }
+  // Arrays, and what the first row has; lanes look at the rest as they read it.
+  CheckRows(rows.rows > 0 ? PartOf(rows, 0, 1) : rows, nullptr);
+  implementation_->left = 0;
+  BatchReceiver receiver(this, rows, start, f, answers);
+  implementation_->batch.Solve(rows, start, implementation_->options.tolerance, f, &receiver);
 }
 
 }  // namespace lcpbench

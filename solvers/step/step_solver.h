@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 
+#include "solvers/batch/instructions.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/rows/step_rows.h"
 
@@ -14,6 +15,7 @@ namespace lcpbench {
 struct StepOptions {
   double tolerance = 1e-9;                                        ///< requested bound on rho (verify.h), in (0, 1)
   double time_limit_s = std::numeric_limits<double>::infinity();  ///< of one Solve, wall clock [s], > 0
+  BatchInstructions instructions = BatchInstructions::kBest;  ///< of SolveBatch; refused where the machine lacks them
 };
 
 /// How a solve of StepSolver ended.
@@ -50,17 +52,22 @@ class StepSolver {
   StepAnswer Solve(const StepRows& rows, const double* initial_f, double* f, double* w = nullptr);
 
   /// Many problems that share no body that can move, each given by its rows: problem k has the rows start[k] to
-  /// start[k + 1] - 1 of `rows`. From arrays to forces by one problem per SIMD lane where that pays.
+  /// start[k + 1] - 1 of `rows`. From arrays to forces by one problem per SIMD lane (RowBatch); what lanes do not
+  /// solve, and problems of more than RowBatch::kMaxRows rows, as Solve. Lanes give an upper bound of rho, at most 4
+  /// times too large. A problem's bits depend on it alone, not on its neighbours. time_limit_s is that of one problem.
   /// @param start    one number more than there are problems, ascending from 0 to rows.rows
   /// @param f        rows.rows numbers, written
   /// @param answers  one per problem, written
-  /// @throws InputError as Solve, and for `start`
+  /// @throws InputError as Solve, and for `start`; then f and answers may be written in part
   void SolveBatch(const StepRows& rows, std::span<const std::int32_t> start, double* f, std::span<StepAnswer> answers);
 
   /// How many solves went to AutoSolver since the construction: those that allocate.
   std::int64_t fallbacks() const;
+  /// How many problems of the last SolveBatch were not solved in lanes.
+  std::int64_t left() const;
 
  private:
+  class BatchReceiver;
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
 };

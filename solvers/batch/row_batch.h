@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "solvers/batch/instructions.h"
+#include "solvers/rows/step_rows.h"
+
+namespace lcpbench {
+
+/// Many small problems from an engine's arrays to forces, one per SIMD lane: A is assembled in the lanes from the
+/// rows, then solved and checked as BatchSolver does (docs/solvers/batch.md).
+///
+/// The problems are taken in blocks, in which equal sizes share a group, so that memory is read about in order and
+/// once. What is left of all blocks shares groups with the next sizes, filled up by rows of zeros.
+///
+/// Lanes pass nothing with numbers that are not finite, negative inverse masses, bodies out of range or a matrix near
+/// the ends of the doubles' range; who receives the rest must look at its input.
+///
+/// Solve allocates nothing. One object serves one thread at a time.
+class RowBatch {
+ public:
+  static constexpr Index kMaxRows = 32;  ///< of a problem in lanes
+
+  /// What becomes of the problems, in no order, each once.
+  class Receiver {
+   public:
+    virtual ~Receiver() = default;
+    /// Problem k is solved, its f written. `rho` is an upper bound, at most 4 times too large.
+    virtual void Take(std::int32_t problem, int pivots, double rho) = 0;
+    /// Problem k is not for lanes, or did not pass. Its f may be written.
+    virtual void Leave(std::int32_t problem) = 0;
+  };
+
+  /// @throws InputError if this machine lacks the instructions
+  explicit RowBatch(BatchInstructions instructions);
+  ~RowBatch();
+
+  /// Problem k has the rows start[k] to start[k + 1] - 1; sizes and arrays have been checked, numbers have not.
+  void Solve(const StepRows& rows, std::span<const std::int32_t> start, double tolerance, double* f,
+             Receiver* receiver);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace lcpbench
