@@ -349,7 +349,9 @@ typedef struct lcpbench_step_answer {
   lcpbench_status status;  ///< the solver's claim; LCPBENCH_SOLVED only for an f that passed its own check
   int32_t reserved;        ///< 0
   int64_t iterations;      ///< pivots, and iterations of what solved large groups of bodies
-  double rho;  ///< of f (see lcpbench_verdict), as the solver measured it in double; infinite where it did not
+  /// Of f (see lcpbench_verdict), as the solver measured it in double: the largest among groups of rows that do not act
+  /// on each other, which that over all rows does not exceed. Infinite where it was not measured.
+  double rho;
 } lcpbench_step_answer;
 
 /// A step solver.

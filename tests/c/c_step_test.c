@@ -110,7 +110,7 @@ static void ExpectSolved(lcpbench_step* step, const lcpbench_step_rows* rows) {
   lcpbench_verdict verdict;
   CHECK_OK(lcpbench_verify(problem, f, n, answer.status, NULL, 1e-9, &verdict, sizeof verdict, expected_w));
   CHECK(verdict.passes == 1 && verdict.false_success == 0);
-  CHECK(fabs(answer.rho - verdict.rho) < 1e-13);
+  CHECK(verdict.rho <= answer.rho + 1e-13 && answer.rho <= 1e-9);
 
   lcpbench_solver* solver = NULL;
   lcpbench_result* result = NULL;
