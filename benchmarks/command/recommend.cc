@@ -94,6 +94,7 @@ struct Recommend {
     all_.rows_are_known = problems.rows_are_known;
     all_.request.by_tail = all_.problems > 1;
     all_.features = MeasureFeatures(largest->problem);
+    all_.step_sizes = FindStepSizes(problems.steps);
     all_.rules_file = rules.file;
     all_.made_of = rules.made_of;
     all_.region = FindRegion(rules, all_.features, plan.tolerance);

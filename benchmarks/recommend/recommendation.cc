@@ -155,12 +155,48 @@ std::string SettingsText(const Settings& settings) {
   return ", {" + pairs + "}";
 }
 
+using Replacements = std::vector<std::pair<std::string, std::string>>;
+
+std::string Filled(std::string code, const Replacements& replacements) {
+  for (const auto& [mark, text] : replacements) boost::algorithm::replace_first(code, mark, text);
+  return code;
+}
+
+// Measured from cold starts: no start value to take.
+void LeaveOutStart(const std::string& declaration, Replacements* replacements) {
+  replacements->emplace_back("; forces_before: a start value for every row of this step, 0 for new ones, or null.",
+                             ".");
+  replacements->emplace_back(declaration, "");
+}
+
+// Of the best solver.
+std::string RecommendedCode(const Recommendation& all) {
+  const Measurement& measured = all.ranked.front().measured;
+  if (measured.solver == "auto" && all.step_sizes) {
+    return StepEmbeddingCode(*all.step_sizes, measured.warm, all.request);
+  }
+  return EmbeddingCode(measured.solver, measured.warm, all.request);
+}
+
 }  // namespace
+
+std::optional<StepSizes> FindStepSizes(const std::vector<SequenceStep>& steps) {
+  std::optional<StepSizes> sizes;
+  for (const SequenceStep& step : steps) {
+    const LcpProblem& problem = step.problem;
+    if (problem.size() > kMostStepRows || !problem.has_two_body_rows()) return {};
+    if (!sizes) sizes.emplace().columns_per_body = problem.columns_per_body();
+    if (problem.columns_per_body() != sizes->columns_per_body) return {};
+    sizes->rows = std::max(sizes->rows, problem.size());
+    sizes->bodies = std::max(sizes->bodies, problem.J().cols() / problem.columns_per_body());
+  }
+  return sizes;
+}
 
 std::string EmbeddingCode(const std::string& solver, bool warm, const RecommendationRequest& request) {
   const SolverEntry& entry = FindSolver(solver);
   const std::string& base = entry.base.empty() ? entry.key : entry.base;
-  std::vector<std::pair<std::string, std::string>> replacements = {
+  Replacements replacements = {
       {"@TOLERANCE@", NumberText(request.tolerance)},
       {"@LIMIT@", request.deadline_s ? "    options.time_limit_s = " + NumberText(*request.deadline_s) +
                                            ";  // of the solve, without set-up\n"
@@ -168,15 +204,21 @@ std::string EmbeddingCode(const std::string& solver, bool warm, const Recommenda
       {"@START@", warm ? "    options.initial_f = forces_before;\n" : ""},
       {"@SOLVER@", base},
       {"@SETTINGS@", SettingsText(entry.settings)}};
-  if (!warm) {
-    // Measured from cold starts: no start value to take.
-    replacements.emplace_back("; forces_before: a start value for every row of this step, 0 for new ones, or null.",
-                              ".");
-    replacements.emplace_back("const Eigen::VectorXd* forces_before, ", "");
-  }
-  std::string code = kEmbeddingTemplate;
-  for (const auto& [mark, text] : replacements) boost::algorithm::replace_first(code, mark, text);
-  return code;
+  if (!warm) LeaveOutStart("const Eigen::VectorXd* forces_before, ", &replacements);
+  return Filled(kEmbeddingTemplate, replacements);
+}
+
+std::string StepEmbeddingCode(const StepSizes& sizes, bool warm, const RecommendationRequest& request) {
+  Replacements replacements = {
+      {"@ROWS@", std::to_string(sizes.rows)},
+      {"@BODIES@", std::to_string(sizes.bodies)},
+      {"@COLUMNS@", std::to_string(sizes.columns_per_body)},
+      {"@AXES@", sizes.columns_per_body == 3 ? "x, y, rotation" : "translations, rotations about the principal axes"},
+      {"@START@", warm ? "forces_before" : "nullptr"},
+      {"@TOLERANCE@", NumberText(request.tolerance)},
+      {"@LIMIT@", request.deadline_s ? ", .time_limit_s = " + NumberText(*request.deadline_s) : ""}};
+  if (!warm) LeaveOutStart("const double* forces_before, ", &replacements);
+  return Filled(kStepEmbeddingTemplate, replacements);
 }
 
 std::string FormatRecommendation(const Recommendation& all) {
@@ -192,8 +234,7 @@ std::string FormatRecommendation(const Recommendation& all) {
   }
   text += UntriedText(all) + DisturbedText(all);
   if (!best.meets) return text;
-  return text + "\nC++:\n\n" + EmbeddingCode(measured.solver, measured.warm, all.request) +
-         OriginNote(measured.solver) + "\nCMake:\n\n" + kCMake;
+  return text + "\nC++:\n\n" + RecommendedCode(all) + OriginNote(measured.solver) + "\nCMake:\n\n" + kCMake;
 }
 
 nlohmann::ordered_json DescribeRecommendation(const Recommendation& all) {
@@ -244,7 +285,7 @@ nlohmann::ordered_json DescribeRecommendation(const Recommendation& all) {
   const Assessment& best = all.ranked.front();
   json["recommended"] = best.meets ? Json(best.measured.solver) : Json(nullptr);
   json["start"] = best.meets ? Json(best.measured.warm ? "warm" : "cold") : Json(nullptr);
-  json["cpp"] = best.meets ? Json(EmbeddingCode(best.measured.solver, best.measured.warm, all.request)) : Json(nullptr);
+  json["cpp"] = best.meets ? Json(RecommendedCode(all)) : Json(nullptr);
   json["cmake"] = best.meets ? Json(kCMake) : Json(nullptr);
   return json;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,20 @@ struct UntriedSolver {
   double within = 0;  ///< ReferenceRecord
 };
 
+/// What StepSolver has to be told of problems that it takes.
+struct StepSizes {
+  Index rows = 0;    ///< of the largest
+  Index bodies = 0;  ///< of the largest
+  int columns_per_body = 3;
+};
+
+/// StepSolver is recommended up to so many rows; beyond, large islands decide, and it asks the same solvers as `auto`.
+inline constexpr Index kMostStepRows = 1000;
+
+/// Their sizes, if StepSolver takes all of these problems, whose rows then act on two bodies at most, and they are of
+/// kMostStepRows rows at most.
+std::optional<StepSizes> FindStepSizes(const std::vector<SequenceStep>& steps);
+
 /// All that `lcpbench recommend` has to say.
 struct Recommendation {
   std::string input;
@@ -26,7 +41,8 @@ struct Recommendation {
   int samples = 0;              ///< solves of a solver and round
   int rounds = 0;
   RecommendationRequest request;
-  ProblemFeatures features;  ///< of the problem with most rows
+  ProblemFeatures features;             ///< of the problem with most rows
+  std::optional<StepSizes> step_sizes;  ///< FindStepSizes: `auto` is then embedded as StepSolver
   std::string rules_file;
   std::string made_of;  ///< what the rules were made of
   RecommendationRegion region;
@@ -44,5 +60,8 @@ nlohmann::ordered_json DescribeRecommendation(const Recommendation& recommendati
 /// headers.
 /// @param solver  registry key; of a variant its base and settings are written
 std::string EmbeddingCode(const std::string& solver, bool warm, const RecommendationRequest& request);
+
+/// The same for `auto` as StepSolver, which reads the engine's arrays.
+std::string StepEmbeddingCode(const StepSizes& sizes, bool warm, const RecommendationRequest& request);
 
 }  // namespace lcpbench

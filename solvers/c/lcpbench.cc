@@ -11,8 +11,10 @@
 #include <limits>
 #include <memory>
 #include <new>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -22,6 +24,7 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/library_threads.h"
 #include "solvers/registry.h"
+#include "solvers/step/step_solver.h"
 #include "support/input_error.h"
 
 struct lcpbench_problem {
@@ -34,6 +37,11 @@ struct lcpbench_solver {
 
 struct lcpbench_result {
   lcpbench::LcpResult result;
+};
+
+struct lcpbench_step {
+  lcpbench::StepSolver solver;
+  std::vector<lcpbench::StepAnswer> answers;  // of a batch; kept, so that the next one allocates none
 };
 
 namespace lcpbench {
@@ -69,20 +77,23 @@ lcpbench_error Guard(const char* function, Body&& body) noexcept {
   }
 }
 
+// Below, names are views: what is right is told from what is wrong without an allocation, for lcpbench_step_solve.
+
 // Names the argument, what it is and what was expected.
 template <typename Number>
-[[noreturn]] void Refuse(const std::string& name, Number found, const std::string& expected) {
-  throw InputError(name + " is " + std::to_string(found) + ", expected " + expected);
+[[noreturn]] void Refuse(std::string_view name, Number found, const std::string& expected) {
+  throw InputError(std::string(name) + " is " + std::to_string(found) + ", expected " + expected);
 }
 
-void RequireNotNull(const void* pointer, const std::string& name, const char* expected) {
-  if (pointer == nullptr) throw InputError(name + " is NULL, expected " + expected);
+void RequireNotNull(const void* pointer, std::string_view name, const char* expected) {
+  if (pointer == nullptr) throw InputError(std::string(name) + " is NULL, expected " + expected);
 }
 
 // What nearly every function is given.
 void Require(const lcpbench_problem* problem) { RequireNotNull(problem, "problem", "a problem"); }
 void Require(const lcpbench_solver* solver) { RequireNotNull(solver, "solver", "a solver"); }
 void Require(const lcpbench_result* result) { RequireNotNull(result, "result", "a result"); }
+void Require(const lcpbench_step* step) { RequireNotNull(step, "step", "a step solver"); }
 void RequireOutput(const void* pointer, const char* name) { RequireNotNull(pointer, name, "where to write"); }
 void RequireHandle(const void* pointer, const char* name) { RequireNotNull(pointer, name, "the address of a pointer"); }
 
@@ -90,9 +101,9 @@ void RequireHandle(const void* pointer, const char* name) { RequireNotNull(point
 constexpr std::size_t kLargestStruct = 65536;
 
 // @param smallest  its size in version 0.1
-void RequireStructSize(std::size_t size, std::size_t smallest, const std::string& name) {
+void RequireStructSize(std::size_t size, std::size_t smallest, std::string_view name) {
   if (size >= smallest && size <= kLargestStruct) return;
-  Refuse("size", size, "sizeof(" + name + "), " + std::to_string(smallest) + " or more");
+  Refuse("size", size, "sizeof(" + std::string(name) + "), " + std::to_string(smallest) + " or more");
 }
 
 // Writes as much of `source` as the caller's struct has room for, and zeros where that is larger.
@@ -102,6 +113,33 @@ void CopyOut(const Struct& source, Struct* target, std::size_t size) {
   if (size > sizeof source) std::memset(reinterpret_cast<char*>(target) + sizeof source, 0, size - sizeof source);
 }
 
+// What the caller's struct says, which may be shorter or longer than ours, over `defaults`.
+// @param name  "options", the argument
+// @param type  of the struct, with the function that initialises it
+template <typename Struct>
+Struct CopyIn(const Struct* given, const Struct& defaults, std::size_t smallest, std::string_view name,
+              std::string_view type) {
+  Struct read = defaults;
+  RequireStructSize(given->size, smallest, type);
+  const std::size_t known = std::min(given->size, sizeof read);
+  std::memcpy(&read, given, known);
+  const auto* bytes = reinterpret_cast<const unsigned char*>(given);
+  if (std::any_of(bytes + known, bytes + given->size, [](int byte) { return byte != 0; })) {
+    throw InputError(std::string(name) + " has members that this version of the library does not know");
+  }
+  return read;
+}
+
+// Writes the defaults into the caller's struct, with its size.
+template <typename Struct>
+void WriteDefaults(Struct defaults, Struct* target, std::size_t size, std::size_t smallest, const char* name,
+                   std::string_view type) {
+  RequireOutput(target, name);
+  RequireStructSize(size, smallest, type);
+  defaults.size = size;
+  CopyOut(defaults, target, size);
+}
+
 constexpr std::int64_t kLargestSize = std::numeric_limits<std::int32_t>::max();
 
 void RequireSize(std::int64_t size, const char* name) {
@@ -109,6 +147,10 @@ void RequireSize(std::int64_t size, const char* name) {
 }
 
 std::string Place(const char* array, std::int64_t i) { return std::string(array) + "[" + std::to_string(i) + "]"; }
+
+void RequireColumnsPerBody(std::int32_t p, std::string_view name) {
+  if (p != 3 && p != 6) Refuse(name, p, "3 (bodies in the plane) or 6 (in space)");
+}
 
 void RequireLayout(lcpbench_layout layout) {
   if (layout != LCPBENCH_COLUMN_MAJOR && layout != LCPBENCH_ROW_MAJOR) {
@@ -124,12 +166,16 @@ Eigen::VectorXd ReadVector(const double* values, std::int64_t size, const char* 
   return size == 0 ? Eigen::VectorXd() : Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(values, size));
 }
 
+void RequireKinds(const std::uint8_t* kinds, std::int64_t n, const char* name) {
+  for (std::int64_t i = 0; i < n && kinds != nullptr; ++i) {
+    if (kinds[i] == LCPBENCH_BILATERAL || kinds[i] == LCPBENCH_UNILATERAL) continue;
+    Refuse(Place(name, i), kinds[i], "LCPBENCH_UNILATERAL (0) or LCPBENCH_BILATERAL (1)");
+  }
+}
+
 RowBounds ReadKinds(const std::uint8_t* kinds, std::int64_t n) {
   if (kinds == nullptr) return {};
-  for (std::int64_t i = 0; i < n; ++i) {
-    if (kinds[i] == LCPBENCH_BILATERAL || kinds[i] == LCPBENCH_UNILATERAL) continue;
-    Refuse(Place("kinds", i), kinds[i], "LCPBENCH_UNILATERAL (0) or LCPBENCH_BILATERAL (1)");
-  }
+  RequireKinds(kinds, n, "kinds");
   return {{kinds, kinds + n}};
 }
 
@@ -174,6 +220,20 @@ void RequireNoEntryTwice(const SparseMatrix& matrix, const char* name) {
   }
 }
 
+// @param end  what the last of the count + 1 numbers must be, called `name`
+void RequireStarts(const std::int32_t* starts, std::int64_t count, std::int64_t end, const char* name) {
+  if (starts[0] != 0) Refuse("starts[0]", starts[0], "0");
+  for (std::int64_t k = 0; k < count; ++k) {
+    if (starts[k + 1] < starts[k]) {
+      throw InputError(Place("starts", k + 1) + " is " + std::to_string(starts[k + 1]) + ", less than the " +
+                       std::to_string(starts[k]) + " before it");
+    }
+  }
+  if (starts[count] != end) {
+    Refuse(Place("starts", count), starts[count], std::string(name) + " = " + std::to_string(end));
+  }
+}
+
 // The compressed arrays of `name`, checked. Going through the other order sorts the entries, in O(rows + columns +
 // entries).
 SparseMatrix ReadCompressed(const char* name, std::int64_t rows, std::int64_t columns, lcpbench_layout layout,
@@ -188,14 +248,7 @@ SparseMatrix ReadCompressed(const char* name, std::int64_t rows, std::int64_t co
   SparseMatrix matrix(rows, columns);
   if (outer == 0 && entries == 0) return matrix;
   RequireNotNull(starts, "starts", "one number for every column (or row) and one more");
-  if (starts[0] != 0) Refuse("starts[0]", starts[0], "0");
-  for (std::int64_t k = 0; k < outer; ++k) {
-    if (starts[k + 1] < starts[k]) {
-      throw InputError(Place("starts", k + 1) + " is " + std::to_string(starts[k + 1]) + ", less than the " +
-                       std::to_string(starts[k]) + " before it");
-    }
-  }
-  if (starts[outer] != entries) Refuse(Place("starts", outer), starts[outer], "entries = " + std::to_string(entries));
+  RequireStarts(starts, outer, entries, "entries");
   if (entries == 0) return matrix;
   RequireNotNull(indices, "indices", "an array of indices");
   RequireNotNull(values, "values", "an array of numbers");
@@ -232,6 +285,25 @@ Eigen::MatrixXd ReadDense(const double* A, std::int64_t n, lcpbench_layout layou
   const Eigen::Map<const Eigen::MatrixXd> by_columns(A, n, n);
   if (layout == LCPBENCH_COLUMN_MAJOR) return by_columns;
   return by_columns.transpose();
+}
+
+lcpbench_error MakeFromFactors(const char* function, std::int64_t n, std::int64_t columns,
+                               std::int32_t columns_per_body, lcpbench_layout layout, const std::int32_t* starts,
+                               const std::int32_t* indices, const double* values, std::int64_t entries,
+                               const double* inverse_mass, const double* b, const std::uint8_t* kinds,
+                               lcpbench_problem** problem) {
+  return MakeProblem(function, n, problem, [&] {
+    RequireSize(columns, "columns");
+    RequireColumnsPerBody(columns_per_body, "columns_per_body");
+    Eigen::VectorXd masses = ReadVector(inverse_mass, columns, "inverse_mass");
+    for (std::int64_t k = 0; k < columns; ++k) {
+      if (masses[k] < 0) Refuse(Place("inverse_mass", k), masses[k], "a number >= 0");
+    }
+    MatrixFacts facts;
+    facts.columns_per_body = columns_per_body;
+    return LcpProblem::FromFactors("", ReadCompressed("J", n, columns, layout, starts, indices, values, entries),
+                                   std::move(masses), ReadVector(b, n, "b"), ReadKinds(kinds, n), facts);
+  });
 }
 
 // The two enumerations count alike, so that a status is converted by its number.
@@ -339,18 +411,68 @@ lcpbench_solve_options Defaults() {
   return defaults;
 }
 
-// The caller's struct may be shorter or longer than ours.
 lcpbench_solve_options ReadOptions(const lcpbench_solve_options* given) {
-  lcpbench_solve_options read = Defaults();
-  if (given == nullptr) return read;
-  RequireStructSize(given->size, kFirstOptions, "lcpbench_solve_options (call lcpbench_solve_options_init)");
-  std::memcpy(&read, given, std::min(given->size, sizeof read));
-  const auto* bytes = reinterpret_cast<const unsigned char*>(given);
-  if (std::any_of(bytes + std::min(given->size, sizeof read), bytes + given->size,
-                  [](int byte) { return byte != 0; })) {
-    throw InputError("options has members that this version of the library does not know");
+  if (given == nullptr) return Defaults();
+  return CopyIn(given, Defaults(), kFirstOptions, "options",
+                "lcpbench_solve_options (call lcpbench_solve_options_init)");
+}
+
+constexpr std::size_t kFirstStepOptions = offsetof(lcpbench_step_options, time_limit_s) + sizeof(double);
+constexpr std::size_t kFirstStepRows = offsetof(lcpbench_step_rows, inverse_mass) + sizeof(double*);
+constexpr std::size_t kFirstStepAnswer = offsetof(lcpbench_step_answer, rho) + sizeof(double);
+
+lcpbench_step_options StepDefaults() {
+  lcpbench_step_options defaults = {};
+  defaults.size = sizeof defaults;
+  defaults.tolerance = StepOptions().tolerance;
+  defaults.time_limit_s = StepOptions().time_limit_s;
+  return defaults;
+}
+
+lcpbench_step_rows StepRowsDefaults() {
+  lcpbench_step_rows defaults = {};
+  defaults.size = sizeof defaults;
+  defaults.columns_per_body = StepRows().columns_per_body;
+  return defaults;
+}
+
+// Whether the arrays are there, and kinds; the numbers in them are the step solver's to check.
+StepRows ReadStepRows(const lcpbench_step_rows* given) {
+  RequireNotNull(given, "rows", "the arrays of a step");
+  const lcpbench_step_rows read =
+      CopyIn(given, StepRowsDefaults(), kFirstStepRows, "rows", "lcpbench_step_rows (call lcpbench_step_rows_init)");
+  RequireColumnsPerBody(read.columns_per_body, "rows.columns_per_body");
+  RequireSize(read.rows, "rows.rows");
+  RequireSize(read.bodies, "rows.bodies");
+  if (read.reserved != 0) Refuse("rows.reserved", read.reserved, "0");
+  StepRows rows;
+  rows.columns_per_body = read.columns_per_body;
+  rows.rows = read.rows;
+  rows.bodies = read.bodies;
+  if (read.rows == 0) return rows;
+  RequireNotNull(read.body, "rows.body", "two numbers a row");
+  RequireNotNull(read.b, "rows.b", "a number a row");
+  if (read.J != nullptr && read.J_single != nullptr) {
+    throw InputError("rows.J and rows.J_single are both given, expected one of them");
   }
-  return read;
+  if (read.J_single == nullptr) RequireNotNull(read.J, "rows.J", "numbers, or rows.J_single in its place");
+  if (read.bodies > 0) RequireNotNull(read.inverse_mass, "rows.inverse_mass", "numbers of each body");
+  RequireKinds(read.kinds, read.rows, "rows.kinds");
+  rows.body = read.body;
+  rows.J = read.J;
+  rows.J_single = read.J_single;
+  rows.b = read.b;
+  rows.bilateral = read.kinds;
+  rows.inverse_mass = read.inverse_mass;
+  return rows;
+}
+
+void CopyOut(const StepAnswer& from, lcpbench_step_answer* target, std::size_t size) {
+  lcpbench_step_answer answer = {};
+  answer.status = static_cast<lcpbench_status>(from.status);
+  answer.iterations = from.iterations;
+  answer.rho = from.rho;
+  CopyOut(answer, target, size);
 }
 
 }  // namespace
@@ -384,15 +506,16 @@ lcpbench_error lcpbench_problem_from_factors(int64_t n, int64_t columns, lcpbenc
                                              const int32_t* indices, const double* values, int64_t entries,
                                              const double* inverse_mass, const double* b, const uint8_t* kinds,
                                              lcpbench_problem** problem) {
-  return MakeProblem(__func__, n, problem, [&] {
-    RequireSize(columns, "columns");
-    Eigen::VectorXd masses = ReadVector(inverse_mass, columns, "inverse_mass");
-    for (int64_t k = 0; k < columns; ++k) {
-      if (masses[k] < 0) Refuse(Place("inverse_mass", k), masses[k], "a number >= 0");
-    }
-    return LcpProblem::FromFactors("", ReadCompressed("J", n, columns, layout, starts, indices, values, entries),
-                                   std::move(masses), ReadVector(b, n, "b"), ReadKinds(kinds, n));
-  });
+  return MakeFromFactors(__func__, n, columns, MatrixFacts().columns_per_body, layout, starts, indices, values, entries,
+                         inverse_mass, b, kinds, problem);
+}
+
+lcpbench_error lcpbench_problem_from_body_factors(int64_t n, int64_t columns, int32_t columns_per_body,
+                                                  lcpbench_layout layout, const int32_t* starts, const int32_t* indices,
+                                                  const double* values, int64_t entries, const double* inverse_mass,
+                                                  const double* b, const uint8_t* kinds, lcpbench_problem** problem) {
+  return MakeFromFactors(__func__, n, columns, columns_per_body, layout, starts, indices, values, entries, inverse_mass,
+                         b, kinds, problem);
 }
 
 lcpbench_error lcpbench_problem_size(const lcpbench_problem* problem, int64_t* n) {
@@ -520,13 +643,8 @@ lcpbench_error lcpbench_solver_prepare(lcpbench_solver* solver, const lcpbench_p
 void lcpbench_solver_free(lcpbench_solver* solver) { delete solver; }
 
 lcpbench_error lcpbench_solve_options_init(lcpbench_solve_options* options, size_t size) {
-  return Guard(__func__, [&] {
-    RequireOutput(options, "options");
-    RequireStructSize(size, kFirstOptions, "lcpbench_solve_options");
-    lcpbench_solve_options defaults = Defaults();
-    defaults.size = size;
-    CopyOut(defaults, options, size);
-  });
+  return Guard(__func__,
+               [&] { WriteDefaults(Defaults(), options, size, kFirstOptions, "options", "lcpbench_solve_options"); });
 }
 
 lcpbench_error lcpbench_solve(lcpbench_solver* solver, const lcpbench_problem* problem,
@@ -561,3 +679,83 @@ lcpbench_error lcpbench_limit_library_threads(int32_t threads, int32_t* reported
     if (reported != nullptr) *reported = now;
   });
 }
+
+lcpbench_error lcpbench_step_options_init(lcpbench_step_options* options, size_t size) {
+  return Guard(__func__, [&] {
+    WriteDefaults(StepDefaults(), options, size, kFirstStepOptions, "options", "lcpbench_step_options");
+  });
+}
+
+lcpbench_error lcpbench_step_rows_init(lcpbench_step_rows* rows, size_t size) {
+  return Guard(__func__,
+               [&] { WriteDefaults(StepRowsDefaults(), rows, size, kFirstStepRows, "rows", "lcpbench_step_rows"); });
+}
+
+lcpbench_error lcpbench_step_create(const lcpbench_step_options* options, lcpbench_step** step) {
+  return Guard(__func__, [&] {
+    RequireHandle(step, "step");
+    StepOptions given;
+    if (options != nullptr) {
+      const lcpbench_step_options read = CopyIn(options, StepDefaults(), kFirstStepOptions, "options",
+                                                "lcpbench_step_options (call lcpbench_step_options_init)");
+      given.tolerance = read.tolerance;
+      given.time_limit_s = read.time_limit_s;
+    }
+    *step = new lcpbench_step{StepSolver(given), {}};
+  });
+}
+
+lcpbench_error lcpbench_step_reserve(lcpbench_step* step, int64_t max_rows, int64_t max_bodies) {
+  return Guard(__func__, [&] {
+    Require(step);
+    RequireSize(max_rows, "max_rows");
+    RequireSize(max_bodies, "max_bodies");
+    step->solver.Reserve(max_rows, max_bodies);
+  });
+}
+
+lcpbench_error lcpbench_step_solve(lcpbench_step* step, const lcpbench_step_rows* rows, const double* initial_f,
+                                   double* f, double* w, lcpbench_step_answer* answer, size_t size) {
+  return Guard(__func__, [&] {
+    Require(step);
+    const StepRows read = ReadStepRows(rows);
+    RequireOutput(answer, "answer");
+    RequireStructSize(size, kFirstStepAnswer, "lcpbench_step_answer");
+    if (read.rows > 0) RequireOutput(f, "f");
+    if (initial_f != nullptr && initial_f == f) throw InputError("initial_f is f, expected an array of its own");
+    CopyOut(step->solver.Solve(read, initial_f, f, w), answer, size);
+  });
+}
+
+lcpbench_error lcpbench_step_solve_batch(lcpbench_step* step, const lcpbench_step_rows* rows, const int32_t* starts,
+                                         int64_t count, double* f, lcpbench_step_answer* answers, size_t size) {
+  return Guard(__func__, [&] {
+    Require(step);
+    const StepRows read = ReadStepRows(rows);
+    RequireSize(count, "count");
+    RequireNotNull(starts, "starts", "one number for every problem and one more");
+    RequireStarts(starts, count, read.rows, "rows.rows");
+    RequireStructSize(size, kFirstStepAnswer, "lcpbench_step_answer");
+    if (count > 0) RequireOutput(answers, "answers");
+    if (read.rows > 0) RequireOutput(f, "f");
+    const auto problems = static_cast<std::size_t>(count);
+    if (step->answers.size() < problems) step->answers.resize(problems);
+    const std::span<StepAnswer> found(step->answers.data(), problems);
+    step->solver.SolveBatch(read, {starts, problems + 1}, f, found);
+    auto* target = reinterpret_cast<char*>(answers);
+    for (const StepAnswer& answer : found) {
+      CopyOut(answer, reinterpret_cast<lcpbench_step_answer*>(target), size);
+      target += size;
+    }
+  });
+}
+
+lcpbench_error lcpbench_step_fallbacks(const lcpbench_step* step, int64_t* fallbacks) {
+  return Guard(__func__, [&] {
+    Require(step);
+    RequireOutput(fallbacks, "fallbacks");
+    *fallbacks = step->solver.fallbacks();
+  });
+}
+
+void lcpbench_step_free(lcpbench_step* step) { delete step; }

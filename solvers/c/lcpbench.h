@@ -17,12 +17,12 @@
 /// exception leaves the library.
 ///
 /// Ownership. What a `create` or `from` function hands out belongs to the caller, who gives it to the `free` function
-/// of its type; NULL may be freed. Arrays and strings that are passed in are copied before the call returns. Pointers
-/// that are handed out say how long they live.
+/// of its type; NULL may be freed. Arrays and strings that are passed in are copied, or read only, before the call
+/// returns. Pointers that are handed out say how long they live.
 ///
-/// Threads. Problems are immutable and may be used by several threads at once. A solver or a result serves one thread
-/// at a time; distinct ones are independent. All other functions may be called from any thread at any time, but for
-/// lcpbench_limit_library_threads.
+/// Threads. Problems are immutable and may be used by several threads at once. A solver, a step solver or a result
+/// serves one thread at a time; distinct ones are independent. All other functions may be called from any thread at any
+/// time, but for lcpbench_limit_library_threads.
 ///
 /// Growth. Structs may get more members at their ends, and carry or are passed with their size, so that programs and
 /// libraries of different versions understand each other. Values of enumerations and functions may be added.
@@ -134,7 +134,7 @@ LCPBENCH_API lcpbench_error lcpbench_problem_from_sparse(int64_t n, lcpbench_lay
 /// A problem from the factors of A = J M^-1 J^T, which is symmetric positive semidefinite by its form. The better form
 /// for rigid bodies: many solvers never form A. In the plane body k has the columns 3k, 3k + 1 (its translation) and
 /// 3k + 2 (its rotation); rows whose entries lie in at most two such blocks are the fastest, other J are welcome.
-/// O(n + columns + entries).
+/// Bodies in space: lcpbench_problem_from_body_factors.  O(n + columns + entries).
 /// @param n             rows of J, 0 <= n < 2^31
 /// @param columns       columns of J (degrees of freedom), 0 <= columns < 2^31
 /// @param layout        of J: compressed columns or compressed rows
@@ -152,6 +152,28 @@ LCPBENCH_API lcpbench_error lcpbench_problem_from_factors(int64_t n, int64_t col
                                                           const double* values, int64_t entries,
                                                           const double* inverse_mass, const double* b,
                                                           const uint8_t* kinds, lcpbench_problem** problem);
+
+/// As lcpbench_problem_from_factors, for bodies in the plane or in space.  O(n + columns + entries).
+/// @param n                 rows of J, 0 <= n < 2^31
+/// @param columns           columns of J, 0 <= columns < 2^31
+/// @param columns_per_body  3: bodies in the plane, as in lcpbench_problem_from_factors; 6: in space, body k has the
+///                          columns 6k to 6k + 2 (its translations) and 6k + 3 to 6k + 5 (its rotations about its
+///                          principal axes, so that M^-1 is diagonal)
+/// @param layout            as in lcpbench_problem_from_factors, and so are the arguments below
+/// @param starts            columns + 1 numbers (or n + 1)
+/// @param indices           `entries` numbers
+/// @param values            `entries` numbers
+/// @param entries           stored entries of J
+/// @param inverse_mass      `columns` numbers
+/// @param b                 n numbers
+/// @param kinds             n bytes; NULL: every row is unilateral
+/// @param problem           the new problem, to be freed by lcpbench_problem_free
+LCPBENCH_API lcpbench_error lcpbench_problem_from_body_factors(int64_t n, int64_t columns, int32_t columns_per_body,
+                                                               lcpbench_layout layout, const int32_t* starts,
+                                                               const int32_t* indices, const double* values,
+                                                               int64_t entries, const double* inverse_mass,
+                                                               const double* b, const uint8_t* kinds,
+                                                               lcpbench_problem** problem);
 
 /// How many rows a problem has.
 /// @param problem  not NULL
@@ -281,6 +303,101 @@ LCPBENCH_API const char* lcpbench_status_key(lcpbench_status status);
 /// Frees a result.
 /// @param result  may be NULL
 LCPBENCH_API void lcpbench_result_free(lcpbench_result* result);
+
+/// From an engine's arrays to forces, for the LCP of one time step: what the solver "auto" does, without problem and
+/// result objects. The arrays are read in place, no matrix is copied, and lcpbench_step_solve allocates nothing up to
+/// the sizes given to lcpbench_step_reserve, but for what lcpbench_step_fallbacks counts and for refused arguments.
+/// Nothing but workspace carries over from one solve to the next: the same rows and start give the same bits.
+typedef struct lcpbench_step lcpbench_step;
+
+/// Options of a step solver. To be initialised by lcpbench_step_options_init, then changed.
+typedef struct lcpbench_step_options {
+  size_t size;          ///< sizeof(lcpbench_step_options), set by lcpbench_step_options_init
+  double tolerance;     ///< requested bound on rho (see lcpbench_verdict), in (0, 1); default 1e-9
+  double time_limit_s;  ///< wall-clock limit of one solve [s], > 0; default: infinity
+} lcpbench_step_options;
+
+/// Writes the defaults.
+/// @param options  not NULL
+/// @param size     sizeof *options, as the caller's header declares it
+LCPBENCH_API lcpbench_error lcpbench_step_options_init(lcpbench_step_options* options, size_t size);
+
+/// One problem as an engine's arrays hold it: rows that act on two bodies at most, A = J M^-1 J^T. To be initialised by
+/// lcpbench_step_rows_init, then filled in. The arrays stay the caller's: they are read in place, and must not change
+/// during a call. Without rows they may be NULL. Rows that act on more than two bodies are for problems from factors.
+typedef struct lcpbench_step_rows {
+  size_t size;                 ///< sizeof(lcpbench_step_rows), set by lcpbench_step_rows_init
+  int64_t rows;                ///< n, 0 <= rows < 2^31; default 0
+  int64_t bodies;              ///< of which inverse_mass tells, 0 <= bodies < 2^31; default 0
+  int32_t columns_per_body;    ///< p: 3 (x, y, rotation; the default), or 6 as in lcpbench_problem_from_body_factors
+  int32_t reserved;            ///< 0
+  const int32_t* body;         ///< 2 n numbers in [-1, bodies): the two bodies of each row; -1: none (the ground)
+  const double* J;             ///< 2 p n numbers, finite: of each row the p of its first body, then those of its second
+  const float* J_single;       ///< the same in single precision, in place of J, one of which is NULL; summed in double
+  const double* b;             ///< n numbers, finite: J M^-1 (external forces) plus the velocity-product terms
+  const uint8_t* kinds;        ///< n bytes, LCPBENCH_UNILATERAL or LCPBENCH_BILATERAL; NULL: every row is unilateral
+  const double* inverse_mass;  ///< p numbers a body, finite, >= 0; 0 for what cannot move
+} lcpbench_step_rows;
+
+/// Writes the defaults: no rows, no bodies, bodies in the plane, all arrays NULL.
+/// @param rows  not NULL
+/// @param size  sizeof *rows, as the caller's header declares it
+LCPBENCH_API lcpbench_error lcpbench_step_rows_init(lcpbench_step_rows* rows, size_t size);
+
+/// How a solve of a step ended.
+typedef struct lcpbench_step_answer {
+  lcpbench_status status;  ///< the solver's claim; LCPBENCH_SOLVED only for an f that passed its own check
+  int32_t reserved;        ///< 0
+  int64_t iterations;      ///< pivots, and iterations of what solved large groups of bodies
+  /// Of f (see lcpbench_verdict), as the solver measured it in double: the largest among groups of rows that do not act
+  /// on each other, which that over all rows does not exceed. Infinite where it was not measured.
+  double rho;
+} lcpbench_step_answer;
+
+/// A step solver.
+/// @param options  NULL: the defaults
+/// @param step     the new step solver, to be freed by lcpbench_step_free
+LCPBENCH_API lcpbench_error lcpbench_step_create(const lcpbench_step_options* options, lcpbench_step** step);
+
+/// Workspace for steps of that size. Larger ones are welcome, and allocate once by themselves.
+/// @param step        not NULL
+/// @param max_rows    0 <= max_rows < 2^31
+/// @param max_bodies  0 <= max_bodies < 2^31
+LCPBENCH_API lcpbench_error lcpbench_step_reserve(lcpbench_step* step, int64_t max_rows, int64_t max_bodies);
+
+/// Solves. A solve that fails is LCPBENCH_OK with a status that says so.
+/// @param step       not NULL
+/// @param rows       the arrays of this step
+/// @param initial_f  warm start: n numbers, finite, 0 for new rows, in another array than f; NULL: a cold start
+/// @param f          n numbers, written: the forces, the best there are where the status is not LCPBENCH_SOLVED
+/// @param w          n numbers, written: A f + b, in double; may be NULL
+/// @param answer     how it ended
+/// @param size       sizeof *answer, as the caller's header declares it
+LCPBENCH_API lcpbench_error lcpbench_step_solve(lcpbench_step* step, const lcpbench_step_rows* rows,
+                                                const double* initial_f, double* f, double* w,
+                                                lcpbench_step_answer* answer, size_t size);
+
+/// Solves many problems, from cold starts. Problem k has the rows starts[k] .. starts[k + 1] - 1 of `rows`; bodies that
+/// can move belong to one problem each.
+/// @param step     not NULL
+/// @param rows     the arrays of all problems, one after the other
+/// @param starts   count + 1 numbers that do not fall, the first 0 and the last rows->rows
+/// @param count    problems, >= 0
+/// @param f        rows->rows numbers, written: the forces
+/// @param answers  `count` structs, written; NULL where count is 0
+/// @param size     sizeof *answers, as the caller's header declares it
+LCPBENCH_API lcpbench_error lcpbench_step_solve_batch(lcpbench_step* step, const lcpbench_step_rows* rows,
+                                                      const int32_t* starts, int64_t count, double* f,
+                                                      lcpbench_step_answer* answers, size_t size);
+
+/// How many solves since the creation went to solvers that allocate, because what allocates nothing did not solve them.
+/// @param step       not NULL
+/// @param fallbacks  the number of solves
+LCPBENCH_API lcpbench_error lcpbench_step_fallbacks(const lcpbench_step* step, int64_t* fallbacks);
+
+/// Frees a step solver.
+/// @param step  may be NULL
+LCPBENCH_API void lcpbench_step_free(lcpbench_step* step);
 
 /// An independent judgement of an answer, the same for every solver. D = diag A, 1 where A_ii = 0; C are the unilateral
 /// rows, B the bilateral ones. w is computed anew from the problem as given, in extended precision. An answer passes

@@ -22,7 +22,8 @@ struct StepOptions {
 struct StepAnswer {
   LcpStatus status = LcpStatus::kNotRun;  ///< the solver's claim, as LcpResult::status
   std::int64_t iterations = -1;           ///< pivots, and iterations of what solved large islands
-  /// Natural residual of f (verify.h) over all rows, as the solver measured it in double; infinite where it did not.
+  /// Natural residual of f (verify.h), as the solver measured it in double: the largest of its islands, which that over
+  /// all rows does not exceed. Infinite where it was not measured.
   double rho = std::numeric_limits<double>::infinity();
 };
 
@@ -45,7 +46,8 @@ class StepSolver {
   void Reserve(Index max_rows, Index max_bodies);
 
   /// @param rows       the arrays of this step
-  /// @param initial_f  warm start: rows.rows numbers, finite, 0 for new rows; nullptr: a cold start
+  /// @param initial_f  warm start: rows.rows numbers, finite, 0 for new rows, in another array than f; nullptr: a cold
+  ///                   start
   /// @param f          rows.rows numbers, written: forces, the best there are where the status is not kSolved
   /// @param w          rows.rows numbers, written: A f + b in double; nullptr: not wanted
   /// @throws InputError naming the array, the row or body, and what was found, with nothing written

@@ -1,4 +1,4 @@
-/* The C interface from C99. Every check prints what failed; the exit status is the number of failures, at most 100. */
+/* The C interface from C99. */
 #include <lcpbench.h>
 #include <math.h>
 #include <pthread.h>
@@ -6,26 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int failures = 0;
-
-static void Check(int holds, const char* condition, int line) {
-  if (holds) return;
-  ++failures;
-  fprintf(stderr, "line %d: %s does not hold (last error: %s)\n", line, condition, lcpbench_last_error());
-}
-
-#define CHECK(condition) Check((condition) != 0, #condition, __LINE__)
-#define CHECK_OK(call) CHECK((call) == LCPBENCH_OK)
-
-/* The call must be refused, with a message that holds `words`. */
-static void CheckRefused(lcpbench_error error, const char* words, const char* call, int line) {
-  if (error == LCPBENCH_INVALID_ARGUMENT && strstr(lcpbench_last_error(), words) != NULL) return;
-  ++failures;
-  fprintf(stderr, "line %d: %s: expected a refusal with '%s', found %d: %s\n", line, call, words, (int)error,
-          lcpbench_last_error());
-}
-
-#define CHECK_REFUSED(call, words) CheckRefused(call, words, #call, __LINE__)
+#include "tests/c/check.h"
 
 /* A solver, a result and a verdict: what a caller has of each. */
 typedef struct Answer {
@@ -534,6 +515,5 @@ int main(void) {
   WrongCallsAreRefused();
   LaterStructsAreUnderstood();
   ThreadsShareAProblemAndKeepTheirErrors();
-  if (failures > 0) fprintf(stderr, "%d checks failed\n", failures);
-  return failures > 100 ? 100 : failures;
+  return CountFailures();
 }

@@ -263,6 +263,60 @@ TEST_F(EmbeddingCodeTest, CompilesInEveryFormUnlessAMemberIsWrong) {
       0);
 }
 
+TEST_F(EmbeddingCodeTest, OfStepsCompilesInEveryFormUnlessAMemberIsWrong) {
+  for (const int p : {3, 6}) {
+    for (const bool warm : {false, true}) {
+      for (const std::optional<double> deadline : {std::optional<double>(), std::optional<double>(1e-4)}) {
+        const std::string code =
+            StepEmbeddingCode({.rows = 77, .bodies = 33, .columns_per_body = p}, warm, {1e-6, deadline, true});
+        const CommandOutcome compiled = Compile(code);
+        EXPECT_EQ(compiled.status, 0) << code << compiled.error;
+        for (const auto& [part, is_there] : {std::pair{"@", false},
+                                             {"StepOptions{.tolerance = 1e-06", true},
+                                             {", .time_limit_s = 1e-04", deadline.has_value()},
+                                             {"forces_before", warm},
+                                             {"most_rows = 77, lcpbench::Index most_bodies = 33", true},
+                                             {"rows.columns_per_body = 6", p == 6}}) {
+          EXPECT_EQ(code.find(part) != std::string::npos, is_there) << part << " in " << code;
+        }
+      }
+    }
+  }
+  EXPECT_NE(Compile(boost::algorithm::replace_first_copy(StepEmbeddingCode({}, false, {}), ".status", ".state")).status,
+            0);
+}
+
+TEST(StepSizes, AreKnownWhereTheStepSolverTakesAllProblems) {
+  const auto steps = [](const std::vector<LcpProblem>& problems) {
+    std::vector<SequenceStep> made;
+    for (const LcpProblem& problem : problems) made.push_back({problem, {}, {}});
+    return FindStepSizes(made);
+  };
+  const auto bodies = [](Index rows, Index columns, int columns_per_body) {
+    SparseMatrix J(rows, columns);
+    for (Index i = 0; i < rows; ++i) J.insert(i, i % columns) = 1;
+    MatrixFacts facts;
+    facts.columns_per_body = columns_per_body;
+    return LcpProblem::FromFactors("bodies", J, Eigen::VectorXd::Ones(columns), Eigen::VectorXd::Constant(rows, -1), {},
+                                   facts);
+  };
+  const std::optional<StepSizes> sizes = steps({bodies(4, 9, 3), bodies(7, 3, 3), ThreeBodies(0)});
+  ASSERT_TRUE(sizes.has_value());
+  EXPECT_EQ(sizes->rows, 7);
+  EXPECT_EQ(sizes->bodies, 3);
+  EXPECT_EQ(sizes->columns_per_body, 3);
+  EXPECT_EQ(steps({bodies(4, 12, 6)}).value().columns_per_body, 6);
+  EXPECT_TRUE(steps({bodies(kMostStepRows, 9, 3)}).has_value());
+  EXPECT_FALSE(steps({bodies(4, 9, 3), bodies(kMostStepRows + 1, 9, 3)}).has_value());
+  EXPECT_FALSE(steps({bodies(4, 12, 3), bodies(4, 12, 6)}).has_value());
+  EXPECT_FALSE(
+      steps({LcpProblem::FromDense("A", Eigen::MatrixXd::Identity(2, 2), Eigen::Vector2d(-1, -1))}).has_value());
+  SparseMatrix of_three(1, 9);
+  for (const Index column : {0, 3, 6}) of_three.insert(0, column) = 1;
+  EXPECT_FALSE(steps({LcpProblem::FromFactors("three", of_three, Eigen::VectorXd::Ones(9), Eigen::VectorXd::Ones(1))})
+                   .has_value());
+}
+
 // ----- the command
 
 class RecommendCommand : public CommandTest {
@@ -307,6 +361,20 @@ TEST_F(RecommendCommand, NamesASolverForAProblemFileWithItsEvidence) {
   EXPECT_EQ(line, found["features"]);
   // The first of what was not tried is what the rules know.
   EXPECT_EQ(found["not_tried"][0], (Json{{"solver", "pgs"}, {"rank", 1}, {"within", 0.25}}));
+}
+
+TEST_F(RecommendCommand, PrintsTheStepInterfaceWhereAutoTakesTwoBodiesARow) {
+  Write("dense.jsonl", R"({"id":"one","A":[[2,1],[1,2]],"b":[-5,-6]})");
+  const std::tuple<std::string, std::string, std::string> cases[] = {
+      {"--scene disc-pile --size 20", "auto", "StepSolver solver_{"},
+      {"--scene disc-pile --size 1010", "auto", "MakeSolver(\"auto\")"},
+      {"--scene disc-pile --size 20", "dantzig", "MakeSolver(\"dantzig\")"},
+      {Path("dense.jsonl"), "auto", "MakeSolver(\"auto\")"}};
+  for (const auto& [input, solver, part] : cases) {
+    const Json found = Recommend(input + " --candidates " + solver);
+    ASSERT_TRUE(found["cpp"].is_string()) << found.dump();
+    EXPECT_NE(found["cpp"].get<std::string>().find(part), std::string::npos) << input << ": " << found["cpp"];
+  }
 }
 
 TEST_F(RecommendCommand, ASequenceIsRunFromWarmStartsTooWhetherRecordedOrMoving) {

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "solvers/lcp/problem.h"
+#include "solvers/rows/step_rows.h"
+
+namespace lcpbench {
+
+/// An engine's arrays, for tests of what reads them.
+struct StepArrays {
+  int columns_per_body = 3;
+  std::vector<std::int32_t> body;
+  std::vector<double> J;
+  std::vector<float> J_single;  ///< J, rounded by Round()
+  std::vector<double> b;
+  std::vector<unsigned char> bilateral;
+  std::vector<double> inverse_mass;
+
+  /// Those of a problem with two-body rows.
+  static StepArrays Of(const LcpProblem& problem);
+  /// One row more, on bodies that may be the same or -1.
+  /// @param numbers  2 p
+  void Add(std::int32_t first, std::int32_t second, const std::vector<double>& numbers, double b_of_row,
+           bool is_bilateral = false);
+  /// Gives J in single precision, too.
+  void Round();
+
+  Index rows() const { return static_cast<Index>(b.size()); }
+  Index bodies() const { return static_cast<Index>(inverse_mass.size()) / columns_per_body; }
+  /// Of these arrays, which must outlive the view.
+  StepRows View(bool single = false) const;
+  /// The same problem, by factors, with J in double or rounded.
+  LcpProblem Problem(bool single = false) const;
+};
+
+/// n rows on random bodies, also on one that cannot move, on none, and with both sides on one body; some rows are
+/// copies of others with either sign, some are joints. Solvable: b is A f planted.
+/// @param bodies  fewer than n / p make the rows redundant
+StepArrays RandomStep(Index n, Index bodies, int columns_per_body, unsigned seed);
+
+}  // namespace lcpbench

@@ -1,0 +1,568 @@
+// From an engine's arrays to forces: every answer is judged by the verifier on the problem that the arrays stand for.
+
+#include "solvers/step/step_solver.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "benchmarks/measure/allocation_count.h"
+#include "model/contact/assembly.h"
+#include "model/scenes/scene.h"
+#include "solvers/lcp/verify.h"
+#include "support/input_error.h"
+#include "tests/solvers/exact_problems.h"
+#include "tests/solvers/solve_with.h"
+#include "tests/solvers/step/step_arrays.h"
+#include "tests/solvers/test_problems.h"
+
+namespace lcpbench {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// All that a solve hands out.
+struct Solved {
+  StepAnswer answer;
+  VectorXd f, w;
+};
+
+Solved Solve(StepSolver* solver, const StepRows& rows, const double* initial_f = nullptr) {
+  Solved solved;
+  solved.f = VectorXd::Constant(rows.rows, kNaN);
+  solved.w = VectorXd::Constant(rows.rows, kNaN);
+  solved.answer = solver->Solve(rows, initial_f, solved.f.data(), solved.w.data());
+  return solved;
+}
+
+Verdict Judge(const LcpProblem& problem, const Solved& solved, double tolerance = 1e-9) {
+  LcpResult result;
+  result.status = solved.answer.status;
+  result.f = solved.f;
+  return Verify(problem, result, tolerance);
+}
+
+// Claimed, verified, rho no larger than the solver says, and w as the verifier finds it.
+void ExpectVerified(const LcpProblem& problem, const Solved& solved, const std::string& what, double tolerance = 1e-9) {
+  const Verdict verdict = Judge(problem, solved, tolerance);
+  EXPECT_EQ(solved.answer.status, LcpStatus::kSolved) << what;
+  EXPECT_TRUE(verdict.passes) << what << ": " << verdict.reason;
+  EXPECT_GE(solved.answer.iterations, 0) << what;
+  EXPECT_LE(solved.answer.rho, tolerance) << what;
+  // The largest of its islands is no less than that of the whole; the verifier sums in extended precision.
+  EXPECT_LE(verdict.metrics.rho, solved.answer.rho + 1e-3 * tolerance + 4 * verdict.metrics.answer_floor) << what;
+  // What rounding leaves of a sum, by rows: u (|A||f| + |b|) times the number of terms, at most.
+  const VectorXd size = problem.SparseA().cwiseAbs() * solved.f.cwiseAbs() + problem.b().cwiseAbs();
+  const VectorXd difference = (solved.w - verdict.metrics.w).cwiseAbs();
+  EXPECT_TRUE((difference.array() <= 1e-12 * size.array()).all()) << what << ": w differs by " << difference.maxCoeff();
+}
+
+// As ExpectVerified; where `auto` has no answer either, nothing may be claimed.
+void ExpectRight(const LcpProblem& problem, const Solved& solved, const std::string& what) {
+  if (SolveBy("auto", problem).status == LcpStatus::kSolved) {
+    ExpectVerified(problem, solved, what);
+  } else {
+    EXPECT_NE(solved.answer.status, LcpStatus::kSolved) << what;
+  }
+}
+
+// f is that of `auto` within what the residuals of both allow: |x - x*| <= (1 + |M|) / mu |min(x, M x + q)| where mu is
+// the least eigenvalue of M = D^-1/2 A D^-1/2 and x = D^1/2 f [Mathias, Pang 1990]. Nothing where mu is too small to
+// tell.  @return whether f was compared
+bool ExpectForcesOfAuto(const LcpProblem& problem, const Solved& solved, const std::string& what) {
+  constexpr double kLeastEigenvalue = 1e-6;
+  const VectorXd D = problem.DiagonalA();
+  if (!(D.minCoeff() > 0)) return false;
+  const VectorXd scale = D.cwiseSqrt().cwiseInverse();
+  const MatrixXd M = scale.asDiagonal() * problem.DenseA() * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(M, Eigen::EigenvaluesOnly);
+  const double least = eigen.eigenvalues().minCoeff();
+  if (least < kLeastEigenvalue) return false;
+  const LcpResult other = SolveBy("auto", problem);
+  const double of_b = scale.cwiseProduct(problem.b()).norm();
+  const double rho = Judge(problem, solved).metrics.rho + Verify(problem, other, 1e-9).metrics.rho;
+  const double allowed = (1 + eigen.eigenvalues().maxCoeff()) / least * rho * (of_b > 0 ? of_b : 1);
+  EXPECT_LE((solved.f - other.f).cwiseQuotient(scale).norm(), 1.01 * allowed + 1e-300) << what;
+  return true;
+}
+
+LcpProblem SceneProblem(std::string_view family, Index rows, std::uint64_t seed) {
+  return AssembleContactLcp(GenerateScene(family, static_cast<int>(rows), seed)).problem;
+}
+
+std::vector<std::string> Families() {
+  std::vector<std::string> keys;
+  for (const SceneFamily& family : AllScenes()) keys.emplace_back(family.key);
+  return keys;
+}
+
+std::string Named(std::string key) {
+  std::replace(key.begin(), key.end(), '-', '_');
+  return key;
+}
+
+// ----- scenes
+
+class StepsOfScenes : public testing::TestWithParam<std::string> {};
+
+TEST_P(StepsOfScenes, AreSolvedAndVerifiedAtEverySize) {
+  StepSolver solver;
+  for (const Index n : {1, 2, 3, 4, 6, 9, 13, 16, 17, 24, 33, 50, 64, 65, 90, 128, 129, 180, 300}) {
+    for (std::uint64_t seed = 1; seed <= (n <= 16 ? 6U : 2U); ++seed) {
+      const LcpProblem scene = SceneProblem(GetParam(), n, seed);
+      ASSERT_TRUE(scene.has_two_body_rows());
+      StepArrays arrays = StepArrays::Of(scene);
+      const LcpProblem problem = arrays.Problem();
+      const std::string what = GetParam() + ", " + std::to_string(n) + " rows, seed " + std::to_string(seed);
+      const Solved solved = Solve(&solver, arrays.View());
+      ExpectRight(problem, solved, what);
+      if (n <= 128 && solved.answer.status == LcpStatus::kSolved) ExpectForcesOfAuto(problem, solved, what);
+      if (seed > 1) continue;
+      arrays.Round();
+      ExpectRight(arrays.Problem(true), Solve(&solver, arrays.View(true)), what + ", J in single precision");
+    }
+  }
+}
+
+TEST_P(StepsOfScenes, StartFromTheForcesBefore) {
+  StepSolver solver;
+  for (const Index n : {2, 10, 40, 120, 250}) {
+    const StepArrays arrays = StepArrays::Of(SceneProblem(GetParam(), n, 3));
+    const LcpProblem problem = arrays.Problem();
+    const std::string what = GetParam() + ", " + std::to_string(n) + " rows";
+    const Solved cold = Solve(&solver, arrays.View());
+    if (cold.answer.status != LcpStatus::kSolved) continue;
+    const Solved warm = Solve(&solver, arrays.View(), cold.f.data());
+    ExpectVerified(problem, warm, what + ", from the answer");
+    if (solver.fallbacks() == 0) {
+      EXPECT_LE(warm.answer.iterations, std::max<std::int64_t>(cold.answer.iterations, 1)) << what;
+    }
+    TestRandom random(static_cast<unsigned>(n));
+    VectorXd wrong(n);
+    for (Index i = 0; i < n; ++i) wrong[i] = random.Integer(-5, 5);
+    ExpectVerified(problem, Solve(&solver, arrays.View(), wrong.data()), what + ", from anything");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, StepsOfScenes, testing::ValuesIn(Families()),
+                         [](const auto& test) { return Named(test.param); });
+
+// ----- random rows
+
+struct RandomCase {
+  int columns_per_body;
+  const char* name;
+  double bodies_per_row;
+};
+
+class StepsOfRandomRows : public testing::TestWithParam<RandomCase> {};
+
+TEST_P(StepsOfRandomRows, AreSolvedAndVerifiedAtEverySize) {
+  StepSolver solver;
+  int compared = 0;
+  const auto [p, name, bodies_per_row] = GetParam();
+  for (const Index n : {1, 2, 3, 4, 5, 6, 7, 8, 11, 15, 16, 17, 20, 27, 40, 63, 64, 65, 100, 128, 150, 300}) {
+    for (unsigned seed = 0; seed < (n <= 20 ? 10U : 3U); ++seed) {
+      const auto bodies = static_cast<Index>(std::ceil(bodies_per_row * static_cast<double>(n))) + 1;
+      StepArrays arrays = RandomStep(n, bodies, p, 100 * seed + static_cast<unsigned>(n));
+      const LcpProblem problem = arrays.Problem();
+      const std::string what = std::to_string(n) + " rows, seed " + std::to_string(seed);
+      const Solved solved = Solve(&solver, arrays.View());
+      ExpectVerified(problem, solved, what);
+      if (n <= 64) compared += ExpectForcesOfAuto(problem, solved, what) ? 1 : 0;
+      // Rounding leaves planted rows solvable where no row depends on others; `auto` tells.
+      arrays.Round();
+      ExpectRight(arrays.Problem(true), Solve(&solver, arrays.View(true)), what + ", J in single precision");
+    }
+  }
+  if (bodies_per_row >= 1) {
+    EXPECT_GT(compared, 10);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, StepsOfRandomRows,
+                         testing::Values(RandomCase{3, "PlanarIndependent", 1.5}, RandomCase{3, "PlanarRedundant", 0.2},
+                                         RandomCase{6, "SpatialIndependent", 1.5},
+                                         RandomCase{6, "SpatialRedundant", 0.1}),
+                         [](const auto& test) { return test.param.name; });
+
+// ----- by hand
+
+TEST(StepSolver, TakesRowsThatMoveNothing) {
+  StepSolver solver;
+  StepArrays arrays;
+  arrays.inverse_mass = {0, 0, 0, 1, 1, 1};
+  const std::vector<double> numbers = {1, 2, 3, 4, 5, 6};
+  arrays.Add(0, -1, numbers, 2);
+  arrays.Add(-1, -1, numbers, 0);
+  arrays.Add(-1, 0, numbers, 0, true);
+  arrays.Add(1, 0, numbers, -28);  // 1 + 4 + 9 = 14
+  const Solved solved = Solve(&solver, arrays.View());
+  ExpectVerified(arrays.Problem(), solved, "rows that move nothing");
+  EXPECT_NEAR(solved.f[3], 2, 1e-14);
+  EXPECT_EQ(solved.w[0], 2);
+  EXPECT_EQ(solver.fallbacks(), 0);
+  arrays.Add(-1, 0, numbers, -1);  // which nothing can hold
+  EXPECT_NE(Solve(&solver, arrays.View()).answer.status, LcpStatus::kSolved);
+}
+
+TEST(StepSolver, AddsBothSidesOnOneBody) {
+  for (const bool single : {false, true}) {
+    StepSolver solver;
+    StepArrays arrays;
+    arrays.columns_per_body = 6;
+    arrays.inverse_mass = {1, 1, 1, 1, 1, 1};
+    arrays.Add(0, 0, {3, 0, 0, 0, 0, 1, -1, 0, 0, 0, 0, -1}, -8);  // (2, 0, ..., 0)
+    arrays.Round();
+    const Solved solved = Solve(&solver, arrays.View(single));
+    ExpectVerified(arrays.Problem(single), solved, "both sides on one body");
+    EXPECT_NEAR(solved.f[0], 2, 1e-15);
+  }
+}
+
+TEST(StepSolver, ReadsJInSinglePrecisionAsItIsAndSumsInDouble) {
+  // 1 and 0.1f: A f + b = 0 in the problem with the rounded J, where 0.1 itself is off by 1e-9.
+  StepSolver solver;
+  StepArrays arrays;
+  arrays.inverse_mass = {1, 1, 1};
+  arrays.Add(0, -1, {1, 0.1, 0, 0, 0, 0}, -1);
+  arrays.Round();
+  const Solved solved = Solve(&solver, arrays.View(true));
+  const double rounded = static_cast<double>(0.1F);
+  EXPECT_NEAR(solved.f[0] * (1 + rounded * rounded), 1, 1e-15);
+  EXPECT_GT(std::abs(solved.f[0] * 1.01 - 1), 1e-10);
+  ExpectVerified(arrays.Problem(true), solved, "rounded J");
+}
+
+TEST(StepSolver, HasNothingToDoWithoutRows) {
+  StepSolver solver;
+  const StepAnswer answer = solver.Solve({}, nullptr, nullptr);
+  EXPECT_EQ(answer.status, LcpStatus::kSolved);
+  EXPECT_EQ(answer.iterations, 0);
+  EXPECT_EQ(answer.rho, 0);
+}
+
+TEST(StepSolver, ClaimsNothingOfJointsThatContradictEachOther) {
+  for (const int p : {3, 6}) {
+    for (const Index n : {0, 10, 70, 200}) {
+      StepSolver solver;
+      StepArrays arrays = RandomStep(n, n + 3, p, static_cast<unsigned>(n));
+      std::vector<double> numbers(static_cast<std::size_t>(2 * p), 0.0);
+      numbers[0] = 1;
+      arrays.Add(1, -1, numbers, 1, true);
+      arrays.Add(1, -1, numbers, -1, true);
+      const Solved solved = Solve(&solver, arrays.View());
+      const Verdict verdict = Judge(arrays.Problem(), solved);
+      EXPECT_FALSE(verdict.passes);
+      EXPECT_NE(solved.answer.status, LcpStatus::kSolved) << n;
+      EXPECT_NE(solved.answer.status, LcpStatus::kNotRun) << n;
+      EXPECT_TRUE(solved.f.allFinite()) << n;
+      // The object goes on as before.
+      arrays = RandomStep(20, 30, p, 5);
+      ExpectVerified(arrays.Problem(), Solve(&solver, arrays.View()), "after joints without an answer");
+    }
+  }
+}
+
+// Units far from 1, up to the ends of the doubles' range.
+TEST(StepSolver, SolvesAtEveryScale) {
+  for (const int exponent : {-120, -70, -40, 0, 40, 70, 120}) {
+    for (const int of_b : {-400, -140, 0, 100, 300}) {
+      for (const int of_mass : {-90, 0, 90}) {
+        StepSolver solver;
+        StepArrays arrays = RandomStep(12, 20, 6, 7);
+        for (double& number : arrays.J) number = std::ldexp(number, exponent);
+        for (double& number : arrays.b) number = std::ldexp(number, of_b);
+        for (double& number : arrays.inverse_mass) number = std::ldexp(number, of_mass);
+        const LcpProblem problem = arrays.Problem();
+        const std::string what = "J 2^" + std::to_string(exponent) + ", b 2^" + std::to_string(of_b) +
+                                 ", inverse masses 2^" + std::to_string(of_mass);
+        const Solved solved = Solve(&solver, arrays.View());
+        const Verdict verdict = Judge(problem, solved);
+        EXPECT_FALSE(verdict.false_success) << what << ": " << verdict.reason;
+        ExpectRight(problem, solved, what);
+      }
+    }
+  }
+}
+
+TEST(StepSolver, MeetsTheToleranceThatIsAskedFor) {
+  for (const double tolerance : {1e-3, 1e-6, 1e-12}) {
+    StepOptions options;
+    options.tolerance = tolerance;
+    StepSolver solver(options);
+    for (const Index n : {5, 50, 200}) {
+      const StepArrays arrays = RandomStep(n, 2 * n, 3, static_cast<unsigned>(n));
+      ExpectVerified(arrays.Problem(), Solve(&solver, arrays.View()), std::to_string(tolerance), tolerance);
+    }
+  }
+}
+
+// ----- nothing carries over
+
+bool AreSameBits(const Solved& a, const Solved& b) {
+  const auto same = [](const VectorXd& x, const VectorXd& y) {
+    return x.size() == y.size() &&
+           std::memcmp(x.data(), y.data(), static_cast<std::size_t>(x.size()) * sizeof(double)) == 0;
+  };
+  return same(a.f, b.f) && same(a.w, b.w) && a.answer.status == b.answer.status &&
+         a.answer.iterations == b.answer.iterations && a.answer.rho == b.answer.rho;
+}
+
+TEST(StepSolver, GivesTheSameBitsWhateverCameBefore) {
+  std::vector<StepArrays> steps;
+  for (unsigned k = 0; k < 12; ++k) {
+    const Index n = Index{1} << (k % 9);
+    steps.push_back(RandomStep(n, k % 2 == 0 ? 2 * n : n / 4 + 2, k % 3 == 0 ? 6 : 3, k));
+  }
+  for (const std::string& family : Families()) steps.push_back(StepArrays::Of(SceneProblem(family, 70, 1)));
+  StepSolver used;
+  std::vector<VectorXd> starts;
+  std::vector<Solved> fresh;
+  std::vector<Solved> fresh_warm;
+  for (const StepArrays& step : steps) {
+    StepSolver solver;
+    starts.emplace_back(VectorXd::Constant(step.rows(), 0.5));
+    fresh.push_back(Solve(&solver, step.View()));
+    StepSolver another;
+    another.Reserve(1000, 1000);
+    fresh_warm.push_back(Solve(&another, step.View(), starts.back().data()));
+  }
+  for (int times = 0; times < 3; ++times) {
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+      const std::size_t which = (k * 7 + static_cast<std::size_t>(times)) % steps.size();
+      const StepRows rows = steps[which].View();
+      EXPECT_TRUE(AreSameBits(Solve(&used, rows), fresh[which])) << which;
+      EXPECT_TRUE(AreSameBits(Solve(&used, rows, starts[which].data()), fresh_warm[which])) << which << ", warm";
+    }
+  }
+}
+
+TEST(StepSolver, SolvesABatchAsItsProblems) {
+  for (const int p : {3, 6}) {
+    for (const bool single : {false, true}) {
+      StepArrays all;
+      all.columns_per_body = p;
+      std::vector<std::int32_t> start = {0};
+      std::vector<LcpProblem> problems;
+      for (unsigned k = 0; k < 60; ++k) {
+        const Index n = k % 20 == 19 ? 100 : k % 18;
+        StepArrays part = RandomStep(n, n + 2, p, k);
+        part.Round();
+        problems.push_back(part.Problem(single));
+        const auto first = static_cast<std::int32_t>(all.bodies());
+        for (std::int32_t& body : part.body) body += body < 0 ? 0 : first;
+        all.body.insert(all.body.end(), part.body.begin(), part.body.end());
+        all.J.insert(all.J.end(), part.J.begin(), part.J.end());
+        all.b.insert(all.b.end(), part.b.begin(), part.b.end());
+        all.bilateral.insert(all.bilateral.end(), part.bilateral.begin(), part.bilateral.end());
+        all.inverse_mass.insert(all.inverse_mass.end(), part.inverse_mass.begin(), part.inverse_mass.end());
+        start.push_back(static_cast<std::int32_t>(all.rows()));
+      }
+      all.Round();
+      StepSolver solver;
+      VectorXd f = VectorXd::Constant(all.rows(), kNaN);
+      std::vector<StepAnswer> answers(problems.size());
+      solver.SolveBatch(all.View(single), start, f.data(), answers);
+      for (std::size_t k = 0; k < problems.size(); ++k) {
+        if (single && SolveBy("auto", problems[k]).status != LcpStatus::kSolved) continue;
+        LcpResult result;
+        result.status = answers[k].status;
+        result.f = f.segment(start[k], start[k + 1] - start[k]);
+        ExpectSolved(problems[k], result);
+        EXPECT_LE(answers[k].rho, 1e-9);
+      }
+    }
+  }
+}
+
+// ----- mistakes
+
+std::string MessageOf(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(StepSolver, RefusesWrongArraysByNameWithNothingWritten) {
+  struct Mistake {
+    const char* words;
+    std::function<void(StepArrays*, StepRows*)> make;
+  };
+  const auto in_rows = [](const char* words, auto change) {
+    return Mistake{words, [change](StepArrays* /*arrays*/, StepRows* rows) { change(rows); }};
+  };
+  const auto in_arrays = [](const char* words, auto change) {
+    return Mistake{words, [change](StepArrays* arrays, StepRows* /*rows*/) { change(arrays); }};
+  };
+  const Mistake mistakes[] = {
+      in_rows("columns per body must be 3 or 6, found 4", [](auto* of) { of->columns_per_body = 4; }),
+      in_rows("rows and bodies must be >= 0", [](auto* of) { of->rows = -1; }),
+      in_rows("rows and bodies must be >= 0", [](auto* of) { of->bodies = -1; }),
+      in_rows("body is missing", [](auto* of) { of->body = nullptr; }),
+      in_rows("b is missing", [](auto* of) { of->b = nullptr; }),
+      in_rows("J is missing", [](auto* of) { of->J = nullptr; }),
+      in_rows("inverse mass is missing", [](auto* of) { of->inverse_mass = nullptr; }),
+      in_rows("body of row 2 is 3.000000, expected one in [-1, 3)", [](auto* of) { of->bodies = 3; }),
+      in_arrays("body of row 1 is -2.000000, expected one in [-1, 4)", [](auto* of) { of->body[3] = -2; }),
+      in_arrays("body of row 0 is 4.000000, expected one in [-1, 4)", [](auto* of) { of->body[0] = 4; }),
+      in_arrays("J of row 1 is nan, expected a finite number", [](auto* of) { of->J[6] = kNaN; }),
+      in_arrays("J of row 2 is -inf, expected a finite number", [](auto* of) { of->J[17] = -kInfinity; }),
+      in_arrays("b of row 2 is nan, expected a finite number", [](auto* of) { of->b[2] = kNaN; }),
+      in_arrays("b of row 0 is inf, expected a finite number", [](auto* of) { of->b[0] = kInfinity; }),
+      in_arrays("inverse mass of body 3 is -1.000000, expected a finite number >= 0",
+                [](auto* of) { of->inverse_mass[11] = -1; }),
+      in_arrays("inverse mass of body 1 is nan, expected a finite number >= 0",
+                [](auto* of) { of->inverse_mass[3] = kNaN; }),
+      in_arrays("inverse mass of body 2 is inf, expected a finite number >= 0",
+                [](auto* of) { of->inverse_mass[7] = kInfinity; })};
+  StepSolver solver;
+  StepArrays right;
+  right.inverse_mass.assign(12, 1);
+  right.Add(0, 1, {1, 0, 0, -1, 0, 0}, -1);
+  right.Add(1, 2, {1, 0, 0, -1, 0, 0}, -1);
+  right.Add(3, -1, {0, 1, 0, 0, 0, 0}, -1);
+  for (const Mistake& mistake : mistakes) {
+    StepArrays arrays = right;
+    StepRows rows = arrays.View();
+    mistake.make(&arrays, &rows);
+    VectorXd f = VectorXd::Constant(3, 77);
+    VectorXd w = f;
+    EXPECT_EQ(MessageOf([&] { solver.Solve(rows, nullptr, f.data(), w.data()); }),
+              std::string("step rows: ") + mistake.words);
+    EXPECT_TRUE((f.array() == 77).all() && (w.array() == 77).all()) << mistake.words;
+  }
+  VectorXd start = VectorXd::Zero(3);
+  start[1] = kNaN;
+  VectorXd f = VectorXd::Constant(3, 77);
+  EXPECT_EQ(MessageOf([&] { solver.Solve(right.View(), start.data(), f.data()); }),
+            "step rows: initial f of row 1 is nan, expected a finite number");
+  EXPECT_TRUE((f.array() == 77).all());
+  right.Round();
+  right.J_single[12] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(MessageOf([&] { solver.Solve(right.View(true), nullptr, f.data()); }),
+            "step rows: J of row 2 is nan, expected a finite number");
+  ExpectVerified(right.Problem(), Solve(&solver, right.View()), "after mistakes");
+}
+
+TEST(StepSolver, ReadsInverseMassesOfBodiesThatRowsNameOnly) {
+  StepArrays arrays;
+  arrays.inverse_mass.assign(30, 1);
+  arrays.Add(9, 2, {1, 0, 0, -1, 0, 0}, -1);
+  const LcpProblem problem = arrays.Problem();
+  arrays.inverse_mass[0] = kNaN;
+  arrays.inverse_mass[15] = -3;
+  StepSolver solver;
+  ExpectVerified(problem, Solve(&solver, arrays.View()), "a large world");
+}
+
+TEST(StepSolver, RefusesOptionsAndStartsOutOfRange) {
+  for (const double tolerance : {0.0, 1.0, -1e-6, kNaN}) {
+    EXPECT_THROW(StepSolver({tolerance, 1}), InputError) << tolerance;
+  }
+  for (const double limit : {0.0, -1.0, kNaN}) EXPECT_THROW(StepSolver({1e-6, limit}), InputError) << limit;
+  StepSolver solver;
+  const StepArrays arrays = RandomStep(4, 6, 3, 1);
+  VectorXd f(4);
+  std::vector<StepAnswer> answers(2);
+  for (const std::vector<std::int32_t>& start :
+       {std::vector<std::int32_t>{0, 4}, {0, 2, 3}, {1, 2, 4}, {0, 5, 4}, {0, -1, 4}, {}}) {
+    EXPECT_THROW(solver.SolveBatch(arrays.View(), start, f.data(), answers), InputError);
+  }
+}
+
+// ----- no allocation after Reserve
+
+struct Sizes {
+  std::string family;  // of scenes, or "spatial": random rows
+  Index rows;
+};
+
+std::ostream& operator<<(std::ostream& out, const Sizes& sizes) { return out << sizes.family << "_" << sizes.rows; }
+
+std::vector<Sizes> FamiliesBySize() {
+  std::vector<Sizes> all;
+  std::vector<std::string> families = Families();
+  families.emplace_back("spatial");
+  for (const std::string& family : families) {
+    for (const Index rows : {1, 6, 30, 100, 200, 300, 500, 1000}) all.push_back({family, rows});
+  }
+  return all;
+}
+
+class StepsWithoutAllocation : public testing::TestWithParam<Sizes> {
+ protected:
+  // Calls `judge` with what was solved, how many fallbacks it took and how many allocations.
+  template <typename Judge>
+  void SolveAll(Judge judge) const {
+    const auto& [family, rows] = GetParam();
+    StepArrays arrays =
+        family == "spatial" ? RandomStep(rows, rows + 1, 6, 1) : StepArrays::Of(SceneProblem(family, rows, 1));
+    arrays.Round();
+    // Only what has an answer must be found by what allocates nothing.
+    ASSERT_EQ(SolveBy("auto", arrays.Problem()).status, LcpStatus::kSolved);
+    StepSolver solver;
+    solver.Reserve(rows, arrays.bodies());
+    VectorXd f(rows);
+    VectorXd w(rows);
+    VectorXd start = VectorXd::Zero(rows);
+    const auto solve = [&](const char* what, bool single, const double* initial_f) {
+      const StepRows view = arrays.View(single);
+      const std::int64_t fallbacks = solver.fallbacks();
+      CountAllocations(true);
+      const long before = AllocationCount();
+      const StepAnswer answer = solver.Solve(view, initial_f, f.data(), w.data());
+      const long allocations = AllocationCount() - before;
+      CountAllocations(false);
+      judge(what, solver.fallbacks() - fallbacks, allocations);
+      EXPECT_EQ(answer.status, LcpStatus::kSolved) << what;
+    };
+    solve("cold", false, nullptr);
+    start = f;
+    solve("warm", false, start.data());
+    // The answer of a step before: most of it holds.
+    for (Index i = 0; i < rows; i += 7) start[i] = i % 2 == 0 ? 0 : 1;
+    solve("from nearly the answer", false, start.data());
+    if (SolveBy("auto", arrays.Problem(true)).status == LcpStatus::kSolved) solve("single", true, nullptr);
+  }
+};
+
+TEST_P(StepsWithoutAllocation, AllocateInReserveOnlyUnlessOtherSolversAreAsked) {
+  if (!AllocationsAreCounted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  SolveAll([](const char* what, std::int64_t fallbacks, long allocations) {
+    if (fallbacks == 0) {
+      EXPECT_EQ(allocations, 0) << what;
+    }
+  });
+}
+
+// Up to 1000 rows no method that allocates may be needed: for scenes of every family, and for rows in space. Rounding J
+// to single precision makes redundant rows contradict each other by 1e-8, so that there other solvers may be asked.
+TEST_P(StepsWithoutAllocation, NeedNoOtherSolversInDoublePrecision) {
+  SolveAll([](const std::string& what, std::int64_t fallbacks, long /*allocations*/) {
+    if (what != "single") {
+      EXPECT_EQ(fallbacks, 0) << what;
+    }
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, StepsWithoutAllocation, testing::ValuesIn(FamiliesBySize()), [](const auto& test) {
+  return Named(test.param.family) + "_" + std::to_string(test.param.rows);
+});
+
+}  // namespace
+}  // namespace lcpbench
