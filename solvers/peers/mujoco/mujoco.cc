@@ -6,7 +6,7 @@
 // `regularization`.
 //
 // What a step of the engine does with its tree of bodies before that is not ours, and compiling a model takes far
-// longer than a solve. So one smallest model is compiled when the worker starts, and the arrays that the solvers read
+// longer than a solve. So the smallest model is compiled when the worker starts, and the arrays that the solvers read
 // are those of this class: degrees of freedom without a tree, one for each column of J with an inverse mass (M
 // diagonal), and one row of efc_J per row, bilateral ones (equality) before unilateral ones (limit). mj_factorM,
 // mj_projectConstraint and mj_fwdConstraint are the library's. b is what the library subtracts as `efc_aref`. Rows that
@@ -39,13 +39,8 @@ namespace {
 [[noreturn]] void ThrowError(const char* message) { throw std::runtime_error(std::string("MuJoCo: ") + message); }
 void IgnoreWarning(const char* /*message*/) {}
 
-struct DeleteModel {
-  void operator()(mjModel* model) const { mj_deleteModel(model); }
-};
-
-/// The smallest model there is, with the library's default options.
-std::unique_ptr<mjModel, DeleteModel> CompileModel() {
-  static const std::string text =
+const mjModel* CompileModel() {
+  const std::string text =
       "<mujoco><size njmax='1' nconmax='1'/><worldbody><body><inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>"
       "<joint type='slide'/></body></worldbody></mujoco>";
   const auto files = std::make_unique<mjVFS>();
@@ -54,11 +49,16 @@ std::unique_ptr<mjModel, DeleteModel> CompileModel() {
   std::array<char, 1000> message{};
   if (mj_makeEmptyFileVFS(files.get(), kName, static_cast<int>(text.size())) != 0) ThrowError("no room for the model");
   std::memcpy(files->filedata[0], text.data(), text.size());
-  std::unique_ptr<mjModel, DeleteModel> model(
-      mj_loadXML(kName, files.get(), message.data(), static_cast<int>(message.size())));
+  const mjModel* model = mj_loadXML(kName, files.get(), message.data(), static_cast<int>(message.size()));
   mj_deleteVFS(files.get());
   if (model == nullptr) ThrowError(message.data());
   return model;
+}
+
+/// The smallest model there is, with the library's default options. Compiled once, and never deleted.
+const mjModel& SmallestModel() {
+  static const mjModel* const model = CompileModel();
+  return *model;
 }
 
 /// Compressed rows as MuJoCo has them.
@@ -89,16 +89,16 @@ struct Rows {
 class MuJoCo : public LcpSolver {
  public:
   MuJoCo(std::string_view key, mjtSolver solver, SettingsReader* reader)
-      : model_(CompileModel()), tier_(key, reader), options_(model_->opt), data_(std::make_unique<mjData>()) {
+      : model_(std::make_unique<mjModel>(SmallestModel())),
+        tier_(key, reader),
+        options_(model_->opt),
+        data_(std::make_unique<mjData>()) {
     options_.solver = solver;
     if (tier_.is_library_default()) return;
     regularization_ = reader->Number("regularization", kRegularization, 1e-16, 1);
     options_.jacobian =
         Choose<int>(reader, "jacobian", {{"auto", mjJAC_AUTO}, {"dense", mjJAC_DENSE}, {"sparse", mjJAC_SPARSE}});
   }
-  ~MuJoCo() override { *model_ = compiled_; }
-  MuJoCo(const MuJoCo&) = delete;
-  MuJoCo& operator=(const MuJoCo&) = delete;
 
   std::string WhyUnsupported(const LcpProblem& problem) const override {
     return problem.has_factors() ? "" : "needs J and the inverse masses";
@@ -208,7 +208,8 @@ class MuJoCo : public LcpSolver {
       throw MemoryRefusal("the library counts its memory by an int, and would need " + std::to_string(stack) +
                           " numbers");
     }
-    RequireMemory(sizeof(double) * static_cast<double>(stack + forces + forces / 2 + dense), "the library's stack");
+    RequireMemory(static_cast<double>(sizeof(double) * (stack + forces + dense) + sizeof(int) * forces),
+                  "the library's stack");
     if (stack > stack_size_) {
       stack_.reset(new double[stack]);  // not cleared: most of it is never touched
       stack_size_ = stack;
@@ -284,7 +285,7 @@ class MuJoCo : public LcpSolver {
   void PointAtArrays() {
     mjModel& model = *model_;
     mjData& data = *data_;
-    model = compiled_;
+    model = SmallestModel();
     model.opt = options_;
     model.nv = model.nq = model.nM = static_cast<int>(mass_.size());
     model.njmax = static_cast<int>(order_.size());
@@ -340,8 +341,7 @@ class MuJoCo : public LcpSolver {
     for (std::size_t i = 0; i < start_.size(); ++i) start_[i] *= inverse_[i];
   }
 
-  std::unique_ptr<mjModel, DeleteModel> model_;
-  const mjModel compiled_ = *model_;  // with its own arrays, which it must have at its end
+  std::unique_ptr<mjModel> model_;  // the smallest one with our arrays, which it does not own
   PeerTier tier_;
   mjOption options_;
   double regularization_ = kOwnRegularization;  // of A_ii
@@ -374,6 +374,7 @@ std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
 PeerLibrary ThisPeerLibrary() {
   mju_user_error = &ThrowError;
   mju_user_warning = &IgnoreWarning;
+  SmallestModel();
   return {mj_versionString(), &Make};
 }
 
