@@ -1,9 +1,9 @@
 // MuJoCo 2.2: its Newton and conjugate gradient solvers in accelerations, and projected Gauss-Seidel in forces.
 //
-// They solve w + R f = A f + b + R f with R > 0: min 1/2 a'M a + 1/2 sum of (w_i / sqrt R_i)^2 over w_i = (J a + b)_i <
-// 0 and over the bilateral rows, a the change of acceleration by f. The engine has R_i = A_ii (1 - d) / d with d = 0.9
-// (solimp at contact); so have the keys that end in "-default". The others have R_i = A_ii 1e-12, setting
-// `regularization`.
+// They solve w = (A + R) f + b with a diagonal R > 0: over the accelerations a that f makes, with v = J a + b, the cost
+// is a'M a / 2 and v_i^2 / (2 R_i) for each bilateral row and each unilateral one with v_i < 0, and f_i = -v_i / R_i.
+// The engine has R_i = A_ii (1 - d) / d with d = 0.9 (solimp at contact); so have the keys that end in "-default". The
+// others have R_i = A_ii 1e-12, setting `regularization`.
 //
 // What a step of the engine does with its tree of bodies before that is not ours, and compiling a model takes far
 // longer than a solve. So the smallest model is compiled when the worker starts, and the arrays that the solvers read
@@ -12,6 +12,9 @@
 // mj_projectConstraint and mj_fwdConstraint are the library's. b is what the library subtracts as `efc_aref`. Rows that
 // move nothing are left out. O(nnz of J) memory, but the library's stack: (columns)^2, or of Gauss-Seidel rows (rows +
 // columns).
+//
+// A warm start is the acceleration that f makes. It is used with the engine's own R only: with a small one v is the
+// difference of numbers that are far larger, and the solvers stop there.
 //
 // For keys that follow the tier b is scaled by a power of two to about 1, since the library's tolerance has a unit.
 // Iterations are the library's; the clock is read by nobody: when time is up, a signal raises the tolerance that the
@@ -136,9 +139,10 @@ class MuJoCo : public LcpSolver {
         std::fill(values->begin(), values->end(), 0);
       }
       std::fill(force_.begin(), force_.end(), 0);
-      if (options.initial_f != nullptr) SetStart(*options.initial_f, scale);
+      const bool is_warm = options.initial_f != nullptr && tier_.is_library_default();
+      if (is_warm) SetStart(*options.initial_f, scale);
       model_->opt = options_;
-      if (options.initial_f == nullptr) model_->opt.disableflags |= mjDSBL_WARMSTART;
+      if (!is_warm) model_->opt.disableflags |= mjDSBL_WARMSTART;
       if (!tier_.is_library_default()) {
         // It bounds the fall of the cost. There an error of f counts as R_i / 2 times its square, or A_ii / 2 in
         // forces.
