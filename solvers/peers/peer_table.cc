@@ -15,18 +15,29 @@ constexpr PeerProject kSiconos{"siconos", "Siconos", "Apache-2.0"};
 constexpr PeerProject kPetsc{"petsc", "PETSc", "BSD-2-Clause"};
 constexpr PeerProject kCgal{"cgal", "CGAL", "GPL-3.0-or-later"};
 constexpr PeerProject kClp{"clp", "Clp", "EPL-1.0"};
+constexpr PeerProject kMujoco{"mujoco", "MuJoCo", "Apache-2.0"};
+constexpr PeerProject kAlglib{"alglib", "ALGLIB", "GPL-2.0-or-later"};
+constexpr PeerProject kSimbody{"simbody", "Simbody", "Apache-2.0"};
 
 constexpr MethodClass kAny = MethodClass::kAnySize;
 constexpr std::string_view kWithCfm = "the same with the diagonal shift that engines use (cfm)";
 constexpr std::string_view kAsItIs = "the same with the library's own options";
 
-// Tolerances bound: of DART the largest relative change of a force in one sweep; of Siconos ||min(f, w)|| over ||b||;
-// of petsc-rsls the norm of w on the free rows and of petsc-ssls that of the Fischer-Burmeister function, of TAO the
-// projected gradient, all relative to the start; of Clp both primal and dual infeasibility.
+// Tolerances bound: of bullet-si the largest velocity that a sweep corrects, relative to the largest of b; of DART the
+// largest relative change of a force in one sweep; of Siconos ||min(f, w)|| over ||b||; of petsc-rsls the norm of w on
+// the free rows and of petsc-ssls that of the Fischer-Burmeister function, of TAO the projected gradient, all relative
+// to the start; of Clp both primal and dual infeasibility. With b scaled to about 1: of MuJoCo the error of f that the
+// fall of its cost in an iteration stands for; of ALGLIB the scaled projected gradient (QuickQP, BLEIC) or
+// infeasibilities and gap (interior point); of Simbody the norm of w on the enforced rows.
 constexpr PeerEntry kPeers[] = {
     {kBullet, "bullet-dantzig", "Dantzig pivoting of the physics engine"},
     {kBullet, "bullet-dantzig-cfm", kWithCfm},
     {kBullet, "bullet-lemke", "Lemke's complementary pivoting"},
+    {kBullet, "bullet-si", "sequential impulses", TierSettings{{1e-3, 1e-6, 1e-9}, 1e9}, kAny},
+    {kBullet, "bullet-si-4", "sequential impulses, 4 sweeps", {}, kAny, true},
+    {kBullet, "bullet-si-10", "sequential impulses, the engine's own 10 sweeps", {}, kAny, true},
+    {kBullet, "bullet-si-50", "sequential impulses, 50 sweeps", {}, kAny, true},
+    {kBullet, "bullet-si-1000", "sequential impulses, 1000 sweeps", {}, kAny, true},
     {kOde, "ode-dantzig", "Dantzig pivoting of the physics engine, LDL^T updated"},
     {kOde, "ode-dantzig-cfm", kWithCfm},
     {kDart, "dart-dantzig", "Dantzig pivoting, after ODE's"},
@@ -42,11 +53,23 @@ constexpr PeerEntry kPeers[] = {
     {kSiconos, "siconos-nsgs-sbm", "block Gauss-Seidel on a sparse block matrix",
      TierSettings{{1e-4, 1e-7, 1e-10}, 1e9}, kAny},
     {kSiconos, "siconos-avi", "pivoting on the affine variational inequality (Cao, Ferris)"},
+    {kSiconos, "siconos-pivot", "Lemke pivoting"},
+    {kSiconos, "siconos-pathsearch", "pivoting along PATH's piecewise linear path"},
+    {kSiconos, "siconos-newton-min", "Newton on min(f, w) without line search", TierSettings{{1e-5, 1e-6, 1e-9}, 1e6}},
+    {kSiconos, "siconos-newton-min-default", kAsItIs},
+    {kSiconos, "siconos-cpg", "conjugate projected gradients", TierSettings{{1e-4, 1e-7, 1e-10}, 1e9}},
+    {kSiconos, "siconos-cpg-default", kAsItIs},
+    {kSiconos, "siconos-convexqp-pg", "projected gradients on the QP", TierSettings{{1e-4, 1e-7, 1e-10}, 1e9}},
+    {kSiconos, "siconos-convexqp-pg-default", kAsItIs},
     {kPetsc, "petsc-rsls", "SNES reduced-space active-set Newton with line search",
      TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}, kAny},
     {kPetsc, "petsc-rsls-default", kAsItIs, {}, kAny},
+    {kPetsc, "petsc-rsls-direct", "the same with LU and a shift of pivots that are too small",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}, kAny},
     {kPetsc, "petsc-ssls", "SNES semismooth Newton with line search", TierSettings{{1e-6, 1e-8, 1e-11}, 1e6}, kAny},
     {kPetsc, "petsc-ssls-default", kAsItIs, {}, kAny},
+    {kPetsc, "petsc-ssls-direct", "the same with LU and a shift of pivots that are too small",
+     TierSettings{{1e-5, 1e-7, 1e-11}, 1e6}, kAny},
     {kPetsc, "tao-bntr", "TAO bounded Newton trust region on the QP", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}, kAny},
     {kPetsc, "tao-bntr-default", kAsItIs, {}, kAny},
     {kPetsc, "tao-tron", "TAO trust-region Newton (TRON) on the QP", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}, kAny},
@@ -54,6 +77,27 @@ constexpr PeerEntry kPeers[] = {
     {kCgal, "cgal-qp", "exact rational QP simplex: a reference for small n", {}, MethodClass::kExactArithmetic},
     {kClp, "clp", "COIN-OR simplex code with its QP extension", TierSettings{{1e-3, 1e-6, 1e-9}, 0}, kAny},
     {kClp, "clp-default", kAsItIs, {}, kAny},
+    {kMujoco, "mujoco-newton", "Newton in accelerations, exact line search, R/A = 1e-12",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e9}},
+    {kMujoco, "mujoco-newton-default", kAsItIs},
+    {kMujoco, "mujoco-cg", "nonlinear conjugate gradients in accelerations, R/A = 1e-12",
+     TierSettings{{1e-4, 1e-6, 1e-9}, 1e9}},
+    {kMujoco, "mujoco-cg-default", kAsItIs},
+    {kMujoco, "mujoco-pgs", "projected Gauss-Seidel, R/A = 1e-12", TierSettings{{1e-5, 1e-8, 1e-11}, 1e9}},
+    {kMujoco, "mujoco-pgs-default", kAsItIs},
+    {kAlglib, "alglib-quickqp", "constrained conjugate gradients and Newton steps on the QP (QuickQP)",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 0}},
+    {kAlglib, "alglib-quickqp-default", kAsItIs},
+    {kAlglib, "alglib-dense-ipm", "interior point on the QP, dense", TierSettings{{1e-7, 1e-10, 1e-13}, 0}},
+    {kAlglib, "alglib-dense-ipm-default", kAsItIs},
+    {kAlglib, "alglib-sparse-ipm", "interior point on the QP, sparse", TierSettings{{1e-7, 1e-10, 1e-13}, 0}, kAny},
+    {kAlglib, "alglib-sparse-ipm-default", kAsItIs, {}, kAny},
+    {kAlglib, "alglib-bleic", "active set with L-BFGS on the QP (BLEIC)", TierSettings{{1e-3, 1e-6, 1e-9}, 0}},
+    {kAlglib, "alglib-bleic-default", kAsItIs},
+    {kSimbody, "simbody-pgs", "projected Gauss-Seidel, overrelaxed", TierSettings{{1e-4, 1e-7, 1e-10}, 1e9}},
+    {kSimbody, "simbody-pgs-default", kAsItIs},
+    {kSimbody, "simbody-plus", "successive pruning of the active set", TierSettings{{1e-3, 1e-6, 1e-9}, 20}},
+    {kSimbody, "simbody-plus-default", kAsItIs},
 };
 
 constexpr std::array kTableTiers{1e-3, 1e-6, 1e-9};

@@ -36,9 +36,11 @@ struct PeerEntry {
   std::optional<TierSettings> tiers = std::nullopt;
   /// What limits its size.
   MethodClass method_class = MethodClass::kDenseMatrix;
+  /// So many sweeps whatever is asked for, as its users run it.
+  bool fixed_effort = false;
 
-  /// The library's own options: the adapter passes no tolerance.
-  bool has_library_defaults() const { return key.ends_with("-default"); }
+  /// The library's own options, or a fixed effort: the adapter passes no tolerance.
+  bool has_library_defaults() const { return key.ends_with("-default") || fixed_effort; }
 };
 
 /// All peers, in the report's order.
