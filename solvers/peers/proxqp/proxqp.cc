@@ -3,6 +3,11 @@
 // units of the program; eps_rel is 0). Iterations are its inner ones, of Newton. The sparse backend knows no bounds of
 // variables. The warm start are x and all multipliers.
 
+#include <malloc.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -198,6 +203,21 @@ std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
 }
 
 }  // namespace
+
+// The library takes its workspace from malloc, wherever that is, and the order of vectorised sums depends on where:
+// blocks of one alignment, so that the same program gives the same bits each time.
+extern "C" void* __wrap_malloc(std::size_t size) {  // NOLINT: the linker's name
+  constexpr std::size_t kAlignment = 64;
+  return std::aligned_alloc(kAlignment, (size + kAlignment) / kAlignment * kAlignment);
+}
+
+extern "C" void* __wrap_realloc(void* block, std::size_t size) {  // NOLINT
+  void* other = __wrap_malloc(size);
+  if (other == nullptr || block == nullptr) return other;
+  std::memcpy(other, block, std::min(size, malloc_usable_size(block)));
+  std::free(block);
+  return other;
+}
 
 PeerLibrary ThisPeerLibrary() { return {PROXSUITE_VERSION, &Make}; }
 

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+LARGEST = 1e300
 SOLVED, INFEASIBLE = "solved", "infeasible"
 ITERATION_LIMIT, TIME_LIMIT = "iteration_limit", "time_limit"
 FAILURE, UNSUPPORTED = "numerical_failure", "unsupported"
@@ -263,36 +264,27 @@ class DrakeMoby(Adapter):
 
 
 class Pinocchio(Adapter):
-    """Constraint solvers on a dense Delassus matrix. A row that pushes is a joint limit, whose cone is that of the
-    numbers >= 0; a joint is a friction without bound. They stop where feasibility and complementarity are below absolute
-    or relative tolerances."""
+    """Constraint solvers on a dense Delassus matrix. All rows are one friction of joints, whose forces have bounds: 0
+    and infinity where a row pushes, none where it is a joint; beside another set the Gauss-Seidel solver stops too
+    early. They stop where feasibility and complementarity are below absolute or relative tolerances, or at a limit of
+    iterations: they read no clock."""
 
-    def constraints(self, bilateral):
-        """Models of rows that push, and then of joints, by joints of a model of which nothing else is used."""
+    def constraint(self, bilateral):
+        """By a model of as many joints, of which nothing else is used."""
         pin = self.module
-        joints, unilateral = int(bilateral.sum()), int(bilateral.size - bilateral.sum())
         model = pin.Model()
+        joints = pin.StdVec_Index()
         for i in range(bilateral.size):
-            model.addJoint(0, pin.JointModelPX(), pin.SE3.Identity(), str(i))
+            joints.append(model.addJoint(0, pin.JointModelPX(), pin.SE3.Identity(), str(i)))
+        friction = pin.JointFrictionConstraintModel(model, joints)
+        friction.setFrictionLowerLimit(np.where(bilateral, -LARGEST, 0.0))
+        friction.setFrictionUpperLimit(np.full(bilateral.size, LARGEST))
         models, states = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
-        if unilateral:
-            numbers_of = pin.StdVec_Index()
-            numbers_of.extend(range(1, unilateral + 1))
-            models.append(pin.ConstraintModel(pin.JointLimitConstraintModel(
-                model, numbers_of, np.zeros(bilateral.size), np.full(bilateral.size, np.inf))))
-        if joints:
-            numbers_of = pin.StdVec_Index()
-            numbers_of.extend(range(unilateral + 1, bilateral.size + 1))
-            friction = pin.JointFrictionConstraintModel(model, numbers_of)
-            friction.setFrictionLowerLimit(np.full(joints, -1e300))
-            friction.setFrictionUpperLimit(np.full(joints, 1e300))
-            models.append(pin.ConstraintModel(friction))
+        models.append(pin.ConstraintModel(friction))
+        states.append(pin.ConstraintData(models[0].createData()))
         state = model.createData()
-        self.module.forwardKinematics(model, state, pin.neutral(model))
-        for constraint in models:
-            states.append(pin.ConstraintData(constraint.createData()))
-        for constraint, constraint_state in zip(models, states):
-            constraint.calc(model, state, constraint_state)
+        pin.forwardKinematics(model, state, pin.neutral(model))
+        models[0].calc(model, state, states[0])
         return model, models, states
 
     def options(self, tuned):
@@ -301,8 +293,7 @@ class Pinocchio(Adapter):
     def solve(self, p, tolerance, time_limit, most):
         pin, q = self.module, Program(p)
         bilateral = np.frombuffer(p["bilateral"], np.uint8) != 0
-        order = np.concatenate([np.flatnonzero(~bilateral), np.flatnonzero(bilateral)])
-        _, models, states = self.constraints(bilateral)
+        _, models, states = self.constraint(bilateral)
         solver, settings, result = self.options(tolerance > 0)
         if tolerance > 0:
             settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = tolerance
@@ -310,12 +301,9 @@ class Pinocchio(Adapter):
         if most > 0:
             settings.max_iterations = int(min(most, 2**31 - 1))
         if q.start is not None:
-            result.setConstraintImpulseGuess(np.ascontiguousarray(q.start[0][order]))
-        done = solver.solve(pin.DelassusOperatorDense(np.array(q.H[np.ix_(order, order)])), q.g[order], models, states,
-                            settings, result)
-        f = np.empty(q.n)
-        f[order] = result.retrieveConstraintImpulses()
-        return answer(SOLVED if done else ITERATION_LIMIT, result.iterations, "", f)
+            result.setConstraintImpulseGuess(np.array(q.start[0]))
+        done = solver.solve(pin.DelassusOperatorDense(q.H), q.g, models, states, settings, result)
+        return answer(SOLVED if done else ITERATION_LIMIT, result.iterations, "", result.retrieveConstraintImpulses())
 
 
 class PinocchioAdmm(Pinocchio):

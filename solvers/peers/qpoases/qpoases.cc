@@ -78,7 +78,7 @@ class QpOases : public QpPeer {
         program.getPrimalSolution(x.data());
         program.getDualSolution(y.data());
       } else {
-        qpOASES::QProblemB program(n);
+        qpOASES::QProblemB program(n, qpOASES::HST_SEMIDEF);
         program.setOptions(library);
         code = program.init(qp.dense_H.data(), qp.g.data(), qp.x_lower.data(), nullptr, changes, limit, x_guess,
                             y_guess, start != nullptr ? &bounds : nullptr);

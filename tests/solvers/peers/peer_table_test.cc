@@ -25,14 +25,15 @@ TEST(TierSettings, ATierIsReadFromItsColumnAndWhatLiesBetweenFromTheStricterOne)
       EXPECT_EQ(TierTolerance(peer.key, tolerance), peer.tiers->tolerances[static_cast<size_t>(column)]) << peer.key;
     }
   }
-  EXPECT_EQ(tuned, 9);
+  EXPECT_EQ(tuned, 29);
   EXPECT_THROW(TierTolerance("dart-dantzig", 1e-6), std::logic_error);
 }
 
 // Keys whose tuning reached the rule's 95 %.
 class TunedPeer : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(ReachTheRule, TunedPeer,
-                         testing::Values("dart-pgs", "clp", "siconos-pgs", "siconos-nsgs-sbm", "tao-bntr"));
+                         testing::Values("dart-pgs", "clp", "siconos-pgs", "siconos-nsgs-sbm", "tao-bntr", "proxqp-primal",
+                                         "osqp-primal", "highs-primal", "qpalm-primal"));
 
 TEST_P(TunedPeer, PassesEveryTierOnNearlyAllGeneratedProblems) {
   if (!FindSolver(GetParam()).available) GTEST_SKIP() << GetParam() << " is not in this build";
