@@ -1,6 +1,6 @@
 #!/bin/sh
-# install_wheels.sh PYTHON FILE FOLDER: the wheels that FILE pins, in an environment of their own. Where no package index
-# can be reached, says so and goes on: what needs them is then not in the build.
+# install_wheels.sh PYTHON FILE FOLDER: the wheels that FILE pins, in an environment of their own. Where no package
+# index can be reached, says so and goes on: what needs them is then not in the build.
 set -e
 python=$1
 file=$2

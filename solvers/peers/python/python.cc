@@ -135,8 +135,6 @@ class PythonPeer : public QpPeer {
       layout.dense = true;
     }
     set_layout(layout);
-    has_tier_ = std::any_of(AllPeers().begin(), AllPeers().end(),
-                            [key](const PeerEntry& peer) { return peer.key == key && peer.tiers.has_value(); });
     solver_ = Own(PyObject_CallMethod(PeersModule(), "make", "sO", key_.c_str(), chosen.get()));
   }
 
@@ -175,8 +173,8 @@ class PythonPeer : public QpPeer {
       Set(p, "start_x", View(start->x.data(), start->x.size()));
       Set(p, "start_y", View(start->y.data(), start->y.size()));
     }
-    const double tolerance = has_tier_ ? tier().Tolerance(options) : 0;
-    const double most = has_tier_ ? tier().Iterations(options) : static_cast<double>(options.max_iterations);
+    const double tolerance = has_tiers() ? tier().Tolerance(options) : 0;
+    const double most = has_tiers() ? tier().Iterations(options) : static_cast<double>(options.max_iterations);
     // Conversion and call are not told apart: Python's part of both is what it is.
     Object answer;
     TimeLibraryCall(options, result, [&] {
@@ -207,7 +205,6 @@ class PythonPeer : public QpPeer {
   }
 
   std::string key_;
-  bool has_tier_ = false;
   Object solver_;
 };
 

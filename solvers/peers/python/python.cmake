@@ -7,7 +7,8 @@ if(LCPBENCH_WITH_PYTHON_PEERS)
           pinocchio:cmeel.prefix/lib/python${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR}/site-packages/pinocchio)
     string(REGEX REPLACE ":.*" "" folder ${peer})
     string(REGEX REPLACE "^[^:]*:" "" module ${peer})
-    file(GLOB found LIST_DIRECTORIES true "${LCPBENCH_PEERS_PACKAGES}/${module}" "${LCPBENCH_PEERS_PACKAGES}/${module}.*.so")
+    file(GLOB found LIST_DIRECTORIES true "${LCPBENCH_PEERS_PACKAGES}/${module}"
+         "${LCPBENCH_PEERS_PACKAGES}/${module}.*.so")
     if(TARGET Python3::Python AND found AND EXISTS "${LCPBENCH_PEERS_VENV}/bin/python")
       lcpbench_add_peer(${folder} SOURCES python/python.cc qp/quadratic_program.cc LIBRARIES Python3::Python)
       target_compile_definitions(lcpbench_worker_${folder} PRIVATE

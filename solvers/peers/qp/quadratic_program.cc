@@ -173,10 +173,17 @@ QpStart MakeStart(const LcpProblem& problem, const QuadraticProgram& qp, const E
   return start;
 }
 
+bool HasTiers(std::string_view key) {
+  return std::any_of(AllPeers().begin(), AllPeers().end(),
+                     [key](const PeerEntry& peer) { return peer.key == key && peer.tiers.has_value(); });
+}
+
 }  // namespace
 
 QpPeer::QpPeer(std::string_view key, SettingsReader* reader)
-    : tier_(key, reader), is_primal_(key.find("-primal") != std::string_view::npos) {}
+    : has_tiers_(HasTiers(key)),
+      tier_(has_tiers_ || key.ends_with("-default") ? PeerTier(key, reader) : PeerTier()),
+      is_primal_(key.find("-primal") != std::string_view::npos) {}
 
 std::string QpPeer::WhyUnsupported(const LcpProblem& problem) const { return WhyNotQuadraticProgram(problem); }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "solvers/lcp/solver.h"
 #include "solvers/peers/peer_library.h"
@@ -55,6 +56,8 @@ class QpPeer : public LcpSolver {
   QpPeer(std::string_view key, SettingsReader* reader);
 
   bool is_primal() const { return is_primal_; }
+  /// Whether the key follows the tier; codes without a tolerance, and the library's own options, do not.
+  bool has_tiers() const { return has_tiers_; }
   const PeerTier& tier() const { return tier_; }
   void set_layout(QpLayout layout) { layout_ = layout; }
   /// The library's call, timed by TimeLibraryCall: sets status, iterations, detail, and the answer by SetAnswer. The
@@ -71,6 +74,7 @@ class QpPeer : public LcpSolver {
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
 
  private:
+  bool has_tiers_ = false;
   PeerTier tier_;
   bool is_primal_ = false;
   QpLayout layout_;

@@ -32,8 +32,8 @@ TEST(TierSettings, ATierIsReadFromItsColumnAndWhatLiesBetweenFromTheStricterOne)
 // Keys whose tuning reached the rule's 95 %.
 class TunedPeer : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(ReachTheRule, TunedPeer,
-                         testing::Values("dart-pgs", "clp", "siconos-pgs", "siconos-nsgs-sbm", "tao-bntr", "proxqp-primal",
-                                         "osqp-primal", "highs-primal", "qpalm-primal"));
+                         testing::Values("dart-pgs", "clp", "siconos-pgs", "siconos-nsgs-sbm", "tao-bntr",
+                                         "proxqp-primal", "osqp-primal", "highs-primal"));
 
 TEST_P(TunedPeer, PassesEveryTierOnNearlyAllGeneratedProblems) {
   if (!FindSolver(GetParam()).available) GTEST_SKIP() << GetParam() << " is not in this build";
