@@ -61,7 +61,7 @@ help:
 	@echo "make fresh-benchmark      fresh times of our solvers, ODE and Bullet in one process, by size class and origin (OPTIONS=--cpu 1; two minutes)"
 	@echo "make scene-benchmark      time scene generation, contact detection and assembly at 10^3 to 10^5 rows"
 	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, numbers in README.md and docs/"
-	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt) and reconfigure"
+	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt, requirements-peers.txt) and reconfigure"
 	@echo "make slurm-try   try campaigns as job arrays on a Slurm of its own (packages-slurm.txt; needs root once; a minute)"
 	@echo "make doc      reference of the public headers, build/doc/html/index.html"
 	@echo "make check    formatting, lint, and whether the public headers are documented"
@@ -78,6 +78,7 @@ deps:
 # Configuring looks again for what was not there before; building and reporting then take the workers along.
 peers:
 	@sh cmake/install_packages.sh packages-peers.txt
+	@sh cmake/install_wheels.sh $(PYTHON) requirements-peers.txt build/peers-venv
 	@$(MAKE) --no-print-directory configure
 
 configure: deps

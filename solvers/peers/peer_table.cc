@@ -18,17 +18,34 @@ constexpr PeerProject kClp{"clp", "Clp", "EPL-1.0"};
 constexpr PeerProject kMujoco{"mujoco", "MuJoCo", "Apache-2.0"};
 constexpr PeerProject kAlglib{"alglib", "ALGLIB", "GPL-2.0-or-later"};
 constexpr PeerProject kSimbody{"simbody", "Simbody", "Apache-2.0"};
+// Of PyPI. The headers of some are in another project's wheel (requirements-peers.txt).
+constexpr PeerProject kOsqp{"osqp", "OSQP", "Apache-2.0"};
+constexpr PeerProject kDaqp{"daqp", "DAQP", "MIT"};
+constexpr PeerProject kQpOases{"qpoases", "qpOASES", "LGPL-2.1-or-later"};
+constexpr PeerProject kHighs{"highs", "HiGHS", "MIT"};
+constexpr PeerProject kProxQp{"proxqp", "ProxQP", "BSD-2-Clause"};
+constexpr PeerProject kProxQpBaseline{"proxqp-baseline", "ProxQP", "BSD-2-Clause"};
+constexpr PeerProject kPiqp{"piqp", "PIQP", "BSD-2-Clause"};
+constexpr PeerProject kClarabel{"clarabel", "Clarabel", "Apache-2.0"};
+constexpr PeerProject kQpalm{"qpalm", "QPALM", "LGPL-3.0-only"};
+constexpr PeerProject kScs{"scs", "SCS", "MIT"};
+constexpr PeerProject kQuadprog{"quadprog", "quadprog", "GPL-2.0-or-later"};
+constexpr PeerProject kDrake{"drake", "Drake", "BSD-3-Clause"};
+constexpr PeerProject kPinocchio{"pinocchio", "Pinocchio", "BSD-2-Clause"};
 
 constexpr MethodClass kAny = MethodClass::kAnySize;
 constexpr std::string_view kWithCfm = "the same with the diagonal shift that engines use (cfm)";
+constexpr std::string_view kForBaseline = "the same, compiled for any x86-64";
 constexpr std::string_view kAsItIs = "the same with the library's own options";
 
 // Tolerances bound: of bullet-si the largest velocity that a sweep corrects, relative to the largest of b; of DART the
 // largest relative change of a force in one sweep; of Siconos ||min(f, w)|| over ||b||; of petsc-rsls the norm of w on
 // the free rows and of petsc-ssls that of the Fischer-Burmeister function, of TAO the projected gradient, all relative
-// to the start; of Clp both primal and dual infeasibility. With b scaled to about 1: of MuJoCo the error of f that the
-// fall of its cost in an iteration stands for; of ALGLIB the scaled projected gradient (QuickQP, BLEIC) or
-// infeasibilities and gap (interior point); of Simbody the norm of w on the enforced rows.
+// to the start; of Clp and HiGHS both primal and dual infeasibility; of ProxQP the largest residual of the program; of
+// DAQP the violation of a bound; of PIQP, OSQP, Clarabel, QPALM and SCS residuals and gap, absolute and relative; of
+// Pinocchio feasibility and complementarity. With b scaled to about 1: of MuJoCo the error of f that the fall of its
+// cost in an iteration stands for; of ALGLIB the scaled projected gradient (QuickQP, BLEIC) or infeasibilities and gap
+// (interior point); of Simbody the norm of w on the enforced rows.
 constexpr PeerEntry kPeers[] = {
     {kBullet, "bullet-dantzig", "Dantzig pivoting of the physics engine"},
     {kBullet, "bullet-dantzig-cfm", kWithCfm},
@@ -98,6 +115,61 @@ constexpr PeerEntry kPeers[] = {
     {kSimbody, "simbody-pgs-default", kAsItIs},
     {kSimbody, "simbody-plus", "successive pruning of the active set", TierSettings{{1e-3, 1e-6, 1e-9}, 20}},
     {kSimbody, "simbody-plus-default", kAsItIs},
+    {kProxQp, "proxqp-dual", "proximal augmented Lagrangian; QP in forces", TierSettings{{1e-6, 1e-6, 1e-9}, 1e6}},
+    {kProxQp, "proxqp-dual-default", kAsItIs},
+    {kProxQp, "proxqp-primal", "proximal augmented Lagrangian; QP in velocities",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}},
+    {kProxQp, "proxqp-primal-default", kAsItIs},
+    {kProxQpBaseline, "proxqp-dual-baseline", kForBaseline, TierSettings{{1e-6, 1e-6, 1e-9}, 1e6}},
+    {kProxQpBaseline, "proxqp-primal-baseline", kForBaseline, TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}},
+    {kPiqp, "piqp-dual", "proximal interior point; QP in forces; Python worker",
+     TierSettings{{1e-7, 1e-10, 1e-13}, 1e6}, kAny},
+    {kPiqp, "piqp-dual-default", kAsItIs, {}, kAny},
+    {kPiqp, "piqp-primal", "proximal interior point; QP in velocities; Python worker",
+     TierSettings{{1e-7, 1e-10, 1e-13}, 1e6}, kAny},
+    {kPiqp, "piqp-primal-default", kAsItIs, {}, kAny},
+    {kDaqp, "daqp-dual", "dual active set; QP in forces", TierSettings{{1e-4, 1e-6, 1e-9}, 1e6}},
+    {kDaqp, "daqp-dual-default", kAsItIs},
+    {kDaqp, "daqp-primal", "dual active set; QP in velocities", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}},
+    {kDaqp, "daqp-primal-default", kAsItIs},
+    {kOsqp, "osqp-dual", "operator splitting (ADMM); QP in forces", TierSettings{{1e-3, 1e-7, 1e-10}, 1e6}, kAny},
+    {kOsqp, "osqp-dual-default", kAsItIs, {}, kAny},
+    {kOsqp, "osqp-primal", "operator splitting (ADMM); QP in velocities", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}, kAny},
+    {kOsqp, "osqp-primal-default", kAsItIs, {}, kAny},
+    {kClarabel, "clarabel-dual", "homogeneous interior point; QP in forces; Python worker",
+     TierSettings{{1e-6, 1e-10, 1e-11}, 1e6}, kAny},
+    {kClarabel, "clarabel-dual-default", kAsItIs, {}, kAny},
+    {kClarabel, "clarabel-primal", "homogeneous interior point; QP in velocities; Python worker",
+     TierSettings{{1e-7, 1e-10, 1e-12}, 1e6}, kAny},
+    {kClarabel, "clarabel-primal-default", kAsItIs, {}, kAny},
+    {kHighs, "highs-dual", "active set or interior point; QP in forces", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}, kAny},
+    {kHighs, "highs-dual-default", kAsItIs, {}, kAny},
+    {kHighs, "highs-primal", "active set or interior point; QP in velocities", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6},
+     kAny},
+    {kHighs, "highs-primal-default", kAsItIs, {}, kAny},
+    {kQpOases, "qpoases-dual", "online active set; QP in forces"},
+    {kQpOases, "qpoases-primal", "online active set; QP in velocities"},
+    {kQpalm, "qpalm-dual", "proximal augmented Lagrangian; QP in forces; Python worker",
+     TierSettings{{1e-3, 1e-6, 1e-10}, 1e6}, kAny},
+    {kQpalm, "qpalm-dual-default", kAsItIs, {}, kAny},
+    {kQpalm, "qpalm-primal", "proximal augmented Lagrangian; QP in velocities; Python worker",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}, kAny},
+    {kQpalm, "qpalm-primal-default", kAsItIs, {}, kAny},
+    {kScs, "scs-dual", "operator splitting on an embedding; QP in forces; Python worker",
+     TierSettings{{1e-3, 1e-7, 1e-9}, 1e6}, kAny},
+    {kScs, "scs-dual-default", kAsItIs, {}, kAny},
+    {kScs, "scs-primal", "operator splitting on an embedding; QP in velocities; Python worker",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}, kAny},
+    {kScs, "scs-primal-default", kAsItIs, {}, kAny},
+    {kQuadprog, "quadprog-dual", "dual active set (Goldfarb, Idnani); QP in forces; Python worker"},
+    {kQuadprog, "quadprog-primal", "dual active set (Goldfarb, Idnani); QP in velocities; Python worker"},
+    {kDrake, "drake-moby", "Lemke's method with growing shifts (MobyLcpSolver); Python worker"},
+    {kPinocchio, "pinocchio-admm", "ADMM of its contact solvers; Python worker",
+     TierSettings{{1e-4, 1e-7, 1e-10}, 2e4}},
+    {kPinocchio, "pinocchio-admm-default", kAsItIs},
+    {kPinocchio, "pinocchio-pgs", "projected Gauss-Seidel of its contact solvers; Python worker",
+     TierSettings{{1e-4, 1e-7, 1e-10}, 1e6}},
+    {kPinocchio, "pinocchio-pgs-default", kAsItIs},
 };
 
 constexpr std::array kTableTiers{1e-3, 1e-6, 1e-9};

@@ -229,6 +229,19 @@ TEST(PeerSettings, WhatIsOutOfRangeOrAnotherKeysIsRefused) {
       {"alglib-bleic", {{"newton", "yes"}}},
       {"clp", {{"pivot", "first"}}},
       {"clp-default", {{"pivot", "dantzig"}}},
+      {"proxqp-dual", {{"backend", "gpu"}}},
+      {"piqp-primal", {{"refinement", "often"}}},
+      {"piqp-primal-default", {{"backend", "dense"}}},
+      {"daqp-primal", {{"proximal", "1"}}},
+      {"osqp-dual", {{"rho", "-1"}}},
+      {"clarabel-dual", {{"equilibrate", "0"}}},
+      {"highs-primal", {{"regularization", "1"}}},
+      {"qpoases-dual", {{"options", "fast"}}},
+      {"qpalm-dual", {{"scaling", "-1"}}},
+      {"scs-dual", {{"normalize", "1"}}},
+      {"quadprog-dual", {{"tolerance", "1e-6"}}},
+      {"drake-moby", {{"cfm", "1e-9"}}},
+      {"pinocchio-pgs", {{"over_relaxation", "3"}}},
   };
   for (const Wrong& item : wrong) {
     if (!FindSolver(item.key).available) continue;
