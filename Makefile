@@ -38,6 +38,10 @@ ATTACK_SEED     ?= 100000
 # Which lines of the list of recordings `make record-engines` makes anew: those that fit this expression.
 RECORDINGS ?= .
 
+# Curves that users ask authors of engines for: which (all), and where their files go.
+CURVES         ?=
+CURVES_RESULTS ?= build/results/curves
+
 # One solver under two names, and slowed by a tenth: what a campaign must find, and must not.
 CALIBRATION_RESULTS ?= build/results/calibration
 CALIBRATION = --suite standard --filter '-n(25|64|160|400)-s[123]/' --no-fills --tiers 1e-6 --solvers bpp,bpp-again,bpp-slow,pgs,pgs-again,pgs-slow \
@@ -45,10 +49,10 @@ CALIBRATION = --suite standard --filter '-n(25|64|160|400)-s[123]/' --no-fills -
               --variant pgs-again=pgs --variant pgs-slow=pgs,slowdown=1.1
 
 # The campaigns and studies whose results are committed (report/reference/README.md).
-REFERENCE_RESULTS := report/reference/core --motion report/reference/motion --pictures $(PICTURES)
+REFERENCE_RESULTS := report/reference/core --motion report/reference/motion --curves report/reference/curves --pictures $(PICTURES)
 REFERENCE_ABLATION := --ablation report/reference/ablation
 
-.PHONY: help deps peers configure command build test report run pictures ablation recommendation calibrate record-engines fresh-benchmark scene-benchmark slurm-try doc reference-report check format fuzz attack install clean
+.PHONY: help deps peers configure command build test report run pictures ablation recommendation calibrate record-engines fresh-benchmark scene-benchmark solver-curves slurm-try doc reference-report check format fuzz attack install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
@@ -60,8 +64,9 @@ help:
 	@echo "make record-engines   let physics engines step scenes of their own, and record them in data/recordings (RECORDINGS=box2d-)"
 	@echo "make fresh-benchmark      fresh times of our solvers, ODE and Bullet in one process, by size class and origin (OPTIONS=--cpu 1; two minutes)"
 	@echo "make scene-benchmark      time scene generation, contact detection and assembly at 10^3 to 10^5 rows"
+	@echo "make solver-curves        residual against mass ratio, regularization, sweeps and precision, for the report (CURVES=sweeps; ten minutes)"
 	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, numbers in README.md and docs/"
-	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt) and reconfigure"
+	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt, requirements-peers.txt) and reconfigure"
 	@echo "make slurm-try   try campaigns as job arrays on a Slurm of its own (packages-slurm.txt; needs root once; a minute)"
 	@echo "make doc      reference of the public headers, build/doc/html/index.html"
 	@echo "make check    formatting, lint, and whether the public headers are documented"
@@ -78,6 +83,7 @@ deps:
 # Configuring looks again for what was not there before; building and reporting then take the workers along.
 peers:
 	@sh cmake/install_packages.sh packages-peers.txt
+	@sh cmake/install_wheels.sh $(PYTHON) requirements-peers.txt build/peers-venv
 	@$(MAKE) --no-print-directory configure
 
 configure: deps
@@ -151,6 +157,11 @@ record-engines: deps
 fresh-benchmark scene-benchmark: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target $(subst -,_,$@)
 	@$(BUILD)/$(subst -,_,$@) $(OPTIONS)
+
+# Files of curves that are not named stay. It takes ten minutes.
+solver-curves: configure
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target solver_curves
+	@$(BUILD)/solver_curves $(CURVES) $(OPTIONS) --output $(CURVES_RESULTS)
 
 slurm-try: command
 	@benchmarks/slurm/try_slurm.sh $(BUILD)/lcpbench

@@ -150,6 +150,7 @@ def _compare_two(options: argparse.Namespace) -> int:
           _file("--motion", help="a folder written by `lcpbench motion`"),
           _file("--precision", help="a campaign of `--suite precision`"),
           _file("--ablation", help="a campaign of `--suite ablation`"),
+          _file("--curves", help="a folder written by `make solver-curves`"),
           _file("--pictures", help="pictures of the scene families (make pictures)"),
           _file("--previous", help="an earlier run of the first campaign: summary.md tells what changed"),
           _file("-o", "--output", metavar="OUT.html", default=Path("build/report/index.html"),
@@ -162,7 +163,7 @@ def _report(options: argparse.Namespace) -> None:
     from lcpbench_report.web import gallery
     from lcpbench_report.web.page import render
 
-    inputs = load_inputs(options.campaigns, options.motion, options.precision, options.ablation)
+    inputs = load_inputs(options.campaigns, options.motion, options.precision, options.ablation, options.curves)
     for note in inputs.notes:
         _tell(f"report: note: {note}")
     folder = options.output.parent
@@ -274,10 +275,10 @@ def _recommendation(options: argparse.Namespace) -> None:
     print(f"{options.output}: {len(made['regions'])} regions")
 
 
-@_command("archive", _file("campaign", help="folder of a campaign, or of `lcpbench motion`"),
+@_command("archive", _file("campaign", help="folder of a campaign, of `lcpbench motion`, or of `make solver-curves`"),
           _file("output", metavar="OUT", help="the folder to write"))
 def _archive(options: argparse.Namespace) -> None:
-    """Make a small folder of that of a campaign or of motions, to be kept: rounded to few digits and compressed."""
+    """Make a small folder of that of a campaign, of motions or of curves, to be kept: rounded to few digits and compressed."""
     from lcpbench_report.archive import archive
 
     for name, size in archive(options.campaign, options.output).items():

@@ -1,5 +1,6 @@
 #include <iostream>
 
+#include "benchmarks/campaign/peer_facts.h"
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/command/commands.h"
 #include "build_info.h"
@@ -35,6 +36,8 @@ void PrintMetrics() {
   for (const MetricEntry& metric : AllMetrics()) PrintRow(metric.key, std::string(metric.formula));
 }
 
+void PrintPeers() { std::cout << PeerFactsJson().dump(1) << '\n'; }
+
 struct ListFields {
   bool as_json = false;
   bool as_schema = false;
@@ -56,7 +59,7 @@ struct ListFields {
 
 void AddListCommand(CLI::App& app, CommandRun& run) {
   CLI::App* list = app.add_subcommand(
-      "list", "Lists solvers, scenes, metrics or fields of result files, the key first on each line");
+      "list", "Lists solvers, scenes, metrics, peers or fields of result files, the key first on each line");
   list->require_subcommand(1);
   const auto add = [list, &run](const char* name, const char* description, void (*print)()) {
     list->add_subcommand(name, description)->callback([print, &run] { run = [print] { return print(), 0; }; });
@@ -64,6 +67,8 @@ void AddListCommand(CLI::App& app, CommandRun& run) {
   add("solvers", "Backends: key, method, source", PrintSolvers);
   add("scenes", "Scene families: key, title, purpose", PrintScenes);
   add("metrics", "Metrics of the verdict: key, formula", PrintMetrics);
+  add("peers", "Facts of the peers and of solvers that are left out, as one JSON object, which report/ reads",
+      PrintPeers);
   AddCommand<ListFields>(*list, run, "fields", "Fields of a campaign's lines as Markdown: name, type, unit, meaning");
 }
 

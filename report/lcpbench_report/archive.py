@@ -1,7 +1,7 @@
-"""Makes of a campaign's folder, or of a study of motion, one that is small enough to be kept with the source.
+"""Makes of a campaign's folder, of a study of motion, or of curves, one that is small enough to be kept with the source.
 
 The same files, which every script reads: campaign.json as it is; the lines of the others with numbers of few digits,
-sorted so that like stands beside like, and compressed by xz. motion.csv is compressed as it is.
+sorted so that like stands beside like, and compressed by xz. CSV files are compressed as they are.
 """
 
 import json
@@ -10,7 +10,7 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-from . import motion
+from . import curves, motion
 from .errors import ReportError
 from .files import replaced
 from .statistics.jsonl import packed, read_lines
@@ -27,23 +27,29 @@ _FILES: dict[str, tuple[Callable[[dict], tuple], int, int]] = {
                                  line["kind"] != "judge", line["kind"], line["pass"]), 4, 3),
     STEPS_FILE: (lambda step: (step["sequence"], step["solver"], -step["tier"], step["mode"], step["round"]), 3, 2),
 }
+_TABLES = (motion.FILE, *map(curves.file_of, curves.CURVES))  # of studies
 _AS_IT_IS = ("tier", "best_tier", "weight", "deadline_s")
 
 
 def archive(folder: Path, output: Path) -> dict[str, int]:
     """@returns bytes of every file written
-    @throws ReportError where `folder` is neither, or `output` has files already
+    @throws ReportError where `folder` is none of these, or `output` has files already
     """
-    if not any((folder / name).is_file() for name in (CAMPAIGN, motion.FILE)):
-        raise ReportError(str(folder), f"has no {CAMPAIGN} and no {motion.FILE}", "the folder of a campaign or of motions")
+    tables = [name for name in _TABLES if (folder / name).is_file()]
+    if not tables and not (folder / CAMPAIGN).is_file():
+        raise ReportError(str(folder), f"has no {CAMPAIGN} and no {motion.FILE}",
+                          "the folder of a campaign, of motions or of curves")
     if output.exists() and any(output.iterdir()):
         raise ReportError(str(output), "has files already", "a new folder")
     output.mkdir(parents=True, exist_ok=True)
-    if (folder / motion.FILE).is_file():
-        path = packed(output / motion.FILE)
-        with replaced(path) as beside:
-            beside.write_bytes(lzma.compress((folder / motion.FILE).read_bytes(), preset=9))
-        return {path.name: path.stat().st_size}
+    if tables:
+        written = {}
+        for name in tables:
+            path = packed(output / name)
+            with replaced(path) as beside:
+                beside.write_bytes(lzma.compress((folder / name).read_bytes(), preset=9))
+            written[path.name] = path.stat().st_size
+        return written
     with replaced(output / CAMPAIGN) as beside:
         shutil.copyfile(folder / CAMPAIGN, beside)
     written = {CAMPAIGN: (output / CAMPAIGN).stat().st_size}

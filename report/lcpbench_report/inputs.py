@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from . import motion as motion_file
+from . import curves as curve_files, motion as motion_file
 from .errors import ReportError
 from .statistics import tables
 from .statistics.cells import cell_table
@@ -29,6 +29,7 @@ class Inputs:
     motion: pd.DataFrame | None = None  # motion_file.COLUMNS
     notes: list[str] = field(default_factory=list)
     precision: pd.DataFrame | None = None  # the table `delivered` of a campaign over every decade
+    curves: dict[str, pd.DataFrame] = field(default_factory=dict)  # curve_files.CURVES, those that there are
     ablation: Campaign | None = None  # a campaign of its own for the table `ablation`, whose problems may be those of others
 
     @cached_property
@@ -103,10 +104,11 @@ class Inputs:
 
 
 def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path | None = None,
-                ablation: Path | None = None) -> Inputs:
+                ablation: Path | None = None, curves: Path | None = None) -> Inputs:
     """@param motion     a folder of `lcpbench motion`
     @param precision  a campaign that asks for every decade, `--suite precision`; its problems may be those of others
     @param ablation   a campaign of `--suite ablation`; likewise
+    @param curves     a folder of `make solver-curves`
     @throws ReportError for the first thing that does not fit
     """
     table = motion_file.read(motion) if motion is not None else None
@@ -130,4 +132,5 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
     notes = [f"{folder.name}: {note}" for folder, campaign in zip(folders, campaigns) for note in campaign.notes]
     delivered = delivered_table(cell_table(load_campaign(precision))) if precision is not None else None
     return Inputs([folder.resolve().name for folder in folders], campaigns, cells, ablated,
-                  table, notes, delivered, load_campaign(ablation) if ablation is not None else None)
+                  table, notes, delivered, curve_files.read(curves) if curves is not None else {},
+                  load_campaign(ablation) if ablation is not None else None)

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import formats, markdown, shown_tables, summary
+from . import formats, markdown, peers, shown_tables, summary
 from .errors import ReportError
 from .headline_table import Headline
 from .inputs import Inputs
@@ -153,5 +153,6 @@ BLOCKS: dict[str, Callable[[Page], str]] = {
     "scene-keys": lambda page: _keys(sorted({about["family"] for about in page.inputs.problems.values()
                                                 if about["origin"] in ("placed", "motion")})),
     "own-solvers": lambda page: _solver_table(page, "own"),
+    "peer-criteria": lambda page: peers.criteria().markdown(), "peers-left-out": lambda page: peers.left_out().markdown(),
     "peer-solvers": lambda page: _solver_table(page, "peer", "library_version", "licence"),
 }

@@ -15,45 +15,201 @@ constexpr PeerProject kSiconos{"siconos", "Siconos", "Apache-2.0"};
 constexpr PeerProject kPetsc{"petsc", "PETSc", "BSD-2-Clause"};
 constexpr PeerProject kCgal{"cgal", "CGAL", "GPL-3.0-or-later"};
 constexpr PeerProject kClp{"clp", "Clp", "EPL-1.0"};
+constexpr PeerProject kMujoco{"mujoco", "MuJoCo", "Apache-2.0"};
+constexpr PeerProject kAlglib{"alglib", "ALGLIB", "GPL-2.0-or-later"};
+constexpr PeerProject kSimbody{"simbody", "Simbody", "Apache-2.0"};
+// Of PyPI. The headers of some are in another project's wheel (requirements-peers.txt).
+constexpr PeerProject kOsqp{"osqp", "OSQP", "Apache-2.0"};
+constexpr PeerProject kDaqp{"daqp", "DAQP", "MIT"};
+constexpr PeerProject kQpOases{"qpoases", "qpOASES", "LGPL-2.1-or-later"};
+constexpr PeerProject kHighs{"highs", "HiGHS", "MIT"};
+constexpr PeerProject kProxQp{"proxqp", "ProxQP", "BSD-2-Clause"};
+constexpr PeerProject kProxQpBaseline{"proxqp-baseline", "ProxQP", "BSD-2-Clause"};
+constexpr PeerProject kPiqp{"piqp", "PIQP", "BSD-2-Clause", PeerRoute::kPython};
+constexpr PeerProject kClarabel{"clarabel", "Clarabel", "Apache-2.0", PeerRoute::kPython};
+constexpr PeerProject kQpalm{"qpalm", "QPALM", "LGPL-3.0-only", PeerRoute::kPython};
+constexpr PeerProject kScs{"scs", "SCS", "MIT", PeerRoute::kPython};
+constexpr PeerProject kQuadprog{"quadprog", "quadprog", "GPL-2.0-or-later", PeerRoute::kPython};
+constexpr PeerProject kDrake{"drake", "Drake", "BSD-3-Clause", PeerRoute::kPython};
+constexpr PeerProject kPinocchio{"pinocchio", "Pinocchio", "BSD-2-Clause", PeerRoute::kPython};
 
 constexpr MethodClass kAny = MethodClass::kAnySize;
 constexpr std::string_view kWithCfm = "the same with the diagonal shift that engines use (cfm)";
+constexpr std::string_view kForBaseline = "the same, compiled for any x86-64";
 constexpr std::string_view kAsItIs = "the same with the library's own options";
 
-// Tolerances bound: of DART the largest relative change of a force in one sweep; of Siconos ||min(f, w)|| over ||b||;
-// of petsc-rsls the norm of w on the free rows and of petsc-ssls that of the Fischer-Burmeister function, of TAO the
-// projected gradient, all relative to the start; of Clp both primal and dual infeasibility.
+// What tolerances bound.
+constexpr std::string_view kSequentialImpulses = "the largest velocity that a sweep corrects, over the largest of b";
+constexpr std::string_view kRelativeChange = "the largest relative change of a force in a sweep";
+constexpr std::string_view kNaturalResidual = "the norm of min(f, w), over that of b";
+constexpr std::string_view kFreeRows = "the norm of w on the free rows, over that at the start";
+constexpr std::string_view kFischerBurmeister = "the norm of the Fischer-Burmeister function, over that at the start";
+constexpr std::string_view kProjectedGradient = "the norm of the projected gradient, over that at the start";
+constexpr std::string_view kInfeasibilities = "primal and dual infeasibility, absolute";
+constexpr std::string_view kInfeasibilitiesOfHighs = "primal and dual infeasibility, absolute; never below 1e-10";
+constexpr std::string_view kFallOfCost =
+    "the fall of the cost in an iteration, told as the error of f that it stands for";
+constexpr std::string_view kScaledGradient = "the scaled projected gradient, absolute";
+constexpr std::string_view kInfeasibilitiesAndGap = "infeasibilities and duality gap, absolute";
+constexpr std::string_view kMeanSquare = "the root mean square of w on the rows with a force";
+constexpr std::string_view kEnforcedRows = "the norm of w on the enforced rows";
+constexpr std::string_view kLargestResidual = "the largest primal and dual residual, absolute; no duality gap";
+constexpr std::string_view kResidualsAndGap = "residuals and duality gap, absolute and relative to their terms";
+constexpr std::string_view kRelativeResiduals = "residuals, relative, and the duality gap, absolute or relative";
+constexpr std::string_view kResiduals = "residuals, absolute and relative to their terms";
+constexpr std::string_view kViolation =
+    "the largest violation of a constraint, absolute; for a singular matrix proximal steps, too";
+constexpr std::string_view kFeasibility = "feasibility and complementarity, absolute";
+
 constexpr PeerEntry kPeers[] = {
     {kBullet, "bullet-dantzig", "Dantzig pivoting of the physics engine"},
     {kBullet, "bullet-dantzig-cfm", kWithCfm},
     {kBullet, "bullet-lemke", "Lemke's complementary pivoting"},
+    {kBullet, "bullet-si", "sequential impulses", TierSettings{{1e-3, 1e-6, 1e-9}, 1e9, kSequentialImpulses}, kAny},
+    {kBullet, "bullet-si-4", "sequential impulses, 4 sweeps", {}, kAny, true},
+    {kBullet, "bullet-si-10", "sequential impulses, the engine's own 10 sweeps", {}, kAny, true},
+    {kBullet, "bullet-si-50", "sequential impulses, 50 sweeps", {}, kAny, true},
+    {kBullet, "bullet-si-1000", "sequential impulses, 1000 sweeps", {}, kAny, true},
     {kOde, "ode-dantzig", "Dantzig pivoting of the physics engine, LDL^T updated"},
     {kOde, "ode-dantzig-cfm", kWithCfm},
     {kDart, "dart-dantzig", "Dantzig pivoting, after ODE's"},
     {kDart, "dart-dantzig-cfm", kWithCfm},
-    {kDart, "dart-pgs", "projected Gauss-Seidel", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}},
+    {kDart, "dart-pgs", "projected Gauss-Seidel", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kRelativeChange}},
     {kDart, "dart-pgs-default", kAsItIs},
     {kSiconos, "siconos-lexicolemke", "lexicographic Lemke pivoting"},
     {kSiconos, "siconos-newton-fb", "semismooth Newton on the Fischer-Burmeister function",
-     TierSettings{{1e-5, 1e-8, 1e-10}, 1e6}},
+     TierSettings{{1e-5, 1e-8, 1e-10}, 1e6, kNaturalResidual}},
     {kSiconos, "siconos-newton-fb-default", kAsItIs},
-    {kSiconos, "siconos-pgs", "projected Gauss-Seidel", TierSettings{{1e-4, 1e-7, 1e-10}, 1e9}},
+    {kSiconos, "siconos-pgs", "projected Gauss-Seidel", TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kNaturalResidual}},
     {kSiconos, "siconos-pgs-default", kAsItIs},
     {kSiconos, "siconos-nsgs-sbm", "block Gauss-Seidel on a sparse block matrix",
-     TierSettings{{1e-4, 1e-7, 1e-10}, 1e9}, kAny},
+     TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kNaturalResidual}, kAny},
     {kSiconos, "siconos-avi", "pivoting on the affine variational inequality (Cao, Ferris)"},
+    {kSiconos, "siconos-pivot", "Lemke pivoting"},
+    {kSiconos, "siconos-pathsearch", "pivoting along PATH's piecewise linear path"},
+    {kSiconos, "siconos-newton-min", "Newton on min(f, w) without line search",
+     TierSettings{{1e-5, 1e-6, 1e-9}, 1e6, kNaturalResidual}},
+    {kSiconos, "siconos-newton-min-default", kAsItIs},
+    {kSiconos, "siconos-cpg", "conjugate projected gradients",
+     TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kNaturalResidual}},
+    {kSiconos, "siconos-cpg-default", kAsItIs},
+    {kSiconos, "siconos-convexqp-pg", "projected gradients on the QP",
+     TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kNaturalResidual}},
+    {kSiconos, "siconos-convexqp-pg-default", kAsItIs},
     {kPetsc, "petsc-rsls", "SNES reduced-space active-set Newton with line search",
-     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}, kAny},
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kFreeRows}, kAny},
     {kPetsc, "petsc-rsls-default", kAsItIs, {}, kAny},
-    {kPetsc, "petsc-ssls", "SNES semismooth Newton with line search", TierSettings{{1e-6, 1e-8, 1e-11}, 1e6}, kAny},
+    {kPetsc, "petsc-rsls-direct", "the same with LU and a shift of pivots that are too small",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kFreeRows}, kAny},
+    {kPetsc, "petsc-ssls", "SNES semismooth Newton with line search",
+     TierSettings{{1e-6, 1e-8, 1e-11}, 1e6, kFischerBurmeister}, kAny},
     {kPetsc, "petsc-ssls-default", kAsItIs, {}, kAny},
-    {kPetsc, "tao-bntr", "TAO bounded Newton trust region on the QP", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}, kAny},
+    {kPetsc, "petsc-ssls-direct", "the same with LU and a shift of pivots that are too small",
+     TierSettings{{1e-5, 1e-7, 1e-11}, 1e6, kFischerBurmeister}, kAny},
+    {kPetsc, "tao-bntr", "TAO bounded Newton trust region on the QP",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kProjectedGradient}, kAny},
     {kPetsc, "tao-bntr-default", kAsItIs, {}, kAny},
-    {kPetsc, "tao-tron", "TAO trust-region Newton (TRON) on the QP", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}, kAny},
+    {kPetsc, "tao-tron", "TAO trust-region Newton (TRON) on the QP",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kProjectedGradient}, kAny},
     {kPetsc, "tao-tron-default", kAsItIs, {}, kAny},
     {kCgal, "cgal-qp", "exact rational QP simplex: a reference for small n", {}, MethodClass::kExactArithmetic},
-    {kClp, "clp", "COIN-OR simplex code with its QP extension", TierSettings{{1e-3, 1e-6, 1e-9}, 0}, kAny},
+    {kClp, "clp", "COIN-OR simplex code with its QP extension", TierSettings{{1e-3, 1e-6, 1e-9}, 0, kInfeasibilities},
+     kAny},
     {kClp, "clp-default", kAsItIs, {}, kAny},
+    {kMujoco, "mujoco-newton", "Newton in accelerations, exact line search, R/A = 1e-12",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e9, kFallOfCost}},
+    {kMujoco, "mujoco-newton-default", kAsItIs},
+    {kMujoco, "mujoco-cg", "nonlinear conjugate gradients in accelerations, R/A = 1e-12",
+     TierSettings{{1e-4, 1e-6, 1e-9}, 1e9, kFallOfCost}},
+    {kMujoco, "mujoco-cg-default", kAsItIs},
+    {kMujoco, "mujoco-pgs", "projected Gauss-Seidel, R/A = 1e-12", TierSettings{{1e-5, 1e-8, 1e-11}, 1e9, kFallOfCost}},
+    {kMujoco, "mujoco-pgs-default", kAsItIs},
+    {kAlglib, "alglib-quickqp", "constrained conjugate gradients and Newton steps on the QP (QuickQP)",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 0, kScaledGradient}},
+    {kAlglib, "alglib-quickqp-default", kAsItIs},
+    {kAlglib, "alglib-dense-ipm", "interior point on the QP, dense",
+     TierSettings{{1e-7, 1e-10, 1e-13}, 0, kInfeasibilitiesAndGap}},
+    {kAlglib, "alglib-dense-ipm-default", kAsItIs},
+    {kAlglib, "alglib-sparse-ipm", "interior point on the QP, sparse",
+     TierSettings{{1e-7, 1e-10, 1e-13}, 0, kInfeasibilitiesAndGap}, kAny},
+    {kAlglib, "alglib-sparse-ipm-default", kAsItIs, {}, kAny},
+    {kAlglib, "alglib-bleic", "active set with L-BFGS on the QP (BLEIC)",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 0, kScaledGradient}},
+    {kAlglib, "alglib-bleic-default", kAsItIs},
+    {kSimbody, "simbody-pgs", "projected Gauss-Seidel, overrelaxed",
+     TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kMeanSquare}},
+    {kSimbody, "simbody-pgs-default", kAsItIs},
+    {kSimbody, "simbody-plus", "successive pruning of the active set",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 20, kEnforcedRows}},
+    {kSimbody, "simbody-plus-default", kAsItIs},
+    {kProxQp, "proxqp-dual", "proximal augmented Lagrangian; QP in forces",
+     TierSettings{{1e-6, 1e-6, 1e-9}, 1e6, kLargestResidual}},
+    {kProxQp, "proxqp-dual-default", kAsItIs},
+    {kProxQp, "proxqp-primal", "proximal augmented Lagrangian; QP in velocities",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kLargestResidual}},
+    {kProxQp, "proxqp-primal-default", kAsItIs},
+    {kProxQpBaseline, "proxqp-dual-baseline", kForBaseline, TierSettings{{1e-6, 1e-6, 1e-9}, 1e6, kLargestResidual}},
+    {kProxQpBaseline, "proxqp-primal-baseline", kForBaseline, TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kLargestResidual}},
+    {kPiqp, "piqp-dual", "proximal interior point; QP in forces",
+     TierSettings{{1e-7, 1e-10, 1e-13}, 1e6, kResidualsAndGap}, kAny},
+    {kPiqp, "piqp-dual-default", kAsItIs, {}, kAny},
+    {kPiqp, "piqp-primal", "proximal interior point; QP in velocities",
+     TierSettings{{1e-7, 1e-10, 1e-13}, 1e6, kResidualsAndGap}, kAny},
+    {kPiqp, "piqp-primal-default", kAsItIs, {}, kAny},
+    {kDaqp, "daqp-dual", "dual active set; QP in forces", TierSettings{{1e-4, 1e-6, 1e-9}, 1e6, kViolation}},
+    {kDaqp, "daqp-dual-default", kAsItIs},
+    {kDaqp, "daqp-primal", "dual active set; QP in velocities", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kViolation}},
+    {kDaqp, "daqp-primal-default", kAsItIs},
+    {kOsqp, "osqp-dual", "operator splitting (ADMM); QP in forces",
+     TierSettings{{1e-3, 1e-7, 1e-10}, 1e6, kResidualsAndGap}, kAny},
+    {kOsqp, "osqp-dual-default", kAsItIs, {}, kAny},
+    {kOsqp, "osqp-primal", "operator splitting (ADMM); QP in velocities",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kResidualsAndGap}, kAny},
+    {kOsqp, "osqp-primal-default", kAsItIs, {}, kAny},
+    {kClarabel, "clarabel-dual", "homogeneous interior point; QP in forces",
+     TierSettings{{1e-6, 1e-10, 1e-11}, 1e6, kRelativeResiduals}, kAny},
+    {kClarabel, "clarabel-dual-default", kAsItIs, {}, kAny},
+    {kClarabel, "clarabel-primal", "homogeneous interior point; QP in velocities",
+     TierSettings{{1e-7, 1e-10, 1e-12}, 1e6, kRelativeResiduals}, kAny},
+    {kClarabel, "clarabel-primal-default", kAsItIs, {}, kAny},
+    {kHighs, "highs-dual", "active set or interior point; QP in forces",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kInfeasibilitiesOfHighs}, kAny},
+    {kHighs, "highs-dual-default", kAsItIs, {}, kAny},
+    {kHighs, "highs-primal", "active set or interior point; QP in velocities",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kInfeasibilitiesOfHighs}, kAny},
+    {kHighs, "highs-primal-default", kAsItIs, {}, kAny},
+    {kQpOases, "qpoases-dual", "online active set; QP in forces"},
+    {kQpOases, "qpoases-primal", "online active set; QP in velocities"},
+    {kQpalm, "qpalm-dual", "proximal augmented Lagrangian; QP in forces",
+     TierSettings{{1e-3, 1e-6, 1e-10}, 1e6, kResiduals}, kAny},
+    {kQpalm, "qpalm-dual-default", kAsItIs, {}, kAny},
+    {kQpalm, "qpalm-primal", "proximal augmented Lagrangian; QP in velocities",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kResiduals}, kAny},
+    {kQpalm, "qpalm-primal-default", kAsItIs, {}, kAny},
+    {kScs, "scs-dual", "operator splitting on an embedding; QP in forces",
+     TierSettings{{1e-3, 1e-7, 1e-9}, 1e6, kResidualsAndGap}, kAny},
+    {kScs, "scs-dual-default", kAsItIs, {}, kAny},
+    {kScs, "scs-primal", "operator splitting on an embedding; QP in velocities",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kResidualsAndGap}, kAny},
+    {kScs, "scs-primal-default", kAsItIs, {}, kAny},
+    {kQuadprog, "quadprog-dual", "dual active set (Goldfarb, Idnani); QP in forces"},
+    {kQuadprog, "quadprog-primal", "dual active set (Goldfarb, Idnani); QP in velocities"},
+    {kDrake, "drake-moby", "Lemke's method with growing shifts (MobyLcpSolver)"},
+    {kPinocchio, "pinocchio-admm", "ADMM of its contact solvers", TierSettings{{1e-4, 1e-7, 1e-10}, 2e4, kFeasibility}},
+    {kPinocchio, "pinocchio-admm-default", kAsItIs},
+    {kPinocchio, "pinocchio-pgs", "projected Gauss-Seidel of its contact solvers",
+     TierSettings{{1e-4, 1e-7, 1e-10}, 1e6, kFeasibility}},
+    {kPinocchio, "pinocchio-pgs-default", kAsItIs},
+};
+
+constexpr LeftOutSolver kLeftOut[] = {
+    {"PATH", "closed; free for up to 300 variables, beyond that under a licence"},
+    {"MOSEK", "closed, under a licence"},
+    {"Gurobi", "closed, under a licence"},
+    {"PhysX", "a library of worlds: its solvers take bodies and contacts, and no J, M and b"},
+    {"Jolt", "a library of worlds: its solvers take bodies and contacts, and no J, M and b"},
+    {"Box2D 3", "a library of worlds: its solver takes bodies and contacts, and no J, M and b"},
+    {"Rapier", "a library of worlds: its solvers take bodies and contacts, and no J, M and b"},
 };
 
 constexpr std::array kTableTiers{1e-3, 1e-6, 1e-9};
@@ -69,6 +225,8 @@ const TierSettings& TiersOf(std::string_view key) {
 }  // namespace
 
 std::span<const PeerEntry> AllPeers() { return kPeers; }
+
+std::span<const LeftOutSolver> SolversLeftOut() { return kLeftOut; }
 
 double TierTolerance(std::string_view key, double tolerance) {
   std::size_t tier = 0;

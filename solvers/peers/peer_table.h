@@ -9,12 +9,19 @@
 
 namespace lcpbench {
 
+/// How a library is reached.
+enum class PeerRoute {
+  kCompiled,  ///< its C or C++ interface
+  kPython,    ///< its Python module, by an interpreter within the worker: the time has some 50 to 200 us of Python's
+};
+
 /// Another project whose solvers run here, each project in a worker program of its own (solvers/peers/protocol/): these
 /// libraries clash in one process, keep global state, or crash.
 struct PeerProject {
   std::string_view folder;   ///< of solvers/peers/; the program is lcpbench-worker-FOLDER
   std::string_view library;  ///< "Bullet", as people know it
-  std::string_view licence;  ///< SPDX expression of the library as Debian ships it
+  std::string_view licence;  ///< SPDX expression of the library as it is shipped
+  PeerRoute route = PeerRoute::kCompiled;
 };
 
 /// What one solver is given for its own stopping options, by requested tier.
@@ -24,6 +31,7 @@ struct PeerProject {
 struct TierSettings {
   std::array<double, 3> tolerances;  ///< for the tiers 1e-3, 1e-6, 1e-9
   double most_iterations;            ///< or sweeps; 0: the library's own limit
+  std::string_view bounds;           ///< what the solver stops at: the quantity that the tolerance bounds
 };
 
 /// One of its solvers.
@@ -36,13 +44,22 @@ struct PeerEntry {
   std::optional<TierSettings> tiers = std::nullopt;
   /// What limits its size.
   MethodClass method_class = MethodClass::kDenseMatrix;
+  /// So many sweeps whatever is asked for, as its users run it.
+  bool fixed_effort = false;
 
-  /// The library's own options: the adapter passes no tolerance.
-  bool has_library_defaults() const { return key.ends_with("-default"); }
+  /// The library's own options, or a fixed effort: the adapter passes no tolerance.
+  bool has_library_defaults() const { return key.ends_with("-default") || fixed_effort; }
 };
 
 /// All peers, in the report's order.
 std::span<const PeerEntry> AllPeers();
+
+/// A solver that people ask for and that is not among the peers.
+struct LeftOutSolver {
+  std::string_view name;
+  std::string_view reason;
+};
+std::span<const LeftOutSolver> SolversLeftOut();
 
 /// The tolerance for the loosest tier that is not looser than `tolerance`; that of 1e-9 for stricter ones.
 /// @throws std::logic_error where the key is no peer's with tiers, here and below

@@ -1,5 +1,7 @@
 """How figures look and are saved: the same bytes for the same data."""
 
+import base64
+import io
 import math
 from pathlib import Path
 
@@ -64,6 +66,16 @@ def save_svg(figure, path: Path) -> None:
     figure.set_layout_engine("none")
     with replaced(path) as beside:
         figure.savefig(beside, metadata={"Date": None, "Creator": "LCPBench"})
+
+
+def address(figure) -> str:
+    """The figure as a data URI, for the page; it is closed."""
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    text = io.BytesIO()
+    figure.savefig(text, format="svg", metadata={"Date": None, "Creator": "LCPBench"})
+    plt.close(figure)
+    return "data:image/svg+xml;base64," + base64.b64encode(text.getvalue()).decode("ascii")
 
 
 def line(style: SolverStyle, marks: bool = True) -> dict:

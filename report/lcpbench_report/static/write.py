@@ -11,7 +11,7 @@ from ..files import replaced, write_text
 from ..inputs import Inputs
 from ..statistics.tables import write_csv
 from ..formats import power
-from . import canvas, quality, speed, steps
+from . import canvas, curves, quality, speed, steps
 
 _OF_CELLS = {"time-by-size": speed.by_size, "time-by-family": speed.by_family, "accuracy": quality.distributions,
              "coverage": quality.bars, "work-precision": quality.work_precision, "scaling": speed.exponents, "profile-by-origin": speed.profile_by_origin,
@@ -42,11 +42,14 @@ def figures(inputs: Inputs) -> Iterator[tuple[str, Callable]]:
         yield name, partial(draw, inputs)
     for scene, level in motion.scenes(inputs.motion):
         yield f"motion-{Path(scene).stem}-{level}", partial(steps.errors, inputs, scene, level)
+    for figure in curves.figures(inputs):
+        yield figure.name, figure.draw
 
 
 def write_tables(inputs: Inputs, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     studied = {} if inputs.motion is None else {"motion": inputs.motion}
+    studied |= {f"curve-{name}": table for name, table in inputs.curves.items()}
     written = [_write_csv(table, folder / f"{name}.csv") for name, table in (dict(inputs.analysis) | studied).items()]
     papers = {name: table for name, make in shown_tables.PAPERS.items() if (table := make(inputs)) is not None}
     texts = {f"{name}.tex": f"% {name}: written by LCPBench, see README.md beside it\n{table.latex()}"
@@ -69,7 +72,7 @@ def write_figure_of_times(inputs: Inputs, path: Path) -> None:
 def _readme(tex: list[str]) -> str:
     """What the folder holds and how a paper uses it."""
     lines = ["# Tables", "",
-             "`*.csv`: all tables of the analysis, as `lcpbench analyse` writes them, and the study of motion (columns: "
+             "`*.csv`: all tables of the analysis, as `lcpbench analyse` writes them, and the studies of motion and curves (columns: "
              "benchmarks/RESULTS.md); large ones are compressed (`.csv.gz`).", ""]
     if tex:
         names = ", ".join(f"`{name}`" for name in tex)

@@ -7,10 +7,12 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from .. import choice, formats, markdown, plotly_bundle, shown_tables, solver_facts, summary, table
+from .. import choice, formats, markdown, peers, plotly_bundle, shown_tables, solver_facts, summary, table
 from ..fairness import limitations
 from ..headline_table import headline
 from ..inputs import Inputs
+from ..static import canvas
+from ..static import curves as curve_figures
 from . import payload
 from .gallery import Picture
 
@@ -40,6 +42,7 @@ def render(inputs: Inputs, pictures: Sequence[Picture] = ()) -> str:
         "tables": _tables(inputs), "motions": shown_tables.motions(inputs), "environments": _environments(inputs),
         "commit": str(inputs.campaigns[0].info.get("environment", {}).get("git_commit", "unknown"))[:12],
         "limitations": limitations(inputs), "notes": inputs.notes, **_headline(inputs),
+        "peers": peers.table(inputs).html(), "left_out": peers.left_out().html(), "curves": _curves(inputs),
         "pictures": pictures, "pictured": {picture.family for picture in pictures},
     }
     return environment.get_template("page.html.j2").render(context)
@@ -54,6 +57,13 @@ def shown(inputs: Inputs) -> list[str]:
         if solver in inputs.peers:
             libraries.setdefault(solver_facts.library(inputs.entries[solver]), solver)
     return chosen + list(libraries.values())[:_PEERS_SHOWN]
+
+
+def _curves(inputs: Inputs) -> list[dict]:
+    """Drawn as the files are; the page shows them as images."""
+    with canvas.look():
+        return [{"name": figure.name, "title": figure.title, "words": figure.words,
+                 "address": canvas.address(figure.draw())} for figure in curve_figures.figures(inputs)]
 
 
 def _headline(inputs: Inputs) -> dict:

@@ -1,4 +1,4 @@
-// Bullet: btSolveDantzigLCP and btLemkeAlgorithm, double precision.
+// Bullet: btSolveDantzigLCP, btLemkeAlgorithm and sequential impulses, double precision.
 //
 // Bullet keeps an error flag in a global variable and its containers in its own allocator; both are its alone.
 // Lemke gives up after a number of loops of its own choosing unless told (default of the class: 100); it takes
@@ -12,6 +12,7 @@
 #include <string>
 
 #include "solvers/lcp/memory_budget.h"
+#include "solvers/peers/bullet/sequential_impulses.h"
 #include "solvers/peers/dantzig_peer.h"
 #include "solvers/peers/linked_peers.h"
 #include "solvers/peers/peer_library.h"
@@ -70,6 +71,7 @@ class Lemke : public LcpSolver {
 
 std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
   if (key == "bullet-lemke") return std::make_unique<Lemke>();
+  if (key.starts_with("bullet-si")) return MakeSequentialImpulses(key, reader);
   return std::make_unique<DantzigPeer>(key, reader, DantzigPeer::Code{&NoPadding, &CallDantzig});
 }
 

@@ -310,20 +310,30 @@ class PetscPeer : public LcpSolver {
 
 class Snes : public PetscPeer {
  public:
+  // Of keys that end in "-direct": the one with the most passes among the tuning problems.
+  static constexpr double kDirectShift = 1e-8;
+
   Snes(std::string_view key, const char* type, SettingsReader* reader) : PetscPeer(key, type, reader) {
     if (tier_.is_library_default()) return;
     // "cg-icc" is conjugate gradients with incomplete Cholesky; a factorization alone needs no Krylov method.
-    const std::string choice =
-        key == "petsc-rsls" ? reader->Choice("linear_solver", "library",
-                                             {"library", "lu", "gmres-jacobi", "bcgs-ilu", "cholesky", "cg-jacobi",
-                                              "cg-icc", "minres-jacobi"})
-                            : reader->Choice("linear_solver", "library", {"library", "lu", "gmres-jacobi", "bcgs-ilu"});
+    const bool is_direct = key.ends_with("-direct");
+    const bool is_symmetric = key.starts_with("petsc-rsls");  // its linear systems
+    std::string choice;
+    if (is_direct) {
+      choice = is_symmetric ? reader->Choice("linear_solver", "lu", {"lu", "cholesky"}) : "lu";
+    } else if (is_symmetric) {
+      choice = reader->Choice(
+          "linear_solver", "library",
+          {"library", "lu", "gmres-jacobi", "bcgs-ilu", "cholesky", "cg-jacobi", "cg-icc", "minres-jacobi"});
+    } else {
+      choice = reader->Choice("linear_solver", "library", {"library", "lu", "gmres-jacobi", "bcgs-ilu"});
+    }
     const auto dash = choice.find('-');
     if (choice != "library") {
       krylov_ = dash == std::string::npos ? KSPPREONLY : choice.substr(0, dash);
       preconditioner_ = dash == std::string::npos ? choice : choice.substr(dash + 1);
     }
-    shift_ = reader->Number("shift", 0, 0, 1);
+    shift_ = reader->Number("shift", is_direct ? kDirectShift : 0, 0, 1);
     if (preconditioner_ == PCJACOBI) shift_ = 0;
     if (shift_ > 0 && preconditioner_.empty()) preconditioner_ = PCILU;  // the library's own
     line_search_ = OrEmpty(reader->Choice("line_search", "library", {"library", "bt", "basic", "l2", "cp"}));

@@ -1,7 +1,9 @@
 // Siconos's solvers for linear complementarity problems, behind linearComplementarity_driver.
 //
 // Sweeps and Newton steps are asked for in portions, with the clock read in between: all that the next depends on is z,
-// so that this changes nothing. Pivoting cannot be interrupted; the host's time limit ends it. Iterations are pivots,
+// so that this changes nothing, but that conjugate gradients begin with the gradient again and projected gradients with
+// their first step length, every 20 ms or so. Pivoting and the Newton method on min cannot be interrupted; the host's
+// time limit ends them. Iterations are pivots,
 // sweeps or Newton steps; the block method does not tell its sweeps: those asked for are counted, at most twice as many
 // and kFewest as made. docs/peers.md has what is known of release 4.4.
 
@@ -276,6 +278,9 @@ class Silence {
   std::array<int, kStreams.size()> kept_{};
 };
 
+// SICONOS_CONVEXQP_PGOC_RHO, of a header that Debian does not install.
+constexpr int kProjectedGradientStep = 3;
+
 constexpr std::size_t kLargestBlock = 16;  // rows, unless told otherwise
 
 using OptionsPointer = std::unique_ptr<SolverOptions, void (*)(SolverOptions*)>;
@@ -284,8 +289,10 @@ struct Method {
   std::string_view key;
   LCP_SOLVER solver = SICONOS_LCP_LEMKE;
   SiconosProblem::Storage storage = SiconosProblem::Storage::kDense;
-  /// What one sweep or step costs, as a power of n of a dense problem; 0 for a method that cannot be asked in portions.
+  /// What one sweep or step costs, as a power of n of a dense problem; 0 for a method without tolerance.
   int cost_power = 0;
+  /// Begins anew at each call, whatever z is: no portions, and the host's time limit ends it.
+  bool forgets_start = false;
 };
 
 class Siconos : public LcpSolver {
@@ -293,6 +300,12 @@ class Siconos : public LcpSolver {
   Siconos(const Method& method, std::string_view key, SettingsReader* reader)
       : method_(method), solver_(method.solver), is_library_default_(key.ends_with("-default")) {
     if (!is_library_default_) ReadSettings(reader);
+  }
+
+  std::string WhyUnsupported(const LcpProblem& problem) const override {
+    // Mirrored rows end its path at once, even of a joint alone.
+    const bool takes_joints = method_.solver != SICONOS_LCP_PATHSEARCH || problem.bilateral_rows().empty();
+    return takes_joints ? "" : "takes unilateral rows only";
   }
 
  protected:
@@ -349,6 +362,9 @@ class Siconos : public LcpSolver {
         regularization_ = reader->Number("regularization", 0, 0, 10);
         if (regularization_ > 0) solver_ = SICONOS_LCP_RPGS;
         return;
+      case SICONOS_LCP_CONVEXQP_PG:
+        first_step_ = reader->Number("first_step", 0, 0, 1e12);
+        return;
       case SICONOS_LCP_NSGS_SBM:
         local_ = Choose<LCP_SOLVER>(reader, "local",
                                     {{"pgs", SICONOS_LCP_PGS},
@@ -376,6 +392,7 @@ class Siconos : public LcpSolver {
       own->iparam[SICONOS_IPARAM_LSA_NONMONOTONE_LS_M] = reference_ == NM_LS_DISABLE ? 0 : kRemembered;
     }
     if (regularization_ > 0) own->dparam[SICONOS_LCP_DPARAM_RHO] = regularization_ * largest_diagonal_;
+    if (first_step_ > 0) own->dparam[kProjectedGradientStep] = -first_step_;  // negative: with line search
     int& most = own->iparam[SICONOS_IPARAM_MAX_ITER];
     if (!is_library_default_ && method_.cost_power > 0) {
       own->dparam[SICONOS_DPARAM_TOL] = tier_.Tolerance(options);
@@ -387,7 +404,7 @@ class Siconos : public LcpSolver {
 
   /// The most sweeps or steps between two readings of the clock.
   std::int64_t LargestPortion(std::int64_t most) const {
-    if (method_.cost_power == 0) return most;
+    if (method_.cost_power == 0 || method_.forgets_start) return most;
     const auto n = static_cast<double>(problem_->size());
     const double products =
         (static_cast<double>(problem_->entries()) + kPerRow * n) * std::pow(n, method_.cost_power - 2);
@@ -442,6 +459,8 @@ class Siconos : public LcpSolver {
   int reference_ = NM_LS_DISABLE;
   // Of sweeps.
   double regularization_ = 0;
+  // Of projected gradients; 0: the library's own.
+  double first_step_ = 0;
   // Of blocks.
   LCP_SOLVER local_ = SICONOS_LCP_PGS;
   int local_iterations_ = 0;
@@ -453,9 +472,11 @@ class Siconos : public LcpSolver {
 constexpr auto kBlocks = SiconosProblem::Storage::kBlocks;
 constexpr auto kDense = SiconosProblem::Storage::kDense;
 constexpr Method kMethods[] = {
-    {"siconos-lexicolemke", SICONOS_LCP_LEMKE},  {"siconos-newton-fb", SICONOS_LCP_NEWTON_FB_FBLSA, kDense, 3},
-    {"siconos-pgs", SICONOS_LCP_PGS, kDense, 2}, {"siconos-nsgs-sbm", SICONOS_LCP_NSGS_SBM, kBlocks, 2},
-    {"siconos-avi", SICONOS_LCP_AVI_CAOFERRIS},
+    {"siconos-lexicolemke", SICONOS_LCP_LEMKE},     {"siconos-newton-fb", SICONOS_LCP_NEWTON_FB_FBLSA, kDense, 3},
+    {"siconos-pgs", SICONOS_LCP_PGS, kDense, 2},    {"siconos-nsgs-sbm", SICONOS_LCP_NSGS_SBM, kBlocks, 2},
+    {"siconos-avi", SICONOS_LCP_AVI_CAOFERRIS},     {"siconos-pivot", SICONOS_LCP_PIVOT},
+    {"siconos-pathsearch", SICONOS_LCP_PATHSEARCH}, {"siconos-newton-min", SICONOS_LCP_NEWTONMIN, kDense, 3, true},
+    {"siconos-cpg", SICONOS_LCP_CPG, kDense, 2},    {"siconos-convexqp-pg", SICONOS_LCP_CONVEXQP_PG, kDense, 2},
 };
 
 std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "benchmarks/campaign/campaign_plan.h"
+#include "benchmarks/campaign/peer_facts.h"
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/collection/build.h"
@@ -447,6 +448,12 @@ TEST(ResultFields, CommittedFilesSayWhatTheTablesSay) {
   EXPECT_EQ(ReadFile(source / "report/lcpbench_report/statistics/result_fields.json"),
             ResultSchemaJson().dump(1) + "\n")
       << "run lcpbench list fields --json";
+}
+
+TEST(PeerFacts, TheCommittedFileSaysWhatTheTableSays) {
+  const std::filesystem::path source = LCPBENCH_SOURCE_DIR;
+  EXPECT_EQ(ReadFile(source / "report/lcpbench_report/peers.json"), PeerFactsJson().dump(1) + "\n")
+      << "run lcpbench list peers";
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "solvers/lcp/verify.h"
@@ -15,24 +17,50 @@ namespace lcpbench {
 namespace {
 
 TEST(TierSettings, ATierIsReadFromItsColumnAndWhatLiesBetweenFromTheStricterOne) {
-  int tuned = 0;
   for (const PeerEntry& peer : AllPeers()) {
     if (!peer.tiers) continue;
-    ++tuned;
     EXPECT_FALSE(peer.has_library_defaults()) << peer.key;
     for (const auto& [tolerance, column] :
          {std::pair{1e-2, 0}, {1e-3, 0}, {1e-4, 1}, {1e-6, 1}, {1e-7, 2}, {1e-12, 2}}) {
       EXPECT_EQ(TierTolerance(peer.key, tolerance), peer.tiers->tolerances[static_cast<size_t>(column)]) << peer.key;
     }
   }
-  EXPECT_EQ(tuned, 9);
   EXPECT_THROW(TierTolerance("dart-dantzig", 1e-6), std::logic_error);
+}
+
+TEST(TierSettings, AStricterTierHasNoLooserTolerance) {
+  for (const PeerEntry& peer : AllPeers()) {
+    if (!peer.tiers) continue;
+    const auto& [loose, usual, strict] = peer.tiers->tolerances;
+    EXPECT_GE(loose, usual) << peer.key;
+    EXPECT_GE(usual, strict) << peer.key;
+    EXPECT_GT(strict, 0) << peer.key;
+    EXPECT_GE(peer.tiers->most_iterations, 0) << peer.key;
+  }
+}
+
+// A solver that stops by a tolerance is run both ways: as its library has it, and asked for the tier.
+TEST(TierSettings, WhatRunsWithTheLibrarysOwnOptionsIsTunedToo) {
+  constexpr std::string_view kSuffix = "-default";
+  int pairs = 0;
+  for (const PeerEntry& peer : AllPeers()) {
+    if (!peer.key.ends_with(kSuffix)) continue;
+    const std::string_view tuned = peer.key.substr(0, peer.key.size() - kSuffix.size());
+    const auto found = std::ranges::find(AllPeers(), tuned, &PeerEntry::key);
+    ASSERT_NE(found, AllPeers().end()) << peer.key;
+    EXPECT_TRUE(found->tiers.has_value()) << tuned;
+    EXPECT_EQ(found->project.folder, peer.project.folder) << tuned;
+    ++pairs;
+  }
+  EXPECT_GT(pairs, 0);
 }
 
 // Keys whose tuning reached the rule's 95 %.
 class TunedPeer : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(ReachTheRule, TunedPeer,
-                         testing::Values("dart-pgs", "clp", "siconos-pgs", "siconos-nsgs-sbm", "tao-bntr"));
+                         testing::Values("dart-pgs", "clp", "siconos-pgs", "siconos-nsgs-sbm", "tao-bntr", "bullet-si",
+                                         "mujoco-pgs", "alglib-quickqp", "simbody-pgs", "siconos-cpg", "proxqp-primal",
+                                         "osqp-primal", "highs-primal"));
 
 TEST_P(TunedPeer, PassesEveryTierOnNearlyAllGeneratedProblems) {
   if (!FindSolver(GetParam()).available) GTEST_SKIP() << GetParam() << " is not in this build";

@@ -1,0 +1,99 @@
+"""The curves of `solver_curves`: what is read, which peers a figure shows, and what the page says."""
+
+import math
+from unittest import mock
+
+import pandas as pd
+
+from lcpbench_report import curves, peers, plotly_bundle
+from lcpbench_report.archive import archive
+from lcpbench_report.errors import ReportError
+from lcpbench_report.inputs import load_inputs
+from lcpbench_report.static import canvas
+from lcpbench_report.static import curves as figures
+from lcpbench_report.web import page
+from .cases import FolderCase
+from .synthetic_report import write_cells
+
+
+def write_curves(folder, *names):
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = {
+        curves.MASS_RATIO: [{"scene": scene, "rows": 60, "mass_ratio": ratio, "budget_s": 0.01, "solver": solver,
+                             "origin": origin, "asked": 1e-9, "rho": rho * ratio, "seconds": 1e-3, "status": "solved"}
+                            for scene in ("pile", "wall") for ratio in (1.0, 1e4, 1e8)
+                            for solver, origin, rho in (("auto", "own", 1e-16), ("ode-dantzig", "peer", 1e-12),
+                                                        ("ode-lemke", "peer", 1e-14), ("scs-dual", "peer", math.inf))],
+        curves.REGULARIZATION: [{"scene": "pile", "rows": 60, "solver": solver, "origin": "peer",
+                                 "regularization": shift, "rho": shift or 1e-16, "violation": shift or 0,
+                                 "seconds": 1e-4, "status": "solved"}
+                                for solver, shift in (("ode-dantzig", ""), ("ode-dantzig-cfm", 1e-12), ("ode-dantzig-cfm", 1e-2))],
+        curves.SWEEPS: [{"scene": "pile", "rows": 60, "step_s": 0.01, "solver": "bullet-si-1000", "sweeps": sweeps,
+                         "rho": 1e-2, "penetration": 1e-3, "joint_error": 0, "seconds_per_step": 1e-4, "steps": 100,
+                         "stopped": ""} for sweeps in ("", 1, 10)],
+        curves.PRECISION: [{"scene": "pile", "rows": 60, "method": method, "precision": kind, "sweeps": sweeps,
+                            "mass_ratio": 1, "rho": 1e-6, "seconds": 1e-4}
+                           for method, sweeps in (("gauss-seidel", 1), ("gauss-seidel", 10), ("tableau", ""))
+                           for kind in ("single", "double")],
+    }
+    for name in names or rows:
+        pd.DataFrame(rows[name], columns=list(curves.CURVES[name])).to_csv(folder / curves.file_of(name), index=False)
+    return folder
+
+
+class Curves(FolderCase):
+    def test_those_that_are_there_are_read(self):
+        self.assertEqual(set(curves.read(write_curves(self.folder / "all"))), set(curves.CURVES))
+        self.assertEqual(set(curves.read(write_curves(self.folder / "one", curves.SWEEPS))), {curves.SWEEPS})
+        with self.assertRaisesRegex(ReportError, "has none of mass-ratio.csv"):
+            curves.read(self.folder)
+
+    def test_what_does_not_fit_is_told(self):
+        write_curves(self.folder, curves.SWEEPS)
+        path = self.folder / curves.file_of(curves.SWEEPS)
+        path.write_text(path.read_text().replace("0.001", "deep", 1))
+        with self.assertRaisesRegex(ReportError, "sweeps.csv: line 2, column 'penetration' is 'deep'"):
+            curves.read(self.folder)
+
+    def test_an_archive_is_read_the_same(self):
+        write_curves(self.folder / "made")
+        archive(self.folder / "made", self.folder / "kept")
+        made, kept = curves.read(self.folder / "made"), curves.read(self.folder / "kept")
+        for name, table in made.items():
+            self.assertTrue(table.equals(kept[name]), name)
+
+    def test_of_a_library_the_best_is_shown_and_no_answer_counts_as_one(self):
+        table = curves.read(write_curves(self.folder))[curves.MASS_RATIO]
+        self.assertEqual(figures.best_of_libraries(table[table["origin"] == "peer"]), ["ode-lemke", "scs-dual"])
+        self.assertEqual(list(figures._shown([math.inf, math.nan, 0, 1e-3])), [1, 1, 1e-17, 1e-3])
+
+    def test_every_curve_is_a_figure_and_stands_on_the_page(self):
+        inputs = load_inputs([write_cells(self.folder / "campaign")], curves=write_curves(self.folder / "curves"))
+        with canvas.look():
+            for figure in figures.figures(inputs):
+                self.assertIn(b"svg", canvas.address(figure.draw()).encode())
+        with mock.patch.object(plotly_bundle, "minified", return_value=""):
+            text = page.render(inputs)
+        for name in curves.CURVES:
+            self.assertEqual(text.count(f'<figure id="curve-{name}">'), 1)
+        without = load_inputs([self.folder / "campaign"])
+        self.assertEqual(list(figures.figures(without)), [])
+
+
+class Peers(FolderCase):
+    def test_the_page_has_every_peer_and_says_who_is_left_out(self):
+        inputs = load_inputs([write_cells(self.folder / "campaign")])
+        with mock.patch.object(plotly_bundle, "minified", return_value=""):
+            text = page.render(inputs)
+        section = text[text.index('<section id="peers">'):]
+        section = section[:section.index("</section>")]
+        self.assertGreater(len(peers.facts()["peers"]), 50)
+        for peer in peers.facts()["peers"]:
+            self.assertIn(f"<code>{peer['key']}</code>", section)
+        for name in ("PATH", "MOSEK", "Gurobi", "PhysX", "Jolt", "Box2D 3", "Rapier", "--external"):
+            self.assertIn(name, section)
+
+    def test_a_tolerance_is_told_by_tier(self):
+        rules = {peer["key"]: peers.rule(peer) for peer in peers.facts()["peers"]}
+        self.assertEqual(rules["clp"], "1e-3, 1e-6, 1e-9")
+        self.assertEqual((rules["clp-default"], rules["ode-dantzig"]), ("its library's own", "has none"))

@@ -1,0 +1,13 @@
+lcpbench_peer_option(QPOASES qpOASES "PyPI: cmeel-qpoases")
+if(LCPBENCH_WITH_QPOASES)
+  set(qpoases_prefix "${LCPBENCH_PEERS_PACKAGES}/cmeel.prefix")
+  if(EXISTS "${qpoases_prefix}/include/qpOASES.hpp" AND EXISTS "${qpoases_prefix}/lib/libqpOASES.so")
+    lcpbench_add_peer(qpoases SOURCES qpoases/qpoases.cc qp/quadratic_program.cc
+                      LIBRARIES "${qpoases_prefix}/lib/libqpOASES.so")
+    target_include_directories(lcpbench_worker_qpoases SYSTEM PRIVATE "${qpoases_prefix}/include")
+    lcpbench_wheel_version(qpoases_version cmeel_qpoases)
+    target_compile_definitions(lcpbench_worker_qpoases PRIVATE LCPBENCH_QPOASES_VERSION="${qpoases_version}")
+  else()
+    lcpbench_peer_missing(QPOASES qpOASES "PyPI: cmeel-qpoases")
+  endif()
+endif()

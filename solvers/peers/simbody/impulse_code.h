@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+namespace lcpbench {
+
+/// One of Simbody's impulse solvers, behind plain numbers: Simbody's headers are no C++20, this project's are.
+class ImpulseCode {
+ public:
+  virtual ~ImpulseCode() = default;
+  /// @param A          rows x rows, row after row, copied
+  /// @param bilateral  per row
+  virtual void SetMatrix(int rows, const double* A, const bool* bilateral) = 0;
+  struct Limits {
+    double tolerance = -1;  ///< negative: the library's own
+    int iterations = 0;     ///< 0: the library's own
+  };
+  /// The call alone may be timed between Begin and End. @param b  `rows` numbers
+  virtual void Begin(const double* b, const Limits& limits) = 0;
+  /// Whether the library claims success.
+  virtual bool Solve() = 0;
+  /// The force of a row, from the last call.
+  virtual double Force(int row) const = 0;
+  /// As the library counts them.
+  virtual long long iterations() const = 0;
+  /// Makes the running call end at its next sweep. For signal handlers.
+  virtual void Stop() = 0;
+};
+
+/// @param by_pruning  PLUSImpulseSolver, else PGSImpulseSolver
+std::unique_ptr<ImpulseCode> MakeImpulseCode(bool by_pruning);
+
+/// As Simbody says.
+std::string SimbodyVersion();
+
+}  // namespace lcpbench

@@ -1,0 +1,96 @@
+// Simbody: its two impulse solvers, projected Gauss-Seidel (PGSImpulseSolver) and successive pruning
+// (PLUSImpulseSolver), on A pi = verr with pi = -f and verr = b. Unilateral rows are contacts without friction,
+// bilateral rows unconditional constraints. Dense: A is a copy, O(n^2) memory.
+//
+// Both start at zero, and stop by the norm of w on the rows that are enforced (Gauss-Seidel: its root mean square), in
+// the unit of b; for keys that follow the tier b is scaled by a power of two to about 1. When time is up, a signal
+// lowers the limit of sweeps that Gauss-Seidel looks at; the host ends pruning. Iterations are sweeps, of pruning as
+// the library counts.
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "solvers/lcp/memory_budget.h"
+#include "solvers/linear_algebra/library_threads.h"
+#include "solvers/peers/alarm.h"
+#include "solvers/peers/peer_library.h"
+#include "solvers/peers/simbody/impulse_code.h"
+
+namespace lcpbench {
+namespace {
+
+class Simbody : public LcpSolver {
+ public:
+  Simbody(std::string_view key, SettingsReader* reader)
+      : tier_(key, reader), code_(MakeImpulseCode(key.starts_with("simbody-plus"))) {}
+
+ protected:
+  void DoPrepare(const LcpProblem& problem) override {
+    const Index n = problem.size();
+    RequireDenseMatrices(n, 3);  // ours, the library's, its factor
+    A_.resize(static_cast<std::size_t>(n * n));
+    AssembleDenseA(problem, A_.data(), n);
+    const std::unique_ptr<bool[]> bilateral(new bool[static_cast<std::size_t>(n)]);  // NOLINT(modernize-avoid-c-arrays)
+    for (Index row = 0; row < n; ++row) bilateral[static_cast<std::size_t>(row)] = problem.is_bilateral(row);
+    code_->SetMatrix(static_cast<int>(n), A_.data(), bilateral.get());
+  }
+
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
+    const Deadline deadline(options);
+    double unit = 1;
+    TimeConversion(options, result, [&] {
+      ImpulseCode::Limits limits;
+      limits.iterations = IterationLimit(options, 0);
+      if (!tier_.is_library_default()) {
+        const double largest = problem.b().cwiseAbs().maxCoeff();
+        if (largest > 0) unit = std::exp2(std::round(std::log2(largest)));
+        limits.tolerance = tier_.Tolerance(options);
+        limits.iterations = tier_.Iterations(options);
+      }
+      const Eigen::VectorXd b = problem.b() / unit;
+      code_->Begin(b.data(), limits);
+    });
+    bool converged = false;
+    bool expired = false;
+    TimeLibraryCall(options, result, [&] {
+      std::pair<ImpulseCode*, bool*> running(code_.get(), &expired);
+      const auto stop = [](void* target) {
+        const auto& [code, is_expired] = *static_cast<std::pair<ImpulseCode*, bool*>*>(target);
+        code->Stop();
+        *static_cast<volatile bool*>(is_expired) = true;
+      };
+      const Alarm alarm(deadline.Remaining(), stop, &running);
+      converged = code_->Solve();
+    });
+    TimeConversion(options, result, [&] {
+      for (Index row = 0; row < problem.size(); ++row) result->f[row] = code_->Force(static_cast<int>(row)) * unit;
+    });
+    result->iterations = code_->iterations();
+    if (converged) {
+      result->status = LcpStatus::kSolved;
+    } else {
+      result->status = expired ? LcpStatus::kTimeLimit : LcpStatus::kIterationLimit;
+    }
+  }
+
+ private:
+  PeerTier tier_;
+  std::unique_ptr<ImpulseCode> code_;
+  std::vector<double> A_;
+};
+
+std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
+  return std::make_unique<Simbody>(key, reader);
+}
+
+}  // namespace
+
+PeerLibrary ThisPeerLibrary() {
+  LimitLibraryThreads(1);
+  return {SimbodyVersion(), &Make};
+}
+
+}  // namespace lcpbench
