@@ -276,7 +276,7 @@ void SweepsCurve(const Options& options) {
     }
   };
   ProgressBar bar("sweeps", static_cast<double>(std::size(kSweeps) + 1));
-  // The exact answer has errors of its own, those of the time step.
+  // For comparison: a motion has errors with exact impulses, too.
   run("dantzig", 0);
   bar.Advance(1, "dantzig");
   for (const std::int64_t sweeps : kSweeps) {

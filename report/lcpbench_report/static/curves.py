@@ -36,8 +36,9 @@ def figures(inputs: Inputs) -> Iterator[Figure]:
         budget = seconds(table["budget_s"].iloc[0])
         yield Figure("curve-mass-ratio", "Residual against the ratio of masses, at equal time",
                      f"The least ρ that a solver delivers within {budget} of any tolerance that it is asked for (1e-3 to "
-                     f"1e-12), at {_rows(table)} rows; median over {_scenes(table)}. Of every other library the setting that "
-                     "does best. 1 is what f = 0 has, and stands for no answer in time.", partial(mass_ratio, inputs))
+                     f"1e-12), at {_rows(table)} rows; median over those of {_scenes(table)} that it takes. Of every "
+                     "other library the key and setting that does best on these very problems, which flatters it; all are in "
+                     "tables/curve-mass-ratio.csv. 1 is what f = 0 has, and stands for no answer in time.", partial(mass_ratio, inputs))
     if (table := of.get(curves.REGULARIZATION)) is not None:
         yield Figure("curve-regularization", "The error that a regularization makes, against its speed",
                      f"A mark per shift of the diagonal, as a share of it, from 1e-12 to 1e-2; median over {_scenes(table)} with "
@@ -46,8 +47,8 @@ def figures(inputs: Inputs) -> Iterator[Figure]:
     if (table := of.get(curves.SWEEPS)) is not None:
         yield Figure("curve-sweeps", "Sequential impulses: residual and penetration against sweeps",
                      f"Bullet's engine solver drives motions of {_rows(table)} rows from cold starts, without correction of "
-                     f"penetration; {int(table['steps'].max())} steps of {_steps(table)}. Dotted: the same with exact impulses, "
-                     "whose penetration is the time step's (1e-12 m stands for less).", partial(sweeps, inputs))
+                     f"penetration; {int(table['steps'].max())} steps of {_steps(table)}. Dotted: the same with impulses of "
+                     "dantzig; 1e-12 m stands for less.", partial(sweeps, inputs))
     if (table := of.get(curves.PRECISION)) is not None:
         yield Figure("curve-precision", "Single against double precision",
                      f"Projected Gauss–Seidel over velocities of bodies, the same code in both precisions (in single: J, masses, "
