@@ -83,7 +83,7 @@ def drawn(found):
 
 _LEFT = [30, 162, 294, 426, 558, 728, 856]  # of columns
 _WIDTH = 114
-_PITCH, _HEIGHT, _HEADING, _ROWS = 88, 50, 66, 9
+_PITCH, _HEIGHT, _HEADING, _ROWS = 88, 50, 66, 10
 
 
 class Box(NamedTuple):
@@ -111,10 +111,12 @@ def _at(row, column, *text, span=0):
 
 
 _BOXES = {
-    "benchmarks": Box(8, 14, 986, ("the command lcpbench, problem collection, campaigns, studies, advice, pictures",)),
-    "solvers/c": _at(7, 0, "the interface", "for C programs"),
-    "solvers": _at(6, 1, "the registry: makes", "solvers by key"),
+    "benchmarks": Box(9, 14, 986, ("the command lcpbench, problem collection, campaigns, studies, advice, pictures",)),
+    "solvers/c": _at(8, 0, "the interface", "for C programs"),
+    "solvers": _at(7, 1, "the registry: makes", "solvers by key"),
     "solvers/batch": _at(6, 2.5, "small problems,", "many at once"),
+    "solvers/step": _at(7, 2.5, "an engine's arrays", "to forces"),
+    "solvers/rows": _at(4, 1, "islands of a step,", "profile factors"),
     "solvers/auto": _at(5, 2, "chooses a method,", "then asks another"),
     "solvers/ipopt": _at(5, 0, "ipopt-qp, ipopt-ncp"),
     "solvers/interior_point": _at(4, 3, "ipm, hybrid"),
@@ -151,7 +153,7 @@ _LANES = {
 }
 _NAMES = {"solvers": "solvers/*.h"}  # what the box holds, where that is not the whole folder
 _PANELS = {"solvers": (14, 688, 568), "model": (712, 986, 751)}  # behind a top folder's boxes: left, right, its name
-_PANEL_TOP_ROW = 7
+_PANEL_TOP_ROW = 8
 _COLOURS = {  # panel, box, lines
     "support": ("#ffffff", "#eceff1", "#455a64"),
     "solvers": ("#eff5fc", "#ffffff", "#1f5f9f"),

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "solvers/batch/instructions.h"
-#include "solvers/rows/step_rows.h"
+#include "solvers/lcp/step_rows.h"
 
 namespace lcpbench {
 

@@ -9,7 +9,7 @@
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/pivoting/vector_register.h"
-#include "solvers/rows/step_rows.h"
+#include "solvers/lcp/step_rows.h"
 
 namespace lcpbench {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "solvers/rows/step_rows.h"
+#include "solvers/lcp/step_rows.h"
 
 namespace lcpbench {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "solvers/lcp/solver.h"
-#include "solvers/rows/step_rows.h"
+#include "solvers/lcp/step_rows.h"
 
 namespace lcpbench {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "solvers/rows/step_rows.h"
+#include "solvers/lcp/step_rows.h"
 
 namespace lcpbench {
 

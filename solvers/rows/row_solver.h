@@ -8,7 +8,7 @@
 #include "solvers/pivoting/small_pivoting.h"
 #include "solvers/rows/profile_pivoting.h"
 #include "solvers/rows/row_islands.h"
-#include "solvers/rows/step_rows.h"
+#include "solvers/lcp/step_rows.h"
 
 namespace lcpbench {
 

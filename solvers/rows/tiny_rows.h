@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "solvers/rows/step_rows.h"
+#include "solvers/lcp/step_rows.h"
 
 namespace lcpbench {
 

@@ -7,7 +7,7 @@
 
 #include "solvers/batch/instructions.h"
 #include "solvers/lcp/solver.h"
-#include "solvers/rows/step_rows.h"
+#include "solvers/lcp/step_rows.h"
 
 namespace lcpbench {
 

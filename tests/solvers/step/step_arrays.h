@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "solvers/lcp/problem.h"
-#include "solvers/rows/step_rows.h"
+#include "solvers/lcp/step_rows.h"
 
 namespace lcpbench {
 

@@ -1,4 +1,4 @@
-#include "solvers/rows/step_rows.h"
+#include "solvers/lcp/step_rows.h"
 
 #include <bit>
 #include <cmath>
