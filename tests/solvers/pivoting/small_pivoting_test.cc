@@ -103,13 +103,13 @@ TEST(SmallPivoting, ARightGuessNeedsNoTableauAndAWrongOneDoesNoHarm) {
     VectorXd cold(n);
     tableau.Solve(problem, {}, &cold);
     VectorXd f(n);
-    EXPECT_LE(tableau.Solve(problem, {1e-6, &cold, nullptr}, &f).rho, 1e-13);
+    EXPECT_LE(tableau.Solve(problem, {1e-6, cold.data(), nullptr}, &f).rho, 1e-13);
     EXPECT_EQ(tableau.pivots(), 1);
     EXPECT_LE((f - cold).cwiseAbs().maxCoeff(), 1e-11 * (1 + cold.cwiseAbs().maxCoeff()));
     TestRandom random(static_cast<unsigned>(n));
     VectorXd wrong(n);
     for (Index i = 0; i < n; ++i) wrong[i] = random.Integer(-1, 1);
-    EXPECT_LE(tableau.Solve(problem, {1e-6, &wrong, nullptr}, &f).rho, 1e-13);
+    EXPECT_LE(tableau.Solve(problem, {1e-6, wrong.data(), nullptr}, &f).rho, 1e-13);
     EXPECT_LE((f - cold).cwiseAbs().maxCoeff(), 1e-11 * (1 + cold.cwiseAbs().maxCoeff()));
   }
 }
@@ -149,7 +149,7 @@ TEST(SmallPivoting, AllocatesInReserveOnly) {
     VectorXd f(n);
     const long before = AllocationCount();
     tableau.Solve(problem, {}, &f);
-    tableau.Solve(problem, {1e-6, &f, nullptr}, &f);
+    tableau.Solve(problem, {1e-6, f.data(), nullptr}, &f);
     EXPECT_EQ(AllocationCount(), before);
   }
 }
