@@ -683,6 +683,7 @@ void ProfilePivoting::FollowCentralPath(double enough) {
 // around a row are 0, nothing else makes its backward error small.
 template <int p>
 double ProfilePivoting::PolishOf(double rounding, double* f) {
+  if (n_ == 0) return std::numeric_limits<double>::infinity();
   violation_ = std::min(violation_, kRoundingOfGaps * b_norm_ / std::sqrt(static_cast<double>(n_)));
   if (has_profile_) {
     std::copy_n(x_.data(), n_, previous_x_.data());
@@ -705,7 +706,11 @@ double ProfilePivoting::SolveOf(const StepRows& all, std::span<const std::int32_
                                 double* f) {
   iterations_ = 0;
   const bool loaded = all.J != nullptr ? Load<p>(all, all.J, part) : Load<p>(all, all.J_single, part);
-  if (!loaded) return std::numeric_limits<double>::infinity();
+  if (!loaded) {
+    n_ = 0;
+    for (const std::int32_t row : part) f[row] = 0;
+    return std::numeric_limits<double>::infinity();
+  }
   FindProfile();
   bool has_matrix = false;
   violation_ = kPartOfTolerance * request.tolerance * b_norm_ / std::sqrt(static_cast<double>(n_));

@@ -100,6 +100,20 @@ bool RowSolver::Judge(const StepRows& rows, const Real* J, std::span<const std::
   return *rho + rounding <= tolerance && rows_meet;
 }
 
+bool RowSolver::MovesNothing(const StepRows& rows, std::int32_t row) {
+  const Index p = rows.columns_per_body;
+  double d = 0;
+  for (Index side = 0; side < 2; ++side) {
+    const std::int32_t body = rows.body[2 * row + side];
+    for (Index c = 0; c < p && body >= 0; ++c) {
+      const Index at = (2 * row + side) * p + c;
+      const double j = rows.J != nullptr ? rows.J[at] : static_cast<double>(rows.J_single[at]);
+      d += rows.inverse_mass[body * p + c] * (j * j);
+    }
+  }
+  return d == 0;
+}
+
 RowAnswer RowSolver::Solve(const StepRows& rows, const LcpOptions& options, const double* initial_f, double* f,
                            double* w) {
   RowAnswer answer;
@@ -107,10 +121,7 @@ RowAnswer RowSolver::Solve(const StepRows& rows, const LcpOptions& options, cons
   std::optional<Deadline> deadline;
   if (rows.rows > SmallPivoting::kRowsWithoutClock && std::isfinite(options.time_limit_s)) deadline.emplace(options);
   const Request request{rows, options, initial_f, deadline.has_value() ? &*deadline : nullptr, f, w};
-  if (rows.rows <= kRowsWithoutIslands) {
-    SolvePart(request, {all_.data(), At(rows.rows)}, &answer);
-    return answer;
-  }
+  if (rows.rows <= kRowsWithoutIslands && SolveDense(request, {all_.data(), At(rows.rows)}, &answer)) return answer;
   islands_.Find(rows);
   for (Index k = 0; k < islands_.count(); ++k) {
     if (Index{static_cast<Index>(islands_.rows(k).size())} > kMostIslandRows) return {};
@@ -119,7 +130,8 @@ RowAnswer RowSolver::Solve(const StepRows& rows, const LcpOptions& options, cons
   return answer;
 }
 
-void RowSolver::SolvePart(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer) {
+// Up to a tableau's size. False, with nothing added to the answer but iterations: another method, please.
+bool RowSolver::SolveDense(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer) {
   const double tolerance = request.options.tolerance;
   const double row_limit = tableau::kMargin * std::sqrt(tolerance);
   if (part.size() <= TinyRows::kMostRows) {
@@ -127,18 +139,30 @@ void RowSolver::SolvePart(const Request& request, std::span<const std::int32_t> 
     if (TinyRows::Solve(request.rows, part, tolerance, row_limit, request.f, request.w, &rho)) {
       ++answer->iterations;
       answer->rho = std::max(answer->rho, rho);
-      return;
+      return true;
     }
   }
-  if (part.size() <= kTableauRows) {
-    const SmallPivoting::Answer found = tableau_.SolveRows(
-        request.rows, part, {row_limit, request.initial_f, request.deadline, true}, request.f, request.w);
-    answer->iterations += tableau_.pivots();
-    if (found.rho <= tableau::kMostRho && found.rho + found.rounding <= tolerance && found.rows_meet) {
-      answer->rho = std::max(answer->rho, found.rho);
-      return;
-    }
+  const SmallPivoting::Answer found = tableau_.SolveRows(
+      request.rows, part, {row_limit, request.initial_f, request.deadline, true}, request.f, request.w);
+  answer->iterations += tableau_.pivots();
+  if (!(found.rho <= tableau::kMostRho && found.rho + found.rounding <= tolerance && found.rows_meet)) return false;
+  answer->rho = std::max(answer->rho, found.rho);
+  return true;
+}
+
+void RowSolver::SolvePart(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer) {
+  const double tolerance = request.options.tolerance;
+  if (part.size() == 1 && MovesNothing(request.rows, part.front())) {
+    // Its gap is b, whatever its force.
+    const std::int32_t row = part.front();
+    const double b = request.rows.b[row];
+    const bool is_joint = request.rows.bilateral != nullptr && request.rows.bilateral[row] != 0;
+    request.f[row] = 0;
+    request.w[row] = b;
+    answer->solved = answer->solved && (is_joint ? b == 0 : b >= 0);
+    return;
   }
+  if (part.size() <= kTableauRows && SolveDense(request, part, answer)) return;
   // Above, and where the tableau gave up: rows that depend on others.
   profile_.Solve(request.rows, part, {tolerance / 2, request.initial_f, request.deadline}, request.f);
   answer->iterations += profile_.iterations();

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "solvers/lcp/solver.h"
+#include "solvers/lcp/step_rows.h"
 #include "solvers/pivoting/small_pivoting.h"
 #include "solvers/rows/profile_pivoting.h"
 #include "solvers/rows/row_islands.h"
-#include "solvers/lcp/step_rows.h"
 
 namespace lcpbench {
 
@@ -49,6 +49,8 @@ class RowSolver {
     double* f;
     double* w;
   };
+  static bool MovesNothing(const StepRows& rows, std::int32_t row);
+  bool SolveDense(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer);
   void SolvePart(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer);
   bool JudgePart(const Request& request, std::span<const std::int32_t> part, double* rho);
   template <int p, typename Real>

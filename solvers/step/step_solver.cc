@@ -98,7 +98,7 @@ struct StepSolver::Implementation {
   std::int64_t left = 0;
   std::unique_ptr<AutoSolver> others;
   LcpResult result;
-  Eigen::VectorXd initial_f, gaps;
+  Eigen::VectorXd initial_f, gaps, unwanted_w;
   std::int64_t fallbacks = 0;
 
   LcpOptions SolveOptions() const {
@@ -142,6 +142,7 @@ StepSolver::~StepSolver() = default;
 void StepSolver::Reserve(Index max_rows, Index max_bodies) {
   implementation_->rows.Reserve(max_rows, max_bodies);
   implementation_->own_bodies.Reserve(max_rows);
+  if (implementation_->unwanted_w.size() < max_rows) implementation_->unwanted_w.resize(max_rows);
 }
 
 std::int64_t StepSolver::fallbacks() const { return implementation_->fallbacks; }
@@ -152,7 +153,9 @@ StepAnswer StepSolver::Solve(const StepRows& rows, const double* initial_f, doub
   if (rows.rows == 0) return {LcpStatus::kSolved, 0, 0};
   if (is_in_range) {
     own.rows.Reserve(rows.rows, rows.bodies);
-    const RowAnswer answer = own.rows.Solve(rows, own.SolveOptions(), initial_f, f, w);
+    if (w == nullptr && own.unwanted_w.size() < rows.rows) own.unwanted_w.resize(rows.rows);
+    const RowAnswer answer =
+        own.rows.Solve(rows, own.SolveOptions(), initial_f, f, w == nullptr ? own.unwanted_w.data() : w);
     if (answer.solved) return {LcpStatus::kSolved, answer.iterations, answer.rho};
   }
   return own.Ask(rows, initial_f, f, w);

@@ -61,7 +61,7 @@ void ExpectVerified(const LcpProblem& problem, const Solved& solved, const std::
   EXPECT_GE(solved.answer.iterations, 0) << what;
   EXPECT_LE(solved.answer.rho, tolerance) << what;
   // The largest of its islands is no less than that of the whole; the verifier sums in extended precision.
-  EXPECT_LE(verdict.metrics.rho, solved.answer.rho + 1e-3 * tolerance + 4 * verdict.metrics.answer_floor) << what;
+  EXPECT_LE(verdict.metrics.rho, solved.answer.rho + 2e-2 * tolerance + 4 * verdict.metrics.answer_floor) << what;
   // What rounding leaves of a sum, by rows: u (|A||f| + |b|) times the number of terms, at most.
   const VectorXd size = problem.SparseA().cwiseAbs() * solved.f.cwiseAbs() + problem.b().cwiseAbs();
   const VectorXd difference = (solved.w - verdict.metrics.w).cwiseAbs();
