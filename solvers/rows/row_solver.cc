@@ -32,6 +32,7 @@ void RowSolver::Reserve(Index max_rows, Index max_bodies) {
   if (velocity_.size() < At(kMostColumns * max_bodies)) {
     velocity_.resize(At(kMostColumns * max_bodies), 0.0);
     size_.resize(At(kMostColumns * max_bodies), 0.0);
+    extended_velocity_.resize(At(kMostColumns * max_bodies), 0.0L);
   }
   const Index known = static_cast<Index>(all_.size());
   if (known >= max_rows) return;
@@ -39,26 +40,25 @@ void RowSolver::Reserve(Index max_rows, Index max_bodies) {
   std::iota(all_.begin() + known, all_.end(), static_cast<std::int32_t>(known));
 }
 
-// Whether f passes for the rows `part`, by the given numbers in double, with a bound of what rounding can hide. Writes
-// w.
-template <int p, typename Real>
-bool RowSolver::Judge(const StepRows& rows, const Real* J, std::span<const std::int32_t> part, double tolerance,
-                      const double* f, double* w, double* rho) {
+// Whether f passes for the rows `part`, by the given numbers in sums of type Sum, with a bound of what their rounding
+// can hide. Writes w.
+template <int p, typename Real, typename Sum>
+RowSolver::Known RowSolver::Judge(const StepRows& rows, const Real* J, std::span<const std::int32_t> part,
+                                  double tolerance, const double* f, double* w, double* rho, Sum* v) {
   const auto for_sides = [&](Index row, auto&& visit) {
     for (Index s = 0; s < 2; ++s) {
       const std::int32_t body = rows.body[2 * row + s];
       if (body >= 0) visit(J + (2 * row + s) * p, static_cast<Index>(body) * p);
     }
   };
-  double* const v = velocity_.data();
   double* const size = size_.data();
   for (const std::int32_t row : part) {
     if (f[row] == 0) continue;
     for_sides(row, [&](const Real* j, Index at) {
       for (int c = 0; c < p; ++c) {
-        const double change = rows.inverse_mass[at + c] * (static_cast<double>(j[c]) * f[row]);
+        const Sum change = rows.inverse_mass[at + c] * (static_cast<Sum>(j[c]) * f[row]);
         v[at + c] += change;
-        size[at + c] += std::abs(change);
+        size[at + c] += static_cast<double>(std::abs(change));
       }
     });
   }
@@ -69,16 +69,17 @@ bool RowSolver::Judge(const StepRows& rows, const Real* J, std::span<const std::
   bool rows_meet = true;
   for (const std::int32_t row : part) {
     double d = 0;
-    double sum = rows.b[row];
+    Sum gap = rows.b[row];
     double magnitude = std::abs(rows.b[row]);
     for_sides(row, [&](const Real* jacobian, Index at) {
       for (int c = 0; c < p; ++c) {
         const auto j = static_cast<double>(jacobian[c]);
         d += rows.inverse_mass[at + c] * (j * j);
-        sum += j * v[at + c];
+        gap += static_cast<Sum>(j) * v[at + c];
         magnitude += std::abs(j) * size[at + c];
       }
     });
+    const auto sum = static_cast<double>(gap);
     w[row] = sum;
     const bool is_joint = rows.bilateral != nullptr && rows.bilateral[row] != 0;
     const double force = d * f[row];
@@ -96,8 +97,10 @@ bool RowSolver::Judge(const StepRows& rows, const Real* J, std::span<const std::
   }
   const double norm = b_square > 0 ? std::sqrt(b_square) : 1;
   *rho = std::sqrt(r_square) / norm;
-  const double rounding = kRoundings * std::numeric_limits<double>::epsilon() * std::sqrt(rounding_square) / norm;
-  return *rho + rounding <= tolerance && rows_meet;
+  const auto unit = static_cast<double>(std::numeric_limits<Sum>::epsilon());
+  const double rounding = kRoundings * unit * std::sqrt(rounding_square) / norm;
+  if (!(*rho <= tolerance && rows_meet)) return Known::kWrong;
+  return *rho + rounding <= tolerance ? Known::kRight : Known::kUnclear;
 }
 
 bool RowSolver::MovesNothing(const StepRows& rows, std::int32_t row) {
@@ -145,8 +148,10 @@ bool RowSolver::SolveDense(const Request& request, std::span<const std::int32_t>
   const SmallPivoting::Answer found = tableau_.SolveRows(
       request.rows, part, {row_limit, request.initial_f, request.deadline, true}, request.f, request.w);
   answer->iterations += tableau_.pivots();
-  if (!(found.rho <= tableau::kMostRho && found.rho + found.rounding <= tolerance && found.rows_meet)) return false;
-  answer->rho = std::max(answer->rho, found.rho);
+  if (!(found.rho <= std::min(tableau::kMostRho, tolerance) && found.rows_meet)) return false;
+  double rho = found.rho;
+  if (rho + found.rounding > tolerance && !JudgePart(request, part, &rho)) return false;
+  answer->rho = std::max(answer->rho, rho);
   return true;
 }
 
@@ -177,13 +182,17 @@ void RowSolver::SolvePart(const Request& request, std::span<const std::int32_t> 
   answer->rho = std::max(answer->rho, rho);
 }
 
+// In double, and in extended precision where rounding may hide more than the tolerance, as with large ratios of masses.
 bool RowSolver::JudgePart(const Request& request, std::span<const std::int32_t> part, double* rho) {
   const StepRows& rows = request.rows;
-  const auto by = [&](auto* J) {
-    return rows.columns_per_body == 3 ? Judge<3>(rows, J, part, request.options.tolerance, request.f, request.w, rho)
-                                      : Judge<6>(rows, J, part, request.options.tolerance, request.f, request.w, rho);
+  const auto by = [&](const auto* J, auto* v) {
+    return rows.columns_per_body == 3
+               ? Judge<3>(rows, J, part, request.options.tolerance, request.f, request.w, rho, v)
+               : Judge<6>(rows, J, part, request.options.tolerance, request.f, request.w, rho, v);
   };
-  return rows.J != nullptr ? by(rows.J) : by(rows.J_single);
+  const auto in = [&](auto* v) { return rows.J != nullptr ? by(rows.J, v) : by(rows.J_single, v); };
+  const Known known = in(velocity_.data());
+  return known == Known::kRight || (known == Known::kUnclear && in(extended_velocity_.data()) == Known::kRight);
 }
 
 // Columns that do not ascend or are out of range end it as a third body does: LcpProblem finds the words for them.

@@ -53,13 +53,15 @@ class RowSolver {
   bool SolveDense(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer);
   void SolvePart(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer);
   bool JudgePart(const Request& request, std::span<const std::int32_t> part, double* rho);
-  template <int p, typename Real>
-  bool Judge(const StepRows& rows, const Real* J, std::span<const std::int32_t> part, double tolerance, const double* f,
-             double* w, double* rho);
+  enum class Known { kRight, kUnclear, kWrong };
+  template <int p, typename Real, typename Sum>
+  Known Judge(const StepRows& rows, const Real* J, std::span<const std::int32_t> part, double tolerance,
+              const double* f, double* w, double* rho, Sum* v);
 
   RowIslands islands_;
   ProfilePivoting profile_;
   std::vector<double> velocity_, size_;  // by body, 0 between calls
+  std::vector<long double> extended_velocity_;
   SmallPivoting tableau_;
   std::vector<std::int32_t> all_;  // 0, 1, 2, ...
 };
