@@ -55,7 +55,7 @@ IslandBatch::IslandBatch(int p, std::int32_t problems, int most_rows) : columns_
       }
     }
   }
-  std::mt19937_64 engine(1);
+  std::mt19937_64 engine(1);  // NOLINT(bugprone-random-generator-seed): the same problems in every run
   for (std::int32_t k = 0; k < problems; ++k) {
     const int n = 1 + static_cast<int>(engine() % static_cast<std::uint64_t>(most_rows));
     if (engine() % 2 == 0) {

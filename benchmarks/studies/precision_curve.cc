@@ -116,7 +116,7 @@ std::vector<PrecisionPoint> ComparePrecisions(const LcpProblem& problem) {
   Sweep<double>(problem, rows, false, &points);
   Sweep<float>(problem, rows, true, &points);
   Step(problem, rows, false, &points);
-  const std::vector<float> J(rows.J, rows.J + 2 * rows.columns_per_body * rows.rows);
+  const std::vector<float> J(rows.J, rows.J + Index{2} * rows.columns_per_body * rows.rows);
   StepRows single = rows;
   single.J = nullptr;
   single.J_single = J.data();

@@ -111,7 +111,7 @@ bool HasDiagonalInRange(const StepRows& rows) {
 
 StepRows PartOf(const StepRows& rows, std::int64_t first, std::int64_t last) {
   StepRows part = rows;
-  const std::int64_t width = 2 * rows.columns_per_body;
+  const std::int64_t width = std::int64_t{2} * rows.columns_per_body;
   part.rows = last - first;
   part.body += 2 * first;
   if (part.J != nullptr) part.J += width * first;

@@ -18,10 +18,10 @@ enum class PeerRoute {
 /// Another project whose solvers run here, each project in a worker program of its own (solvers/peers/protocol/): these
 /// libraries clash in one process, keep global state, or crash.
 struct PeerProject {
-  std::string_view folder;   ///< of solvers/peers/; the program is lcpbench-worker-FOLDER
-  std::string_view library;  ///< "Bullet", as people know it
-  std::string_view licence;  ///< SPDX expression of the library as it is shipped
-  PeerRoute route = PeerRoute::kCompiled;
+  std::string_view folder;                 ///< of solvers/peers/; the program is lcpbench-worker-FOLDER
+  std::string_view library;                ///< "Bullet", as people know it
+  std::string_view licence;                ///< SPDX expression of the library as it is shipped
+  PeerRoute route = PeerRoute::kCompiled;  ///< how its worker reaches it
 };
 
 /// What one solver is given for its own stopping options, by requested tier.
@@ -56,9 +56,10 @@ std::span<const PeerEntry> AllPeers();
 
 /// A solver that people ask for and that is not among the peers.
 struct LeftOutSolver {
-  std::string_view name;
-  std::string_view reason;
+  std::string_view name;    ///< as people know it
+  std::string_view reason;  ///< why, as a clause
 };
+/// All of them.
 std::span<const LeftOutSolver> SolversLeftOut();
 
 /// The tolerance for the loosest tier that is not looser than `tolerance`; that of 1e-9 for stricter ones.

@@ -49,7 +49,7 @@ void Eliminate(double* tableau, Index n, Index r, const double* pivot_row) {
 }
 
 // A row with both sides on one body has one side: the sum of both.
-template <int p>
+template <Index p>
 double JoinSides(double* J, double* momentum, Index along, const double* mass, std::int64_t* second_body) {
   double d = 0;
   for (int c = 0; c < p; ++c) {
@@ -370,7 +370,7 @@ bool SmallPivoting::LoadRows(const StepRows& all, std::span<const std::int32_t> 
 }
 
 // Component c of side s of row i lies at (s p + c) along + i step: rows side by side, or components.
-template <int p, typename Real>
+template <Index p, typename Real>
 bool SmallPivoting::LoadRowsOf(const StepRows& all, const Real* J, std::span<const std::int32_t> part) {
   SetSize(static_cast<Index>(part.size()));
   const bool by_registers = n_ <= kLaneRows;
@@ -416,7 +416,7 @@ bool SmallPivoting::LoadRowsOf(const StepRows& all, const Real* J, std::span<con
 }
 
 // Of every row against all others at once: products of sides that are not on one body are masked out.
-template <int p>
+template <Index p>
 void SmallPivoting::AssembleByRegisters() {
   const Index registers = stride_ / kRegister;
   for (Index i = n_; i < stride_; ++i) {
@@ -456,7 +456,7 @@ void SmallPivoting::AssembleByRegisters() {
 }
 
 // Row by row against the rows before it on the same bodies.
-template <int p>
+template <Index p>
 void SmallPivoting::AssembleByBodies() {
   std::fill_n(tableau_.data(), n_ * stride_, 0.0);
   for (Index i = 0; i < n_; ++i) {

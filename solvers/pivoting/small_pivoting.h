@@ -8,8 +8,8 @@
 
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
-#include "solvers/pivoting/vector_register.h"
 #include "solvers/lcp/step_rows.h"
+#include "solvers/pivoting/vector_register.h"
 
 namespace lcpbench {
 
@@ -93,11 +93,11 @@ class SmallPivoting {
   bool LoadDense(const LcpProblem& problem);
   bool LoadPart(const LcpProblem& problem, std::span<const Index> rows);
   bool LoadRows(const StepRows& all, std::span<const std::int32_t> part);
-  template <int p, typename Real>
+  template <Index p, typename Real>
   bool LoadRowsOf(const StepRows& all, const Real* J, std::span<const std::int32_t> part);
-  template <int p>
+  template <Index p>
   void AssembleByRegisters();
-  template <int p>
+  template <Index p>
   void AssembleByBodies();
   void SetSize(Index n);
   bool Scale();

@@ -11,8 +11,8 @@ namespace lcpbench {
 /// pointers, since passing registers that a machine may lack has no fixed convention.
 inline constexpr Eigen::Index kRegister = 8;
 using Register [[gnu::vector_size(kRegister * sizeof(double)), gnu::aligned(alignof(double)), gnu::may_alias]] = double;
-using IntegerRegister
-    [[gnu::vector_size(kRegister * sizeof(double)), gnu::aligned(alignof(double)), gnu::may_alias]] = std::int64_t;
+using IntegerRegister [[gnu::vector_size(kRegister * sizeof(double)), gnu::aligned(alignof(double)), gnu::may_alias]] =
+    std::int64_t;
 
 inline constexpr IntegerRegister kFirstRows = {0, 1, 2, 3, 4, 5, 6, 7};
 

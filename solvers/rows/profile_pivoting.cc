@@ -13,28 +13,28 @@ namespace {
 std::size_t At(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 // Numbers of a body: p, padded to a vector register.
-template <int p>
-inline constexpr int kWidth = p == 3 ? 4 : 8;
-template <int p>
-using BodyVector [[gnu::vector_size(kWidth<p> * sizeof(double)), gnu::aligned(alignof(double)), gnu::may_alias]] =
-    double;
+template <Index p>
+inline constexpr Index kWidth = p == 3 ? 4 : 8;
+template <Index p>
+using BodyVector [[gnu::vector_size(static_cast<std::size_t>(kWidth<p>) * sizeof(double)),
+                   gnu::aligned(alignof(double)), gnu::may_alias]] = double;
 
-template <int p>
+template <Index p>
 const BodyVector<p>& BodyAt(const double* y, Index body) {
   return *reinterpret_cast<const BodyVector<p>*>(y + body * kWidth<p>);
 }
-template <int p>
+template <Index p>
 BodyVector<p>& BodyAt(double* y, Index body) {
   return *reinterpret_cast<BodyVector<p>*>(y + body * kWidth<p>);
 }
 
-template <int p>
+template <Index p>
 double SumOf(const BodyVector<p>& v) {
   if constexpr (p == 3) return (v[0] + v[2]) + v[1];
   return ((v[0] + v[4]) + v[2]) + ((v[1] + v[5]) + v[3]);
 }
 
-constexpr int kMostWidth = 8;
+constexpr Index kMostWidth = 8;
 // Numbers of the profile per row that room is made for: an island whose profile is larger is left to sweeps.
 constexpr Index kMostProfile = 256;
 // Shift of the diagonal, in units of A_ii = 1.
@@ -160,9 +160,9 @@ void ProfilePivoting::FindProfile() {
   sweep_cost_ = 110 * static_cast<double>(n_);
 }
 
-template <int p, typename Real>
+template <Index p, typename Real>
 bool ProfilePivoting::Load(const StepRows& all, const Real* J, std::span<const std::int32_t> part) {
-  constexpr int width = kWidth<p>;
+  constexpr Index width = kWidth<p>;
   n_ = static_cast<Index>(part.size());
   bodies_ = 0;
   const auto local = [&](std::int32_t body) -> std::int32_t {
@@ -270,24 +270,24 @@ bool ProfilePivoting::Load(const StepRows& all, const Real* J, std::span<const s
   return true;
 }
 
-template <int p>
+template <Index p>
 double ProfilePivoting::Gap(Index i, const double* y) const {
-  constexpr int width = kWidth<p>;
+  constexpr Index width = kWidth<p>;
   const double* G = G_.data() + i * 2 * width;
   BodyVector<p> sum = BodyAt<p>(G, 0) * BodyAt<p>(y, first_body_[At(i)]);
   if (second_body_[At(i)] >= 0) sum += BodyAt<p>(G, 1) * BodyAt<p>(y, second_body_[At(i)]);
   return b_[i] + SumOf<p>(sum);
 }
 
-template <int p>
+template <Index p>
 void ProfilePivoting::AddRow(Index i, double x, double* y) const {
-  constexpr int width = kWidth<p>;
+  constexpr Index width = kWidth<p>;
   const double* G = G_.data() + i * 2 * width;
   BodyAt<p>(y, first_body_[At(i)]) += x * BodyAt<p>(G, 0);
   if (second_body_[At(i)] >= 0) BodyAt<p>(y, second_body_[At(i)]) += x * BodyAt<p>(G, 1);
 }
 
-template <int p, bool backward>
+template <Index p, bool backward>
 void ProfilePivoting::Sweep(double* energy, double* residual) {
   double* const y = y_.data();
   double gained = 0;
@@ -308,7 +308,7 @@ void ProfilePivoting::Sweep(double* energy, double* residual) {
   *residual = squares;
 }
 
-template <int p>
+template <Index p>
 void ProfilePivoting::Restart() {
   has_previous_ = false;
   previous_x_.head(n_).setZero();
@@ -317,7 +317,7 @@ void ProfilePivoting::Restart() {
 }
 
 // As NncgEngine (nncg.cc), on A = G G^T. Returns the residual |min(x, w)| as the sweep met it.
-template <int p>
+template <Index p>
 double ProfilePivoting::Iterate() {
   const Index count = bodies_ * kWidth<p>;
   ++iterations_;
@@ -406,7 +406,7 @@ double ProfilePivoting::Iterate() {
 }
 
 // |min(x, w)| of x_, with y_ and gap_ made anew.
-template <int p>
+template <Index p>
 double ProfilePivoting::Residual() {
   y_.head(bodies_ * kWidth<p>).setZero();
   for (Index i = 0; i < n_; ++i) {
@@ -422,9 +422,9 @@ double ProfilePivoting::Residual() {
   return std::sqrt(squares);
 }
 
-template <int p>
+template <Index p>
 void ProfilePivoting::AssembleProfile() {
-  constexpr int width = kWidth<p>;
+  constexpr Index width = kWidth<p>;
   std::fill_n(A_.data(), profile_at_[At(n_) - 1] + (n_ - 1) / kRegister * kRegister + kRegister, 0.0);
   // rows_of_body_ anew, by places and in the order of rows.
   std::fill_n(body_begin_.begin(), bodies_ + 1, 0);
@@ -524,7 +524,7 @@ void ProfilePivoting::SolveFactor(double* x) {
 }
 
 // 1/2 x.A x + b.x, with y = G^T x made anew.
-template <int p>
+template <Index p>
 double ProfilePivoting::Energy(const double* x, double* y) const {
   std::fill_n(y, bodies_ * kWidth<p>, 0.0);
   for (Index i = 0; i < n_; ++i) {
@@ -535,7 +535,7 @@ double ProfilePivoting::Energy(const double* x, double* y) const {
 
 // Block principal pivoting from the active set that x_ suggests; x_ and y_ become the answer, or whichever of the
 // sweeps' point and the last projected basic point has less energy. True if no violation is left.
-template <int p>
+template <Index p>
 bool ProfilePivoting::Pivot(int most_patience) {
   double* const x = trial_x_.data();
   double* const y = trial_y_.data();
@@ -597,7 +597,7 @@ bool ProfilePivoting::Pivot(int most_patience) {
 }
 
 // Mehrotra's predictor and corrector on x z = mu, z = w on contacts, from x_; x_ and y_ become where it ends.
-template <int p>
+template <Index p>
 void ProfilePivoting::FollowCentralPath(double enough) {
   double* const x = trial_x_.data();
   double* const y = trial_y_.data();
@@ -681,7 +681,7 @@ void ProfilePivoting::FollowCentralPath(double enough) {
 
 // Pivots until no sign is violated but by rounding, and takes forces that are rounding for none: where all forces
 // around a row are 0, nothing else makes its backward error small.
-template <int p>
+template <Index p>
 double ProfilePivoting::PolishOf(double rounding, double* f) {
   if (n_ == 0) return std::numeric_limits<double>::infinity();
   violation_ = std::min(violation_, kRoundingOfGaps * b_norm_ / std::sqrt(static_cast<double>(n_)));
@@ -701,7 +701,7 @@ double ProfilePivoting::PolishOf(double rounding, double* f) {
   return Residual<p>() / b_norm_;
 }
 
-template <int p>
+template <Index p>
 double ProfilePivoting::SolveOf(const StepRows& all, std::span<const std::int32_t> part, const Request& request,
                                 double* f) {
   iterations_ = 0;

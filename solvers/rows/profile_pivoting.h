@@ -46,34 +46,34 @@ class ProfilePivoting {
   std::int64_t iterations() const { return iterations_; }
 
  private:
-  template <int p>
+  template <Index p>
   double SolveOf(const StepRows& all, std::span<const std::int32_t> part, const Request& request, double* f);
-  template <int p>
+  template <Index p>
   double PolishOf(double rounding, double* f);
-  template <int p, typename Real>
+  template <Index p, typename Real>
   bool Load(const StepRows& all, const Real* J, std::span<const std::int32_t> part);
   void OrderBodies();
   void FindProfile();
-  template <int p>
+  template <Index p>
   void AssembleProfile();
 
-  template <int p>
+  template <Index p>
   double Gap(Index i, const double* y) const;
-  template <int p>
+  template <Index p>
   void AddRow(Index i, double x, double* y) const;
-  template <int p, bool backward>
+  template <Index p, bool backward>
   void Sweep(double* energy, double* residual);
-  template <int p>
+  template <Index p>
   double Iterate();
-  template <int p>
+  template <Index p>
   void Restart();
-  template <int p>
+  template <Index p>
   double Residual();
-  template <int p>
+  template <Index p>
   void FollowCentralPath(double enough);
-  template <int p>
+  template <Index p>
   bool Pivot(int most_patience);
-  template <int p>
+  template <Index p>
   double Energy(const double* x, double* y) const;
   void Factorize();
   void SolveFactor(double* x);

@@ -42,7 +42,7 @@ void RowSolver::Reserve(Index max_rows, Index max_bodies) {
 
 // Whether f passes for the rows `part`, by the given numbers in sums of type Sum, with a bound of what their rounding
 // can hide. Writes w.
-template <int p, typename Real, typename Sum>
+template <Index p, typename Real, typename Sum>
 RowSolver::Known RowSolver::Judge(const StepRows& rows, const Real* J, std::span<const std::int32_t> part,
                                   double tolerance, const double* f, double* w, double* rho, Sum* v) {
   const auto for_sides = [&](Index row, auto&& visit) {
@@ -103,7 +103,7 @@ RowSolver::Known RowSolver::Judge(const StepRows& rows, const Real* J, std::span
   return *rho + rounding <= tolerance ? Known::kRight : Known::kUnclear;
 }
 
-bool RowSolver::MovesNothing(const StepRows& rows, std::int32_t row) {
+bool RowSolver::MovesNothing(const StepRows& rows, Index row) {
   const Index p = rows.columns_per_body;
   double d = 0;
   for (Index side = 0; side < 2; ++side) {
@@ -196,7 +196,7 @@ bool RowSolver::JudgePart(const Request& request, std::span<const std::int32_t> 
 }
 
 // Columns that do not ascend or are out of range end it as a third body does: LcpProblem finds the words for them.
-template <int p>
+template <Index p>
 bool TwoBodyCopy::TakeRows(const ProblemArrays& arrays) {
   const Index n = arrays.rows;
   if (body_.size() < At(2 * n)) body_.resize(At(2 * n));
@@ -217,7 +217,7 @@ bool TwoBodyCopy::TakeRows(const ProblemArrays& arrays) {
     int sides = 0;
     int last = -1;
     for (int e = start[i]; e < end;) {
-      const int k = column[e] / p;
+      const auto k = static_cast<int>(column[e] / p);
       if (column[e] <= last || column[e] >= columns) return false;
       double moves = 0;
       for (int c = 0; c < p; ++c) moves += mass[k * p + c];

@@ -49,12 +49,12 @@ class RowSolver {
     double* f;
     double* w;
   };
-  static bool MovesNothing(const StepRows& rows, std::int32_t row);
+  static bool MovesNothing(const StepRows& rows, Index row);
   bool SolveDense(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer);
   void SolvePart(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer);
   bool JudgePart(const Request& request, std::span<const std::int32_t> part, double* rho);
   enum class Known { kRight, kUnclear, kWrong };
-  template <int p, typename Real, typename Sum>
+  template <Index p, typename Real, typename Sum>
   Known Judge(const StepRows& rows, const Real* J, std::span<const std::int32_t> part, double tolerance,
               const double* f, double* w, double* rho, Sum* v);
 
@@ -76,7 +76,7 @@ class TwoBodyCopy {
   const StepRows& rows() const { return rows_; }
 
  private:
-  template <int p>
+  template <Index p>
   bool TakeRows(const ProblemArrays& arrays);
   StepRows rows_;
   std::vector<std::int32_t> body_;
