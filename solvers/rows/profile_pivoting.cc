@@ -445,7 +445,7 @@ void ProfilePivoting::AssembleProfile() {
       const BodyVector<p> own = BodyAt<p>(G, s);
       for (std::int32_t e = body_begin_[At(body)]; e < bucket_[At(body)]; ++e) {
         const std::int32_t side = rows_of_body_[At(e)];  // 2 row + side
-        row[side / 2] += SumOf<p>(own * BodyAt<p>(G_.data() + (side / 2) * 2 * width, side % 2));
+        row[side / 2] += SumOf<p>(own * BodyAt<p>(G_.data() + static_cast<Index>(side / 2) * 2 * width, side % 2));
       }
       rows_of_body_[At(bucket_[At(body)]++)] = static_cast<std::int32_t>(2 * i + s);
     }
