@@ -39,11 +39,26 @@ void Eliminate(double* tableau, Index n, Index r, const double* pivot_row) {
   for (Index i = 0; i < n; ++i) {
     double* row = tableau + i * count * kRegister;
     const double factor = row[r];
-    // With two registers a row the work is cheaper than a wrong guess of the branch.
-    if (count > 2 && factor == 0) continue;
     for (int v = 0; v < count; ++v) {
       const Register others = is_r[v] ? Register{} : AsRegisters(row)[v];
       AsRegisters(row)[v] = others + factor * p[v];
+    }
+  }
+}
+
+// The same for the rows whose factor is not 0, a bit for each: without a branch that is often guessed wrong.
+template <int count>
+void EliminateSparse(double* tableau, const std::uint64_t (&rows)[2], Index r, const double* pivot_row) {
+  Register p[count];
+  for (int v = 0; v < count; ++v) p[v] = AsRegisters(pivot_row)[v];
+  const double p_r = pivot_row[r];
+  for (int half = 0; half < (count > 8 ? 2 : 1); ++half) {
+    for (std::uint64_t left = rows[half]; left != 0; left &= left - 1) {
+      const Index i = 64 * half + std::countr_zero(left);
+      double* row = tableau + i * count * kRegister;
+      const double factor = row[r];
+      for (int v = 0; v < count; ++v) AsRegisters(row)[v] += factor * p[v];
+      row[r] = factor * p_r;
     }
   }
 }
@@ -122,9 +137,12 @@ bool SmallPivoting::Pivot(Index r) {
   // Column r is row r but for the signs of a principal transform: skew between rows in F and others, else symmetric.
   // Entry r is set within its register: a register that is read soon after one of its doubles was written has to wait.
   IntegerRegister at = kFirstRows;
+  constexpr IntegerRegister kFirstBits = {1, 2, 4, 8, 16, 32, 64, 128};
+  IntegerRegister reached[2] = {};
   for (Index v = 0; v < registers; ++v) {
     const IntegerRegister is_r = at == r;
     const Register t = AsRegisters(row)[v];
+    reached[v / 8] |= (t != 0) & (kFirstBits << (v % 8 * kRegister));
     const Register signs = AsRegisters(sign_.data())[v];
     const Register q_new = AsRegisters(q_.data())[v] + (sign * q) * (t * signs);
     AsRegisters(p)[v] = is_r ? Register{} + inverse : -inverse * t;
@@ -134,7 +152,11 @@ bool SmallPivoting::Pivot(Index r) {
     at += kRegister;
   }
   double* tableau = tableau_.data();
-  if constexpr (count > 0) {
+  if constexpr (count > 2) {
+    std::uint64_t rows[2];
+    for (int half = 0; half < 2; ++half) rows[half] = Together(&reached[half]);
+    EliminateSparse<count>(tableau, rows, r, p);
+  } else if constexpr (count > 0) {
     Eliminate<count>(tableau, n_, r, p);
   } else {
     EliminateLong(tableau, n_, r, stride_, p);

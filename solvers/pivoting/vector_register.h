@@ -24,6 +24,11 @@ inline double Sum(const Register* x) {
   return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
 }
 
+inline std::uint64_t Together(const IntegerRegister* x) {
+  const auto* v = reinterpret_cast<const std::uint64_t*>(x);
+  return ((v[0] | v[4]) | (v[2] | v[6])) | ((v[1] | v[5]) | (v[3] | v[7]));
+}
+
 inline double Least(const Register* x) {
   const double* v = reinterpret_cast<const double*>(x);
   const double a = std::min(std::min(v[0], v[4]), std::min(v[2], v[6]));

@@ -1,6 +1,7 @@
 #include "solvers/rows/row_solver.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -167,7 +168,17 @@ void RowSolver::SolvePart(const Request& request, std::span<const std::int32_t> 
     answer->solved = answer->solved && (is_joint ? b == 0 : b >= 0);
     return;
   }
-  if (part.size() <= kTableauRows && SolveDense(request, part, answer)) return;
+  static const std::size_t lo = getenv("LO") ? atoi(getenv("LO")) : 64, hi = getenv("HI") ? atoi(getenv("HI")) : 64;
+  if (part.size() > lo && part.size() <= hi) {
+    profile_.Solve(request.rows, part, {tolerance / 2, request.initial_f, request.deadline, true}, request.f);
+    answer->iterations += profile_.iterations();
+    double rho = 0;
+    if (JudgePart(request, part, &rho)) {
+      answer->rho = std::max(answer->rho, rho);
+      return;
+    }
+  }
+  if (part.size() <= hi && SolveDense(request, part, answer)) return;
   // Above, and where the tableau gave up: rows that depend on others.
   profile_.Solve(request.rows, part, {tolerance / 2, request.initial_f, request.deadline}, request.f);
   answer->iterations += profile_.iterations();
@@ -210,10 +221,32 @@ bool TwoBodyCopy::TakeRows(const ProblemArrays& arrays) {
   double* J = J_.data();
   std::int32_t* body = body_.data();
   for (Index i = 0; i < n; ++i, J += 2 * p, body += 2) {
-    for (int c = 0; c < 2 * p; ++c) J[c] = 0;
-    body[0] = body[1] = -1;
     const int end = start[i + 1];
     if (end < start[i] || end > entries) return false;
+    const int* const from = column + start[i];
+    // Both bodies' entries in full, as scenes have them.
+    bool is_full = end - start[i] == 2 * p && from[0] >= 0 && from[p] > from[0] && from[p] + p <= columns;
+    if (is_full) {
+      int differences = from[0] % p | from[p] % p;
+      for (int c = 1; c < p; ++c) differences |= (from[c] - from[0] - c) | (from[p + c] - from[p] - c);
+      is_full = differences == 0;
+    }
+    if (is_full) {
+      const double* const numbers = value + start[i];
+      double first = 0;
+      double second = 0;
+      for (int c = 0; c < p; ++c) {
+        first += mass[from[0] + c];
+        second += mass[from[p] + c];
+        J[c] = numbers[c];
+        J[p + c] = numbers[p + c];
+      }
+      body[0] = first > 0 ? static_cast<std::int32_t>(from[0] / p) : -1;
+      body[1] = second > 0 ? static_cast<std::int32_t>(from[p] / p) : -1;
+      continue;
+    }
+    for (int c = 0; c < 2 * p; ++c) J[c] = 0;
+    body[0] = body[1] = -1;
     int sides = 0;
     int last = -1;
     for (int e = start[i]; e < end;) {
@@ -252,9 +285,10 @@ bool TwoBodyCopy::Take(const ProblemArrays& arrays) {
   of_factors.Look(arrays.inverse_mass.data(), arrays.columns);
   of_loads.Look(arrays.b.data(), arrays.rows);
   if (of_factors.has_large() || !of_loads.is_within()) return false;
-  double least = 0;
-  for (const double m : arrays.inverse_mass) least = std::min(least, m);
-  if (least < 0 || !(p == 3 ? TakeRows<3>(arrays) : TakeRows<6>(arrays))) return false;
+  // -0.0 is 0, and seldom: it goes the long way.
+  std::uint64_t signs = 0;
+  for (const double m : arrays.inverse_mass) signs |= std::bit_cast<std::uint64_t>(m);
+  if (signs >> 63U != 0 || !(p == 3 ? TakeRows<3>(arrays) : TakeRows<6>(arrays))) return false;
   rows_.columns_per_body = p;
   rows_.rows = arrays.rows;
   rows_.bodies = arrays.columns / p;
