@@ -92,18 +92,28 @@ bool CheckRows(const StepRows& rows, const double* initial_f) {
   return !of_factors.has_large() && of_loads.is_within() && (!of_factors.has_small() || HasDiagonalInRange(rows));
 }
 
-bool HasDiagonalInRange(const StepRows& rows) {
+double DiagonalOf(const StepRows& rows, std::int64_t row) {
   const Index p = rows.columns_per_body;
+  const auto j = [&](Index side, Index c) {
+    const Index at = (2 * row + side) * p + c;
+    return rows.J != nullptr ? rows.J[at] : static_cast<double>(rows.J_single[at]);
+  };
+  const std::int32_t first = rows.body[2 * row];
+  const std::int32_t second = rows.body[2 * row + 1];
+  double d = 0;
+  for (Index c = 0; c < p && first >= 0; ++c) {
+    const double sum = j(0, c) + (first == second ? j(1, c) : 0.0);
+    d += rows.inverse_mass[first * p + c] * (sum * sum);
+  }
+  for (Index c = 0; c < p && second >= 0 && second != first; ++c) {
+    d += rows.inverse_mass[second * p + c] * (j(1, c) * j(1, c));
+  }
+  return d;
+}
+
+bool HasDiagonalInRange(const StepRows& rows) {
   for (Index i = 0; i < rows.rows; ++i) {
-    double d = 0;
-    for (Index side = 0; side < 2; ++side) {
-      const std::int32_t body = rows.body[2 * i + side];
-      for (Index c = 0; c < p && body >= 0; ++c) {
-        const Index at = (2 * i + side) * p + c;
-        const double j = rows.J != nullptr ? rows.J[at] : static_cast<double>(rows.J_single[at]);
-        d += rows.inverse_mass[body * p + c] * (j * j);
-      }
-    }
+    const double d = DiagonalOf(rows, i);
     if (!(d <= kEntryRange.most) || (d < kEntryRange.least && d > 0)) return false;
   }
   return true;

@@ -32,6 +32,8 @@ struct StepRows {
 ///         missing, a body outside [-1, bodies), NaN or infinity, a negative inverse mass
 bool CheckRows(const StepRows& rows, const double* initial_f);
 
+/// A_ii = sum of m^-1 j^2 over a row's bodies; where both are the same one, over the sum of its sides.
+double DiagonalOf(const StepRows& rows, std::int64_t row);
 /// Whether no A_ii is extreme: small numbers do no harm beside others of their row.  O(n)
 bool HasDiagonalInRange(const StepRows& rows);
 /// The rows first to last - 1 alone.

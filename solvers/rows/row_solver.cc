@@ -80,6 +80,7 @@ RowSolver::Known RowSolver::Judge(const StepRows& rows, const Real* J, std::span
         magnitude += std::abs(j) * size[at + c];
       }
     });
+    if (rows.body[2 * row] == rows.body[2 * row + 1]) d = DiagonalOf(rows, row);
     const auto sum = static_cast<double>(gap);
     w[row] = sum;
     const bool is_joint = rows.bilateral != nullptr && rows.bilateral[row] != 0;
@@ -104,20 +105,6 @@ RowSolver::Known RowSolver::Judge(const StepRows& rows, const Real* J, std::span
   return *rho + rounding <= tolerance ? Known::kRight : Known::kUnclear;
 }
 
-bool RowSolver::MovesNothing(const StepRows& rows, Index row) {
-  const Index p = rows.columns_per_body;
-  double d = 0;
-  for (Index side = 0; side < 2; ++side) {
-    const std::int32_t body = rows.body[2 * row + side];
-    for (Index c = 0; c < p && body >= 0; ++c) {
-      const Index at = (2 * row + side) * p + c;
-      const double j = rows.J != nullptr ? rows.J[at] : static_cast<double>(rows.J_single[at]);
-      d += rows.inverse_mass[body * p + c] * (j * j);
-    }
-  }
-  return d == 0;
-}
-
 RowAnswer RowSolver::Solve(const StepRows& rows, const LcpOptions& options, const double* initial_f, double* f,
                            double* w) {
   RowAnswer answer;
@@ -138,7 +125,7 @@ RowAnswer RowSolver::Solve(const StepRows& rows, const LcpOptions& options, cons
 bool RowSolver::SolveDense(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer) {
   const double tolerance = request.options.tolerance;
   const double row_limit = tableau::kMargin * std::sqrt(tolerance);
-  if (part.size() <= TinyRows::kMostRows) {
+  if (std::ssize(part) <= TinyRows::kMostRows) {
     double rho = 0;
     if (TinyRows::Solve(request.rows, part, tolerance, row_limit, request.f, request.w, &rho)) {
       ++answer->iterations;
@@ -158,7 +145,7 @@ bool RowSolver::SolveDense(const Request& request, std::span<const std::int32_t>
 
 void RowSolver::SolvePart(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer) {
   const double tolerance = request.options.tolerance;
-  if (part.size() == 1 && MovesNothing(request.rows, part.front())) {
+  if (part.size() == 1 && DiagonalOf(request.rows, part.front()) == 0) {
     // Its gap is b, whatever its force.
     const std::int32_t row = part.front();
     const double b = request.rows.b[row];
@@ -168,8 +155,9 @@ void RowSolver::SolvePart(const Request& request, std::span<const std::int32_t> 
     answer->solved = answer->solved && (is_joint ? b == 0 : b >= 0);
     return;
   }
-  static const std::size_t lo = getenv("LO") ? atoi(getenv("LO")) : 64, hi = getenv("HI") ? atoi(getenv("HI")) : 64;
-  if (part.size() > lo && part.size() <= hi) {
+  const bool fits_tableau = std::ssize(part) <= SmallPivoting::kMaxRows;
+  if (fits_tableau && part.size() > kTableauRows) {
+    // A factor is cheaper where sweeps have found nearly all of the active set; a tableau is cheaper than to insist.
     profile_.Solve(request.rows, part, {tolerance / 2, request.initial_f, request.deadline, true}, request.f);
     answer->iterations += profile_.iterations();
     double rho = 0;
@@ -178,7 +166,7 @@ void RowSolver::SolvePart(const Request& request, std::span<const std::int32_t> 
       return;
     }
   }
-  if (part.size() <= hi && SolveDense(request, part, answer)) return;
+  if (fits_tableau && SolveDense(request, part, answer)) return;
   // Above, and where the tableau gave up: rows that depend on others.
   profile_.Solve(request.rows, part, {tolerance / 2, request.initial_f, request.deadline}, request.f);
   answer->iterations += profile_.iterations();

@@ -22,8 +22,10 @@ struct RowAnswer {
 /// From a step's rows to forces: what AutoSolver and StepSolver ask first.
 ///
 /// 1. Rows fall into islands that share no moving body (RowIslands), each one solved by itself.
-/// 2. Up to 64 rows: principal pivoting on a dense tableau, into which A is assembled (SmallPivoting).
-/// 3. Above, and where the tableau gave up: ProfilePivoting.
+/// 2. Up to 8 rows: one active set after the other (TinyRows).
+/// 3. Up to 64 rows: principal pivoting on a dense tableau, into which A is assembled (SmallPivoting); up to 128 after
+///    one round of ProfilePivoting.
+/// 4. Above, and where the tableau gave up: ProfilePivoting.
 ///
 /// An island counts as solved only if its f passes by rho and backward errors of the given rows, in double and with a
 /// bound of what rounding can hide. What does not is left to the caller, as is an island of more than kMostIslandRows.
@@ -49,7 +51,6 @@ class RowSolver {
     double* f;
     double* w;
   };
-  static bool MovesNothing(const StepRows& rows, Index row);
   bool SolveDense(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer);
   void SolvePart(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer);
   bool JudgePart(const Request& request, std::span<const std::int32_t> part, double* rho);

@@ -1,72 +1,145 @@
 #include "solvers/rows/tiny_rows.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "solvers/pivoting/tableau_rules.h"
 
 namespace lcpbench {
 namespace {
 
+// Active sets that are tried at most; and first by moving all wrong rows at once.
+constexpr int kMostRounds = 12;
+constexpr int kBlockRounds = 3;
+// Part of the largest |b| below which wrong signs are rounding. Passes looks at what that leaves.
+constexpr double kNoise = 1e-14;
+// What the gap of a dependent row may be, in noise; and the change of a force with another below which it has none.
+constexpr double kDependentNoise = 1e4;
+constexpr double kLeastSlope = 1e-9;
+
 template <int n>
 struct Tiny {
   double A[n][n], b[n], f[n], w[n];
-  bool is_joint[n];
+  unsigned joints = 0;
+  double noise = 0;
+  // Of the last active set: L D L^T of its rows, 1/D or 0 for a row that depends on those before it.
+  double L[n][n], inverse[n];
+  unsigned active = 0, depends = 0;
 
-  // f for the active set `set`, 0 elsewhere. False where a row depends on others, or a contact's force or gap is wrong.
-  bool Try(unsigned set) {
-    double L[n][n];
+  // f for the active set `set`, 0 elsewhere and where a row depends on others. Returns the contacts whose force or gap
+  // has the wrong sign, dependent ones apart: their gaps follow. Without branches, which fresh problems would
+  // mispredict; rows that are not in the set are cut off by zeros.
+  unsigned Try(unsigned set) {
+    double y[n];
+#pragma GCC unroll 8
     for (int i = 0; i < n; ++i) {
-      f[i] = 0;
-      if ((set >> i & 1U) == 0) continue;
-      double y = -b[i];
-      for (int j = 0; j <= i; ++j) {
-        if ((set >> j & 1U) == 0) continue;
-        double sum = A[i][j];
-        for (int k = 0; k < j; ++k) {
-          if ((set >> k & 1U) != 0) sum -= L[i][k] * L[j][k] * L[k][k];
-        }
-        if (j < i) {
-          L[i][j] = sum / L[j][j];
-          y -= L[i][j] * f[j];
-        } else if (!(sum > tableau::kLeastPivot * A[i][i])) {
-          return false;
-        } else {
-          L[i][i] = sum;
-        }
-      }
-      f[i] = y;
+      const bool is_active = (set >> i & 1U) != 0;
+      y[i] = is_active ? -b[i] : 0.0;
+#pragma GCC unroll 8
+      for (int j = 0; j < i; ++j) L[i][j] = is_active && (set >> j & 1U) != 0 ? A[i][j] : 0.0;
+      L[i][i] = A[i][i];
     }
-    for (int i = n - 1; i >= 0; --i) {
-      if ((set >> i & 1U) == 0) continue;
-      f[i] /= L[i][i];
-      for (int k = i + 1; k < n; ++k) {
-        if ((set >> k & 1U) != 0) f[i] -= L[k][i] * f[k];
+    active = set;
+    depends = 0;
+#pragma GCC unroll 8
+    for (int k = 0; k < n; ++k) {
+      const bool is_independent = L[k][k] > tableau::kLeastPivot * A[k][k];
+      inverse[k] = is_independent ? 1 / L[k][k] : 0.0;
+      depends |= (is_independent ? 0U : 1U) << k;
+#pragma GCC unroll 8
+      for (int i = n - 1; i > k; --i) {
+        const double factor = L[i][k] * inverse[k];
+#pragma GCC unroll 8
+        for (int j = k + 1; j <= i; ++j) L[i][j] -= factor * L[j][k];
+        y[i] -= factor * y[k];
+        L[i][k] = factor;
       }
-      if (!is_joint[i] && f[i] < 0) return false;
     }
+#pragma GCC unroll 8
+    for (int k = n - 1; k >= 0; --k) {
+      f[k] = y[k] * inverse[k];
+#pragma GCC unroll 8
+      for (int i = k + 1; i < n; ++i) f[k] -= L[i][k] * f[i];
+    }
+    unsigned wrong = 0;
     for (int i = 0; i < n; ++i) {
       w[i] = b[i];
       for (int j = 0; j < n; ++j) w[i] += A[i][j] * f[j];
-      if ((set >> i & 1U) == 0 && w[i] < 0) return false;
+      const bool has_force = ((set & ~depends) >> i & 1U) != 0;
+      const bool has_gap = (set >> i & 1U) == 0;
+      wrong |= ((has_force && f[i] * A[i][i] < -noise) || (has_gap && w[i] < -noise) ? 1U : 0U) << i;
     }
-    return true;
+    return wrong & ~joints;
   }
 
-  bool Find() {
-    unsigned joints = 0;
-    unsigned guess = 0;
+  // The active set when row r begins to push: with r, and without the row whose force vanishes first where r depends
+  // on the active ones [Keller 1973].
+  unsigned Enter(int r) const {
+    double y[n];
     for (int i = 0; i < n; ++i) {
-      joints |= (is_joint[i] ? 1U : 0U) << i;
-      guess |= (b[i] < 0 ? 1U : 0U) << i;
+      y[i] = ((active & ~depends) >> i & 1U) != 0 ? A[i][r] : 0.0;
+      for (int k = 0; k < i; ++k) y[i] -= L[i][k] * y[k];
     }
-    guess |= joints;
-    if (Try(guess)) return true;
-    for (unsigned set = 0; set < 1U << n; ++set) {
-      if (set != guess && (set & joints) == joints && Try(set)) return true;
+    double left = A[r][r];
+    for (int k = n - 1; k >= 0; --k) {
+      y[k] *= inverse[k];
+      for (int i = k + 1; i < n; ++i) y[k] -= L[i][k] * y[i];
+      left -= A[r][k] * y[k];
+    }
+    const unsigned with_r = active | 1U << r;
+    if (left > tableau::kLeastPivot * A[r][r]) return with_r;
+    double least = std::numeric_limits<double>::infinity();
+    unsigned leaves = 0;
+    for (int k = 0; k < n; ++k) {
+      const bool may_leave = ((active & ~(joints | depends)) >> k & 1U) != 0 && y[k] * A[k][k] > kLeastSlope * A[r][r];
+      if (!may_leave || f[k] >= least * y[k]) continue;
+      least = f[k] / y[k];
+      leaves = 1U << k;
+    }
+    return with_r & ~leaves;
+  }
+
+  // From the rows with negative b, by block principal pivoting, then row by row.
+  bool Find() {
+    unsigned set = joints;
+    for (int i = 0; i < n; ++i) {
+      set |= (b[i] < 0 ? 1U : 0U) << i;
+      noise = std::max(noise, kNoise * std::abs(b[i]));
+    }
+    for (int round = 0; round < kMostRounds; ++round) {
+      const unsigned wrong = Try(set);
+      if (wrong != 0 && round < kBlockRounds) {
+        set ^= wrong;
+      } else if ((wrong & active) != 0) {
+        set ^= wrong & active;
+      } else {
+        int worst = -1;
+        for (int i = 0; i < n; ++i) {
+          const bool is_open = ((wrong | (depends & active & ~joints)) >> i & 1U) != 0;
+          if (is_open && w[i] < -kDependentNoise * noise && (worst < 0 || w[i] < w[worst])) worst = i;
+        }
+        if (worst < 0) return true;
+        set = Enter(worst);
+        if (set == active) return false;
+      }
     }
     return false;
+  }
+
+  // Forces that are negative by rounding become 0.
+  void Clip() {
+    unsigned negative = 0;
+    for (int i = 0; i < n; ++i) negative |= (f[i] < 0 ? 1U : 0U) << i;
+    negative &= ~joints;
+    if (negative == 0) return;
+    for (int i = 0; i < n; ++i) f[i] = (negative >> i & 1U) != 0 ? 0.0 : f[i];
+    for (int i = 0; i < n; ++i) {
+      w[i] = b[i];
+      for (int j = 0; j < n; ++j) w[i] += A[i][j] * f[j];
+    }
   }
 
   bool Passes(double tolerance, double row_limit, double* rho) const {
@@ -78,7 +151,7 @@ struct Tiny {
       double size = std::abs(b[i]);
       for (int j = 0; j < n; ++j) size += std::abs(A[i][j] * f[j]);
       const double inverse = 1 / A[i][i];
-      const double defect = is_joint[i] ? w[i] : std::min(w[i], A[i][i] * f[i]);
+      const double defect = (joints >> i & 1U) != 0 ? w[i] : std::min(w[i], A[i][i] * f[i]);
       r_square += defect * defect * inverse;
       b_square += b[i] * b[i] * inverse;
       rounding_square += size * size * inverse;
@@ -103,7 +176,7 @@ bool SolveRows(const StepRows& all, const Real* J, std::span<const std::int32_t>
   for (int i = 0; i < n; ++i) {
     const Index row = part[static_cast<std::size_t>(i)];
     tiny.b[i] = all.b[row];
-    tiny.is_joint[i] = all.bilateral != nullptr && all.bilateral[row] != 0;
+    tiny.joints |= (all.bilateral != nullptr && all.bilateral[row] != 0 ? 1U : 0U) << i;
     double momentum[2 * p];
     for (int s = 0; s < 2; ++s) {
       const std::int32_t of = all.body[2 * row + s];
@@ -126,7 +199,9 @@ bool SolveRows(const StepRows& all, const Real* J, std::span<const std::int32_t>
     }
     if (!(tiny.A[i][i] > 0)) return false;
   }
-  if (!tiny.Find() || !tiny.Passes(tolerance, row_limit, rho)) return false;
+  if (!tiny.Find()) return false;
+  tiny.Clip();
+  if (!tiny.Passes(tolerance, row_limit, rho)) return false;
   for (int i = 0; i < n; ++i) {
     const Index row = part[static_cast<std::size_t>(i)];
     f[row] = tiny.f[i];
@@ -138,14 +213,11 @@ bool SolveRows(const StepRows& all, const Real* J, std::span<const std::int32_t>
 template <int p, typename Real>
 bool SolveSize(const StepRows& all, const Real* J, std::span<const std::int32_t> part, double tolerance,
                double row_limit, double* f, double* w, double* rho) {
-  switch (part.size()) {
-    case 1:
-      return SolveRows<1, p>(all, J, part, tolerance, row_limit, f, w, rho);
-    case 2:
-      return SolveRows<2, p>(all, J, part, tolerance, row_limit, f, w, rho);
-    default:
-      return SolveRows<3, p>(all, J, part, tolerance, row_limit, f, w, rho);
+  static constexpr auto kBySize = []<int... n>(std::integer_sequence<int, n...>) {
+    return std::array{&SolveRows<n + 1, p, Real>...};
   }
+  (std::make_integer_sequence<int, TinyRows::kMostRows>{});
+  return kBySize[part.size() - 1](all, J, part, tolerance, row_limit, f, w, rho);
 }
 
 }  // namespace
