@@ -166,6 +166,8 @@ struct RandomCase {
   double bodies_per_row;
 };
 
+std::ostream& operator<<(std::ostream& out, const RandomCase& rows) { return out << rows.name; }
+
 class StepsOfRandomRows : public testing::TestWithParam<RandomCase> {};
 
 TEST_P(StepsOfRandomRows, AreSolvedAndVerifiedAtEverySize) {
