@@ -472,6 +472,39 @@ TEST(StepSolver, ReadsInverseMassesOfBodiesThatRowsNameOnly) {
   ExpectVerified(problem, Solve(&solver, arrays.View()), "a large world");
 }
 
+// In a world of few bodies, too, whatever another body has: by Solve, by SolveBatch in lanes and by what it leaves to
+// Solve, and by the solvers that both ask where no joint force can hold.
+TEST(StepSolver, ReadsInverseMassesOfNamedBodiesOnlyInBatchesAsWell) {
+  for (const bool is_solvable : {true, false}) {
+    for (const Index n : {1, 6, 40}) {
+      StepArrays arrays;
+      arrays.inverse_mass.assign(9, 1);
+      for (Index i = 0; i < n; ++i) arrays.Add(0, 2, {1, 0, 0, -1, 0, 0}, -1);
+      if (!is_solvable) {
+        arrays.Add(0, -1, {0, 1, 0, 0, 0, 0}, 1, true);
+        arrays.Add(0, -1, {0, 1, 0, 0, 0, 0}, -1, true);
+      }
+      const auto rows = static_cast<std::int32_t>(arrays.rows());
+      const LcpProblem problem = arrays.Problem();
+      StepSolver reference;
+      const Solved expected = Solve(&reference, arrays.View());
+      for (const double bad : {kNaN, kInfinity, -kInfinity, -3.0, 1e300, 1e-300}) {
+        const std::string what = std::to_string(rows) + " rows, body 1 has " + std::to_string(bad);
+        arrays.inverse_mass[4] = bad;
+        StepSolver solver;
+        const Solved alone = Solve(&solver, arrays.View());
+        EXPECT_EQ(alone.answer.status, expected.answer.status) << what;
+        EXPECT_EQ(alone.f, expected.f) << what;
+        Solved batch = alone;
+        solver.SolveBatch(arrays.View(), std::vector<std::int32_t>{0, rows}, batch.f.data(), {&batch.answer, 1});
+        EXPECT_EQ(batch.answer.status, expected.answer.status) << what;
+        EXPECT_EQ(Judge(problem, batch).passes, is_solvable) << what;
+        EXPECT_EQ(Judge(problem, alone).passes, is_solvable) << what;
+      }
+    }
+  }
+}
+
 TEST(StepSolver, RefusesOptionsAndStartsOutOfRange) {
   for (const double tolerance : {0.0, 1.0, -1e-6, kNaN}) {
     EXPECT_THROW(StepSolver({tolerance, 1}), InputError) << tolerance;
