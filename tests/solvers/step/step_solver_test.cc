@@ -20,7 +20,7 @@
 #include "support/input_error.h"
 #include "tests/solvers/exact_problems.h"
 #include "tests/solvers/solve_with.h"
-#include "tests/solvers/step/step_arrays.h"
+#include "tests/solvers/step/random_step.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -363,13 +363,7 @@ TEST(StepSolver, SolvesABatchAsItsProblems) {
         StepArrays part = RandomStep(n, n + 2, p, k);
         part.Round();
         problems.push_back(part.Problem(single));
-        const auto first = static_cast<std::int32_t>(all.bodies());
-        for (std::int32_t& body : part.body) body += body < 0 ? 0 : first;
-        all.body.insert(all.body.end(), part.body.begin(), part.body.end());
-        all.J.insert(all.J.end(), part.J.begin(), part.J.end());
-        all.b.insert(all.b.end(), part.b.begin(), part.b.end());
-        all.bilateral.insert(all.bilateral.end(), part.bilateral.begin(), part.bilateral.end());
-        all.inverse_mass.insert(all.inverse_mass.end(), part.inverse_mass.begin(), part.inverse_mass.end());
+        all.Append(part);
         start.push_back(static_cast<std::int32_t>(all.rows()));
       }
       all.Round();
