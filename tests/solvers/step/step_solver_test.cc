@@ -22,6 +22,7 @@
 #include "tests/solvers/solve_with.h"
 #include "tests/solvers/step/random_step.h"
 #include "tests/solvers/test_problems.h"
+#include "tests/support/refusal.h"
 
 namespace lcpbench {
 namespace {
@@ -385,15 +386,6 @@ TEST(StepSolver, SolvesABatchAsItsProblems) {
 
 // ----- mistakes
 
-std::string MessageOf(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(StepSolver, RefusesWrongArraysByNameWithNothingWritten) {
   struct Mistake {
     const char* words;
@@ -438,19 +430,19 @@ TEST(StepSolver, RefusesWrongArraysByNameWithNothingWritten) {
     mistake.make(&arrays, &rows);
     VectorXd f = VectorXd::Constant(3, 77);
     VectorXd w = f;
-    EXPECT_EQ(MessageOf([&] { solver.Solve(rows, nullptr, f.data(), w.data()); }),
+    EXPECT_EQ(RefusalOf([&] { solver.Solve(rows, nullptr, f.data(), w.data()); }),
               std::string("step rows: ") + mistake.words);
     EXPECT_TRUE((f.array() == 77).all() && (w.array() == 77).all()) << mistake.words;
   }
   VectorXd start = VectorXd::Zero(3);
   start[1] = kNaN;
   VectorXd f = VectorXd::Constant(3, 77);
-  EXPECT_EQ(MessageOf([&] { solver.Solve(right.View(), start.data(), f.data()); }),
+  EXPECT_EQ(RefusalOf([&] { solver.Solve(right.View(), start.data(), f.data()); }),
             "step rows: initial f of row 1 is nan, expected a finite number");
   EXPECT_TRUE((f.array() == 77).all());
   right.Round();
   right.J_single[12] = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_EQ(MessageOf([&] { solver.Solve(right.View(true), nullptr, f.data()); }),
+  EXPECT_EQ(RefusalOf([&] { solver.Solve(right.View(true), nullptr, f.data()); }),
             "step rows: J of row 2 is nan, expected a finite number");
   ExpectVerified(right.Problem(), Solve(&solver, right.View()), "after mistakes");
 }
