@@ -11,7 +11,7 @@ std::size_t At(Index i) { return static_cast<std::size_t>(i); }
 
 StepArrays StepArrays::Of(const LcpProblem& problem) {
   StepArrays arrays;
-  const int p = arrays.columns_per_body = problem.columns_per_body();
+  const Index p = arrays.columns_per_body = problem.columns_per_body();
   const Eigen::VectorXd& m = problem.inverse_mass();
   arrays.inverse_mass.assign(m.begin(), m.end());
   for (Index i = 0; i < problem.size(); ++i) {
