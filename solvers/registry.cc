@@ -18,6 +18,7 @@
 #include "solvers/pivoting/dantzig.h"
 #include "solvers/pivoting/lemke.h"
 #include "support/input_error.h"
+#include "support/program_folder.h"
 #ifdef LCPBENCH_WITH_IPOPT
 #include "solvers/ipopt/ipopt_solver.h"
 #endif
@@ -175,14 +176,17 @@ std::string NotOurs(const LcpProblem& /*problem*/, double /*tolerance*/) {
   return "another project's solver: we promise nothing for it";
 }
 
-// Where worker programs are: the environment variable LCPBENCH_WORKER_DIR, else the folder of the build, else that of
-// the installation. The first that holds the peer's; the last one's path if none does.
+// Where worker programs are: the environment variable LCPBENCH_WORKER_DIR, else the folder that an installation has for
+// them beside that of this program, else the folder of the build, else that of the installation as it was configured.
+// The first that holds the peer's; the last one's path if none does.
 std::string WorkerPath(const PeerEntry& peer) {
   std::string path;
   const char* chosen = std::getenv("LCPBENCH_WORKER_DIR");
-  for (const char* folder : {chosen, LCPBENCH_BUILD_WORKER_DIR, LCPBENCH_INSTALL_WORKER_DIR}) {
-    if (folder == nullptr) continue;
-    path = std::string(folder) + "/lcpbench-worker-" + std::string(peer.project.folder);
+  for (const std::string& folder :
+       {std::string(chosen == nullptr ? "" : chosen), ProgramFolder() + "/" LCPBENCH_WORKER_DIR_FROM_PROGRAM,
+        std::string(LCPBENCH_BUILD_WORKER_DIR), std::string(LCPBENCH_INSTALL_WORKER_DIR)}) {
+    if (folder.empty()) continue;
+    path = folder + "/lcpbench-worker-" + std::string(peer.project.folder);
     if (access(path.c_str(), X_OK) == 0) break;
   }
   return path;

@@ -1,21 +1,9 @@
-#include <cerrno>
-#include <csignal>
-#include <exception>
-#include <filesystem>
-#include <iostream>
-#include <new>
-#include <system_error>
+#include <string>
 
 #include "benchmarks/command/commands.h"
+#include "benchmarks/command/program.h"
 #include "build_info.h"
-#include "solvers/lcp/memory_budget.h"
-#include "solvers/linear_algebra/library_threads.h"
-#include "support/exit_status.h"
 #include "support/input_error.h"
-#include "support/output_error.h"
-#include "support/printable.h"
-#include "support/subprocess.h"
-#include "support/text_file.h"
 
 namespace {
 
@@ -55,14 +43,6 @@ int RunCommand(int argc, char** argv) {
   app.set_version_flag("--version", std::string("lcpbench ") + kVersion);
   app.require_subcommand(1);
   app.option_defaults()->always_capture_default();
-  // One line per mistake, as everywhere else.
-  app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
-    return Printable(failed->get_name() + ": " + error.what()) + " (see --help)\n";
-  });
-
-  // One solve, one thread: for every backend alike.
-  LimitLibraryThreads(1);
-  EndSubprocessesOnSignals();
 
   CommandRun run;
   for (const auto add :
@@ -73,46 +53,13 @@ int RunCommand(int argc, char** argv) {
   }
   HideStandIns(app);
 
-  try {
-    RequireKnownCommand(app, argc, argv);
-    app.parse(argc, argv);
-    return run();
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kMisuse;
-  }
+  RequireKnownCommand(app, argc, argv);
+  if (const auto status = ParseCommandLine(app, argc, argv)) return *status;
+  return run();
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  using namespace lcpbench;
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit of a file's size is told as a full disk is
-  try {
-    const CheckedStandardOutput checked;
-    const int status = RunCommand(argc, argv);
-    std::cout << std::flush;
-    return status;
-  } catch (const OutputError& error) {
-    if (error.error() == EPIPE) return kBrokenPipe;
-    std::cerr << "lcpbench: " << error.what() << std::endl;
-    return kLostOutput;
-  } catch (const InputError& error) {
-    std::cerr << "lcpbench: " << Printable(error.what()) << std::endl;
-    return kMisuse;
-  } catch (const MemoryRefusal& refusal) {
-    std::cerr << "lcpbench: " << Printable(refusal.what()) << std::endl;
-    return kMisuse;
-  } catch (const std::filesystem::filesystem_error& error) {
-    std::cerr << "lcpbench: " << Printable(error.path1().string()) << ": " << error.code().message() << std::endl;
-    return kMisuse;
-  } catch (const std::bad_alloc&) {
-    std::cerr << "lcpbench: not enough memory" << std::endl;
-    return kMisuse;
-  } catch (const std::system_error& error) {  // the system gives no process, or a file ends in an error
-    std::cerr << "lcpbench: " << Printable(error.what()) << std::endl;
-    return kMisuse;
-  } catch (const std::exception& error) {
-    std::cerr << "lcpbench: internal error: " << Printable(error.what()) << std::endl;
-    return 1;
-  }
+  return lcpbench::RunProgram("lcpbench", [&] { return RunCommand(argc, argv); });
 }

@@ -10,6 +10,7 @@
 #include "benchmarks/command/commands.h"
 #include "build_info.h"
 #include "support/input_error.h"
+#include "support/program_folder.h"
 
 namespace lcpbench {
 namespace {
@@ -29,13 +30,14 @@ constexpr ReportCommand kCommands[] = {
 // Goes on as the script, in the place of this program. The interpreter is $LCPBENCH_PYTHON, else Debian's, which its
 // pandas, SciPy, matplotlib and Jinja2 belong to and which need not be the first on PATH.
 int RunReportCommand(const std::string& name, const std::vector<std::string>& words) {
-  const bool in_tree = std::filesystem::exists(kReportScript);
-  if (!in_tree && !std::filesystem::exists(kInstalledReportScript)) {
-    throw InputError(name + ": the script is neither at " + kReportScript + " nor at " + kInstalledReportScript);
+  // That of an installed command is the one installed with it.
+  const std::string installed = ProgramFolder() + "/" + kReportScriptFromProgram;
+  const std::string script = std::filesystem::exists(installed) ? installed : kReportScript;
+  if (!std::filesystem::exists(script)) {
+    throw InputError(name + ": the script is neither at " + installed + " nor at " + kReportScript);
   }
   const char* chosen = std::getenv("LCPBENCH_PYTHON");
-  std::vector<std::string> command = {chosen != nullptr ? chosen : "/usr/bin/python3",
-                                      in_tree ? kReportScript : kInstalledReportScript, name};
+  std::vector<std::string> command = {chosen != nullptr ? chosen : "/usr/bin/python3", script, name};
   if (name == "tune") {
     const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
     command.insert(command.end(), {"--lcpbench", self, "--data", kDataFolder});

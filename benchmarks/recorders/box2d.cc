@@ -530,14 +530,7 @@ void Car(Scene& scene) {
   }
 }
 
-struct SceneEntry {
-  const char* name;
-  const char* file;    ///< in testbed/tests
-  const char* change;  ///< what is not as it is there
-  void (*build)(Scene&);
-};
-
-constexpr SceneEntry kScenes[] = {
+constexpr SceneEntry<Scene> kScenes[] = {
     {"pyramid", "pyramid.cpp", "", Pyramid},
     {"tiles", "tiles.cpp", "", Tiles},
     {"box-stack", "box_stack.cpp", "", BoxStack},
@@ -572,7 +565,7 @@ double Cross(Vector a, Vector b) { return a.x * b.y - a.y * b.x; }
 
 class Recorder {
  public:
-  Recorder(b2World& world, const SceneEntry& entry) : world_(world), body_count_(world.GetBodyCount()) {
+  Recorder(b2World& world, const SceneEntry<Scene>& entry) : world_(world), body_count_(world.GetBodyCount()) {
     Json bodies = Json::array();
     std::vector<const b2Body*> in_order;
     for (const b2Body* body = world.GetBodyList(); body != nullptr; body = body->GetNext()) in_order.push_back(body);
@@ -600,16 +593,13 @@ class Recorder {
     }
     std::reverse(joints_.begin(), joints_.end());
 
-    std::string source =
-        std::string("testbed/tests/") + entry.file + " of Debian's source package box2d 2.4.1-3, rebuilt";
-    if (*entry.change != '\0') source += std::string("; ") + entry.change;
-    source += "; left out: friction, restitution, motors, springs, damping; sleeping is off";
     const b2Vec2 gravity = world.GetGravity();
     WriteHeader({.engine = "box2d",
                  .version = "2.4.1",  // it says 2.4.0 of itself, which had no limits of distance joints
                  .licence = "MIT",
                  .scene = entry.name,
-                 .source = source},
+                 .source = entry.Source("testbed/tests/", " of Debian's source package box2d 2.4.1-3, rebuilt",
+                                        "friction, restitution, motors, springs, damping; sleeping is off")},
                 2, Numbers({gravity.x, gravity.y}), kTimeStep, std::move(bodies));
   }
 
@@ -796,11 +786,8 @@ class Recorder {
 };
 
 int Run(int argc, char** argv) {
-  std::vector<std::string> names;
-  for (const SceneEntry& entry : kScenes) names.emplace_back(entry.name);
-  const Request request = ReadCommandLine(argc, argv, names);
-  const SceneEntry& entry =
-      *std::find_if(std::begin(kScenes), std::end(kScenes), [&](const auto& e) { return e.name == request.scene; });
+  Request request;
+  const SceneEntry<Scene>& entry = ReadScene(argc, argv, kScenes, &request);
   Scene scene;
   entry.build(scene);
   scene.world.SetAllowSleeping(false);

@@ -621,14 +621,7 @@ void RollingFriction(Stage& stage) {
       }
 }
 
-struct Scene {
-  const char* name;
-  const char* demo;     ///< file of the engine's source
-  const char* changes;  ///< what differs from it
-  void (*build)(Stage&);
-};
-
-constexpr Scene kScenes[] = {
+constexpr SceneEntry<Stage> kScenes[] = {
     {"basic", "examples/BasicDemo/BasicExample.cpp", "", BasicBoxes},
     {"basic-spheres", "examples/BasicDemo/BasicExample.cpp", "spheres of radius 0.1 in place of the boxes",
      BasicSpheres},
@@ -655,10 +648,8 @@ constexpr Scene kScenes[] = {
 };
 
 int Main(int argc, char** argv) {
-  std::vector<std::string> names;
-  for (const Scene& scene : kScenes) names.emplace_back(scene.name);
-  const Request request = ReadCommandLine(argc, argv, names);
-  const Scene& scene = *std::ranges::find(kScenes, request.scene, &Scene::name);
+  Request request;
+  const auto& scene = ReadScene(argc, argv, kScenes, &request);
   Stage stage;
   scene.build(stage);
   Json bodies = Json::array();
@@ -670,12 +661,10 @@ int Main(int argc, char** argv) {
                .version = "3.24",
                .licence = "Zlib",
                .scene = scene.name,
-               .source = std::string(scene.demo) +
-                         " of Bullet's source 3.24, rebuilt and stepped by Debian's libbullet 3.24+dfsg-2" +
-                         (*scene.changes == '\0' ? "" : "; ") + scene.changes +
-                         "; left out: friction, restitution, softness, motors; damping is in the velocities, the "
-                         "torque has the engine's "
-                         "gyroscopic part; sleeping is off"},
+               .source = scene.Source(
+                   "", " of Bullet's source 3.24, rebuilt and stepped by Debian's libbullet 3.24+dfsg-2",
+                   "friction, restitution, softness, motors; damping is in the velocities, the torque has the "
+                   "engine's gyroscopic part; sleeping is off")},
               3, Vector(stage.world.getGravity()), kTimeStep, std::move(bodies));
   stage.world.Record(request);
   return 0;

@@ -455,17 +455,10 @@ void Pump(Scene& scene) {
   };
 }
 
-struct SceneEntry {
-  const char* name;
-  const char* file;    ///< in demo
-  const char* change;  ///< what is not as it is there
-  void (*build)(Scene&);
-};
-
 constexpr const char* kBasin =
     "a polygon of 47 equal sides and radius 200 in place of the terrain, random positions of our own";
 
-constexpr SceneEntry kScenes[] = {
+constexpr SceneEntry<Scene> kScenes[] = {
     {"pyramid-stack", "PyramidStack.c", "", PyramidStack},
     {"pyramid-topple", "PyramidTopple.c", "", PyramidTopple},
     {"contact-graph", "ContactGraph.c", "", ContactGraph},
@@ -487,7 +480,7 @@ constexpr SceneEntry kScenes[] = {
 
 class Recorder {
  public:
-  Recorder(Scene& scene, const SceneEntry& entry) : space_(scene.space), time_step_(scene.time_step) {
+  Recorder(Scene& scene, const SceneEntry<Scene>& entry) : space_(scene.space), time_step_(scene.time_step) {
     Json bodies = Json::array();
     for (int k = 0; k < space_->dynamicBodies->num; ++k) {
       auto* const body = static_cast<cpBody*>(space_->dynamicBodies->arr[k]);
@@ -495,11 +488,9 @@ class Recorder {
       bodies_.push_back(body);
       bodies.push_back({{"inverse_mass", Rounded(body->m_inv)}, {"inverse_inertia", Rounded(body->i_inv)}});
     }
-    std::string source = std::string("demo/") + entry.file + " of Debian's source package chipmunk 7.0.3-5, rebuilt";
-    if (*entry.change != '\0') source += std::string("; ") + entry.change;
-    source +=
-        "; left out: friction, restitution, motors, dampers, bounds of joints' forces; springs are loads; sleeping is "
-        "off";
+    const std::string source = entry.Source(
+        "demo/", " of Debian's source package chipmunk 7.0.3-5, rebuilt",
+        "friction, restitution, motors, dampers, bounds of joints' forces; springs are loads; sleeping is off");
     WriteHeader(
         {.engine = "chipmunk", .version = cpVersionString, .licence = "MIT", .scene = entry.name, .source = source}, 2,
         Numbers({space_->gravity.x, space_->gravity.y}), scene.time_step, std::move(bodies));
@@ -691,11 +682,8 @@ void MakeFirstSpace() {
 }
 
 int Run(int argc, char** argv) {
-  std::vector<std::string> names;
-  for (const SceneEntry& entry : kScenes) names.emplace_back(entry.name);
-  const Request request = ReadCommandLine(argc, argv, names);
-  const SceneEntry& entry =
-      *std::find_if(std::begin(kScenes), std::end(kScenes), [&](const auto& e) { return e.name == request.scene; });
+  Request request;
+  const SceneEntry<Scene>& entry = ReadScene(argc, argv, kScenes, &request);
   MakeFirstSpace();
   Scene scene;
   entry.build(scene);

@@ -317,14 +317,7 @@ void MultiPendulum(Stage& stage) {
   skeleton->getDof(1)->setPosition(2 * std::numbers::pi / 3);
 }
 
-struct Scene {
-  const char* name;
-  const char* example;  ///< file of the engine's source
-  const char* changes;  ///< what differs from it
-  void (*build)(Stage&);
-};
-
-constexpr Scene kScenes[] = {
+constexpr SceneEntry<Stage> kScenes[] = {
     {"box-stacking", "examples/box_stacking/main.cpp", "", BoxStacking},
     {"boxes", "examples/boxes/main.cpp", "boxes 4 m lower; DART's own collision detector in place of Bullet's", Boxes},
     {"rigid-cubes", "data/skel/cubes.skel", "", RigidCubes},
@@ -337,22 +330,19 @@ constexpr Scene kScenes[] = {
 };
 
 int Main(int argc, char** argv) {
-  std::vector<std::string> names;
-  for (const Scene& scene : kScenes) names.emplace_back(scene.name);
-  const Request request = ReadCommandLine(argc, argv, names);
-  const Scene& scene = *std::ranges::find(kScenes, request.scene, &Scene::name);
+  Request request;
+  const auto& scene = ReadScene(argc, argv, kScenes, &request);
   Stage stage;
   scene.build(stage);
-  WriteHeader({.engine = "dart",
-               .version = "6.12.1",
-               .licence = "BSD-2-Clause",
-               .scene = scene.name,
-               .source = std::string(scene.example) +
-                         " of DART's source, rebuilt and stepped by Debian's libdart 6.12.1+dfsg4-12" +
-                         (*scene.changes == '\0' ? "" : "; ") + scene.changes +
-                         "; left out: friction, restitution; the torque has -omega x I omega; joints, coordinates in "
-                         "DART, stand as rows"},
-              3, Vector(stage.world->getGravity()), stage.world->getTimeStep(), stage.Header());
+  WriteHeader(
+      {.engine = "dart",
+       .version = "6.12.1",
+       .licence = "BSD-2-Clause",
+       .scene = scene.name,
+       .source = scene.Source(
+           "", " of DART's source, rebuilt and stepped by Debian's libdart 6.12.1+dfsg4-12",
+           "friction, restitution; the torque has -omega x I omega; joints, coordinates in DART, stand as rows")},
+      3, Vector(stage.world->getGravity()), stage.world->getTimeStep(), stage.Header());
   stage.Record(request);
   return 0;
 }

@@ -831,14 +831,7 @@ void BridgeFeedback(Stage& stage) {
   stage.Ground();
 }
 
-struct Scene {
-  const char* name;
-  const char* demo;     ///< file of the engine's source
-  const char* changes;  ///< what differs from it
-  void (*build)(Stage&);
-};
-
-constexpr Scene kScenes[] = {
+constexpr SceneEntry<Stage> kScenes[] = {
     {"chain1", "demo_chain1.c", "", Chain1},
     {"chain2", "demo_chain2.cpp", "", Chain2},
     {"buggy", "demo_buggy.cpp", "driven at a speed of 1.5 and steered by 0.5 from the start", Buggy},
@@ -857,22 +850,20 @@ constexpr Scene kScenes[] = {
 };
 
 int Main(int argc, char** argv) {
-  std::vector<std::string> names;
-  for (const Scene& scene : kScenes) names.emplace_back(scene.name);
-  const Request request = ReadCommandLine(argc, argv, names);
-  const Scene& scene = *std::ranges::find(kScenes, request.scene, &Scene::name);
+  Request request;
+  const auto& scene = ReadScene(argc, argv, kScenes, &request);
   Stage stage;
   scene.build(stage);
-  WriteHeader({.engine = "ode",
-               .version = "0.16.2",
-               .licence = "BSD-3-Clause OR LGPL-2.1-or-later",
-               .scene = scene.name,
-               .source = "ode/demo/" + std::string(scene.demo) + " of Debian's source package ode 2:0.16.2-1, rebuilt" +
-                         (*scene.changes == '\0' ? "" : "; ") + scene.changes +
-                         "; left out: friction (1e9 stands for an infinite coefficient), restitution, softness, "
-                         "motors; the torque has the "
-                         "engine's gyroscopic part; sleeping is off"},
-              3, Vector(stage.Gravity()), stage.time_step, stage.Header());
+  WriteHeader(
+      {.engine = "ode",
+       .version = "0.16.2",
+       .licence = "BSD-3-Clause OR LGPL-2.1-or-later",
+       .scene = scene.name,
+       .source = scene.Source(
+           "ode/demo/", " of Debian's source package ode 2:0.16.2-1, rebuilt",
+           "friction (1e9 stands for an infinite coefficient), restitution, softness, motors; the torque has the "
+           "engine's gyroscopic part; sleeping is off")},
+      3, Vector(stage.Gravity()), stage.time_step, stage.Header());
   stage.Record(request);
   return 0;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -176,6 +177,31 @@ inline Request ReadCommandLine(int argc, char** argv, const std::vector<std::str
     end(request.scene.empty() ? "a scene is missing" : "no scene is called \"" + request.scene + "\"");
   }
   return request;
+}
+
+/// A scene that a recorder builds on its Stage, which holds the engine's world.
+template <class Stage>
+struct SceneEntry {
+  const char* name;
+  const char* file;     ///< of the engine's source
+  const char* changes;  ///< what differs from it
+  void (*build)(Stage&);
+
+  /// Origin::source.
+  /// @param folder   of the file
+  /// @param rebuilt  whose source it is, and what steps the scene
+  std::string Source(const std::string& folder, const std::string& rebuilt, const std::string& left_out) const {
+    return folder + file + rebuilt + (*changes == '\0' ? "" : "; ") + changes + "; left out: " + left_out;
+  }
+};
+
+/// The scene that the command line asks for; ends the program as ReadCommandLine.
+template <class Stage, std::size_t count>
+const SceneEntry<Stage>& ReadScene(int argc, char** argv, const SceneEntry<Stage> (&scenes)[count], Request* request) {
+  std::vector<std::string> names;
+  for (const auto& scene : scenes) names.emplace_back(scene.name);
+  *request = ReadCommandLine(argc, argv, names);
+  return *std::find_if(scenes, scenes + count, [&](const auto& scene) { return scene.name == request->scene; });
 }
 
 }  // namespace lcpbench::recorders

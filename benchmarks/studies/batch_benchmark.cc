@@ -148,7 +148,7 @@ void TimeRows(benchmark::State& state, IslandBatch* work, bool single, BatchInst
   options.instructions = instructions;
   StepSolver solver(options);
   solver.Reserve(kMostIslandRows, Index{2} * kMostIslandRows);
-  const StepRows rows = work->Rows(single);
+  const StepRows rows = work->arrays.View(single);
   for (auto _ : state) solver.SolveBatch(rows, work->start, work->f.data(), work->answers);
   state.counters["left"] = static_cast<double>(solver.left()) / static_cast<double>(work->answers.size());
 }
@@ -156,9 +156,10 @@ void TimeRows(benchmark::State& state, IslandBatch* work, bool single, BatchInst
 void TimeRowsOneByOne(benchmark::State& state, IslandBatch* work, bool single) {
   StepSolver solver;
   solver.Reserve(kMostIslandRows, Index{2} * kMostIslandRows);
+  const StepRows rows = work->arrays.View(single);
   for (auto _ : state) {
     for (std::size_t k = 0; k < work->answers.size(); ++k) {
-      work->answers[k] = solver.Solve(work->RowsOf(k, single), nullptr, work->f.data() + work->start[k]);
+      work->answers[k] = solver.Solve(work->RowsOf(k, rows), nullptr, work->f.data() + work->start[k]);
     }
   }
 }

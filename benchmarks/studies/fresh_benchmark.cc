@@ -19,17 +19,15 @@
 
 #include "benchmarks/campaign/named_campaigns.h"
 #include "benchmarks/command/options.h"
+#include "benchmarks/command/program.h"
 #include "benchmarks/measure/data_file.h"
 #include "benchmarks/studies/fresh_contestant.h"
 #include "benchmarks/studies/fresh_problems.h"
 #include "benchmarks/studies/fresh_stream.h"
 #include "benchmarks/studies/fresh_table.h"
-#include "solvers/linear_algebra/library_threads.h"
 #include "solvers/registry.h"
 #include "support/exit_status.h"
 #include "support/input_error.h"
-#include "support/printable.h"
-#include "support/subprocess.h"
 #include "support/text_file.h"
 
 namespace lcpbench {
@@ -319,18 +317,8 @@ int Main(int argc, char** argv) {
   options.plan.filter.clear();
   options.plan.most_rows = 1000;
   CLI::App app{"Fresh times of solvers in one process, by size class and origin", "fresh_benchmark"};
-  // One line per mistake, as everywhere else.
-  app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
-    return Printable(failed->get_name() + ": " + error.what()) + " (see --help)\n";
-  });
-  LimitLibraryThreads(1);  // one solve, one thread, as in campaigns
-  EndSubprocessesOnSignals();
   Declare(&app, &options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kMisuse;
-  }
+  if (const auto status = ParseCommandLine(app, argc, argv)) return *status;
   options.solvers_are_chosen = app.count("--solvers") > 0;
 
   // Its own options are Google Benchmark's to read.
@@ -365,13 +353,5 @@ int Main(int argc, char** argv) {
 }  // namespace lcpbench
 
 int main(int argc, char** argv) {
-  try {
-    return lcpbench::Main(argc, argv);
-  } catch (const lcpbench::InputError& error) {
-    std::cerr << argv[0] << ": " << lcpbench::Printable(error.what()) << std::endl;
-    return lcpbench::kMisuse;
-  } catch (const std::exception& error) {
-    std::cerr << argv[0] << ": internal error: " << lcpbench::Printable(error.what()) << std::endl;
-    return 1;
-  }
+  return lcpbench::RunProgram("fresh_benchmark", [&] { return lcpbench::Main(argc, argv); });
 }

@@ -6,14 +6,12 @@
 #include <utility>
 
 #include "solvers/lcp/settings.h"
+#include "solvers/peers/linked_peers.h"
 #include "solvers/peers/peer_table.h"
 #include "solvers/peers/protocol/external_solver.h"
 #include "solvers/registry.h"
 #include "support/clock.h"
 #include "support/input_error.h"
-#if defined(LCPBENCH_LINKED_ODE) || defined(LCPBENCH_LINKED_BULLET)
-#include "solvers/peers/linked_peers.h"
-#endif
 
 namespace lcpbench {
 namespace {

@@ -18,19 +18,16 @@
 
 #include "benchmarks/collection/recipes/recipe.h"
 #include "benchmarks/command/options.h"
+#include "benchmarks/command/program.h"
 #include "benchmarks/measure/budget_clock.h"
 #include "benchmarks/measure/progress.h"
 #include "benchmarks/measure/quantile.h"
 #include "benchmarks/motions/scene_source.h"
 #include "benchmarks/studies/precision_curve.h"
 #include "solvers/lcp/verify.h"
-#include "solvers/linear_algebra/library_threads.h"
 #include "solvers/registry.h"
 #include "support/csv.h"
-#include "support/exit_status.h"
 #include "support/input_error.h"
-#include "support/printable.h"
-#include "support/subprocess.h"
 
 namespace lcpbench {
 namespace {
@@ -313,9 +310,6 @@ constexpr Curve kCurves[] = {{"mass-ratio", &MassRatioCurve},
 int Main(int argc, char** argv) {
   Options options;
   CLI::App app{"Curves of all solvers that the report draws, a CSV file each", "solver_curves"};
-  app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
-    return Printable(failed->get_name() + ": " + error.what()) + " (see --help)\n";
-  });
   std::vector<std::string> names;
   for (const Curve& curve : kCurves) names.emplace_back(curve.name);
   options.curves = names;
@@ -334,14 +328,8 @@ int Main(int argc, char** argv) {
       ->check(PositiveSeconds())
       ->capture_default_str();
   app.add_option("-o,--output", options.output, "Folder of the files")->capture_default_str();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kMisuse;
-  }
+  if (const auto status = ParseCommandLine(app, argc, argv)) return *status;
   for (const std::string& key : options.solvers) MakeSolver(key);
-  LimitLibraryThreads(1);  // as in campaigns
-  EndSubprocessesOnSignals();
   std::error_code error;
   std::filesystem::create_directories(options.output, error);
   if (error) throw InputError(options.output + ": cannot be created: " + error.message());
@@ -358,13 +346,5 @@ int Main(int argc, char** argv) {
 }  // namespace lcpbench
 
 int main(int argc, char** argv) {
-  try {
-    return lcpbench::Main(argc, argv);
-  } catch (const lcpbench::InputError& error) {
-    std::cerr << argv[0] << ": " << lcpbench::Printable(error.what()) << std::endl;
-    return lcpbench::kMisuse;
-  } catch (const std::exception& error) {
-    std::cerr << argv[0] << ": internal error: " << lcpbench::Printable(error.what()) << std::endl;
-    return 1;
-  }
+  return lcpbench::RunProgram("solver_curves", [&] { return lcpbench::Main(argc, argv); });
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ostream>
 #include <string_view>
 #include <vector>
 
@@ -10,6 +11,9 @@ enum class BatchInstructions { kBest, kSse2, kAvx2, kAvx512 };
 
 /// "best", "sse2", "avx2", "avx512".
 std::string_view ToString(BatchInstructions instructions);
+inline std::ostream& operator<<(std::ostream& out, BatchInstructions instructions) {
+  return out << ToString(instructions);
+}
 
 /// What this machine has, narrowest first; never empty.
 std::vector<BatchInstructions> AvailableBatchInstructions();

@@ -14,7 +14,7 @@
 namespace lcpbench {
 namespace {
 
-// The same rows in compressed form, for what AutoSolver asks.
+// The same rows in compressed form, with all their bodies, for what AutoSolver asks.
 ProblemArrays ToArrays(const StepRows& rows) {
   ProblemArrays arrays;
   const Index p = rows.columns_per_body;
@@ -47,7 +47,8 @@ ProblemArrays ToArrays(const StepRows& rows) {
   return arrays;
 }
 
-// Rows that name few of many bodies, with these bodies alone: what solves one problem must not look at a whole world.
+// Rows with the bodies alone that they name: what solves one problem must not look at a whole world, and what other
+// bodies have does not count.
 class OwnBodies {
  public:
   void Reserve(Index max_rows) {
@@ -108,6 +109,24 @@ struct StepSolver::Implementation {
     return solve;
   }
 
+  // @param has_own_bodies  rows come from own_bodies
+  StepAnswer Solve(StepRows of, bool has_own_bodies, const double* start, double* f, double* w) {
+    bool is_in_range = CheckRows(of, start);
+    if (of.rows == 0) return {LcpStatus::kSolved, 0, 0};
+    if (!is_in_range && !has_own_bodies) {  // the check may have met other bodies
+      of = own_bodies.Take(of);
+      has_own_bodies = true;
+      is_in_range = CheckRows(of, start);
+    }
+    if (is_in_range) {
+      rows.Reserve(of.rows, of.bodies);
+      if (w == nullptr && unwanted_w.size() < of.rows) unwanted_w.resize(of.rows);
+      const RowAnswer answer = rows.Solve(of, SolveOptions(), start, f, w == nullptr ? unwanted_w.data() : w);
+      if (answer.solved) return {LcpStatus::kSolved, answer.iterations, answer.rho};
+    }
+    return Ask(has_own_bodies ? of : own_bodies.Take(of), start, f, w);
+  }
+
   // What RowSolver leaves open. `f` holds what it reached.
   StepAnswer Ask(const StepRows& of, const double* start, double* f, double* w) {
     ++fallbacks;
@@ -148,17 +167,7 @@ void StepSolver::Reserve(Index max_rows, Index max_bodies) {
 std::int64_t StepSolver::fallbacks() const { return implementation_->fallbacks; }
 
 StepAnswer StepSolver::Solve(const StepRows& rows, const double* initial_f, double* f, double* w) {
-  Implementation& own = *implementation_;
-  const bool is_in_range = CheckRows(rows, initial_f);
-  if (rows.rows == 0) return {LcpStatus::kSolved, 0, 0};
-  if (is_in_range) {
-    own.rows.Reserve(rows.rows, rows.bodies);
-    if (w == nullptr && own.unwanted_w.size() < rows.rows) own.unwanted_w.resize(rows.rows);
-    const RowAnswer answer =
-        own.rows.Solve(rows, own.SolveOptions(), initial_f, f, w == nullptr ? own.unwanted_w.data() : w);
-    if (answer.solved) return {LcpStatus::kSolved, answer.iterations, answer.rho};
-  }
-  return own.Ask(rows, initial_f, f, w);
+  return implementation_->Solve(rows, false, initial_f, f, w);
 }
 
 std::int64_t StepSolver::left() const { return implementation_->left; }
@@ -179,7 +188,7 @@ class StepSolver::BatchReceiver final : public RowBatch::Receiver {
     ++own.left;
     try {
       const StepRows part = own.own_bodies.Take(PartOf(rows_, start_[k], start_[k + 1]));
-      answers_[k] = solver_.Solve(part, nullptr, f_ + start_[k]);
+      answers_[k] = own.Solve(part, true, nullptr, f_ + start_[k], nullptr);
     } catch (const InputError&) {
       CheckRows(rows_, nullptr);  // names the row by its place among all
       throw;

@@ -34,7 +34,8 @@ struct StepAnswer {
 /// asked, whose factorizations allocate. Method, guaranteed class (every A = J M^-1 J^T) and checks are those of
 /// RowSolver and AutoSolver; kSolved is claimed only for an f that passed.
 ///
-/// The input is checked in the same call: NaN, infinity, negative masses, and bodies out of range are refused.
+/// The input is checked in the same call: NaN, infinity, negative masses, and bodies out of range are refused. Bodies
+/// that no row names do not count: their inverse masses may be anything, in Solve and in SolveBatch.
 /// One object serves one thread at a time. The same rows and start give the same bits, whatever came before.
 class StepSolver {
  public:

@@ -18,6 +18,8 @@ struct Reader {
   std::string (*law)(const std::string& text);
 };
 
+std::ostream& operator<<(std::ostream& out, const Reader& reader) { return out << reader.corpus; }
+
 class ProblemLaws : public testing::TestWithParam<Reader> {};
 
 INSTANTIATE_TEST_SUITE_P(Formats, ProblemLaws,

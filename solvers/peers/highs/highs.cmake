@@ -1,10 +1,2 @@
-lcpbench_peer_option(HIGHS HiGHS "PyPI: highsbox")
-if(LCPBENCH_WITH_HIGHS)
-  set(highs_prefix "${LCPBENCH_PEERS_PACKAGES}/highsbox/highs_dist")
-  if(EXISTS "${highs_prefix}/include/highs/Highs.h" AND EXISTS "${highs_prefix}/lib/libhighs.so")
-    lcpbench_add_peer(highs SOURCES highs/highs.cc qp/quadratic_program.cc LIBRARIES "${highs_prefix}/lib/libhighs.so")
-    target_include_directories(lcpbench_worker_highs SYSTEM PRIVATE "${highs_prefix}/include/highs")
-  else()
-    lcpbench_peer_missing(HIGHS HiGHS "PyPI: highsbox")
-  endif()
-endif()
+lcpbench_add_wheel_peer(highs LIBRARY_NAME HiGHS WHEEL highsbox PREFIX highsbox/highs_dist INCLUDE include/highs
+                        HEADER Highs.h SHARED lib/libhighs.so)

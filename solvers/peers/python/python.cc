@@ -1,6 +1,6 @@
-// Libraries of PyPI whose wheels have no headers, by an interpreter of Python in the worker: peers.py has a class for
-// each. The clock runs around the conversion of arrays into what the module takes and its call, as for every peer; of
-// these some ten to a hundred microseconds are Python's.
+// Libraries of PyPI whose wheels have no headers, by an interpreter of Python in the worker: peers.py, in the folder
+// `python` beside the worker, has a class for each. The clock runs around the conversion of arrays into what the module
+// takes and its call, as for every peer; of these some ten to a hundred microseconds are Python's.
 
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
@@ -16,6 +16,7 @@
 
 #include "solvers/peers/qp/quadratic_program.h"
 #include "support/input_error.h"
+#include "support/program_folder.h"
 
 namespace lcpbench {
 namespace {
@@ -64,7 +65,7 @@ PyObject* PeersModule() {
       throw std::runtime_error(std::string("Python does not start: ") +
                                (status.err_msg != nullptr ? status.err_msg : ""));
     }
-    const Object path = Own(PyUnicode_FromString(LCPBENCH_PYTHON_DIR));
+    const Object path = Own(PyUnicode_FromString((ProgramFolder() + "/python").c_str()));
     PyList_Insert(PySys_GetObject("path"), 0, path.get());
     return Own(PyImport_ImportModule("peers")).release();
   }();

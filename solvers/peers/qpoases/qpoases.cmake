@@ -1,13 +1,2 @@
-lcpbench_peer_option(QPOASES qpOASES "PyPI: cmeel-qpoases")
-if(LCPBENCH_WITH_QPOASES)
-  set(qpoases_prefix "${LCPBENCH_PEERS_PACKAGES}/cmeel.prefix")
-  if(EXISTS "${qpoases_prefix}/include/qpOASES.hpp" AND EXISTS "${qpoases_prefix}/lib/libqpOASES.so")
-    lcpbench_add_peer(qpoases SOURCES qpoases/qpoases.cc qp/quadratic_program.cc
-                      LIBRARIES "${qpoases_prefix}/lib/libqpOASES.so")
-    target_include_directories(lcpbench_worker_qpoases SYSTEM PRIVATE "${qpoases_prefix}/include")
-    lcpbench_wheel_version(qpoases_version cmeel_qpoases)
-    target_compile_definitions(lcpbench_worker_qpoases PRIVATE LCPBENCH_QPOASES_VERSION="${qpoases_version}")
-  else()
-    lcpbench_peer_missing(QPOASES qpOASES "PyPI: cmeel-qpoases")
-  endif()
-endif()
+lcpbench_add_wheel_peer(qpoases LIBRARY_NAME qpOASES WHEEL cmeel-qpoases PREFIX cmeel.prefix INCLUDE include
+                        HEADER qpOASES.hpp SHARED lib/libqpOASES.so VERSION_OF cmeel_qpoases)

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <boost/algorithm/string/replace.hpp>
-#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -19,8 +18,8 @@
 #include "benchmarks/recommend/problem_steps.h"
 #include "benchmarks/recommend/recommendation.h"
 #include "benchmarks/recommend/rules.h"
-#include "support/input_error.h"
 #include "tests/benchmarks/command_fixture.h"
+#include "tests/support/refusal.h"
 
 namespace lcpbench {
 namespace {
@@ -28,15 +27,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::string MessageOf(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 // ----- features
 
@@ -153,10 +143,10 @@ TEST_F(RulesFile, MistakesNameFileAndField) {
     Json json = Rules();
     json[place] = value;
     if (value.is_discarded()) json[place.parent_pointer()].erase(place.back());
-    const std::string message = MessageOf([&] { Read(json); });
+    const std::string message = RefusalOf([&] { Read(json); });
     EXPECT_TRUE(message.starts_with(Path("rules.json") + ": " + field + expected)) << message;
   }
-  EXPECT_NE(MessageOf([] { ReadRecommendationRules("/nowhere/rules.json"); }).find("/nowhere/rules.json: cannot be"),
+  EXPECT_NE(RefusalOf([] { ReadRecommendationRules("/nowhere/rules.json"); }).find("/nowhere/rules.json: cannot be"),
             std::string::npos);
 }
 

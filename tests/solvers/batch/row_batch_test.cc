@@ -14,9 +14,9 @@
 #include "model/scenes/scene.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/rows/extended_rho.h"
-#include "solvers/rows/row_solver.h"
 #include "solvers/step/step_solver.h"
 #include "support/input_error.h"
+#include "tests/solvers/step/random_step.h"
 
 namespace lcpbench {
 namespace {
@@ -24,138 +24,37 @@ namespace {
 constexpr double kTolerance = 1e-9;
 
 // Problems behind each other, each with bodies of its own.
-struct Batch {
-  int p;
+struct Batch : StepArrays {
   bool single;
-  std::vector<std::int32_t> start{0}, body;
-  std::vector<double> J, b, inverse_mass;
-  std::vector<float> J_single;
-  std::vector<unsigned char> bilateral;
+  std::vector<std::int32_t> start{0};
 
-  Batch(int columns_per_body, bool is_single) : p(columns_per_body), single(is_single) {}
+  Batch(int p, bool is_single) : single(is_single) { columns_per_body = p; }
 
   std::size_t size() const { return start.size() - 1; }
   StepRows Rows() {
-    J_single.assign(J.begin(), J.end());
-    StepRows rows;
-    rows.columns_per_body = p;
-    rows.rows = static_cast<Index>(b.size());
-    rows.bodies = static_cast<Index>(inverse_mass.size()) / p;
-    rows.body = body.data();
-    rows.J = single ? nullptr : J.data();
-    rows.J_single = single ? J_single.data() : nullptr;
-    rows.b = b.data();
-    rows.bilateral = bilateral.data();
-    rows.inverse_mass = inverse_mass.data();
-    return rows;
+    Round();
+    return View(single);
   }
+  LcpProblem Problem(std::size_t k) { return ProblemOf(PartOf(Rows(), start[k], start[k + 1])); }
 
-  // Contacts, joints and ties of bodies among each other, with the ground, with one that cannot move and with
-  // themselves; rows twice. b = J v + gaps for the J that solvers see, so that there is an answer.
+  void AddProblem(const StepArrays& problem) {
+    Append(problem);
+    start.push_back(static_cast<std::int32_t>(rows()));
+  }
+  // With few bodies or many.
   void AddRandom(int n, unsigned seed) {
-    std::mt19937 engine(seed);
-    std::normal_distribution<double> normal;
-    const auto chance = [&](double part) { return std::uniform_real_distribution<double>()(engine) < part; };
-    const int bodies = 1 + static_cast<int>(engine() % static_cast<unsigned>(2 + (n / 2)));
-    const auto first = static_cast<std::int32_t>(inverse_mass.size()) / p;
-    std::vector<double> velocity(static_cast<std::size_t>(bodies * p));
-    for (int k = 0; k < bodies; ++k) {
-      const double m = chance(0.1) ? 0.0 : std::exp2(3 * normal(engine));
-      for (int c = 0; c < p; ++c) {
-        inverse_mass.push_back(m * (1 + c));
-        velocity[Place(k, c)] = m == 0 ? 0.0 : normal(engine);
-      }
-    }
-    const double joints = chance(0.5) ? 0.2 : 0.0;
-    for (int i = 0; i < n; ++i) {
-      if (i > 0 && chance(0.1)) {
-        CopyLastRow();
-        continue;
-      }
-      const bool is_joint = chance(joints);
-      double load = is_joint || chance(0.5) ? 0.0 : std::abs(normal(engine));
-      for (int side = 0; side < 2; ++side) {
-        const int on = static_cast<int>(engine() % static_cast<unsigned>(bodies + 1)) - 1;
-        for (int c = 0; c < p; ++c) {
-          const double number = chance(0.2) ? 0.0 : static_cast<double>(static_cast<float>(normal(engine)));
-          J.push_back(number);
-          if (on >= 0) load += number * velocity[Place(on, c)];
-        }
-        body.push_back(on < 0 ? -1 : first + on);
-      }
-      b.push_back(load);
-      bilateral.push_back(is_joint ? 1 : 0);
-    }
-    start.push_back(static_cast<std::int32_t>(b.size()));
+    const auto bodies = static_cast<Index>(2 + std::mt19937(seed)() % static_cast<unsigned>(2 + (n / 2)));
+    AddProblem(RandomStep(n, bodies, columns_per_body, seed, true));
   }
   // Rows that share no body.
   void AddApart(int n) {
-    for (int i = 0; i < n; ++i) {
-      body.push_back(static_cast<std::int32_t>(inverse_mass.size()) / p);
-      body.push_back(-1);
-      inverse_mass.insert(inverse_mass.end(), static_cast<std::size_t>(p), 1.0);
-      J.push_back(1);
-      J.insert(J.end(), static_cast<std::size_t>((2 * p) - 1), 0.0);
-      b.push_back(std::sin(i));
-      bilateral.push_back(0);
-    }
-    start.push_back(static_cast<std::int32_t>(b.size()));
-  }
-  void AddScene(const LcpProblem& scene) {  // in the plane
-    const ProblemArrays arrays = ProblemArrays::Of(scene);
-    TwoBodyCopy copy;
-    ASSERT_TRUE(copy.Take(arrays));
-    const StepRows& rows = copy.rows();
-    const auto first = static_cast<std::int32_t>(inverse_mass.size()) / p;
-    for (Index k = 0; k < 2 * rows.rows; ++k) body.push_back(rows.body[k] < 0 ? -1 : first + rows.body[k]);
-    J.insert(J.end(), rows.J, rows.J + 6 * rows.rows);
-    b.insert(b.end(), rows.b, rows.b + rows.rows);
-    inverse_mass.insert(inverse_mass.end(), rows.inverse_mass, rows.inverse_mass + 3 * rows.bodies);
-    for (Index i = 0; i < rows.rows; ++i) bilateral.push_back(rows.bilateral != nullptr ? rows.bilateral[i] : 0);
-    start.push_back(static_cast<std::int32_t>(b.size()));
-  }
-
-  LcpProblem Problem(std::size_t k) const {
-    ProblemArrays arrays;
-    arrays.id = std::to_string(k);
-    arrays.rows = start[k + 1] - start[k];
-    arrays.columns = static_cast<Index>(inverse_mass.size());
-    arrays.facts.symmetric = arrays.facts.positive_semidefinite = true;
-    arrays.facts.columns_per_body = p;
-    arrays.row_start.push_back(0);
-    for (std::int32_t i = start[k]; i < start[k + 1]; ++i) {
-      std::int32_t sides[] = {2 * i, 2 * i + 1};
-      if (body[At(sides[0])] > body[At(sides[1])]) std::swap(sides[0], sides[1]);
-      const bool is_joined = body[At(sides[0])] == body[At(sides[1])];
-      for (const std::int32_t side : sides) {
-        if (body[At(side)] < 0 || (is_joined && side % 2 == 1)) continue;
-        for (int c = 0; c < p; ++c) {
-          arrays.column.push_back(body[At(side)] * p + c);
-          arrays.value.push_back(Number(side, c) + (is_joined ? Number(side + 1, c) : 0.0));
-        }
-      }
-      arrays.row_start.push_back(static_cast<int>(arrays.column.size()));
-    }
-    arrays.b.assign(b.begin() + start[k], b.begin() + start[k + 1]);
-    arrays.bilateral.assign(bilateral.begin() + start[k], bilateral.begin() + start[k + 1]);
-    arrays.inverse_mass = inverse_mass;
-    return LcpProblem::FromArrays(arrays);
-  }
-
- private:
-  std::size_t Place(int k, int c) const {
-    return (static_cast<std::size_t>(k) * static_cast<std::size_t>(p)) + static_cast<std::size_t>(c);
-  }
-  static std::size_t At(std::int32_t i) { return static_cast<std::size_t>(i); }
-  double Number(std::int32_t side, int c) const {
-    const double j = J[At(side * p + c)];
-    return single ? static_cast<double>(static_cast<float>(j)) : j;
-  }
-  void CopyLastRow() {
-    for (int c = 0; c < 2 * p; ++c) J.push_back(J[J.size() - static_cast<std::size_t>(2 * p)]);
-    for (int side = 0; side < 2; ++side) body.push_back(body[body.size() - 2]);
-    b.push_back(b.back());
-    bilateral.push_back(bilateral.back());
+    StepArrays apart;
+    apart.columns_per_body = columns_per_body;
+    apart.inverse_mass.assign(static_cast<std::size_t>(n * columns_per_body), 1.0);
+    std::vector<double> numbers(static_cast<std::size_t>(2 * columns_per_body), 0.0);
+    numbers[0] = 1;
+    for (int i = 0; i < n; ++i) apart.Add(i, -1, numbers, std::sin(i));
+    AddProblem(apart);
   }
 };
 
@@ -230,7 +129,7 @@ TEST_P(RowBatchTest, AnswersAsOneByOneInAllSizesAndForms) {
 TEST_P(RowBatchTest, AnswersAsOneByOneOnScenes) {
   Batch batch(3, false);
   for (const SceneFamily& family : AllScenes()) {
-    for (int n = 1; n <= 24; ++n) batch.AddScene(AssembleContactLcp(family.generate(n, 7)).problem);
+    for (int n = 1; n <= 24; ++n) batch.AddProblem(StepArrays::Of(AssembleContactLcp(family.generate(n, 7)).problem));
   }
   const Answers answers = SolveBatch(GetParam(), &batch);
   ExpectAsOneByOne(answers, &batch);

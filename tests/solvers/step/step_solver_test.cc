@@ -20,8 +20,9 @@
 #include "support/input_error.h"
 #include "tests/solvers/exact_problems.h"
 #include "tests/solvers/solve_with.h"
-#include "tests/solvers/step/step_arrays.h"
+#include "tests/solvers/step/random_step.h"
 #include "tests/solvers/test_problems.h"
+#include "tests/support/refusal.h"
 
 namespace lcpbench {
 namespace {
@@ -165,6 +166,8 @@ struct RandomCase {
   const char* name;
   double bodies_per_row;
 };
+
+std::ostream& operator<<(std::ostream& out, const RandomCase& rows) { return out << rows.name; }
 
 class StepsOfRandomRows : public testing::TestWithParam<RandomCase> {};
 
@@ -361,13 +364,7 @@ TEST(StepSolver, SolvesABatchAsItsProblems) {
         StepArrays part = RandomStep(n, n + 2, p, k);
         part.Round();
         problems.push_back(part.Problem(single));
-        const auto first = static_cast<std::int32_t>(all.bodies());
-        for (std::int32_t& body : part.body) body += body < 0 ? 0 : first;
-        all.body.insert(all.body.end(), part.body.begin(), part.body.end());
-        all.J.insert(all.J.end(), part.J.begin(), part.J.end());
-        all.b.insert(all.b.end(), part.b.begin(), part.b.end());
-        all.bilateral.insert(all.bilateral.end(), part.bilateral.begin(), part.bilateral.end());
-        all.inverse_mass.insert(all.inverse_mass.end(), part.inverse_mass.begin(), part.inverse_mass.end());
+        all.Append(part);
         start.push_back(static_cast<std::int32_t>(all.rows()));
       }
       all.Round();
@@ -388,15 +385,6 @@ TEST(StepSolver, SolvesABatchAsItsProblems) {
 }
 
 // ----- mistakes
-
-std::string MessageOf(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST(StepSolver, RefusesWrongArraysByNameWithNothingWritten) {
   struct Mistake {
@@ -442,19 +430,19 @@ TEST(StepSolver, RefusesWrongArraysByNameWithNothingWritten) {
     mistake.make(&arrays, &rows);
     VectorXd f = VectorXd::Constant(3, 77);
     VectorXd w = f;
-    EXPECT_EQ(MessageOf([&] { solver.Solve(rows, nullptr, f.data(), w.data()); }),
+    EXPECT_EQ(RefusalOf([&] { solver.Solve(rows, nullptr, f.data(), w.data()); }),
               std::string("step rows: ") + mistake.words);
     EXPECT_TRUE((f.array() == 77).all() && (w.array() == 77).all()) << mistake.words;
   }
   VectorXd start = VectorXd::Zero(3);
   start[1] = kNaN;
   VectorXd f = VectorXd::Constant(3, 77);
-  EXPECT_EQ(MessageOf([&] { solver.Solve(right.View(), start.data(), f.data()); }),
+  EXPECT_EQ(RefusalOf([&] { solver.Solve(right.View(), start.data(), f.data()); }),
             "step rows: initial f of row 1 is nan, expected a finite number");
   EXPECT_TRUE((f.array() == 77).all());
   right.Round();
   right.J_single[12] = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_EQ(MessageOf([&] { solver.Solve(right.View(true), nullptr, f.data()); }),
+  EXPECT_EQ(RefusalOf([&] { solver.Solve(right.View(true), nullptr, f.data()); }),
             "step rows: J of row 2 is nan, expected a finite number");
   ExpectVerified(right.Problem(), Solve(&solver, right.View()), "after mistakes");
 }
@@ -468,6 +456,39 @@ TEST(StepSolver, ReadsInverseMassesOfBodiesThatRowsNameOnly) {
   arrays.inverse_mass[15] = -3;
   StepSolver solver;
   ExpectVerified(problem, Solve(&solver, arrays.View()), "a large world");
+}
+
+// In a world of few bodies, too, whatever another body has: by Solve, by SolveBatch in lanes and by what it leaves to
+// Solve, and by the solvers that both ask where no joint force can hold.
+TEST(StepSolver, ReadsInverseMassesOfNamedBodiesOnlyInBatchesAsWell) {
+  for (const bool is_solvable : {true, false}) {
+    for (const Index n : {1, 6, 40}) {
+      StepArrays arrays;
+      arrays.inverse_mass.assign(9, 1);
+      for (Index i = 0; i < n; ++i) arrays.Add(0, 2, {1, 0, 0, -1, 0, 0}, -1);
+      if (!is_solvable) {
+        arrays.Add(0, -1, {0, 1, 0, 0, 0, 0}, 1, true);
+        arrays.Add(0, -1, {0, 1, 0, 0, 0, 0}, -1, true);
+      }
+      const auto rows = static_cast<std::int32_t>(arrays.rows());
+      const LcpProblem problem = arrays.Problem();
+      StepSolver reference;
+      const Solved expected = Solve(&reference, arrays.View());
+      for (const double bad : {kNaN, kInfinity, -kInfinity, -3.0, 1e300, 1e-300}) {
+        const std::string what = std::to_string(rows) + " rows, body 1 has " + std::to_string(bad);
+        arrays.inverse_mass[4] = bad;
+        StepSolver solver;
+        const Solved alone = Solve(&solver, arrays.View());
+        EXPECT_EQ(alone.answer.status, expected.answer.status) << what;
+        EXPECT_EQ(alone.f, expected.f) << what;
+        Solved batch = alone;
+        solver.SolveBatch(arrays.View(), std::vector<std::int32_t>{0, rows}, batch.f.data(), {&batch.answer, 1});
+        EXPECT_EQ(batch.answer.status, expected.answer.status) << what;
+        EXPECT_EQ(Judge(problem, batch).passes, is_solvable) << what;
+        EXPECT_EQ(Judge(problem, alone).passes, is_solvable) << what;
+      }
+    }
+  }
 }
 
 TEST(StepSolver, RefusesOptionsAndStartsOutOfRange) {

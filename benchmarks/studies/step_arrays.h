@@ -8,7 +8,7 @@
 
 namespace lcpbench {
 
-/// An engine's arrays, for tests of what reads them.
+/// An engine's arrays, for tests and studies of what reads them.
 struct StepArrays {
   int columns_per_body = 3;
   std::vector<std::int32_t> body;
@@ -24,6 +24,8 @@ struct StepArrays {
   /// @param numbers  2 p
   void Add(std::int32_t first, std::int32_t second, const std::vector<double>& numbers, double b_of_row,
            bool is_bilateral = false);
+  /// The rows of others with their bodies, counted on from those that are there.
+  void Append(const StepArrays& others);
   /// Gives J in single precision, too.
   void Round();
 
@@ -35,9 +37,7 @@ struct StepArrays {
   LcpProblem Problem(bool single = false) const;
 };
 
-/// n rows on random bodies, also on one that cannot move, on none, and with both sides on one body; some rows are
-/// copies of others with either sign, some are joints. Solvable: b is A f planted.
-/// @param bodies  fewer than n / p make the rows redundant
-StepArrays RandomStep(Index n, Index bodies, int columns_per_body, unsigned seed);
+/// The problem that rows stand for, by factors.
+LcpProblem ProblemOf(const StepRows& rows);
 
 }  // namespace lcpbench
