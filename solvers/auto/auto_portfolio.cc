@@ -30,6 +30,10 @@ constexpr std::int64_t kMostFactorizationsOfBpp = 24;
 // Of large problems: up to here a factor has so little fill that block pivoting is the fastest; above, sweeps arrive
 // before block pivoting would be set up. The scene families lie below 0.13 or above 0.5.
 constexpr double kFewCycles = 0.25;
+// Of a sparse A that is given: nncg iterations before block pivoting is set up. On grids their number grows with the
+// root of the number of rows; what takes more converges too slowly.
+constexpr double kSweepsPerRootOfRows = 4;
+constexpr std::int64_t kSweepsOfGiven = 100;
 // Below, block pivoting is set up in so short a time that it pays where the same rows are solved again and again.
 constexpr Index kLeastRowsOfSweepsAlone = 5000;
 // A dense A of 0.2 GB, and minutes.
@@ -132,7 +136,11 @@ void AutoPortfolio::Prepare(const LcpProblem& problem) {
   nncg_limit_ = 0;
   psor_limit_ = 0;
   has_bpp_ = false;
-  if (is_redundant_ && is_large_) {
+  sweeps_alone_ = is_large_ && !is_redundant_ && problem.given_form() == MatrixForm::kSparse;
+  if (sweeps_alone_) {
+    const auto rows = static_cast<double>(problem.size());
+    nncg_limit_ = kSweepsOfGiven + static_cast<std::int64_t>(kSweepsPerRootOfRows * std::sqrt(rows));
+  } else if (is_redundant_ && is_large_) {
     // Sweeps and their limits are hybrid's own.
   } else if (is_large_ && problem.size() >= kLeastRowsOfSweepsAlone && problem.has_factors() &&
              problem.has_two_body_rows() && CyclesPerBody(problem) > kFewCycles) {
@@ -235,6 +243,7 @@ void AutoPortfolio::AskAll(Choice choice, LcpResult* result) {
   if (choice == Choice::kByCost) {
     if (psor_limit_ > 0 && TrySweeps(&psor_, "psor", psor_limit_, result)) return;
     if (nncg_limit_ > 0 && TrySweeps(&nncg_, "nncg", nncg_limit_, result)) return;
+    if (sweeps_alone_ && !has_bpp_) PrepareBpp(*problem_);
     if (has_bpp_ && TryBpp(result)) return;
   }
   const bool begins_with_hybrid = choice == Choice::kByCost && is_large_;

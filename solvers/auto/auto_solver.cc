@@ -270,12 +270,12 @@ bool AutoEngine::SolveMatrix(const ProblemArrays& arrays, const LcpOptions& opti
   const SmallPivoting::Request request = RequestFor(options, limit.has_value() ? &*limit : nullptr);
   const double* const diagonal = matrix_.diagonal().data();
   const Known known = Judge(tableau_.SolveArrays(arrays, diagonal, request, result->f.data()), options.tolerance);
-  if (known == Known::kUnclear) {
+  if (known == Known::kWrong) return false;
+  if (known == Known::kUnclear || !matrix_.is_exactly_symmetric()) {
     const LcpProblem problem = LcpProblem::FromArrays(arrays);
     test_.Reset(problem, GivenFormTest::Rows::kGivenWhenNeeded);
     if (!test_.Meets(options.tolerance, result->f)) return false;
   }
-  if (known == Known::kWrong) return false;
   result->status = LcpStatus::kSolved;
   result->iterations = tableau_.pivots();
   result->detail = "tableau";

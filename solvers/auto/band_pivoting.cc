@@ -31,7 +31,7 @@ Index InRegisters(Index count) { return (count + kRegister - 1) / kRegister; }
 }  // namespace
 
 bool BandPivoting::Suits(const MatrixArrays& A) {
-  if (A.is_dense()) return A.size() <= kMostDenseRows;
+  if (A.is_dense()) return A.size() <= kMostDenseRows && A.is_exactly_symmetric();
   return A.size() <= kMostRows && A.bandwidth() * A.bandwidth() <= kMostWorkPerRow;
 }
 

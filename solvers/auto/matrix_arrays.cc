@@ -1,6 +1,7 @@
 #include "solvers/auto/matrix_arrays.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "solvers/lcp/number_range.h"
 
@@ -24,9 +25,16 @@ bool MatrixArrays::Take(const ProblemArrays& arrays) {
   entries.Look(arrays.value.data(), static_cast<Index>(arrays.value.size()));
   if (!loads.is_within() || !entries.is_within()) return false;
   arrays_ = &arrays;
+  is_exact_ = true;
   if (diagonal_.size() < At(n)) diagonal_.resize(At(n));
   if (!(is_dense() ? TakeDense() : TakeRows())) return false;
   return std::all_of(diagonal_.begin(), diagonal_.begin() + n, [](double d) { return d > 0; });
+}
+
+// As LcpProblem::Asymmetry has it.
+bool MatrixArrays::IsSmall(double difference, double d_i, double d_j) {
+  is_exact_ = false;
+  return std::abs(difference) <= LcpProblem::kSymmetryTolerance * std::sqrt(std::abs(d_i)) * std::sqrt(std::abs(d_j));
 }
 
 bool MatrixArrays::TakeDense() {
@@ -39,7 +47,8 @@ bool MatrixArrays::TakeDense() {
     for (Index left = 0; left <= top; left += kTile) {
       for (Index i = top; i < std::min(top + kTile, n); ++i) {
         for (Index j = left; j < std::min(left + kTile, i); ++j) {
-          if (A[i * n + j] != A[j * n + i]) return false;
+          if (A[i * n + j] == A[j * n + i]) continue;
+          if (!IsSmall(A[i * n + j] - A[j * n + i], A[i * n + i], A[j * n + j])) return false;
         }
       }
     }
@@ -69,8 +78,14 @@ bool MatrixArrays::TakeRows() {
       const int j = column[At(e)];
       if (j <= last || j >= n) return false;
       const int mirror = next_[At(j)]++;
-      if (mirror >= start[At(j) + 1] || At(column[At(mirror)]) != i || value[At(mirror)] != value[At(e)]) return false;
+      if (mirror >= start[At(j) + 1] || At(column[At(mirror)]) != i) return false;
       last = j;
+      if (value[At(mirror)] != value[At(e)]) {
+        const auto row = column.begin() + start[At(j)];
+        const auto on_diagonal = std::find(row, column.begin() + start[At(j) + 1], j) - column.begin();
+        if (At(on_diagonal) == At(start[At(j) + 1])) return false;
+        if (!IsSmall(value[At(mirror)] - value[At(e)], diagonal_[i], value[At(on_diagonal)])) return false;
+      }
       bandwidth_ = std::max<Index>(bandwidth_, j - static_cast<Index>(i));
     }
   }

@@ -10,13 +10,16 @@ namespace lcpbench {
 /// symmetry, a method needs that makes no LcpProblem. Internal to solvers/.
 class MatrixArrays {
  public:
-  /// False where only LcpProblem will do: factors, arrays that do not fit (it says which), numbers out of range,
-  /// A_ij != A_ji in any bit, an A_ii <= 0. The arrays must stay as they are while this is used.  O(nnz)
+  /// False where only LcpProblem will do: factors, arrays that do not fit (it says which), numbers out of range, A not
+  /// symmetric to LcpProblem::kSymmetryTolerance or stored in one triangle, an A_ii <= 0. The arrays must stay as they
+  /// are while this is used.  O(nnz)
   bool Take(const ProblemArrays& arrays);
 
   const ProblemArrays& arrays() const { return *arrays_; }  ///< those that were taken
   Index size() const { return arrays_->rows; }              ///< n
   bool is_dense() const { return arrays_->form == MatrixForm::kDense; }
+  /// A_ij = A_ji in all bits, so that rows may be read as columns.
+  bool is_exactly_symmetric() const { return is_exact_; }
   /// max |i - j| over entries; n - 1 where A is dense.
   Index bandwidth() const { return bandwidth_; }
   /// n numbers: diag A.
@@ -28,9 +31,11 @@ class MatrixArrays {
  private:
   bool TakeDense();
   bool TakeRows();
+  bool IsSmall(double difference, double d_i, double d_j);
 
   const ProblemArrays* arrays_ = nullptr;
   Index bandwidth_ = 0;
+  bool is_exact_ = true;
   std::vector<double> diagonal_;
   std::vector<int> next_;  // by row: its first entry that has not met its mirror image yet
 };

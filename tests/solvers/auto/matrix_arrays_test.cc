@@ -98,7 +98,10 @@ TEST(MatrixArrays, OnlySymmetricMatricesInRangeAreTaken) {
       change(changed);
       return !matrix.Take(changed);
     };
-    EXPECT_TRUE(refused([](auto& a) { a.value[1] = std::nextafter(a.value[1], 0); }));
+    EXPECT_TRUE(matrix.is_exactly_symmetric());
+    EXPECT_FALSE(refused([](auto& a) { a.value[1] = std::nextafter(a.value[1], 0); }));
+    EXPECT_FALSE(matrix.is_exactly_symmetric());
+    EXPECT_TRUE(refused([](auto& a) { a.value[1] += 1e-9; }));
     EXPECT_TRUE(refused([](auto& a) { a.value[0] = 0; }));
     EXPECT_TRUE(refused([](auto& a) { a.value[0] = 0x1p200; }));
     EXPECT_TRUE(refused([](auto& a) { a.value[0] = std::numeric_limits<double>::quiet_NaN(); }));
