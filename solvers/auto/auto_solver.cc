@@ -85,6 +85,7 @@ class AutoEngine {
     return {tableau::kMargin * std::sqrt(options.tolerance), initial_f, deadline, options_.self_check};
   }
   bool TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
+  bool TryTableauOfArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
   bool SolveMatrix(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
   bool TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
   void SolveRest(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
@@ -260,10 +261,7 @@ void AutoEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lcp
   whole_.Solve(problem, options, choice, deadline, result);
 }
 
-// A given as a matrix: a tableau or a band straight from the arrays. What they leave open goes the long way.
-bool AutoEngine::SolveMatrix(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
-  if (!matrix_.Take(arrays)) return false;
-  if (arrays.rows > options_.tableau_rows) return BandPivoting::Suits(matrix_) && band_.Solve(matrix_, options, result);
+bool AutoEngine::TryTableauOfArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
   std::optional<Deadline> limit;
   if (std::isfinite(options.time_limit_s) && arrays.rows > SmallPivoting::kRowsWithoutClock) limit.emplace(options);
   tableau_.Reserve(arrays.rows);
@@ -280,6 +278,15 @@ bool AutoEngine::SolveMatrix(const ProblemArrays& arrays, const LcpOptions& opti
   result->iterations = tableau_.pivots();
   result->detail = "tableau";
   return true;
+}
+
+// A given as a matrix: a tableau or a band straight from the arrays. What they leave open goes the long way. The band
+// comes second where forces of very different size lie side by side, of which a tableau takes the small ones for
+// rounding.
+bool AutoEngine::SolveMatrix(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
+  if (!matrix_.Take(arrays)) return false;
+  if (arrays.rows <= options_.tableau_rows && TryTableauOfArrays(arrays, options, result)) return true;
+  return BandPivoting::Suits(matrix_) && band_.Solve(matrix_, options, result);
 }
 
 // A step's rows: nothing is made of A but what RowSolver assembles. What it leaves open goes the long way.

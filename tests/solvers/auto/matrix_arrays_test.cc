@@ -80,6 +80,16 @@ TEST(MatrixArrays, PlantedProblemsAreSolvedInEveryForm) {
   EXPECT_GT(by_band, 50);
 }
 
+// Independent rows whose forces differ by far more than rounding: the tableau takes the small ones for none, the band
+// judges row by row.
+TEST(MatrixArrays, SmallForcesBesideLargeOnesAreForces) {
+  const VectorXd b = Eigen::Vector3d(-1e-15, -1e2, 1e-15);
+  const LcpProblem given = LcpProblem::FromDense("sizes", Eigen::Matrix3d::Identity(), b);
+  const LcpResult result = SolveArrays(ProblemArrays::Of(given));
+  ExpectSolved(given, result);
+  EXPECT_EQ(result.detail, "band");
+}
+
 TEST(MatrixArrays, WhatCannotBeSolvedIsProved) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     const LcpProblem given = InForm(InfeasibleExactly(seed, 100), MatrixForm::kDense);
