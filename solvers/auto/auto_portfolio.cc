@@ -30,10 +30,11 @@ constexpr std::int64_t kMostFactorizationsOfBpp = 24;
 // Of large problems: up to here a factor has so little fill that block pivoting is the fastest; above, sweeps arrive
 // before block pivoting would be set up. The scene families lie below 0.13 or above 0.5.
 constexpr double kFewCycles = 0.25;
-// Of a sparse A that is given: nncg iterations before block pivoting is set up. On grids their number grows with the
-// root of the number of rows; what takes more converges too slowly.
-constexpr double kSweepsPerRootOfRows = 4;
-constexpr std::int64_t kSweepsOfGiven = 100;
+// Of a sparse A that is given: nncg iterations before block pivoting is set up, for the root of the number of rows, in
+// proportion to which they grow on grids; and how many pass before their rate is looked at, because it rises once the
+// active set is nearly found.
+constexpr double kSweepsPerRootOfRows = 8;
+constexpr std::int64_t kHopefulSweepsOfGiven = 48;
 // Below, block pivoting is set up in so short a time that it pays where the same rows are solved again and again.
 constexpr Index kLeastRowsOfSweepsAlone = 5000;
 // A dense A of 0.2 GB, and minutes.
@@ -93,6 +94,7 @@ AutoPortfolio::AutoPortfolio(std::int64_t newton_factorizations, bool self_check
              .end_when_hopeless = true,
              .self_check = self_check}),
       nncg_({.end_when_hopeless = true, .self_check = self_check}),
+      nncg_of_given_({.end_when_hopeless = true, .least_iterations = kHopefulSweepsOfGiven, .self_check = self_check}),
       bpp_({.end_when_singular = true, .self_check = self_check}),
       newton_({.self_check = self_check}),
 #ifdef LCPBENCH_WITH_SUITESPARSE
@@ -139,7 +141,7 @@ void AutoPortfolio::Prepare(const LcpProblem& problem) {
   sweeps_alone_ = is_large_ && !is_redundant_ && problem.given_form() == MatrixForm::kSparse;
   if (sweeps_alone_) {
     const auto rows = static_cast<double>(problem.size());
-    nncg_limit_ = kSweepsOfGiven + static_cast<std::int64_t>(kSweepsPerRootOfRows * std::sqrt(rows));
+    nncg_limit_ = static_cast<std::int64_t>(kSweepsPerRootOfRows * std::sqrt(rows));
   } else if (is_redundant_ && is_large_) {
     // Sweeps and their limits are hybrid's own.
   } else if (is_large_ && problem.size() >= kLeastRowsOfSweepsAlone && problem.has_factors() &&
@@ -156,7 +158,7 @@ void AutoPortfolio::Prepare(const LcpProblem& problem) {
       psor_.Prepare(problem);
     }
   }
-  if (nncg_limit_ > 0) nncg_.Prepare(problem);
+  if (nncg_limit_ > 0) (sweeps_alone_ ? nncg_of_given_ : nncg_).Prepare(problem);
   start_.setZero(problem.size());
 }
 
@@ -242,7 +244,8 @@ void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, 
 void AutoPortfolio::AskAll(Choice choice, LcpResult* result) {
   if (choice == Choice::kByCost) {
     if (psor_limit_ > 0 && TrySweeps(&psor_, "psor", psor_limit_, result)) return;
-    if (nncg_limit_ > 0 && TrySweeps(&nncg_, "nncg", nncg_limit_, result)) return;
+    NncgSolver& nncg = sweeps_alone_ ? nncg_of_given_ : nncg_;
+    if (nncg_limit_ > 0 && TrySweeps(&nncg, "nncg", nncg_limit_, result)) return;
     if (sweeps_alone_ && !has_bpp_) PrepareBpp(*problem_);
     if (has_bpp_ && TryBpp(result)) return;
   }

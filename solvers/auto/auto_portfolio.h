@@ -74,6 +74,7 @@ class AutoPortfolio {
 
   PgsSolver psor_;
   NncgSolver nncg_;
+  NncgSolver nncg_of_given_;  // of a large sparse A
   BppSolver bpp_;
   SemismoothNewtonSolver newton_;
 #ifdef LCPBENCH_WITH_SUITESPARSE

@@ -18,8 +18,8 @@ constexpr double kRelaxation = 1.5;
 // Violations below this part of the sum of absolute values that they are the difference of are rounding.
 constexpr double kNoise = 3e-14;
 // Exchanges in a row that may fail to lower the least number of violated rows, and in all.
-constexpr int kPatience = 4;
-constexpr int kMostRounds = 40;
+constexpr int kPatience = 3;
+constexpr int kMostRounds = 24;
 // Of a sparse A a factorization may take so many multiply-adds, by row; more, and sweeps arrive before.
 constexpr Index kMostWorkPerRow = 2048;
 // Of a dense one every sweep reads all of A; larger factors want a blocked method.
