@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "solvers/auto/band_pivoting.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/linear_algebra/cost_model.h"
 #include "solvers/linear_algebra/islands.h"
@@ -85,6 +86,16 @@ double CyclesPerBody(const LcpProblem& problem) {
   return static_cast<double>(cycles) / static_cast<double>(bodies);
 }
 
+// Whether a factor within the band of A takes so few operations that no sweep is cheaper.
+bool IsNarrow(const LcpProblem& problem) {
+  const SparseMatrix& A = problem.SparseA();
+  for (Index i = 0; i < A.rows(); ++i) {
+    const Index last = A.innerIndexPtr()[A.outerIndexPtr()[i + 1] - 1];  // the diagonal is always stored
+    if (!BandPivoting::IsNarrow(last - i)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 AutoPortfolio::AutoPortfolio(std::int64_t newton_factorizations, bool self_check)
@@ -138,7 +149,7 @@ void AutoPortfolio::Prepare(const LcpProblem& problem) {
   nncg_limit_ = 0;
   psor_limit_ = 0;
   has_bpp_ = false;
-  sweeps_alone_ = is_large_ && !is_redundant_ && problem.given_form() == MatrixForm::kSparse;
+  sweeps_alone_ = is_large_ && !is_redundant_ && problem.given_form() == MatrixForm::kSparse && !IsNarrow(problem);
   if (sweeps_alone_) {
     const auto rows = static_cast<double>(problem.size());
     nncg_limit_ = static_cast<std::int64_t>(kSweepsPerRootOfRows * std::sqrt(rows));

@@ -20,8 +20,6 @@ constexpr double kNoise = 3e-14;
 // Exchanges in a row that may fail to lower the least number of violated rows, and in all.
 constexpr int kPatience = 3;
 constexpr int kMostRounds = 24;
-// Of a sparse A a factorization may take so many multiply-adds, by row; more, and sweeps arrive before.
-constexpr Index kMostWorkPerRow = 2048;
 // Of a dense one every sweep reads all of A; larger factors want a blocked method.
 constexpr Index kMostDenseRows = 1000;
 constexpr Index kMostRows = 20000;
@@ -32,7 +30,7 @@ Index InRegisters(Index count) { return (count + kRegister - 1) / kRegister; }
 
 bool BandPivoting::Suits(const MatrixArrays& A) {
   if (A.is_dense()) return A.size() <= kMostDenseRows && A.is_exactly_symmetric();
-  return A.size() <= kMostRows && A.bandwidth() * A.bandwidth() <= kMostWorkPerRow;
+  return A.size() <= kMostRows && IsNarrow(A.bandwidth());
 }
 
 void BandPivoting::Reserve(Index n) {
