@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "solvers/auto/band_pivoting.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/linear_algebra/cost_model.h"
 #include "solvers/linear_algebra/islands.h"
@@ -30,6 +31,11 @@ constexpr std::int64_t kMostFactorizationsOfBpp = 24;
 // Of large problems: up to here a factor has so little fill that block pivoting is the fastest; above, sweeps arrive
 // before block pivoting would be set up. The scene families lie below 0.13 or above 0.5.
 constexpr double kFewCycles = 0.25;
+// Of a sparse A that is given: nncg iterations before block pivoting is set up, for the root of the number of rows, in
+// proportion to which they grow on grids; and how many pass before their rate is looked at, because it rises once the
+// active set is nearly found.
+constexpr double kSweepsPerRootOfRows = 8;
+constexpr std::int64_t kHopefulSweepsOfGiven = 48;
 // Below, block pivoting is set up in so short a time that it pays where the same rows are solved again and again.
 constexpr Index kLeastRowsOfSweepsAlone = 5000;
 // A dense A of 0.2 GB, and minutes.
@@ -80,6 +86,16 @@ double CyclesPerBody(const LcpProblem& problem) {
   return static_cast<double>(cycles) / static_cast<double>(bodies);
 }
 
+// Whether a factor within the band of A takes so few operations that no sweep is cheaper.
+bool IsNarrow(const LcpProblem& problem) {
+  const SparseMatrix& A = problem.SparseA();
+  for (Index i = 0; i < A.rows(); ++i) {
+    const Index last = A.innerIndexPtr()[A.outerIndexPtr()[i + 1] - 1];  // the diagonal is always stored
+    if (!BandPivoting::IsNarrow(last - i)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 AutoPortfolio::AutoPortfolio(std::int64_t newton_factorizations, bool self_check)
@@ -89,6 +105,7 @@ AutoPortfolio::AutoPortfolio(std::int64_t newton_factorizations, bool self_check
              .end_when_hopeless = true,
              .self_check = self_check}),
       nncg_({.end_when_hopeless = true, .self_check = self_check}),
+      nncg_of_given_({.end_when_hopeless = true, .least_iterations = kHopefulSweepsOfGiven, .self_check = self_check}),
       bpp_({.end_when_singular = true, .self_check = self_check}),
       newton_({.self_check = self_check}),
 #ifdef LCPBENCH_WITH_SUITESPARSE
@@ -132,7 +149,11 @@ void AutoPortfolio::Prepare(const LcpProblem& problem) {
   nncg_limit_ = 0;
   psor_limit_ = 0;
   has_bpp_ = false;
-  if (is_redundant_ && is_large_) {
+  sweeps_alone_ = is_large_ && !is_redundant_ && problem.given_form() == MatrixForm::kSparse && !IsNarrow(problem);
+  if (sweeps_alone_) {
+    const auto rows = static_cast<double>(problem.size());
+    nncg_limit_ = static_cast<std::int64_t>(kSweepsPerRootOfRows * std::sqrt(rows));
+  } else if (is_redundant_ && is_large_) {
     // Sweeps and their limits are hybrid's own.
   } else if (is_large_ && problem.size() >= kLeastRowsOfSweepsAlone && problem.has_factors() &&
              problem.has_two_body_rows() && CyclesPerBody(problem) > kFewCycles) {
@@ -148,7 +169,7 @@ void AutoPortfolio::Prepare(const LcpProblem& problem) {
       psor_.Prepare(problem);
     }
   }
-  if (nncg_limit_ > 0) nncg_.Prepare(problem);
+  if (nncg_limit_ > 0) (sweeps_alone_ ? nncg_of_given_ : nncg_).Prepare(problem);
   start_.setZero(problem.size());
 }
 
@@ -234,7 +255,9 @@ void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, 
 void AutoPortfolio::AskAll(Choice choice, LcpResult* result) {
   if (choice == Choice::kByCost) {
     if (psor_limit_ > 0 && TrySweeps(&psor_, "psor", psor_limit_, result)) return;
-    if (nncg_limit_ > 0 && TrySweeps(&nncg_, "nncg", nncg_limit_, result)) return;
+    NncgSolver& nncg = sweeps_alone_ ? nncg_of_given_ : nncg_;
+    if (nncg_limit_ > 0 && TrySweeps(&nncg, "nncg", nncg_limit_, result)) return;
+    if (sweeps_alone_ && !has_bpp_) PrepareBpp(*problem_);
     if (has_bpp_ && TryBpp(result)) return;
   }
   const bool begins_with_hybrid = choice == Choice::kByCost && is_large_;

@@ -66,6 +66,7 @@ class AutoPortfolio {
   bool is_redundant_ = false;
   bool is_large_ = false;
   bool has_bpp_ = false;
+  bool sweeps_alone_ = false;  // block pivoting is set up only where they do not arrive
   bool suits_tableau_ = false;
   double nncg_time_ = 1;         // of an iteration, nanoseconds
   std::int64_t nncg_limit_ = 0;  // 0: not worth a try
@@ -73,6 +74,7 @@ class AutoPortfolio {
 
   PgsSolver psor_;
   NncgSolver nncg_;
+  NncgSolver nncg_of_given_;  // of a large sparse A
   BppSolver bpp_;
   SemismoothNewtonSolver newton_;
 #ifdef LCPBENCH_WITH_SUITESPARSE

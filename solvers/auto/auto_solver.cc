@@ -9,6 +9,8 @@
 
 #include "solvers/answers/answer_judge.h"
 #include "solvers/auto/auto_portfolio.h"
+#include "solvers/auto/band_pivoting.h"
+#include "solvers/auto/matrix_arrays.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/islands.h"
@@ -83,6 +85,8 @@ class AutoEngine {
     return {tableau::kMargin * std::sqrt(options.tolerance), initial_f, deadline, options_.self_check};
   }
   bool TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
+  bool TryTableauOfArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
+  bool SolveMatrix(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
   bool TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
   void SolveRest(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
 
@@ -99,6 +103,8 @@ class AutoEngine {
   TwoBodyCopy step_;
   RowSolver rows_;
   Eigen::VectorXd gaps_;
+  MatrixArrays matrix_;
+  BandPivoting band_;
 
   // Of problems that are too large for one tableau.
   IdleRows idle_rows_;
@@ -255,9 +261,42 @@ void AutoEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lcp
   whole_.Solve(problem, options, choice, deadline, result);
 }
 
+bool AutoEngine::TryTableauOfArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
+  std::optional<Deadline> limit;
+  if (std::isfinite(options.time_limit_s) && arrays.rows > SmallPivoting::kRowsWithoutClock) limit.emplace(options);
+  tableau_.Reserve(arrays.rows);
+  const SmallPivoting::Request request = RequestFor(options, limit.has_value() ? &*limit : nullptr);
+  const double* const diagonal = matrix_.diagonal().data();
+  const Known known = Judge(tableau_.SolveArrays(arrays, diagonal, request, result->f.data()), options.tolerance);
+  if (known == Known::kWrong) return false;
+  if (known == Known::kUnclear || !matrix_.is_exactly_symmetric()) {
+    const LcpProblem problem = LcpProblem::FromArrays(arrays);
+    test_.Reset(problem, GivenFormTest::Rows::kGivenWhenNeeded);
+    if (!test_.Meets(options.tolerance, result->f)) return false;
+  }
+  result->status = LcpStatus::kSolved;
+  result->iterations = tableau_.pivots();
+  result->detail = "tableau";
+  return true;
+}
+
+// A given as a matrix: a tableau or a band straight from the arrays. What they leave open goes the long way. The band
+// comes second where forces of very different size lie side by side, of which a tableau takes the small ones for
+// rounding.
+bool AutoEngine::SolveMatrix(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
+  if (!matrix_.Take(arrays)) return false;
+  if (arrays.rows <= options_.tableau_rows && TryTableauOfArrays(arrays, options, result)) return true;
+  return BandPivoting::Suits(matrix_) && band_.Solve(matrix_, options, result);
+}
+
 // A step's rows: nothing is made of A but what RowSolver assembles. What it leaves open goes the long way.
 bool AutoEngine::SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
   if (options.max_iterations != 0 || !options_.self_check || options_.tableau_rows == 0) return false;
+  if (arrays.form != MatrixForm::kFactors) {
+    if (SolveMatrix(arrays, options, result)) return true;
+    result->f.setZero();
+    return false;
+  }
   if (arrays.rows > kMostStepRows || !step_.Take(arrays)) return false;
   const StepRows& rows = step_.rows();
   rows_.Reserve(rows.rows, rows.bodies);

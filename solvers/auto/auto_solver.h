@@ -25,8 +25,9 @@ struct AutoOptions {
 /// Divides the problem, chooses among our own backends, checks the answer, and asks the next one where it is not right.
 ///
 /// From arrays (SolveArrays) with at most two moving bodies a row, the rows are taken as they are: RowSolver solves
-/// each island by active sets, a tableau or a profile factor, and no form of A is made. What it leaves open, and
-/// problems in other forms, go this way:
+/// each island by active sets, a tableau or a profile factor, and no form of A is made.
+/// Arrays of a symmetric dense or sparse A go to a tableau or, above tableau_rows rows, to BandPivoting, without an
+/// LcpProblem. What they leave open, and problems by other factors, go this way:
 ///
 /// 1. Up to tableau_rows rows: principal pivoting on a dense tableau (SmallPivoting); one and two rows in closed form.
 /// 2. Above that, rows that cannot carry force and repeated rows are left out (IdleRows), and what remains

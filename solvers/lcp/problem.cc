@@ -251,9 +251,27 @@ struct LcpProblem::Matrix {
                                                     values.data());
   }
 
+  static bool HasSortedRowsWithDiagonal(const SparseMatrix& source) {
+    for (Index i = 0; i < source.rows(); ++i) {
+      int last = -1;
+      bool has_diagonal = false;
+      for (SparseMatrix::InnerIterator it(source, i); it; ++it) {
+        if (it.col() <= last) return false;
+        last = static_cast<int>(it.col());
+        has_diagonal = has_diagonal || last == i;
+      }
+      if (!has_diagonal) return false;
+    }
+    return true;
+  }
+
   // Copies `source` with every diagonal entry stored.
   void FormSparseWithDiagonal(const SparseMatrix& source) {
     const Index n = source.rows();
+    if (HasSortedRowsWithDiagonal(source)) {
+      derived_sparse = source;
+      return;
+    }
     std::vector<Eigen::Triplet<double, int>> entries;
     entries.reserve(static_cast<size_t>(source.nonZeros() + n));
     for (Index i = 0; i < n; ++i) {

@@ -712,4 +712,32 @@ double SmallPivoting::TryGuess() {
   }
 }
 
+bool SmallPivoting::LoadArrays(const ProblemArrays& arrays, const double* diagonal) {
+  SetSize(arrays.rows);
+  std::copy_n(diagonal, n_, diagonal_.data());
+  std::copy_n(arrays.b.data(), n_, b_.data());
+  for (Index i = 0; i < n_ && !arrays.bilateral.empty(); ++i) {
+    if (arrays.bilateral[At(i)] != 0) joints_.push_back(i);
+  }
+  if (!Scale()) return false;
+  const bool is_dense = arrays.form == MatrixForm::kDense;
+  for (Index i = 0; i < n_; ++i) {
+    const double s = scale_[i];
+    double* const to = matrix_.data() + i * stride_;
+    if (is_dense) {
+      const double* const from = arrays.value.data() + i * n_;
+      for (Index j = 0; j < n_; ++j) to[j] = from[j] * s * scale_[j];
+      std::fill(to + n_, to + stride_, 0.0);
+    } else {
+      std::fill_n(to, stride_, 0.0);
+      for (auto e = At(arrays.row_start[At(i)]); e < At(arrays.row_start[At(i) + 1]); ++e) {
+        const Index j = arrays.column[e];
+        to[j] = arrays.value[e] * s * scale_[j];
+      }
+    }
+  }
+  std::copy_n(matrix_.data(), n_ * stride_, tableau_.data());
+  return true;
+}
+
 }  // namespace lcpbench

@@ -86,6 +86,13 @@ class SmallPivoting {
         LoadRows(all, part), [part](Index i) { return Index{part[static_cast<size_t>(i)]}; }, request, f, w);
   }
 
+  /// The same for a symmetric A that arrays give, dense or by compressed rows; they have been checked.
+  /// @param diagonal  of A, n numbers
+  Answer SolveArrays(const ProblemArrays& arrays, const double* diagonal, const Request& request, double* f) {
+    return SolveLoaded(
+        LoadArrays(arrays, diagonal), [](Index i) { return i; }, request, f, nullptr);
+  }
+
   /// Pivots of the last Solve; guessed active sets that were tried count as one each.
   int pivots() const { return pivots_; }
 
@@ -93,6 +100,7 @@ class SmallPivoting {
   bool LoadDense(const LcpProblem& problem);
   bool LoadPart(const LcpProblem& problem, std::span<const Index> rows);
   bool LoadRows(const StepRows& all, std::span<const std::int32_t> part);
+  bool LoadArrays(const ProblemArrays& arrays, const double* diagonal);
   template <Index p, typename Real>
   bool LoadRowsOf(const StepRows& all, const Real* J, std::span<const std::int32_t> part);
   template <Index p>

@@ -1,0 +1,95 @@
+#include "solvers/auto/matrix_arrays.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "solvers/lcp/number_range.h"
+
+namespace lcpbench {
+namespace {
+
+size_t At(Index i) { return static_cast<size_t>(i); }
+
+// Rows and columns of a tile that stays in the cache while it is read both ways.
+constexpr Index kTile = 16;
+
+}  // namespace
+
+bool MatrixArrays::Take(const ProblemArrays& arrays) {
+  const Index n = arrays.rows;
+  if (n < 1 || arrays.form == MatrixForm::kFactors || arrays.b.size() != At(n)) return false;
+  if (!arrays.bilateral.empty() && arrays.bilateral.size() != At(n)) return false;
+  NumberRange loads(kLoadRange);
+  loads.Look(arrays.b.data(), n);
+  NumberRange entries(kEntryRange);
+  entries.Look(arrays.value.data(), static_cast<Index>(arrays.value.size()));
+  if (!loads.is_within() || !entries.is_within()) return false;
+  arrays_ = &arrays;
+  is_exact_ = true;
+  if (diagonal_.size() < At(n)) diagonal_.resize(At(n));
+  if (!(is_dense() ? TakeDense() : TakeRows())) return false;
+  return std::all_of(diagonal_.begin(), diagonal_.begin() + n, [](double d) { return d > 0; });
+}
+
+// As LcpProblem::Asymmetry has it.
+bool MatrixArrays::IsSmall(double difference, double d_i, double d_j) {
+  is_exact_ = false;
+  return std::abs(difference) <= LcpProblem::kSymmetryTolerance * std::sqrt(std::abs(d_i)) * std::sqrt(std::abs(d_j));
+}
+
+bool MatrixArrays::TakeDense() {
+  const Index n = size();
+  if (arrays_->value.size() % At(n) != 0 || arrays_->value.size() / At(n) != At(n)) return false;
+  bandwidth_ = n - 1;
+  const double* const A = arrays_->value.data();
+  for (Index i = 0; i < n; ++i) diagonal_[At(i)] = A[i * n + i];
+  for (Index top = 0; top < n; top += kTile) {
+    for (Index left = 0; left <= top; left += kTile) {
+      for (Index i = top; i < std::min(top + kTile, n); ++i) {
+        for (Index j = left; j < std::min(left + kTile, i); ++j) {
+          if (A[i * n + j] == A[j * n + i]) continue;
+          if (!IsSmall(A[i * n + j] - A[j * n + i], A[i * n + i], A[j * n + j])) return false;
+        }
+      }
+    }
+  }
+  return true;
+}
+
+// Entries (i, j), j > i, come in the order of their rows, and so do the mirror images within row j.
+bool MatrixArrays::TakeRows() {
+  const Index n = size();
+  const std::vector<int>& start = arrays_->row_start;
+  const std::vector<int>& column = arrays_->column;
+  const std::vector<double>& value = arrays_->value;
+  if (arrays_->columns != n || start.size() != At(n) + 1 || value.size() != column.size()) return false;
+  if (start.front() != 0 || At(start.back()) != column.size()) return false;
+  next_.assign(start.begin(), start.end() - 1);
+  for (size_t i = 0; i < At(n); ++i) {
+    if (start[i + 1] < start[i] || At(start[i + 1]) > column.size()) return false;
+  }
+  bandwidth_ = 0;
+  for (size_t i = 0; i < At(n); ++i) {
+    int e = next_[i];
+    const int end = start[i + 1];
+    if (e >= end || At(column[At(e)]) != i) return false;  // what is left of the diagonal has met its mirror image
+    diagonal_[i] = value[At(e)];
+    for (int last = column[At(e++)]; e < end; ++e) {
+      const int j = column[At(e)];
+      if (j <= last || j >= n) return false;
+      const int mirror = next_[At(j)]++;
+      if (mirror >= start[At(j) + 1] || At(column[At(mirror)]) != i) return false;
+      last = j;
+      if (value[At(mirror)] != value[At(e)]) {
+        const auto row = column.begin() + start[At(j)];
+        const auto on_diagonal = std::find(row, column.begin() + start[At(j) + 1], j) - column.begin();
+        if (At(on_diagonal) == At(start[At(j) + 1])) return false;
+        if (!IsSmall(value[At(mirror)] - value[At(e)], diagonal_[i], value[At(on_diagonal)])) return false;
+      }
+      bandwidth_ = std::max<Index>(bandwidth_, j - static_cast<Index>(i));
+    }
+  }
+  return true;
+}
+
+}  // namespace lcpbench
