@@ -25,10 +25,11 @@ class RowIslands {
 
  private:
   std::int32_t Root(std::int32_t body);
+  void Forget(const StepRows& all);
 
   Index count_ = 0;
   std::vector<std::int32_t> parent_;   // by body; itself: a root
-  std::vector<std::int32_t> of_body_;  // by root: its island, -1 so far
+  std::vector<std::int32_t> of_body_;  // by root: its island, < 0 so far; else < 0
   std::vector<std::int32_t> of_row_, order_, begin_;
 };
 

@@ -150,11 +150,11 @@ struct Tiny {
     for (int i = 0; i < n; ++i) {
       double size = std::abs(b[i]);
       for (int j = 0; j < n; ++j) size += std::abs(A[i][j] * f[j]);
-      const double inverse = 1 / A[i][i];
+      const double of_diagonal = 1 / A[i][i];
       const double defect = (joints >> i & 1U) != 0 ? w[i] : std::min(w[i], A[i][i] * f[i]);
-      r_square += defect * defect * inverse;
-      b_square += b[i] * b[i] * inverse;
-      rounding_square += size * size * inverse;
+      r_square += defect * defect * of_diagonal;
+      b_square += b[i] * b[i] * of_diagonal;
+      rounding_square += size * size * of_diagonal;
       rows_meet = rows_meet && std::abs(defect) <= row_limit * size;
     }
     const double norm = b_square > 0 ? b_square : 1;

@@ -202,6 +202,26 @@ INSTANTIATE_TEST_SUITE_P(Kinds, StepsOfRandomRows,
 
 // ----- by hand
 
+// More rows than degrees of freedom: A_FF is singular for most active sets, and forces are not unique.
+TEST(StepSolver, SolvesSmallHyperstaticIslands) {
+  constexpr unsigned kSeeds = 1000;
+  StepSolver solver;
+  int asked = 0;
+  for (Index n = 2; n <= 9; ++n) {
+    for (unsigned seed = 0; seed < kSeeds; ++seed) {
+      const int p = seed % 2 == 0 ? 3 : 6;
+      const StepArrays arrays = RandomStep(n, 2, p, 1000 * static_cast<unsigned>(n) + seed);
+      const std::string what = std::to_string(n) + " rows, seed " + std::to_string(seed);
+      const LcpProblem problem = arrays.Problem();
+      if (!(problem.DiagonalA().minCoeff() > 0)) continue;
+      ExpectRight(problem, Solve(&solver, arrays.View()), what);
+      ++asked;
+    }
+  }
+  EXPECT_GT(asked, 500);
+  EXPECT_LT(solver.fallbacks(), asked / 10);
+}
+
 TEST(StepSolver, TakesRowsThatMoveNothing) {
   StepSolver solver;
   StepArrays arrays;
