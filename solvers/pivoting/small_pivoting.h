@@ -111,6 +111,8 @@ class SmallPivoting {
   bool Scale();
   template <typename Given>
   Answer SolveLoaded(bool is_loaded, const Given& given, const Request& request, double* f, double* w);
+  template <typename Given>
+  void Store(const Given& given, double* f, double* w) const;
   Answer Finish(const Request& request);
   double Run(const Deadline* deadline);
   bool RowsMeet(double limit) const;
@@ -171,9 +173,14 @@ SmallPivoting::Answer SmallPivoting::SolveLoaded(bool is_loaded, const Given& gi
     if (least_force_[i] < 0 || request.initial_f[given(i)] > 0) guess_.push_back(i);
   }
   const Answer answer = Finish(request);
+  Store(given, f, w);
+  return answer;
+}
+
+template <typename Given>
+void SmallPivoting::Store(const Given& given, double* f, double* w) const {
   for (Index i = 0; i < n_; ++i) f[given(i)] = force_[i] * (scale_[i] * inverse_b_scale_);
   for (Index i = 0; i < n_ && w != nullptr; ++i) w[given(i)] = w_[i] * (inverse_b_scale_ / scale_[i]);
-  return answer;
 }
 
 }  // namespace lcpbench
