@@ -1,9 +1,10 @@
 // Where the time of a fresh step goes that RowSolver answers: nanoseconds a problem by phase (load, islands, assemble,
 // pivots, sweeps, factor, check, store) and size, beside a floor, what reading the problem once and writing f and w
 // once takes. The problems are placed scenes that the collection does not have, solved one after the other; every
-// answer is judged by the verifier first. The total is timed without anything in between. The parts come from a second
-// run of the same work that a timer interrupts: program counters, looked up in this program's line tables by addr2line,
-// give the shares of phases. A function of kPhaseOf that is inlined counts as itself, any other one for its caller.
+// answer is judged by the verifier first. The total is processor time without clock reads in between. The parts come
+// from a second run of the same work that a timer interrupts: program counters, looked up in this program's line tables
+// by addr2line, give the shares of phases. A function of kPhaseOf that is inlined counts as itself, any other one for
+// its caller.
 
 #include <link.h>
 #include <ucontext.h>
@@ -425,17 +426,24 @@ class Stream {
   int left_ = 0;
 };
 
+// Processor time of this thread [s]: what other programs do meanwhile does not count.
+double ThreadTime() {
+  timespec now = {};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 // Nanoseconds a problem: the median over passes that take so long in all.
 template <typename Pass>
 double NanosecondsOf(std::size_t problems, double seconds, const Pass& pass) {
   pass();
   std::vector<double> times;
   constexpr std::size_t kLeastPasses = 5;
-  const double until = SteadyNow() + seconds;
-  while (SteadyNow() < until || times.size() < kLeastPasses) {
-    const double start = SteadyNow();
+  const double until = ThreadTime() + seconds;
+  while (ThreadTime() < until || times.size() < kLeastPasses) {
+    const double start = ThreadTime();
     pass();
-    times.push_back(SteadyNow() - start);
+    times.push_back(ThreadTime() - start);
   }
   const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
   std::nth_element(times.begin(), middle, times.end());
@@ -455,9 +463,9 @@ void WriteRow(const Options& options, int size, Sampler* sampler, Phases* phases
   const double total = NanosecondsOf(stream.count(), options.seconds, [&] { stream.Pass(); });
   // A prime number of microseconds: the period must not be one of the passes.
   constexpr std::int64_t kPeriod = 97'000;  // ns
-  const double until = SteadyNow() + options.seconds;
+  const double until = ThreadTime() + options.seconds;
   sampler->Start(kPeriod);
-  while (SteadyNow() < until) stream.Pass();
+  while (ThreadTime() < until) stream.Pass();
   const std::vector<std::uintptr_t> samples = sampler->Stop();
   phases->Learn(samples);
   std::array<double, kPhases> share = {};
