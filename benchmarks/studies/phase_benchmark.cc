@@ -13,7 +13,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
@@ -173,7 +175,7 @@ class Sampler {
     auto address = static_cast<std::uintptr_t>(machine->uc_mcontext.gregs[REG_RIP]);
     if (!IsOwn(address)) {
       // Copies of the C library have no frame: who called them is on top of the stack.
-      const auto caller = *reinterpret_cast<const std::uintptr_t*>(machine->uc_mcontext.gregs[REG_RSP]);
+      const auto caller = *std::bit_cast<const std::uintptr_t*>(machine->uc_mcontext.gregs[REG_RSP]);
       if (IsOwn(caller)) address = caller - 1;
     }
     addresses_[count_++] = address;
@@ -333,6 +335,8 @@ class Stream {
     for (const ProblemArrays& one : arrays_) sum += static_cast<double>(one.rows);
     return sum / static_cast<double>(count());
   }
+  // Pivots, active sets, and iterations of what solves larger islands.
+  double mean_iterations() const { return static_cast<double>(iterations_) / static_cast<double>(count()); }
 
   // Every problem once.
   void Pass() {
@@ -391,6 +395,7 @@ class Stream {
       result_.f = f_.head(problem.size());
     }
     if (!Verify(problem, result_, options_.tier).passes) throw std::runtime_error("a wrong answer to " + arrays.id);
+    iterations_ += result_.iterations;
     arrays_.push_back(std::move(arrays));
   }
 
@@ -424,6 +429,7 @@ class Stream {
   std::vector<TwoBodyCopy> copies_;
   Eigen::VectorXd f_, w_;
   int left_ = 0;
+  std::int64_t iterations_ = 0;
 };
 
 // Processor time of this thread [s]: what other programs do meanwhile does not count.
@@ -479,11 +485,12 @@ void WriteRow(const Options& options, int size, Sampler* sampler, Phases* phases
   }
   const auto number = [](double value) {
     char text[32];
-    std::snprintf(text, sizeof text, value < 100 ? "%.2g" : "%.0f", value);
-    return std::string(value >= 10 && value < 100 ? std::to_string(static_cast<int>(value + 0.5)) : text);
+    std::snprintf(text, sizeof text, value < 10 ? "%.2g" : "%.0f", value);
+    return std::string(text);
   };
   std::cout << "| " << number(stream.mean_rows()) << " | " << stream.count() << " | " << number(floor) << " | "
-            << number(floor / stream.mean_rows()) << " | **" << number(total) << "** |";
+            << number(floor / stream.mean_rows()) << " | **" << number(total) << "** | "
+            << number(stream.mean_iterations()) << " |";
   for (const double one : share) std::cout << ' ' << (one > 0 ? number(one * total) : "0") << " |";
   std::cout << ' ' << samples.size() << " |" << std::endl;
   for (const auto& [name, count] : functions) std::cerr << size << " rows, " << name << ' ' << count << '\n';
@@ -517,10 +524,10 @@ int Main(int argc, char** argv) {
 
   Sampler sampler;
   Phases phases;
-  std::cout << "| rows | problems | floor | floor a row | total |";
+  std::cout << "| rows | problems | floor | floor a row | total | iterations |";
   for (const char* name : kPhaseNames) std::cout << ' ' << name << " |";
   std::cout << " samples |\n|";
-  for (std::size_t k = 0; k < 6 + kPhases; ++k) std::cout << "---:|";
+  for (std::size_t k = 0; k < 7 + kPhases; ++k) std::cout << "---:|";
   std::cout << std::endl;
   for (const int size : options.sizes) WriteRow(options, size, &sampler, &phases);
   return 0;
