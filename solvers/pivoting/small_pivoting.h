@@ -39,7 +39,7 @@ class SmallPivoting {
   /// Up to this many rows no clock is read: 6 n + 20 pivots, the most there are, take some ten microseconds.
   static constexpr Index kRowsWithoutClock = 24;
   /// Up to this many rows A is assembled by vector registers over all pairs of rows, above by lists of rows per body.
-  static constexpr Index kLaneRows = 16;
+  static constexpr Index kLaneRows = 32;
 
   /// For up to `max_rows` <= kMaxRows rows at a time; for SolvePart also the rows of the whole problem.
   void Reserve(Index max_rows, Index problem_rows = 0);
@@ -111,6 +111,8 @@ class SmallPivoting {
   bool Scale();
   template <typename Given>
   Answer SolveLoaded(bool is_loaded, const Given& given, const Request& request, double* f, double* w);
+  template <typename Given>
+  void Store(const Given& given, double* f, double* w) const;
   Answer Finish(const Request& request);
   double Run(const Deadline* deadline);
   bool RowsMeet(double limit) const;
@@ -171,9 +173,14 @@ SmallPivoting::Answer SmallPivoting::SolveLoaded(bool is_loaded, const Given& gi
     if (least_force_[i] < 0 || request.initial_f[given(i)] > 0) guess_.push_back(i);
   }
   const Answer answer = Finish(request);
+  Store(given, f, w);
+  return answer;
+}
+
+template <typename Given>
+void SmallPivoting::Store(const Given& given, double* f, double* w) const {
   for (Index i = 0; i < n_; ++i) f[given(i)] = force_[i] * (scale_[i] * inverse_b_scale_);
   for (Index i = 0; i < n_ && w != nullptr; ++i) w[given(i)] = w_[i] * (inverse_b_scale_ / scale_[i]);
-  return answer;
 }
 
 }  // namespace lcpbench

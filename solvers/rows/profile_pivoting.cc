@@ -749,8 +749,12 @@ double ProfilePivoting::SolveOf(const StepRows& all, std::span<const std::int32_
     if (residual <= limit || (request.deadline != nullptr && request.deadline->Expired())) break;
     budget *= 2;
   }
-  for (Index i = 0; i < n_; ++i) f[given_[At(i)]] = x_[i] * scale_[i];
+  Store(f);
   return residual / b_norm_;
+}
+
+void ProfilePivoting::Store(double* f) const {
+  for (Index i = 0; i < n_; ++i) f[given_[At(i)]] = x_[i] * scale_[i];
 }
 
 double ProfilePivoting::Polish(const StepRows& all, double rounding, double* f) {

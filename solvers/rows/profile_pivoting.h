@@ -49,6 +49,7 @@ class ProfilePivoting {
  private:
   template <Index p>
   double SolveOf(const StepRows& all, std::span<const std::int32_t> part, const Request& request, double* f);
+  void Store(double* f) const;
   template <Index p>
   double PolishOf(double rounding, double* f);
   template <Index p, typename Real>

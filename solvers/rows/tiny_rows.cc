@@ -150,17 +150,25 @@ struct Tiny {
     for (int i = 0; i < n; ++i) {
       double size = std::abs(b[i]);
       for (int j = 0; j < n; ++j) size += std::abs(A[i][j] * f[j]);
-      const double of_diagonal = 1 / A[i][i];
+      const double weight = 1 / A[i][i];
       const double defect = (joints >> i & 1U) != 0 ? w[i] : std::min(w[i], A[i][i] * f[i]);
-      r_square += defect * defect * of_diagonal;
-      b_square += b[i] * b[i] * of_diagonal;
-      rounding_square += size * size * of_diagonal;
+      r_square += defect * defect * weight;
+      b_square += b[i] * b[i] * weight;
+      rounding_square += size * size * weight;
       rows_meet = rows_meet && std::abs(defect) <= row_limit * size;
     }
     const double norm = b_square > 0 ? b_square : 1;
     *rho = std::sqrt(r_square / norm);
     const double rounding = kRoundings * std::numeric_limits<double>::epsilon() * std::sqrt(rounding_square / norm);
     return *rho + rounding <= tolerance && rows_meet;
+  }
+
+  void Store(std::span<const std::int32_t> part, double* all_f, double* all_w) const {
+    for (int i = 0; i < n; ++i) {
+      const Index row = part[static_cast<std::size_t>(i)];
+      all_f[row] = f[i];
+      all_w[row] = w[i];
+    }
   }
 
   // Of sums of 2 p products and n of these, in epsilon times the sum of absolute values.
@@ -202,11 +210,7 @@ bool SolveRows(const StepRows& all, const Real* J, std::span<const std::int32_t>
   if (!tiny.Find()) return false;
   tiny.Clip();
   if (!tiny.Passes(tolerance, row_limit, rho)) return false;
-  for (int i = 0; i < n; ++i) {
-    const Index row = part[static_cast<std::size_t>(i)];
-    f[row] = tiny.f[i];
-    w[row] = tiny.w[i];
-  }
+  tiny.Store(part, f, w);
   return true;
 }
 
