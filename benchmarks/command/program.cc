@@ -27,7 +27,6 @@ int RunProgram(const std::string& name, const std::function<int()>& run) {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of a file's size is told as a full disk is
   try {
     const CheckedStandardOutput checked;
-    LimitLibraryThreads(1);
     EndSubprocessesOnSignals();
     const int status = run();
     std::cout << std::flush;
@@ -50,6 +49,8 @@ int RunProgram(const std::string& name, const std::function<int()>& run) {
 }
 
 std::optional<int> ParseCommandLine(CLI::App& app, int argc, char** argv) {
+  // Not first of all: where libgomp gets no memory it ends the process with a line of its own.
+  LimitLibraryThreads(1);
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
     return Printable(failed->get_name() + ": " + error.what()) + " (see --help)\n";
   });
