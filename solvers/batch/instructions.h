@@ -11,8 +11,8 @@ enum class BatchInstructions { kBest, kSse2, kAvx2, kAvx512 };
 
 /// "best", "sse2", "avx2", "avx512".
 std::string_view ToString(BatchInstructions instructions);
-inline /// Writes the name by which tests and messages call it.
-std::ostream& operator<<(std::ostream& out, BatchInstructions instructions) {
+/// Writes the name by which tests and messages call it.
+inline std::ostream& operator<<(std::ostream& out, BatchInstructions instructions) {
   return out << ToString(instructions);
 }
 

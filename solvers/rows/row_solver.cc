@@ -80,7 +80,8 @@ RowSolver::Known RowSolver::Judge(const StepRows& rows, const Real* J, std::span
         magnitude += std::abs(j) * size[at + c];
       }
     });
-    if (rows.body[2 * row] == rows.body[2 * row + 1]) d = DiagonalOf(rows, row);
+    const std::int32_t* const bodies = rows.body + Index{2} * row;
+    if (bodies[0] == bodies[1]) d = DiagonalOf(rows, row);
     const auto sum = static_cast<double>(gap);
     w[row] = sum;
     const bool is_joint = rows.bilateral != nullptr && rows.bilateral[row] != 0;
