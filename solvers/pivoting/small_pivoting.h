@@ -39,7 +39,7 @@ class SmallPivoting {
   /// Up to this many rows no clock is read: 6 n + 20 pivots, the most there are, take some ten microseconds.
   static constexpr Index kRowsWithoutClock = 24;
   /// Up to this many rows A is assembled by vector registers over all pairs of rows, above by lists of rows per body.
-  static constexpr Index kLaneRows = 32;
+  static constexpr Index kLaneRows = 16;
 
   /// For up to `max_rows` <= kMaxRows rows at a time; for SolvePart also the rows of the whole problem.
   void Reserve(Index max_rows, Index problem_rows = 0);

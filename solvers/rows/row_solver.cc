@@ -15,7 +15,7 @@ namespace lcpbench {
 namespace {
 
 std::size_t At(std::int64_t i) { return static_cast<std::size_t>(i); }
-constexpr Index kRowsWithoutIslands = 32;
+constexpr Index kRowsWithoutIslands = 16;
 constexpr std::size_t kTableauRows = 64;
 // Rounding of a sum over a row's two bodies and the rows of each, in units of epsilon times the sum of absolute values.
 constexpr double kRoundings = 32;
