@@ -48,18 +48,16 @@ void Eliminate(double* tableau, Index n, Index r, const double* pivot_row) {
 
 // The same for the rows whose factor is not 0, a bit for each: without a branch that is often guessed wrong.
 template <int count>
-void EliminateSparse(double* tableau, const std::uint64_t (&rows)[2], Index r, const double* pivot_row) {
+void EliminateSparse(double* tableau, std::uint64_t rows, Index r, const double* pivot_row) {
+  static_assert(count * kRegister <= 64);
   Register p[count];
   for (int v = 0; v < count; ++v) p[v] = AsRegisters(pivot_row)[v];
   const double p_r = pivot_row[r];
-  for (int half = 0; half < (count > 8 ? 2 : 1); ++half) {
-    for (std::uint64_t left = rows[half]; left != 0; left &= left - 1) {
-      const Index i = 64 * half + std::countr_zero(left);
-      double* row = tableau + i * count * kRegister;
-      const double factor = row[r];
-      for (int v = 0; v < count; ++v) AsRegisters(row)[v] += factor * p[v];
-      row[r] = factor * p_r;
-    }
+  for (; rows != 0; rows &= rows - 1) {
+    double* row = tableau + Index{std::countr_zero(rows)} * count * kRegister;
+    const double factor = row[r];
+    for (int v = 0; v < count; ++v) AsRegisters(row)[v] += factor * p[v];
+    row[r] = factor * p_r;
   }
 }
 
@@ -138,11 +136,11 @@ bool SmallPivoting::Pivot(Index r) {
   // Entry r is set within its register: a register that is read soon after one of its doubles was written has to wait.
   IntegerRegister at = kFirstRows;
   constexpr IntegerRegister kFirstBits = {1, 2, 4, 8, 16, 32, 64, 128};
-  IntegerRegister reached[2] = {};
+  IntegerRegister reached = {};
   for (Index v = 0; v < registers; ++v) {
     const IntegerRegister is_r = at == r;
     const Register t = AsRegisters(row)[v];
-    reached[v / 8] |= (t != 0) & (kFirstBits << (v % 8 * kRegister));
+    if constexpr (count > 2) reached |= (t != 0) & (kFirstBits << (v * kRegister));
     const Register signs = AsRegisters(sign_.data())[v];
     const Register q_new = AsRegisters(q_.data())[v] + (sign * q) * (t * signs);
     AsRegisters(p)[v] = is_r ? Register{} + inverse : -inverse * t;
@@ -153,9 +151,7 @@ bool SmallPivoting::Pivot(Index r) {
   }
   double* tableau = tableau_.data();
   if constexpr (count > 2) {
-    std::uint64_t rows[2];
-    for (int half = 0; half < 2; ++half) rows[half] = Together(&reached[half]);
-    EliminateSparse<count>(tableau, rows, r, p);
+    EliminateSparse<count>(tableau, Together(&reached), r, p);
   } else if constexpr (count > 0) {
     Eliminate<count>(tableau, n_, r, p);
   } else {
