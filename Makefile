@@ -59,7 +59,7 @@ help:
 	@echo "make test     install what is missing, build, run all tests"
 	@echo "make build    install what is missing, configure and build"
 	@echo "make ablation   what our own checks, checks for peers, and instruction sets are worth: a build and a campaign (20 minutes)"
-	@echo "make recommendation   rules of lcpbench recommend from the campaigns standard, sequences, recorded and literature (CAMPAIGNS=folders; a minute)"
+	@echo "make recommendation   rules of lcpbench recommend from the campaigns standard, sequences, recorded and literature (CAMPAIGNS=folders; ten minutes)"
 	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
 	@echo "make record-engines   let physics engines step scenes of their own, and record them in data/recordings (RECORDINGS=box2d-)"
 	@echo "make fresh-benchmark      fresh times of our solvers, ODE and Bullet in one process, by size class and origin (OPTIONS=--cpu 1; two minutes)"

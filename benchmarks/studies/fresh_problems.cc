@@ -16,18 +16,6 @@
 namespace lcpbench {
 namespace {
 
-std::vector<std::string> Families(const std::vector<std::string>& named) {
-  std::vector<std::string> families;
-  for (const std::string& name : named) {
-    if (name == "all") {
-      for (const SceneFamily& family : AllScenes()) families.emplace_back(family.key);
-    } else {
-      families.emplace_back(FindScene(name).key);
-    }
-  }
-  return families;
-}
-
 // Of a problem that no manifest has.
 ManifestEntry Entry(const std::string& id, const char* origin, Index rows) {
   ManifestEntry entry;
@@ -49,7 +37,7 @@ bool IsIdle(const LcpProblem& problem) {
 
 template <typename Visit>
 void ForEachStart(const std::vector<std::string>& families, const FreshSources& sources, const Visit& visit) {
-  for (const std::string& scene : Families(families)) {
+  for (const std::string& scene : FamiliesOf(families)) {
     for (const int rows : sources.sizes) {
       for (const std::uint64_t seed : sources.seeds) visit(Recipe{scene, rows, seed, {}});
     }
@@ -57,6 +45,18 @@ void ForEachStart(const std::vector<std::string>& families, const FreshSources& 
 }
 
 }  // namespace
+
+std::vector<std::string> FamiliesOf(const std::vector<std::string>& named) {
+  std::vector<std::string> families;
+  for (const std::string& name : named) {
+    if (name == "all") {
+      for (const SceneFamily& family : AllScenes()) families.emplace_back(family.key);
+    } else {
+      families.emplace_back(FindScene(name).key);
+    }
+  }
+  return families;
+}
 
 FreshProblems::FreshProblems(const FreshSources& sources, const CampaignPlan& plan) {
   for (const std::string& path : sources.manifests) Add(ReadManifest(path), FolderOf(path));

@@ -25,6 +25,9 @@ struct FreshSources {
   int most_problems = 0;               ///< of a size class; 0: all
 };
 
+/// Keys of scene families, of all where one is "all". @throws InputError for a family that does not exist
+std::vector<std::string> FamiliesOf(const std::vector<std::string>& named);
+
 /// The problems, planned as a campaign's are: weights, and the order within a size class. Only the manifests' have
 /// known answers, and so a rounding floor that verdicts are relative to.
 class FreshProblems {

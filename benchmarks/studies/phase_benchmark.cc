@@ -521,6 +521,7 @@ int Main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--functions", options.functions, "Samples by function, on standard error");
   if (const auto status = ParseCommandLine(app, argc, argv)) return *status;
+  options.scenes = FamiliesOf(options.scenes);  // of a user's mistake there is one line only
 
   Sampler sampler;
   Phases phases;
