@@ -27,11 +27,9 @@ const std::vector<CampaignPlan>& NamedCampaigns() {
        .budgets = {.judge_s = 1.5, .timed_s = 0.5, .parts_s = 0.1, .again_s = 0.1},
        .limits = {.most_s = 0.5}},
       // The numbers in README.md and docs/, and comparisons between commits: every class to 10^4 rows, with all
-      // problems of the collection and all that fill up its streams, of every origin, at the one tier that every
-      // solver is meant for.
+      // problems of the collection and all that fill up its streams, of every origin.
       {.name = "core",
        .manifests = {"engine", "standard", "recorded", "literature"},
-       .tiers = {1e-6},
        .filter = "^solve/",
        .most_rows = 10'000,
        .budgets = {.judge_s = 2, .timed_s = 1, .parts_s = 0.2, .again_s = 0.2},
