@@ -35,6 +35,8 @@ namespace {
 
 constexpr const char* kSuite = "core";
 constexpr const char* kAllOrigins = "all";
+constexpr const char* kFromArrays = "arrays";
+constexpr const char* kFromRows = "rows";
 
 // What a table's group of origins is called.
 std::string OriginGroup(const std::string& origin) {
@@ -48,6 +50,7 @@ struct Options {
   bool solvers_are_chosen = false;
   NamedSolvers named;
   bool only_workers = false;
+  std::string from = kFromArrays;
   std::string table;
   int cpu = -1;
   double tier = 1e-6;
@@ -77,6 +80,11 @@ void Declare(CLI::App* app, Options* options) {
       ->capture_default_str();
   app->add_flag("--only-workers", options->only_workers,
                 "Peers that are linked in run in their workers, as the others");
+  app->add_option("--from", options->from,
+                  "What a solve begins at. arrays: J by compressed rows; rows: two bodies and their numbers a row, as "
+                  "engines have them, for auto (StepSolver) and the codes that are linked in")
+      ->check(CLI::IsMember({kFromArrays, kFromRows}))
+      ->capture_default_str();
   app->add_option("--passes", options->plan.passes, "Over every stream")->check(AtLeast(1))->capture_default_str();
   app->add_option("--tier", options->tier, "Tolerance, asked for and judged at")
       ->check(Tolerance())
@@ -118,6 +126,8 @@ void Complete(Options* options) {
   FreshSources& from = options->sources;
   if (from.manifests.empty() && from.files.empty() && from.scenes.empty() && from.motions.empty()) {
     from.manifests = PlanOfSuite().manifests;
+    // Its problems have A itself, or rows on more bodies.
+    if (options->from == kFromRows) std::erase(from.manifests, "literature");
   }
   for (std::string& manifest : from.manifests) {
     const bool is_path = manifest.find('/') != std::string::npos || manifest.ends_with(".json");
@@ -128,7 +138,11 @@ void Complete(Options* options) {
     throw InputError("--scenes and --motions: expected --sizes");
   }
   if (options->solvers_are_chosen) return;
-  std::erase_if(options->solvers, [](const std::string& key) { return !FindSolver(key).available; });
+  std::erase_if(options->solvers, [&](const std::string& key) {
+    const SolverEntry& entry = FindSolver(key);
+    const bool takes_rows = key == "auto" || entry.origin != SolverOrigin::kOwn;
+    return !entry.available || (options->from == kFromRows && !takes_rows);
+  });
 }
 
 // All size classes, their streams and their benchmarks.
@@ -137,6 +151,7 @@ class Study {
   Study(const Options& options, std::vector<std::unique_ptr<Contestant>> contestants)
       : plan_(options.plan),
         tier_(options.tier),
+        from_(options.from),
         contestants_(std::move(contestants)),
         problems_(options.sources, plan_) {
     const std::vector<PlannedProblem>& planned = problems_.planned();
@@ -175,7 +190,7 @@ class Study {
   }
 
   void TellContestants(std::ostream& out) const {
-    out << "\nTier " << tier_ << ", " << plan_.passes << " passes; solvers:";
+    out << "\nFrom " << from_ << ", tier " << tier_ << ", " << plan_.passes << " passes; solvers:";
     for (const auto& contestant : contestants_) {
       out << "\n- " << contestant->key() << ": " << contestant->place();
     }
@@ -304,6 +319,7 @@ class Study {
 
   CampaignPlan plan_;
   double tier_;
+  std::string from_;
   std::vector<std::unique_ptr<Contestant>> contestants_;
   FreshProblems problems_;
   std::vector<std::unique_ptr<Class>> classes_;
@@ -333,7 +349,7 @@ int Main(int argc, char** argv) {
   options.named.Register();
   if (options.cpu >= 0) KeepOn(options.cpu);
   Complete(&options);
-  Study study(options, MakeContestants(options.solvers, options.only_workers));
+  Study study(options, MakeContestants(options.solvers, options.only_workers, options.from == kFromRows));
   if (!study.Run()) return 0;
   std::ostringstream text;
   study.TellContestants(text);

@@ -1,15 +1,19 @@
 #include "benchmarks/studies/fresh_contestant.h"
 
 #include <array>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
+#include "benchmarks/studies/step_arrays.h"
 #include "solvers/lcp/settings.h"
 #include "solvers/peers/linked_peers.h"
 #include "solvers/peers/peer_table.h"
 #include "solvers/peers/protocol/external_solver.h"
 #include "solvers/registry.h"
+#include "solvers/step/step_solver.h"
 #include "support/clock.h"
 #include "support/input_error.h"
 
@@ -73,25 +77,137 @@ class WorkerSolver : public Contestant {
   bool has_stream_ = false;
 };
 
+// The steps of a stream as an engine's arrays hold them: made of its problems once, off the clock. Which one is wanted
+// is told by the address of its arrays in the stream.
+class StepStream {
+ public:
+  void Forget() { stream_ = {}; }
+  void Take(std::span<const ProblemArrays> stream) {
+    if (stream.data() == stream_.data() && stream.size() == stream_.size()) return;
+    stream_ = stream;
+    steps_.clear();
+    for (const ProblemArrays& arrays : stream) {
+      const LcpProblem problem = LcpProblem::FromArrays(arrays);
+      steps_.push_back(TakesRows(problem) ? StepArrays::Of(problem) : StepArrays());
+    }
+  }
+  StepRows RowsOf(const ProblemArrays& arrays) const {
+    return steps_[static_cast<std::size_t>(&arrays - stream_.data())].View();
+  }
+
+  // Others have no such arrays: nobody solves them.
+  static bool TakesRows(const LcpProblem& problem) { return problem.has_factors() && problem.has_two_body_rows(); }
+
+ private:
+  std::span<const ProblemArrays> stream_;
+  std::vector<StepArrays> steps_;
+};
+
+// What RunPass times.
+class RowsSolver final : public LcpSolver {
+ public:
+  using SolveRows = std::function<void(const StepRows& rows, const LcpOptions& options, LcpResult* result)>;
+  RowsSolver(const StepStream& stream, SolveRows solve) : stream_(stream), solve_(std::move(solve)) {}
+
+ protected:
+  void DoPrepare(const LcpProblem& /*problem*/) override {}
+  void DoSolve(const LcpProblem& /*problem*/, const LcpOptions& /*options*/, LcpResult* /*result*/) override {
+    throw std::logic_error("rows are solved from arrays");
+  }
+  bool DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) override {
+    solve_(stream_.RowsOf(arrays), options, result);
+    return true;
+  }
+
+ private:
+  const StepStream& stream_;
+  SolveRows solve_;
+};
+
+class StepContestant final : public Contestant {
+ public:
+  explicit StepContestant(std::string key) : Contestant(std::move(key), true, "in this process, by StepSolver") {}
+
+  std::string WhyRefused(Index /*rows*/) const override { return {}; }
+  LcpResult Judge(const LcpProblem& problem, const ProblemArrays& /*arrays*/, const LcpOptions& options,
+                  double* seconds) override {
+    LcpResult result;
+    result.f.setZero(problem.size());
+    if (!StepStream::TakesRows(problem)) return result;
+    const StepArrays step = StepArrays::Of(problem);
+    StepSolver solver(OptionsOf(options.tolerance, options.time_limit_s));
+    const double start = SteadyNow();
+    result.status = solver.Solve(step.View(), nullptr, result.f.data()).status;
+    *seconds = SteadyNow() - start;
+    return result;
+  }
+  void BeginStream() override { stream_.Forget(); }
+  PassReply Pass(std::span<const ProblemArrays> stream, const PassRequest& request) override {
+    stream_.Take(stream);
+    const auto solver = std::make_shared<StepSolver>(OptionsOf(request.tolerance, request.time_limit_s));
+    const auto solve = [solver](const StepRows& rows, const LcpOptions& /*options*/, LcpResult* result) {
+      result->f.resize(rows.rows);
+      result->status = solver->Solve(rows, nullptr, result->f.data()).status;
+    };
+    return RunPass([&] { return std::make_unique<RowsSolver>(stream_, solve); }, stream, request);
+  }
+
+ private:
+  static StepOptions OptionsOf(double tolerance, double time_limit_s) {
+    return {.tolerance = tolerance, .time_limit_s = time_limit_s};
+  }
+
+  StepStream stream_;
+};
+
 // Judged by its worker, timed here.
-class LinkedPeer final : public WorkerSolver {
+class LinkedPeer : public WorkerSolver {
  public:
   LinkedPeer(const SolverEntry& entry, PeerLibrary library)
       : WorkerSolver(entry, "in this process, judged in a worker"), library_(std::move(library)) {}
 
   bool is_elsewhere() const override { return false; }
   PassReply Pass(std::span<const ProblemArrays> stream, const PassRequest& request) override {
-    return RunPass(
-        [this] {
-          const Settings none;
-          SettingsReader reader(key(), none);
-          return library_.make(key(), &reader);
-        },
-        stream, request);
+    return RunPass([this] { return MakeLinked(); }, stream, request);
+  }
+
+ protected:
+  std::unique_ptr<LcpSolver> MakeLinked() const {
+    const Settings none;
+    SettingsReader reader(key(), none);
+    return library_.make(key(), &reader);
   }
 
  private:
   PeerLibrary library_;
+};
+
+// The same code, from rows.
+class LinkedPeerOfRows final : public LinkedPeer {
+ public:
+  using LinkedPeer::LinkedPeer;
+
+  LcpResult Judge(const LcpProblem& problem, const ProblemArrays& arrays, const LcpOptions& options,
+                  double* seconds) override {
+    if (StepStream::TakesRows(problem)) return LinkedPeer::Judge(problem, arrays, options, seconds);
+    LcpResult result;
+    result.f.setZero(problem.size());
+    return result;
+  }
+  void BeginStream() override { stream_.Forget(); }
+  PassReply Pass(std::span<const ProblemArrays> stream, const PassRequest& request) override {
+    stream_.Take(stream);
+    const std::shared_ptr<LcpSolver> solver = MakeLinked();
+    auto* const peer = dynamic_cast<SolverOfRows*>(solver.get());
+    if (peer == nullptr) throw InputError("solver '" + key() + "' takes no rows by bodies");
+    const auto solve = [solver, peer](const StepRows& rows, const LcpOptions& options, LcpResult* result) {
+      peer->SolveRows(rows, options, result);
+    };
+    return RunPass([&] { return std::make_unique<RowsSolver>(stream_, solve); }, stream, request);
+  }
+
+ private:
+  StepStream stream_;
 };
 
 // The library behind a peer's key, where it is linked into this program.
@@ -108,10 +224,18 @@ std::optional<PeerLibrary> LinkedLibrary(std::string_view key) {
   return std::nullopt;
 }
 
+std::unique_ptr<Contestant> MakeFromRows(const std::string& key) {
+  const SolverEntry& entry = FindSolver(key);
+  if (key == "auto") return std::make_unique<StepContestant>(key);
+  std::optional<PeerLibrary> library = LinkedLibrary(entry.key);
+  if (!library) {
+    throw InputError("solver '" + key +
+                     "' takes no rows by bodies, expected auto, or one of ODE or Bullet that is linked");
+  }
+  return std::make_unique<LinkedPeerOfRows>(entry, *std::move(library));
+}
+
 std::unique_ptr<Contestant> Make(const std::string& key, bool only_workers) {
-  // A contestant that is no LcpSolver of the registry, such as one that takes rows by bodies, is told by its key here
-  // and has a class of its own above: Judge solves one problem, Pass is RunPass with what makes it an LcpSolver from
-  // arrays (DoSolveArrays).
   const SolverEntry& entry = FindSolver(key);
   if (!entry.available) throw InputError("solver '" + key + "' is not in this build");
   if (entry.origin == SolverOrigin::kOwn) return std::make_unique<OwnSolver>(entry);
@@ -123,10 +247,11 @@ std::unique_ptr<Contestant> Make(const std::string& key, bool only_workers) {
 
 }  // namespace
 
-std::vector<std::unique_ptr<Contestant>> MakeContestants(const std::vector<std::string>& keys, bool only_workers) {
+std::vector<std::unique_ptr<Contestant>> MakeContestants(const std::vector<std::string>& keys, bool only_workers,
+                                                         bool from_rows) {
   std::vector<std::unique_ptr<Contestant>> contestants;
   contestants.reserve(keys.size());
-  for (const std::string& key : keys) contestants.push_back(Make(key, only_workers));
+  for (const std::string& key : keys) contestants.push_back(from_rows ? MakeFromRows(key) : Make(key, only_workers));
   return contestants;
 }
 

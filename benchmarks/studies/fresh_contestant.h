@@ -46,7 +46,11 @@ class Contestant {
 /// (linked_peers.h); but each problem is judged by their workers first, so that what crashes or hangs there is never
 /// timed here. Other peers run in their workers.
 /// @param only_workers  linked peers run in their workers, too
-/// @throws InputError for an unknown key, or a solver that is not in this build
-std::vector<std::unique_ptr<Contestant>> MakeContestants(const std::vector<std::string>& keys, bool only_workers);
+/// @param from_rows     timed from an engine's arrays (StepRows) instead of ProblemArrays: `auto` as StepSolver, and
+///                      codes of linked peers that take a dense A, which is assembled from the rows on their clock.
+///                      Problems that have no such arrays, by nobody solved, are wrong.
+/// @throws InputError for an unknown key, a solver that is not in this build, or one that takes no rows
+std::vector<std::unique_ptr<Contestant>> MakeContestants(const std::vector<std::string>& keys, bool only_workers,
+                                                         bool from_rows);
 
 }  // namespace lcpbench

@@ -19,12 +19,12 @@ from .statistics.steps import FILE as STEPS_FILE
 
 CAMPAIGN = "campaign.json"
 # File -> what its lines are sorted by; significant digits of times and of other numbers. Problems keep their order,
-# which is that of tables and figures. 0.05 % of a time is far below what rounds differ by, a residual's magnitude is what
-# counts, and a single step is timed once, where the clock has hardly two digits of a microsecond.
+# which is that of tables and figures. 0.5 % of a time in one pass is below what passes differ by, a residual's magnitude
+# is what counts, and a single step is timed once, where the clock has hardly two digits of a microsecond.
 _FILES: dict[str, tuple[Callable[[dict], tuple], int, int]] = {
     PROBLEMS_FILE: (lambda line: (), 4, 3),
     STREAMS_FILE: (lambda line: (line["size_class"], line["solver"], line["first"], -line["tier"],
-                                 line["kind"] != "judge", line["kind"], line["pass"]), 4, 3),
+                                 line["kind"] != "judge", line["kind"], line["pass"]), 3, 2),
     STEPS_FILE: (lambda step: (step["sequence"], step["solver"], -step["tier"], step["mode"], step["round"]), 3, 2),
 }
 _TABLES = (motion.FILE, *map(curves.file_of, curves.CURVES))  # of studies

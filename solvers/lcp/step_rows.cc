@@ -119,6 +119,45 @@ bool HasDiagonalInRange(const StepRows& rows) {
   return true;
 }
 
+namespace {
+
+// @param J  2 p numbers a row
+template <int p, typename Number>
+void Assemble(const StepRows& rows, const Number* J, double* A, Index stride) {
+  for (Index i = 0; i < rows.rows; ++i) {
+    double scaled[2][p] = {};  // of row i, by the inverse masses
+    for (int side = 0; side < 2; ++side) {
+      const std::int32_t body = rows.body[2 * i + side];
+      for (int c = 0; c < p && body >= 0; ++c) {
+        scaled[side][c] = rows.inverse_mass[body * p + c] * static_cast<double>(J[(2 * i + side) * p + c]);
+      }
+    }
+    for (Index j = 0; j <= i; ++j) {
+      double sum = 0;
+      for (int side = 0; side < 2; ++side) {
+        const std::int32_t body = rows.body[2 * i + side];
+        for (int other = 0; other < 2; ++other) {
+          if (body < 0 || rows.body[2 * j + other] != body) continue;
+          const Number* const of = J + (2 * j + other) * p;
+          for (int c = 0; c < p; ++c) sum += scaled[side][c] * static_cast<double>(of[c]);
+        }
+      }
+      A[i * stride + j] = A[j * stride + i] = sum;
+    }
+    std::fill(A + i * stride + rows.rows, A + (i + 1) * stride, 0.0);
+  }
+}
+
+}  // namespace
+
+void AssembleDenseA(const StepRows& rows, double* A, Index stride) {
+  if (rows.columns_per_body == 3) {
+    rows.J != nullptr ? Assemble<3>(rows, rows.J, A, stride) : Assemble<3>(rows, rows.J_single, A, stride);
+  } else {
+    rows.J != nullptr ? Assemble<6>(rows, rows.J, A, stride) : Assemble<6>(rows, rows.J_single, A, stride);
+  }
+}
+
 StepRows PartOf(const StepRows& rows, std::int64_t first, std::int64_t last) {
   StepRows part = rows;
   const std::int64_t width = std::int64_t{2} * rows.columns_per_body;

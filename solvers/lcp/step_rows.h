@@ -36,6 +36,9 @@ bool CheckRows(const StepRows& rows, const double* initial_f);
 double DiagonalOf(const StepRows& rows, std::int64_t row);
 /// Whether no A_ii is extreme: small numbers do no harm beside others of their row.  O(n)
 bool HasDiagonalInRange(const StepRows& rows);
+/// A, as AssembleDenseA of problem.h: into n rows of `stride` >= n numbers each, padding zero. By bodies that rows
+/// share.  O(n^2)
+void AssembleDenseA(const StepRows& rows, double* A, Index stride);
 /// The rows first to last - 1 alone.
 StepRows PartOf(const StepRows& rows, std::int64_t first, std::int64_t last);
 

@@ -8,8 +8,16 @@
 #include "solvers/peers/peer_library.h"
 
 namespace lcpbench {
+namespace {
 
-// @param given  a problem or its arrays
+// Without any, all rows are unilateral.
+const unsigned char* DataOf(const std::vector<unsigned char>& bilateral) {
+  return bilateral.empty() ? nullptr : bilateral.data();
+}
+
+}  // namespace
+
+// @param given  a problem, its arrays, or a step's rows
 template <typename Given>
 void DantzigPeer::Assemble(const Given& given, Index rows) {
   RequireDenseMatrices(rows, 2);  // and the code's own factor
@@ -22,8 +30,8 @@ void DantzigPeer::Assemble(const Given& given, Index rows) {
   diagonal.array() += cfm_ * diagonal.cwiseAbs().maxCoeff();
 }
 
-void DantzigPeer::Run(Index rows, const double* b, const std::vector<unsigned char>& bilateral,
-                      const LcpOptions& options, LcpResult* result) {
+void DantzigPeer::Run(Index rows, const double* b, const unsigned char* bilateral, const LcpOptions& options,
+                      LcpResult* result) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const int n = static_cast<int>(rows);
   const int stride = code_.stride(n);
@@ -35,7 +43,7 @@ void DantzigPeer::Run(Index rows, const double* b, const std::vector<unsigned ch
     lower_.resize(room);
     for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
       b_[i] = -b[i];
-      lower_[i] = !bilateral.empty() && bilateral[i] != 0 ? -kInfinity : 0;
+      lower_[i] = bilateral != nullptr && bilateral[i] != 0 ? -kInfinity : 0;
     }
     upper_.assign(room, kInfinity);
     x_.assign(room, 0);
@@ -56,13 +64,18 @@ void DantzigPeer::DoPrepare(const LcpProblem& problem) { Assemble(problem, probl
 
 void DantzigPeer::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   if (!is_whole_) TimeConversion(options, result, [&] { Assemble(problem, problem.size()); });
-  Run(problem.size(), problem.b().data(), problem.bounds().bilateral, options, result);
+  Run(problem.size(), problem.b().data(), DataOf(problem.bounds().bilateral), options, result);
 }
 
 bool DantzigPeer::DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
   Assemble(arrays, arrays.rows);
-  Run(arrays.rows, arrays.b.data(), arrays.bilateral, options, result);
+  Run(arrays.rows, arrays.b.data(), DataOf(arrays.bilateral), options, result);
   return true;
+}
+
+void DantzigPeer::SolveRows(const StepRows& rows, const LcpOptions& options, LcpResult* result) {
+  Assemble(rows, rows.rows);
+  Run(rows.rows, rows.b, rows.bilateral, options, result);
 }
 
 }  // namespace lcpbench

@@ -6,6 +6,8 @@
 
 #include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
+#include "solvers/lcp/step_rows.h"
+#include "solvers/peers/linked_peers.h"
 
 namespace lcpbench {
 
@@ -26,7 +28,7 @@ struct DantzigProblem {
 /// Adapter of such a code. Bilateral rows are boxes (-inf, inf). The codes have no tolerance, no limits and no way to
 /// stop: the host's time limit ends them. A is assembled into the memory that the code works on and destroys, as an
 /// engine does each step, and once more for every further solve of the same matrix. Dense: O(n^2) memory.
-class DantzigPeer : public LcpSolver {
+class DantzigPeer : public LcpSolver, public SolverOfRows {
  public:
   /// What the engines' users take, and enough to get through redundant rows.
   static constexpr double kEngineCfm = 1e-9;
@@ -47,6 +49,8 @@ class DantzigPeer : public LcpSolver {
   DantzigPeer(std::string_view key, SettingsReader* reader, Code code)
       : cfm_(reader->Number("cfm", key.ends_with("-cfm") ? kEngineCfm : 0, 0, 1)), code_(code) {}
 
+  void SolveRows(const StepRows& rows, const LcpOptions& options, LcpResult* result) override;
+
  protected:
   void DoPrepare(const LcpProblem& problem) override;
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
@@ -57,9 +61,8 @@ class DantzigPeer : public LcpSolver {
 
   template <typename Given>
   void Assemble(const Given& given, Index rows);
-  /// On A_ as assembled. @param b  of ours
-  void Run(Index rows, const double* b, const std::vector<unsigned char>& bilateral, const LcpOptions& options,
-           LcpResult* result);
+  /// On A_ as assembled. @param b  of ours  @param bilateral  nullptr: no row is
+  void Run(Index rows, const double* b, const unsigned char* bilateral, const LcpOptions& options, LcpResult* result);
 
   double cfm_;
   Code code_;

@@ -277,6 +277,12 @@ SmallPivoting::Answer SmallPivoting::Finish(const Request& request) {
   }
   answer.rho = Rho();
   answer.rows_meet = RowsMeet(request.row_limit);
+  if (answer.rows_meet) return answer;
+  // A joint among them still has a small force to carry: that which its rounded b asks for.
+  Refine();
+  for (const Index i : joints_) force_[i] -= correction_[i];
+  answer.rho = Rho();
+  answer.rows_meet = RowsMeet(request.row_limit);
   return answer;
 }
 
@@ -292,11 +298,11 @@ bool SmallPivoting::DrivePivots(const Deadline* deadline) {
   const int limit = static_cast<int>(6 * n_) + 20;
   for (bool any_blocked = false;;) {
     const Index r = pivots_ > greedy ? FirstViolated() : MostViolated<count>();
-    if (r < 0) return true;
+    if (r < 0 && (!any_blocked || !Exchange<count>())) return true;
     const bool is_late =
         deadline != nullptr && n_ > kRowsWithoutClock && pivots_ % kPivotsPerClockRead == 0 && deadline->Expired();
     if (pivots_ >= limit || is_late) return false;
-    if (!Pivot<count>(r)) {
+    if (r >= 0 && !Pivot<count>(r)) {
       std::swap(weight_[r], blocked_weight_[r]);
       any_blocked = true;
       continue;
@@ -306,8 +312,40 @@ bool SmallPivoting::DrivePivots(const Deadline* deadline) {
       blocked_weight_.setZero();
       any_blocked = false;
     }
-    noise_ = std::max(noise_, kNoise * std::abs(q_[r]));
+    if (r >= 0) noise_ = std::max(noise_, kNoise * std::abs(q_[r]));
   }
+}
+
+// Lets the most violated of the rows that depend on F take the place of the row whose force it drives to 0 first; all
+// forces have their signs. False if none is violated by more than rounding, or none is in its way.
+template <int count>
+bool SmallPivoting::Exchange() {
+  Index r = -1;
+  double worst = -tableau::kMargin * tableau::kMostRho * b_norm_;
+  for (Index i = 0; i < n_; ++i) {
+    const double violation = q_[i] * blocked_weight_[i];
+    if (!(violation < worst)) continue;
+    worst = violation;
+    r = i;
+  }
+  if (r < 0) return false;
+  // Of F, row r of the tableau has by how much a unit of force at r lowers each force.
+  const double* const row = tableau_.data() + r * stride_;
+  Index leaving = -1;
+  double least = kInfinity;
+  for (Index i = 0; i < n_; ++i) {
+    if (!(sign_[i] > 0 && least_force_[i] == 0 && row[i] > 0)) continue;
+    // Without row i, row r no longer depends on F: its pivot is that.
+    const double pivot = row[i] * row[i] / tableau_[i * stride_ + i];
+    if (!(pivot > kLeastPivot * root_[r] * root_[r]) || !(q_[i] / row[i] < least)) continue;
+    least = q_[i] / row[i];
+    leaving = i;
+  }
+  if (leaving < 0 || !Pivot<count>(leaving)) return false;
+  std::swap(weight_[r], blocked_weight_[r]);
+  Pivot<count>(r);
+  noise_ = std::max(noise_, kNoise * std::abs(q_[r]));
+  return true;
 }
 
 bool SmallPivoting::FindActiveSet(const Deadline* deadline) {

@@ -28,8 +28,11 @@ namespace lcpbench {
 /// All vectors and rows are padded to whole vector registers by zeros, in a scaling by powers of two that brings A_ii
 /// into [1, 4) and the largest |b_i| into [1, 2), so that no unit matters and nothing is rounded by it.
 ///
-/// Not robust by itself, and it knows: rows that depend on F are not moved, Gauss-Jordan transforms are less stable
-/// than factors, and on singular A there is no guarantee. The caller checks the answer and has others to ask.
+/// Rows that depend on F are left alone while others are violated; then the most violated of them takes the place of
+/// the row whose force it drives to 0 first [Keller 1973].
+///
+/// Not robust by itself, and it knows: Gauss-Jordan transforms are less stable than factors, and on singular A there is
+/// no guarantee. The caller checks the answer and has others to ask.
 ///
 /// Cost: O(n^2) per pivot at most, 0.7 n to n pivots typically. Only Reserve allocates.
 class SmallPivoting {
@@ -125,6 +128,8 @@ class SmallPivoting {
   bool DrivePivots(const Deadline* deadline);
   template <int count>
   bool Pivot(Index r);
+  template <int count>
+  bool Exchange();
   template <int count>
   Index MostViolated() const;
   template <int count>

@@ -205,6 +205,13 @@ bool TwoBodyCopy::TakeRows(const ProblemArrays& arrays) {
   const int* const column = arrays.column.data();
   const double* const value = arrays.value.data();
   const double* const mass = arrays.inverse_mass.data();
+  if (moves_.size() < At(arrays.columns / p)) moves_.resize(At(arrays.columns / p));
+  unsigned char* const moves = moves_.data();
+  for (Index k = 0; k < arrays.columns / p; ++k) {
+    double sum = 0;
+    for (int c = 0; c < p; ++c) sum += mass[k * p + c];
+    moves[k] = sum > 0 ? 1 : 0;
+  }
   const auto columns = static_cast<int>(arrays.columns);
   const auto entries = static_cast<int>(arrays.column.size());
   double* J = J_.data();
@@ -222,38 +229,27 @@ bool TwoBodyCopy::TakeRows(const ProblemArrays& arrays) {
     }
     if (is_full) {
       const double* const numbers = value + start[i];
-      double first = 0;
-      double second = 0;
-      for (int c = 0; c < p; ++c) {
-        first += mass[from[0] + c];
-        second += mass[from[p] + c];
-        J[c] = numbers[c];
-        J[p + c] = numbers[p + c];
-      }
-      body[0] = first > 0 ? static_cast<std::int32_t>(from[0] / p) : -1;
-      body[1] = second > 0 ? static_cast<std::int32_t>(from[p] / p) : -1;
+      const std::int32_t first = from[0] / p;
+      const std::int32_t second = from[p] / p;
+      for (int c = 0; c < 2 * p; ++c) J[c] = numbers[c];
+      body[0] = moves[first] != 0 ? first : -1;
+      body[1] = moves[second] != 0 ? second : -1;
       continue;
     }
     for (int c = 0; c < 2 * p; ++c) J[c] = 0;
     body[0] = body[1] = -1;
-    int sides = 0;
+    int side = -1;
+    std::int32_t current = -1;
     int last = -1;
-    for (int e = start[i]; e < end;) {
-      const auto k = static_cast<int>(column[e] / p);
+    for (int e = start[i]; e < end; ++e) {
       if (column[e] <= last || column[e] >= columns) return false;
-      double moves = 0;
-      for (int c = 0; c < p; ++c) moves += mass[k * p + c];
-      double* side = J + sides * p;
-      if (moves > 0) {
-        if (sides == 2) return false;
-        body[sides++] = k;
-      }
-      do {
-        if (column[e] <= last || column[e] >= columns) return false;
-        last = column[e];
-        if (moves > 0) side[last - k * p] = value[e];
-        ++e;
-      } while (e < end && column[e] < (k + 1) * p);
+      last = column[e];
+      const std::int32_t k = last / p;
+      if (moves[k] == 0) continue;
+      side += k != current ? 1 : 0;
+      if (side > 1) return false;
+      current = body[side] = k;
+      J[side * p + last - k * p] = value[e];
     }
   }
   return true;

@@ -82,6 +82,7 @@ class TwoBodyCopy {
   StepRows rows_;
   std::vector<std::int32_t> body_;
   std::vector<double> J_;
+  std::vector<unsigned char> moves_;  // by body
 };
 
 }  // namespace lcpbench

@@ -71,6 +71,26 @@ TEST(SmallPivoting, SolvesDefiniteProblemsOfEverySize) {
   }
 }
 
+// Half as many degrees of freedom as rows: most active sets leave violated rows that depend on them.
+TEST(SmallPivoting, RowsThatDependOnOthersTakeTheirPlaces) {
+  SmallPivoting tableau;
+  tableau.Reserve(SmallPivoting::kMaxRows);
+  int solved = 0;
+  int problems = 0;
+  for (Index n = 6; n <= SmallPivoting::kMaxRows; n += 6) {
+    for (unsigned seed = 0; seed < 20; ++seed, ++problems) {
+      const LcpProblem problem =
+          PlantedProblem(n, static_cast<int>(n / 6), 100 * seed + static_cast<unsigned>(n), 5, 4).problem;
+      VectorXd f(n);
+      const auto [rho, rounding, rows_meet] = tableau.Solve(problem, {}, &f);
+      if (!(rho <= 1e-9)) continue;
+      ++solved;
+      EXPECT_LE(ComputeMetrics(problem, f).rho, rho + rounding) << n << ' ' << seed;
+    }
+  }
+  EXPECT_GE(solved, 0.99 * problems) << problems;
+}
+
 TEST(SmallPivoting, APartIsSolvedAsTheProblemOfItsRows) {
   for (unsigned seed = 0; seed < 50; ++seed) {
     std::vector<LcpProblem> parts;

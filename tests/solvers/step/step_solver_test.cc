@@ -203,6 +203,28 @@ INSTANTIATE_TEST_SUITE_P(Kinds, StepsOfRandomRows,
 // ----- by hand
 
 // More rows than degrees of freedom: A_FF is singular for most active sets, and forces are not unique.
+TEST(StepRowsTest, DenseAIsThatOfTheProblem) {
+  constexpr Index kStride = 28;
+  for (const int p : {3, 6}) {
+    for (unsigned seed = 0; seed < 40; ++seed) {
+      const Index n = 1 + seed % 25;
+      StepArrays step = RandomStep(n, 1 + n / 3, p, seed);
+      step.Round();
+      for (const bool single : {false, true}) {
+        std::vector<double> A(static_cast<std::size_t>(n * kStride), kNaN);
+        AssembleDenseA(step.View(single), A.data(), kStride);
+        const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> found(
+            A.data(), n, kStride);
+        const MatrixXd expected = step.Problem(single).DenseA();
+        // Sums of at most 2 p products, each of which is at most the geometric mean of two diagonal entries.
+        EXPECT_LE((found.leftCols(n) - expected).cwiseAbs().maxCoeff(), 1e-14 * expected.diagonal().maxCoeff());
+        EXPECT_EQ(found.leftCols(n), found.leftCols(n).transpose());
+        EXPECT_TRUE((found.rightCols(kStride - n).array() == 0).all());
+      }
+    }
+  }
+}
+
 TEST(StepSolver, SolvesSmallHyperstaticIslands) {
   constexpr unsigned kSeeds = 1000;
   StepSolver solver;
