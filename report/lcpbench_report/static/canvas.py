@@ -97,7 +97,7 @@ def handles(solvers: list[str], styles: dict[str, SolverStyle], oracle: bool = F
 
 def legend_below(axes, made: list[Line2D]):
     """Under the panel, outside of its frame."""
-    return axes.legend(handles=made, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncol=3, borderaxespad=0)
+    return axes.legend(handles=made, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncol=2, borderaxespad=0)
 
 
 def legend_outside(figure, made: list, columns: int):
