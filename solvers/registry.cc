@@ -252,16 +252,15 @@ std::string SizeRefusal(const SolverEntry& solver, Index rows) {
 std::span<const SolverEntry> AllSolvers() { return Solvers(); }
 
 const SolverEntry& FindSolver(std::string_view key) {
-  std::string own;
-  int peers = 0;
   const std::string_view present = PresentKey(key);
   for (const SolverEntry& entry : Solvers()) {
     if (entry.key == present) return entry;
-    if (entry.origin == SolverOrigin::kOwn) {
-      own += entry.key + ", ";
-    } else {
-      ++peers;
-    }
+  }
+  std::string own;
+  int peers = 0;
+  for (const SolverEntry& entry : Solvers()) {
+    if (entry.origin == SolverOrigin::kOwn) own += entry.key + ", ";
+    if (entry.origin != SolverOrigin::kOwn) ++peers;
   }
   throw InputError("unknown solver '" + std::string(key) + "', expected one of " + own + "or of the " +
                    std::to_string(peers) + " peers that `lcpbench list solvers` names");

@@ -86,17 +86,17 @@ class StepStream {
     if (stream.data() == stream_.data() && stream.size() == stream_.size()) return;
     stream_ = stream;
     steps_.clear();
-    for (const ProblemArrays& arrays : stream) {
-      const LcpProblem problem = LcpProblem::FromArrays(arrays);
-      steps_.push_back(TakesRows(problem) ? StepArrays::Of(problem) : StepArrays());
-    }
+    for (const ProblemArrays& arrays : stream) steps_.push_back(StepOf(LcpProblem::FromArrays(arrays)));
   }
   StepRows RowsOf(const ProblemArrays& arrays) const {
     return steps_[static_cast<std::size_t>(&arrays - stream_.data())].View();
   }
 
-  // Others have no such arrays: nobody solves them.
-  static bool TakesRows(const LcpProblem& problem) { return problem.has_factors() && problem.has_two_body_rows(); }
+  static StepArrays StepOf(const LcpProblem& problem) {
+    if (problem.has_factors() && problem.has_two_body_rows()) return StepArrays::Of(problem);
+    throw InputError("problem '" + problem.id() +
+                     "' has rows on more than two bodies, or A itself: --from rows needs J by bodies");
+  }
 
  private:
   std::span<const ProblemArrays> stream_;
@@ -133,8 +133,7 @@ class StepContestant final : public Contestant {
                   double* seconds) override {
     LcpResult result;
     result.f.setZero(problem.size());
-    if (!StepStream::TakesRows(problem)) return result;
-    const StepArrays step = StepArrays::Of(problem);
+    const StepArrays step = StepStream::StepOf(problem);
     StepSolver solver(OptionsOf(options.tolerance, options.time_limit_s));
     const double start = SteadyNow();
     result.status = solver.Solve(step.View(), nullptr, result.f.data()).status;
@@ -185,21 +184,17 @@ class LinkedPeer : public WorkerSolver {
 // The same code, from rows.
 class LinkedPeerOfRows final : public LinkedPeer {
  public:
-  using LinkedPeer::LinkedPeer;
-
-  LcpResult Judge(const LcpProblem& problem, const ProblemArrays& arrays, const LcpOptions& options,
-                  double* seconds) override {
-    if (StepStream::TakesRows(problem)) return LinkedPeer::Judge(problem, arrays, options, seconds);
-    LcpResult result;
-    result.f.setZero(problem.size());
-    return result;
+  LinkedPeerOfRows(const SolverEntry& entry, PeerLibrary library) : LinkedPeer(entry, std::move(library)) {
+    if (dynamic_cast<SolverOfRows*>(MakeLinked().get()) == nullptr) {
+      throw InputError("solver '" + key() + "' takes no rows by bodies");
+    }
   }
+
   void BeginStream() override { stream_.Forget(); }
   PassReply Pass(std::span<const ProblemArrays> stream, const PassRequest& request) override {
     stream_.Take(stream);
     const std::shared_ptr<LcpSolver> solver = MakeLinked();
     auto* const peer = dynamic_cast<SolverOfRows*>(solver.get());
-    if (peer == nullptr) throw InputError("solver '" + key() + "' takes no rows by bodies");
     const auto solve = [solver, peer](const StepRows& rows, const LcpOptions& options, LcpResult* result) {
       peer->SolveRows(rows, options, result);
     };

@@ -48,7 +48,7 @@ class Contestant {
 /// @param only_workers  linked peers run in their workers, too
 /// @param from_rows     timed from an engine's arrays (StepRows) instead of ProblemArrays: `auto` as StepSolver, and
 ///                      codes of linked peers that take a dense A, which is assembled from the rows on their clock.
-///                      Problems that have no such arrays, by nobody solved, are wrong.
+///                      Problems without such arrays are refused (InputError) when they are met.
 /// @throws InputError for an unknown key, a solver that is not in this build, or one that takes no rows
 std::vector<std::unique_ptr<Contestant>> MakeContestants(const std::vector<std::string>& keys, bool only_workers,
                                                          bool from_rows);

@@ -202,8 +202,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, StepsOfRandomRows,
 
 // ----- by hand
 
-// More rows than degrees of freedom: A_FF is singular for most active sets, and forces are not unique.
-TEST(StepRowsTest, DenseAIsThatOfTheProblem) {
+TEST(StepRows, DenseAIsThatOfTheProblem) {
   constexpr Index kStride = 28;
   for (const int p : {3, 6}) {
     for (unsigned seed = 0; seed < 40; ++seed) {
@@ -225,6 +224,7 @@ TEST(StepRowsTest, DenseAIsThatOfTheProblem) {
   }
 }
 
+// More rows than degrees of freedom: A_FF is singular for most active sets, and forces are not unique.
 TEST(StepSolver, SolvesSmallHyperstaticIslands) {
   constexpr unsigned kSeeds = 1000;
   StepSolver solver;
