@@ -9,7 +9,6 @@
 #include "benchmarks/measure/allocation_count.h"
 #include "benchmarks/measure/process_watch.h"
 #include "solvers/lcp/verify.h"
-#include "solvers/peers/protocol/external_solver.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -95,23 +94,34 @@ JudgeReply TaskRunner::Run(const JudgeRequest& request, const BeginPhase& begin)
   return reply;
 }
 
-PassReply TaskRunner::RunOwnOrForeign(const TimedRequest& request, const std::function<void()>& begin) {
-  const SolverEntry& entry = FindSolver(request.solver);
+ExternalSolver& TaskRunner::ProcessOf(const SolverEntry& entry) {
   if (entry.origin == SolverOrigin::kOwn) {
-    begin();
-    return RunPass([&entry] { return entry.make({}); }, arrays_, request.pass);
+    std::unique_ptr<ExternalSolver>& served = served_[entry.key];
+    if (served == nullptr) {
+      ExternalSolverOptions options;
+      options.command = serve_;
+      options.command.push_back(entry.key);
+      options.name = entry.key;
+      served = std::make_unique<ExternalSolver>(options);
+    }
+    return *served;
   }
   auto* external = dynamic_cast<ExternalSolver*>(&pool_.Get(entry));
-  if (external == nullptr) throw std::logic_error("solver '" + request.solver + "' is in no process of its own");
+  if (external == nullptr) throw std::logic_error("solver '" + entry.key + "' is in no process of its own");
+  return *external;
+}
+
+PassReply TaskRunner::RunInItsProcess(const TimedRequest& request, const std::function<void()>& begin) {
+  ExternalSolver& solver = ProcessOf(FindSolver(request.solver));
   std::string& loaded = loaded_[request.solver];
   if (loaded != stream_) {
-    external->LoadStream(arrays_);
+    solver.LoadStream(arrays_);
     loaded = stream_;
   }
   begin();
   const double most_s =
       2 * (request.pass.budget_s + request.pass.time_limit_s) * static_cast<double>(2 + request.pass.warm_up.size());
-  return external->RunPass(request.pass, most_s);
+  return solver.RunPass(request.pass, most_s);
 }
 
 TimedReply TaskRunner::Run(const TimedRequest& request, const BeginPhase& begin) {
@@ -136,7 +146,7 @@ TimedReply TaskRunner::Run(const TimedRequest& request, const BeginPhase& begin)
   const auto solves = static_cast<double>(request.pass.warm_up.size() + 1);
   const double limit_s = kJudgingLimit + request.pass.budget_s + solves * request.pass.time_limit_s;
   try {
-    pass = RunOwnOrForeign(asked, [&] { begin(limit_s, "in a timed pass"); });
+    pass = RunInItsProcess(asked, [&] { begin(limit_s, "in a timed pass"); });
   } catch (const InputError&) {
     throw;
   } catch (const std::exception& error) {  // another process that did not come to its end
@@ -144,10 +154,8 @@ TimedReply TaskRunner::Run(const TimedRequest& request, const BeginPhase& begin)
     reply.detail = error.what();
   }
   reply.disturbance = watch.Finish();
-  if (const SolverEntry& entry = FindSolver(request.solver); entry.origin != SolverOrigin::kOwn) {
-    reply.disturbance->cpu_share = 1;  // this thread waits while another process solves
-    if (auto* external = dynamic_cast<ExternalSolver*>(&pool_.Get(entry))) reply.retried = external->TakeRetried();
-  }
+  reply.disturbance->cpu_share = 1;  // this thread waits while another process solves
+  reply.retried = ProcessOf(FindSolver(request.solver)).TakeRetried();
 
   for (const TimeField& field : TimeFields()) {
     if (field.kind != request.pass.kind) continue;

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "benchmarks/campaign/campaign_file.h"
@@ -11,6 +12,7 @@
 #include "benchmarks/measure/solver_pool.h"
 #include "solvers/lcp/fresh_pass.h"
 #include "solvers/lcp/problem.h"
+#include "solvers/peers/protocol/external_solver.h"
 
 namespace lcpbench {
 
@@ -18,10 +20,13 @@ namespace lcpbench {
 /// manifests, their references, and the problems of streams.
 class TaskRunner {
  public:
+  /// @param serve  command that serves the solver whose key is its next word
+  explicit TaskRunner(std::vector<std::string> serve) : serve_(std::move(serve)) {}
   /// @param begin  called when the problem is made, and the solve begins
   /// @throws InputError for an unknown manifest, problem or solver
   JudgeReply Run(const JudgeRequest& request, const BeginPhase& begin);
-  /// The same for a pass.
+  /// The same for a pass. Own solvers are timed as peers are, in a process that has the stream and nothing else: here
+  /// its arrays would lie scattered among all problems of the campaign.
   TimedReply Run(const TimedRequest& request, const BeginPhase& begin);
 
  private:
@@ -30,11 +35,14 @@ class TaskRunner {
     LcpReference reference;
   };
   const Problem& Get(const ProblemName& name);
-  PassReply RunOwnOrForeign(const TimedRequest& request, const std::function<void()>& begin);
+  ExternalSolver& ProcessOf(const SolverEntry& entry);
+  PassReply RunInItsProcess(const TimedRequest& request, const std::function<void()>& begin);
 
   std::map<std::string, std::unique_ptr<ProblemSet>> sets_;
   std::map<std::string, Problem> problems_;  // by id
   SolverPool pool_;
+  std::vector<std::string> serve_;
+  std::map<std::string, std::unique_ptr<ExternalSolver>> served_;  // own solvers, by key
   // The stream that arrays_ hold, by its names joined, and the one that a worker of another process was given last.
   std::string stream_;
   std::vector<ProblemArrays> arrays_;

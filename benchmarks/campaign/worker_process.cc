@@ -96,7 +96,7 @@ JudgeReply WorkerProcess::Run(const JudgeRequest& request) { return Ask<JudgeRep
 TimedReply WorkerProcess::Run(const TimedRequest& request) { return Ask<TimedReply>(request); }
 SequenceReply WorkerProcess::Run(const SequenceRequest& request) { return Ask<SequenceReply>(request); }
 
-int ServeTasks() {
+int ServeTasks(const std::vector<std::string>& solver_arguments) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // a campaign that is killed leaves nobody who goes on solving
   // What libraries print must not get among the replies.
   const int replies = dup(STDOUT_FILENO);
@@ -108,7 +108,10 @@ int ServeTasks() {
   };
   // What does not fit ends the worker: the next one starts with all its memory.
   std::set_new_handler([] { _exit(kOutOfMemory); });
-  TaskRunner runner;
+  std::vector<std::string> serve = {"/proc/self/exe", kWorkerCommand};
+  serve.insert(serve.end(), solver_arguments.begin(), solver_arguments.end());
+  serve.emplace_back("--serve");
+  TaskRunner runner(std::move(serve));
   SequenceRunner sequences;
   const auto begin = [&tell](double limit_s, const std::string& name) {
     tell(kMark + (" " + std::to_string(limit_s)) + " " + name);

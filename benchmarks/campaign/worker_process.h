@@ -49,7 +49,8 @@ class WorkerProcess {
 
 /// What the worker does: requests on standard input, one line each; replies on standard output. Lines that begin with
 /// '#' say that a phase begins, as BeginPhase: "# LIMIT NAME".
+/// @param solver_arguments  WorkerOptions::solver_arguments, as this process got them
 /// @return exit status
-int ServeTasks();
+int ServeTasks(const std::vector<std::string>& solver_arguments);
 
 }  // namespace lcpbench

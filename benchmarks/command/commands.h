@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "solvers/lcp/settings.h"
 #include "support/exit_status.h"
 
 namespace lcpbench {
@@ -21,6 +22,10 @@ void AddCommand(CLI::App& parent, CommandRun& run, const std::string& name, cons
   command->Declare(*app);
   app->callback([command, &run] { run = [command] { return command->Run(); }; });
 }
+
+/// Serves a solver of this build on standard input and output (RunWorker). @return exit status
+/// @throws InputError for an unknown key, and for wrong settings where nobody listens
+int ServeSolver(const std::string& key, const Settings& settings);
 
 void AddListCommand(CLI::App& app, CommandRun& run);
 void AddGenerateCommand(CLI::App& app, CommandRun& run);

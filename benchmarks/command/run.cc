@@ -202,18 +202,23 @@ struct RunCampaigns {
 
 struct CampaignWorker {
   bool ablations = false;
+  std::string served;
   NamedSolvers named;
 
   void Declare(CLI::App& app) {
     app.group("");  // of no use to people
     named.Declare(app);
     app.add_flag("--ablations", ablations);
+    app.add_option("--serve", served, "Solver key: serves it, as a peer's worker does");
   }
 
   int Run() const {
     named.Register();
     if (ablations) RegisterAblations();
-    return ServeTasks();
+    if (!served.empty()) return ServeSolver(served, {});
+    std::vector<std::string> solver_arguments = named.Words();
+    if (ablations) solver_arguments.emplace_back("--ablations");
+    return ServeTasks(solver_arguments);
   }
 };
 

@@ -17,24 +17,25 @@ struct Serve {
     app.add_option("NAME=VALUE", settings, "Options of the solver itself");
   }
 
-  int Run() const {
-    const Settings chosen = ParseSettings(settings);
-    const SolverEntry& entry = FindSolver(solver);
-    try {
-      MakeSolver(solver, chosen);
-    } catch (const InputError& error) {
-      if (RefuseToStart(error.what())) return kMisuse;
-      throw;
-    }
-    Hello hello;
-    hello.name = entry.key;
-    hello.library_version = kVersion;
-    hello.licence = entry.licence;
-    return RunWorker(hello, [&] { return entry.make(chosen); });
-  }
+  int Run() const { return ServeSolver(solver, ParseSettings(settings)); }
 };
 
 }  // namespace
+
+int ServeSolver(const std::string& key, const Settings& settings) {
+  const SolverEntry& entry = FindSolver(key);
+  try {
+    MakeSolver(key, settings);
+  } catch (const InputError& error) {
+    if (RefuseToStart(error.what())) return kMisuse;
+    throw;
+  }
+  Hello hello;
+  hello.name = entry.key;
+  hello.library_version = kVersion;
+  hello.licence = entry.licence;
+  return RunWorker(hello, [&] { return entry.make(settings); });
+}
 
 void AddServeCommand(CLI::App& app, CommandRun& run) {
   AddCommand<Serve>(app, run, "serve",
