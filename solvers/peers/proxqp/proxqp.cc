@@ -206,7 +206,10 @@ std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
 
 // The library takes its workspace from malloc, wherever that is, and the order of vectorised sums depends on where:
 // blocks of one alignment, so that the same program gives the same bits each time.
-extern "C" void* __wrap_malloc(std::size_t size) {  // NOLINT: the linker's name
+#ifdef __clang__
+#pragma clang diagnostic ignored "-Wreserved-identifier"  // the linker's names
+#endif
+extern "C" void* __wrap_malloc(std::size_t size) {  // NOLINT
   constexpr std::size_t kAlignment = 64;
   return std::aligned_alloc(kAlignment, (size + kAlignment) / kAlignment * kAlignment);
 }

@@ -109,7 +109,7 @@ QuadraticProgram MakeDual(const LcpProblem& problem, const QpLayout& layout) {
   if (layout.dense) {
     qp.dense_C = C;
   } else {
-    qp.C = std::move(C);
+    qp.C.swap(C);
   }
   return qp;
 }
