@@ -129,7 +129,7 @@ void SetB(const LcpProblem& problem, QuadraticProgram* qp) {
     return;
   }
   qp->g = problem.b();
-  qp->x_lower.setConstant(n, qp->bounds_are_rows ? -kInfinity : 0);
+  qp->x_lower.setConstant(n, qp->bounds_are_rows ? -kInfinity : 0.0);
   const auto rows = qp->bounds_are_rows ? n - static_cast<Index>(problem.bilateral_rows().size()) : 0;
   for (const Index row : problem.bilateral_rows()) qp->x_lower[row] = -kInfinity;
   qp->lower.setZero(rows);
