@@ -46,21 +46,6 @@ void Eliminate(double* tableau, Index n, Index r, const double* pivot_row) {
   }
 }
 
-// The same for the rows whose factor is not 0, a bit for each: without a branch that is often guessed wrong.
-template <int count>
-void EliminateSparse(double* tableau, std::uint64_t rows, Index r, const double* pivot_row) {
-  static_assert(count * kRegister <= 64);
-  Register p[count];
-  for (int v = 0; v < count; ++v) p[v] = AsRegisters(pivot_row)[v];
-  const double p_r = pivot_row[r];
-  for (; rows != 0; rows &= rows - 1) {
-    double* row = tableau + Index{std::countr_zero(rows)} * count * kRegister;
-    const double factor = row[r];
-    for (int v = 0; v < count; ++v) AsRegisters(row)[v] += factor * p[v];
-    row[r] = factor * p_r;
-  }
-}
-
 // A row with both sides on one body has one side: the sum of both.
 template <Index p>
 double JoinSides(double* J, double* momentum, Index along, const double* mass, std::int64_t* second_body) {
@@ -74,16 +59,6 @@ double JoinSides(double* J, double* momentum, Index along, const double* mass, s
   }
   *second_body = -1;
   return d;
-}
-
-void EliminateLong(double* tableau, Index n, Index r, Index stride, const double* pivot_row) {
-  for (Index i = 0; i < n; ++i) {
-    double* __restrict row = tableau + i * stride;
-    const double factor = row[r];
-    if (factor == 0) continue;
-    for (Index j = 0; j < stride; ++j) row[j] += factor * pivot_row[j];
-    row[r] = factor * pivot_row[r];
-  }
 }
 
 // Active sets that are tried before the tableau: the guess, and what its violated rows make of it.
@@ -101,7 +76,7 @@ void SmallPivoting::Reserve(Index max_rows, Index problem_rows) {
   joints_.reserve(At(stride));
   guess_.reserve(At(stride));
   for (Eigen::VectorXd* v : {&diagonal_, &b_, &q_, &scale_, &root_, &inverse_root_, &weight_, &sign_, &least_force_,
-                             &force_, &w_, &pivot_row_, &correction_, &blocked_weight_}) {
+                             &force_, &w_, &pivot_row_, &waiting_row_, &correction_, &blocked_weight_}) {
     v->setZero(stride);
   }
 }
@@ -118,11 +93,24 @@ void SmallPivoting::ReserveRows(Index max_rows, Index max_bodies) {
   if (last_.size() < At(max_bodies)) last_.resize(At(max_bodies), -1);
 }
 
-// Exchanges f_r and w_r. False if rounding is all that the pivot is made of.
+void SmallPivoting::EliminateOne(double* row, Index stride, const PivotRow& pivot) {
+  const double factor = row[pivot.r];
+  if (factor == 0) return;
+  for (Index v = 0; v < stride / kRegister; ++v) AsRegisters(row)[v] += factor * AsRegisters(pivot.p)[v];
+  row[pivot.r] = factor * pivot.p[pivot.r];
+}
+
+// Exchanges f_r and w_r. False if rounding is all that the pivot is made of. Above 16 rows only q and row r are those
+// after the pivot, the other rows of the tableau wait for the next one.
 template <int count>
 bool SmallPivoting::Pivot(Index r) {
+  constexpr bool waits = count == 0 || count > 2;
+  if (waits && r == waiting_) CatchUp();
   double* row = tableau_.data() + r * stride_;
-  const double pivot = row[r];
+  const bool any_waits = waits && waiting_ >= 0;
+  const double* waiting = waiting_row_.data();
+  const double behind = any_waits ? row[waiting_] : 0.0;
+  const double pivot = any_waits ? row[r] + behind * waiting[r] : row[r];
   const double least = sign_[r] < 0 ? kLeastPivot * root_[r] * root_[r] : 0;
   if (!(pivot > least)) return false;
   ++pivots_;
@@ -139,7 +127,10 @@ bool SmallPivoting::Pivot(Index r) {
   IntegerRegister reached = {};
   for (Index v = 0; v < registers; ++v) {
     const IntegerRegister is_r = at == r;
-    const Register t = AsRegisters(row)[v];
+    Register t = AsRegisters(row)[v];
+    if constexpr (waits) {
+      if (any_waits) t = (at == waiting_ ? Register{} : t) + behind * AsRegisters(waiting)[v];
+    }
     if constexpr (count > 2) reached |= (t != 0) & (kFirstBits << (v * kRegister));
     const Register signs = AsRegisters(sign_.data())[v];
     const Register q_new = AsRegisters(q_.data())[v] + (sign * q) * (t * signs);
@@ -149,16 +140,74 @@ bool SmallPivoting::Pivot(Index r) {
     AsRegisters(weight_.data())[v] = is_r ? Register{} + weight : AsRegisters(weight_.data())[v];
     at += kRegister;
   }
-  double* tableau = tableau_.data();
-  if constexpr (count > 2) {
-    EliminateSparse<count>(tableau, Together(&reached), r, p);
-  } else if constexpr (count > 0) {
-    Eliminate<count>(tableau, n_, r, p);
+  if constexpr (waits) {
+    const std::uint64_t reached_rows = Together(&reached);
+    if (any_waits) {
+      EliminateBoth<count>({waiting_, waiting}, {r, p}, reached_rows);
+      waiting_ = -1;
+    } else {
+      waiting_ = r;
+      waiting_rows_ = reached_rows;
+      waiting_row_.swap(pivot_row_);
+    }
   } else {
-    EliminateLong(tableau, n_, r, stride_, p);
+    Eliminate<count>(tableau_.data(), n_, r, p);
   }
   for (Index v = 0; v < registers; ++v) AsRegisters(row)[v] = AsRegisters(p)[v];
   return true;
+}
+
+// Two pivots, one after the other, at once: most of what it costs to change a row is to read and to write it. Their own
+// rows are those after them.
+template <int count>
+void SmallPivoting::EliminateBoth(const PivotRow& first, const PivotRow& second, std::uint64_t second_rows) {
+  double* const tableau = tableau_.data();
+  const Index r = first.r;
+  const Index s = second.r;
+  const double p_r = first.p[r];
+  const double p_s = first.p[s];
+  const double p2_r = second.p[r];
+  const double p2_s = second.p[s];
+  EliminateOne(tableau + r * stride_, stride_, second);
+  if constexpr (count > 0) {
+    static_assert(count * kRegister <= 64);
+    Register p[count];
+    Register p2[count];
+    for (int v = 0; v < count; ++v) {
+      p[v] = AsRegisters(first.p)[v];
+      p2[v] = AsRegisters(second.p)[v];
+    }
+    // Without a branch on rows that is often guessed wrong.
+    std::uint64_t rows = (waiting_rows_ | second_rows) & ~(std::uint64_t{1} << r) & ~(std::uint64_t{1} << s);
+    for (; rows != 0; rows &= rows - 1) {
+      double* const row = tableau + Index{std::countr_zero(rows)} * count * kRegister;
+      const double factor = row[r];
+      const double factor2 = row[s] + factor * p_s;
+      for (int v = 0; v < count; ++v) AsRegisters(row)[v] = (AsRegisters(row)[v] + factor * p[v]) + factor2 * p2[v];
+      row[r] = factor * p_r + factor2 * p2_r;
+      row[s] = factor2 * p2_s;
+    }
+  } else {
+    const double* __restrict p = first.p;
+    const double* __restrict p2 = second.p;
+    for (Index i = 0; i < n_; ++i) {
+      double* __restrict row = tableau + i * stride_;
+      const double factor = row[r];
+      const double factor2 = row[s] + factor * p_s;
+      if (i == r || i == s || (factor == 0 && factor2 == 0)) continue;
+      for (Index j = 0; j < stride_; ++j) row[j] = (row[j] + factor * p[j]) + factor2 * p2[j];
+      row[r] = factor * p_r + factor2 * p2_r;
+      row[s] = factor2 * p2_s;
+    }
+  }
+}
+
+// The tableau after all pivots.
+void SmallPivoting::CatchUp() {
+  for (Index i = 0; i < n_ && waiting_ >= 0; ++i) {
+    if (i != waiting_) EliminateOne(tableau_.data() + i * stride_, stride_, {waiting_, waiting_row_.data()});
+  }
+  waiting_ = -1;
 }
 
 // -1 if there is none.
@@ -228,6 +277,7 @@ double SmallPivoting::Rho() {
 
 // f_F -= A_FF^-1 w_F.
 void SmallPivoting::Refine() {
+  CatchUp();
   const Index registers = stride_ / kRegister;
   for (Index v = 0; v < registers; ++v)
     AsRegisters(w_.data())[v] = AsRegisters(sign_.data())[v] > 0 ? AsRegisters(w_.data())[v] : Register{};
@@ -290,6 +340,7 @@ SmallPivoting::Answer SmallPivoting::Finish(const Request& request) {
 template <int count>
 bool SmallPivoting::DrivePivots(const Deadline* deadline) {
   noise_ = kNoise;
+  waiting_ = -1;
   for (const Index r : joints_) Pivot<count>(r);
   for (const Index r : guess_) {
     if (sign_[r] < 0) Pivot<count>(r);
@@ -329,6 +380,7 @@ bool SmallPivoting::Exchange() {
     r = i;
   }
   if (r < 0) return false;
+  CatchUp();
   // Of F, row r of the tableau has by how much a unit of force at r lowers each force.
   const double* const row = tableau_.data() + r * stride_;
   Index leaving = -1;

@@ -128,6 +128,15 @@ class SmallPivoting {
   bool DrivePivots(const Deadline* deadline);
   template <int count>
   bool Pivot(Index r);
+  // A pivot: the tableau's row after it, and the column that it is of.
+  struct PivotRow {
+    Index r;
+    const double* p;
+  };
+  template <int count>
+  void EliminateBoth(const PivotRow& first, const PivotRow& second, std::uint64_t second_rows);
+  static void EliminateOne(double* row, Index stride, const PivotRow& pivot);
+  void CatchUp();
   template <int count>
   bool Exchange();
   template <int count>
@@ -155,6 +164,9 @@ class SmallPivoting {
   // By row: what q is compared in, 0 where it may have any sign; +1 in F and -1 outside; the least force.
   Eigen::VectorXd weight_, sign_, least_force_;
   Eigen::VectorXd force_, w_, pivot_row_, correction_;
+  Index waiting_ = -1;              // the pivot that only q_ and its own row know of; -1: none
+  std::uint64_t waiting_rows_ = 0;  // up to 64 rows, a bit for each that it changes
+  Eigen::VectorXd waiting_row_;
   Eigen::VectorXd blocked_weight_;     // the weight of a row that may not be moved for now, else 0
   std::vector<Index> joints_, guess_;  // guess_: active rows, ascending
   std::vector<int> local_;             // by row of the whole problem: its place in the part where it last was in one
