@@ -730,7 +730,7 @@ double ProfilePivoting::SolveOf(const StepRows& all, std::span<const std::int32_
   double residual = std::numeric_limits<double>::infinity();
   auto budget = std::max<Index>(kFirstIterations, static_cast<Index>(2 * factor_cost_ / sweep_cost_));
   if (request.initial_f != nullptr) budget = 1;
-  for (int phase = 0; phase < (request.is_brief ? 1 : kMostPhases); ++phase) {
+  for (int phase = 0; phase < kMostPhases; ++phase) {
     bool arrived = false;
     for (Index k = 0; k < budget && !arrived; ++k) {
       arrived = Iterate<p>() <= limit / 2;

@@ -29,7 +29,6 @@ class ProfilePivoting {
     double tolerance;          ///< on rho
     const double* initial_f;   ///< by row of the whole step, or nullptr
     const Deadline* deadline;  ///< or nullptr
-    bool is_brief = false;     ///< one round of sweeps and pivoting; what that leaves open another method shall do
   };
 
   /// @param max_rows  of an island; the profile is granted kMostProfile numbers a row on average, and an island that

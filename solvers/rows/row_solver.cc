@@ -16,7 +16,6 @@ namespace {
 
 std::size_t At(std::int64_t i) { return static_cast<std::size_t>(i); }
 constexpr Index kRowsWithoutIslands = 16;
-constexpr std::size_t kTableauRows = 64;
 // Rounding of a sum over a row's two bodies and the rows of each, in units of epsilon times the sum of absolute values.
 constexpr double kRoundings = 32;
 // Parts of the largest force of an island below which forces are taken for rounding, where a row's error asks for it.
@@ -156,18 +155,7 @@ void RowSolver::SolvePart(const Request& request, std::span<const std::int32_t> 
     answer->solved = answer->solved && (is_joint ? b == 0 : b >= 0);
     return;
   }
-  const bool fits_tableau = std::ssize(part) <= SmallPivoting::kMaxRows;
-  if (fits_tableau && part.size() > kTableauRows) {
-    // A factor is cheaper where sweeps have found nearly all of the active set; a tableau is cheaper than to insist.
-    profile_.Solve(request.rows, part, {tolerance / 2, request.initial_f, request.deadline, true}, request.f);
-    answer->iterations += profile_.iterations();
-    double rho = 0;
-    if (JudgePart(request, part, &rho)) {
-      answer->rho = std::max(answer->rho, rho);
-      return;
-    }
-  }
-  if (fits_tableau && SolveDense(request, part, answer)) return;
+  if (std::ssize(part) <= SmallPivoting::kMaxRows && SolveDense(request, part, answer)) return;
   // Above, and where the tableau gave up: rows that depend on others.
   profile_.Solve(request.rows, part, {tolerance / 2, request.initial_f, request.deadline}, request.f);
   answer->iterations += profile_.iterations();

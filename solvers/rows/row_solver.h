@@ -23,8 +23,7 @@ struct RowAnswer {
 ///
 /// 1. Rows fall into islands that share no moving body (RowIslands), each one solved by itself.
 /// 2. Up to 8 rows: one active set after the other (TinyRows).
-/// 3. Up to 64 rows: principal pivoting on a dense tableau, into which A is assembled (SmallPivoting); up to 128 after
-///    one round of ProfilePivoting.
+/// 3. Up to 128 rows: principal pivoting on a dense tableau, into which A is assembled (SmallPivoting).
 /// 4. Above, and where the tableau gave up: ProfilePivoting.
 ///
 /// An island counts as solved only if its f passes by rho and backward errors of the given rows, in double and with a
