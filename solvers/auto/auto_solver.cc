@@ -285,7 +285,10 @@ bool AutoEngine::TryTableauOfArrays(const ProblemArrays& arrays, const LcpOption
 // rounding.
 bool AutoEngine::SolveMatrix(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
   if (!matrix_.Take(arrays)) return false;
-  if (arrays.rows <= options_.tableau_rows && TryTableauOfArrays(arrays, options, result)) return true;
+  const bool is_wide = 2 * matrix_.bandwidth() >= arrays.rows;
+  const Index tableau_rows =
+      is_wide ? std::max(options_.tableau_rows, options_.hard_tableau_rows) : options_.tableau_rows;
+  if (arrays.rows <= tableau_rows && TryTableauOfArrays(arrays, options, result)) return true;
   return BandPivoting::Suits(matrix_) && band_.Solve(matrix_, options, result);
 }
 

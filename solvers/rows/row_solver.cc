@@ -155,9 +155,11 @@ void RowSolver::SolvePart(const Request& request, std::span<const std::int32_t> 
     answer->solved = answer->solved && (is_joint ? b == 0 : b >= 0);
     return;
   }
-  if (std::ssize(part) <= SmallPivoting::kMaxRows && SolveDense(request, part, answer)) return;
-  // Above, and where the tableau gave up: rows that depend on others.
-  profile_.Solve(request.rows, part, {tolerance / 2, request.initial_f, request.deadline}, request.f);
+  const bool fits_tableau = std::ssize(part) <= SmallPivoting::kMaxRows;
+  if (fits_tableau && SolveDense(request, part, answer)) return;
+  // Above, and from where the tableau gave up, most of whose active set is right: rows that nearly depend on others.
+  const double* const initial_f = fits_tableau ? request.f : request.initial_f;
+  profile_.Solve(request.rows, part, {tolerance / 2, initial_f, request.deadline}, request.f);
   answer->iterations += profile_.iterations();
   double rho = 0;
   bool passes = JudgePart(request, part, &rho);
