@@ -76,6 +76,12 @@ class AutoEngine {
   bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
 
  private:
+  // Whether RowSolver may be asked; max_iterations is in the unit of a backend.
+  bool MayAskRows(Index rows) const {
+    return options_.self_check && options_.tableau_rows > 0 && rows <= kMostStepRows;
+  }
+  bool TryRows(const StepRows& rows, const LcpOptions& options, LcpResult* result);
+  void PrepareLongWay(const LcpProblem& problem);
   void PrepareWhole(const LcpProblem& problem) {
     whole_.Prepare(problem);
     whole_is_ready_ = true;
@@ -99,8 +105,11 @@ class AutoEngine {
 
   GivenFormTest test_;  // of problems of one tableau
 
-  // Of arrays.
+  // Of arrays, and of problems by factors.
+  ProblemArrays given_;  // of the prepared problem, which step_ reads
   TwoBodyCopy step_;
+  bool has_step_ = false;           // of the prepared problem
+  bool long_way_is_ready_ = false;  // for what RowSolver leaves open
   RowSolver rows_;
   Eigen::VectorXd gaps_;
   MatrixArrays matrix_;
@@ -208,7 +217,19 @@ void AutoEngine::SolveRest(const LcpProblem& problem, const LcpOptions& options,
   }
 }
 
+// As from arrays: nothing else is prepared before RowSolver leaves something open.
 void AutoEngine::Prepare(const LcpProblem& problem) {
+  has_step_ = false;
+  if (problem.has_factors() && MayAskRows(problem.size())) {
+    given_ = ProblemArrays::Of(problem);
+    std::fill(given_.b.begin(), given_.b.end(), 0.0);  // that of Solve's problem takes its place
+    has_step_ = step_.Take(given_);
+  }
+  long_way_is_ready_ = !has_step_;
+  if (!has_step_) PrepareLongWay(problem);
+}
+
+void AutoEngine::PrepareLongWay(const LcpProblem& problem) {
   const Index n = problem.size();
   tableau_rows_ = options_.tableau_rows;
   whole_is_ready_ = false;
@@ -249,8 +270,15 @@ void AutoEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lcp
   const bool may_choose = options.max_iterations == 0;  // the unit of a limit is the backend's
   // Reading the clock costs a tenth of the smallest problems, which a tableau ends in no time.
   std::optional<Deadline> limit;
-  auto choice = AutoPortfolio::Choice::kByCost;
   if (std::isfinite(options.time_limit_s) && problem.size() > SmallPivoting::kRowsWithoutClock) limit.emplace(options);
+  if (has_step_ && may_choose) {
+    StepRows rows = step_.rows();
+    rows.b = problem.b().data();
+    if (TryRows(rows, options, result)) return;
+  }
+  if (!long_way_is_ready_) PrepareLongWay(problem);
+  long_way_is_ready_ = true;
+  auto choice = AutoPortfolio::Choice::kByCost;
   if (problem.size() <= tableau_rows_) {
     if (may_choose && TryTableau(problem, options, limit.has_value() ? &*limit : nullptr, result)) return;
     choice = AutoPortfolio::Choice::kRobust;
@@ -294,14 +322,16 @@ bool AutoEngine::SolveMatrix(const ProblemArrays& arrays, const LcpOptions& opti
 
 // A step's rows: nothing is made of A but what RowSolver assembles. What it leaves open goes the long way.
 bool AutoEngine::SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
-  if (options.max_iterations != 0 || !options_.self_check || options_.tableau_rows == 0) return false;
+  if (options.max_iterations != 0 || !MayAskRows(arrays.rows)) return false;
   if (arrays.form != MatrixForm::kFactors) {
     if (SolveMatrix(arrays, options, result)) return true;
     result->f.setZero();
     return false;
   }
-  if (arrays.rows > kMostStepRows || !step_.Take(arrays)) return false;
-  const StepRows& rows = step_.rows();
+  return step_.Take(arrays) && TryRows(step_.rows(), options, result);
+}
+
+bool AutoEngine::TryRows(const StepRows& rows, const LcpOptions& options, LcpResult* result) {
   rows_.Reserve(rows.rows, rows.bodies);
   if (gaps_.size() < rows.rows) gaps_.resize(rows.rows);
   const double* const initial_f = options.initial_f == nullptr ? nullptr : options.initial_f->data();

@@ -24,10 +24,10 @@ struct AutoOptions {
 
 /// Divides the problem, chooses among our own backends, checks the answer, and asks the next one where it is not right.
 ///
-/// From arrays (SolveArrays) with at most two moving bodies a row, the rows are taken as they are: RowSolver solves
+/// Factors, from arrays or as an LcpProblem, with at most two moving bodies a row are taken by rows: RowSolver solves
 /// each island by active sets, a tableau or a profile factor, and no form of A is made.
-/// Arrays of a symmetric dense or sparse A go to a tableau or, above tableau_rows rows, to BandPivoting, without an
-/// LcpProblem. What they leave open, and problems by other factors, go this way:
+/// Arrays of a symmetric dense or sparse A go to a tableau or, above tableau_rows rows (hard_tableau_rows of a full A),
+/// to BandPivoting, without an LcpProblem. What they leave open, and other problems, go this way:
 ///
 /// 1. Up to tableau_rows rows: principal pivoting on a dense tableau (SmallPivoting); one and two rows in closed form.
 /// 2. Above that, rows that cannot carry force and repeated rows are left out (IdleRows), and what remains
@@ -50,8 +50,9 @@ struct AutoOptions {
 /// Warm start: for a tableau's size one factorization of the rows with initial_f > 0, a second one after their wrong
 /// rows have changed sides, and a tableau only where that is not the answer; the others as their own headers say.
 ///
-/// Set-up covers what the problem's structure suggests first; other backends prepare within the solve. Limits are the
-/// backends' own, the time limit is shared. Solve does not allocate up to tableau_rows rows, unless a tableau fails.
+/// Set-up covers what the problem's structure suggests first, of rows a copy; other backends prepare within the solve.
+/// Limits are the backends' own, the time limit is shared. Solve does not allocate up to tableau_rows rows, unless a
+/// tableau fails.
 using AutoSolver = EngineSolver<AutoOptions, class AutoEngine>;
 extern template class EngineSolver<AutoOptions, AutoEngine>;
 

@@ -117,7 +117,14 @@ RowAnswer RowSolver::Solve(const StepRows& rows, const LcpOptions& options, cons
   for (Index k = 0; k < islands_.count(); ++k) {
     if (Index{static_cast<Index>(islands_.rows(k).size())} > kMostIslandRows) return {};
   }
-  for (Index k = 0; k < islands_.count() && answer.solved; ++k) SolvePart(request, islands_.rows(k), &answer);
+  Index rows_since_clock = 0;
+  for (Index k = 0; k < islands_.count() && answer.solved; ++k) {
+    SolvePart(request, islands_.rows(k), &answer);
+    rows_since_clock += std::ssize(islands_.rows(k));
+    if (rows_since_clock <= SmallPivoting::kRowsWithoutClock || !deadline.has_value()) continue;
+    rows_since_clock = 0;
+    answer.solved = answer.solved && (k + 1 == islands_.count() || !deadline->Expired());
+  }
   return answer;
 }
 
@@ -157,6 +164,10 @@ void RowSolver::SolvePart(const Request& request, std::span<const std::int32_t> 
   }
   const bool fits_tableau = std::ssize(part) <= SmallPivoting::kMaxRows;
   if (fits_tableau && SolveDense(request, part, answer)) return;
+  if (request.deadline != nullptr && request.deadline->Expired()) {
+    answer->solved = false;
+    return;
+  }
   // Above, and from where the tableau gave up, most of whose active set is right: rows that nearly depend on others.
   const double* const initial_f = fits_tableau ? request.f : request.initial_f;
   profile_.Solve(request.rows, part, {tolerance / 2, initial_f, request.deadline}, request.f);

@@ -45,7 +45,8 @@ const std::vector<DirectSolver>& DirectSolvers() {
         Iterative("active_set_by_continuation", "active-set", {{"continuation_rows", "1"}}, 1.1, 0.005, true),
         Iterative("semismooth_newton_by_continuation", "semismooth-newton", {{"continuation_rows", "1"}}, 1, 0, true),
         Iterative("semismooth_newton", "semismooth-newton", {}, 1, 0, false),
-        Iterative("auto", "auto", {}, 1.1, 0, true),  // naming the backend that answered may allocate
+        // One iteration an island; naming the backend that answered may allocate.
+        Iterative("auto", "auto", {}, 4, 0, true),
         Iterative("ipm", "ipm", {}, 0, 0, true),
         Iterative("hybrid", "hybrid", {}, 1.1, 0, true),
     };

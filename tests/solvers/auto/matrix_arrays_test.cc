@@ -52,7 +52,9 @@ TEST(MatrixArrays, ObstaclesNeedNoOtherBackend) {
         const LcpProblem given = InForm(problem, form);
         const LcpResult result = SolveArrays(ProblemArrays::Of(given));
         ExpectSolved(given, result);
-        EXPECT_EQ(result.detail, side * side > AutoOptions{}.tableau_rows ? "band" : "tableau") << problem.id();
+        const AutoOptions defaults;
+        const Index most = form == MatrixForm::kDense ? defaults.hard_tableau_rows : defaults.tableau_rows;
+        EXPECT_EQ(result.detail, side * side > most ? "band" : "tableau") << problem.id();
         ExpectSolved(given, SolveArrays(ProblemArrays::Of(given), {.initial_f = &result.f}));
       }
     }
