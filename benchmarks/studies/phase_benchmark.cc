@@ -61,7 +61,7 @@ struct PhaseOf {
 constexpr PhaseOf kPhaseOf[] = {
     {"row_solver", "Take", kLoad},
     {"row_solver", "TakeRows", kLoad},
-    {"step_rows", "CheckRows", kLoad},
+    {"check_rows", "CheckRows", kLoad},
     {"step_rows", "HasDiagonalInRange", kLoad},
     {"row_islands", "Find", kIslands},
     {"row_islands", "Root", kIslands},

@@ -25,13 +25,6 @@ struct StepRows {
   const double* inverse_mass = nullptr;      ///< p bodies, >= 0; 0: cannot move
 };
 
-/// Whether all numbers are in the range that methods square them in (LcpProblem::has_extreme_matrix, has_extreme_b).
-/// Of the inverse masses those of bodies that rows name are looked at.  O(n)
-/// @param initial_f  n numbers, or nullptr
-/// @throws InputError naming the array, the place and what was found: a size or p out of range, an array that is
-///         missing, a body outside [-1, bodies), NaN or infinity, a negative inverse mass
-bool CheckRows(const StepRows& rows, const double* initial_f);
-
 /// A_ii = sum of m^-1 j^2 over a row's bodies; where both are the same one, over the sum of its sides.
 double DiagonalOf(const StepRows& rows, std::int64_t row);
 /// Whether no A_ii is extreme: small numbers do no harm beside others of their row.  O(n)

@@ -8,6 +8,7 @@
 #include "solvers/auto/auto_solver.h"
 #include "solvers/batch/row_batch.h"
 #include "solvers/lcp/residual.h"
+#include "solvers/rows/check_rows.h"
 #include "solvers/rows/row_solver.h"
 #include "support/input_error.h"
 
