@@ -22,7 +22,7 @@ struct RowAnswer {
 /// From a step's rows to forces: what AutoSolver and StepSolver ask first.
 ///
 /// 1. Rows fall into islands that share no moving body (RowIslands), each one solved by itself.
-/// 2. Up to 8 rows: one active set after the other (TinyRows).
+/// 2. Up to 6 rows: one active set after the other (TinyRows).
 /// 3. Up to 128 rows: principal pivoting on a dense tableau, into which A is assembled (SmallPivoting).
 /// 4. Above, and where the tableau gave up: ProfilePivoting.
 ///

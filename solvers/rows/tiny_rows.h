@@ -7,12 +7,12 @@
 
 namespace lcpbench {
 
-/// One to eight rows, by L D L^T of A_FF for one active set F after the other: all in registers, without the branches
+/// One to six rows, by L D L^T of A_FF for one active set F after the other: all in registers, without the branches
 /// that fresh problems mispredict. Block principal pivoting [Judice, Pires 1994] from the rows with negative b finds F
 /// with one or two factors as a rule; then single rows enter, and where A_FF becomes singular the row whose force
 /// vanishes first leaves [Keller 1973].
 struct TinyRows {
-  static constexpr int kMostRows = 8;
+  static constexpr int kMostRows = 6;
 
   /// Writes the entries `part` of f and w. False if no active set passes clearly: rho and the rounding of A f + b below
   /// `tolerance`, backward errors below `row_limit`, in double. Such rows are left to a tableau.
