@@ -50,7 +50,7 @@ const std::vector<CampaignPlan>& NamedCampaigns() {
        .manifests = {"engine", "standard"},
        .budgets = {.judge_s = 3, .timed_s = 1.5, .parts_s = 0.3, .again_s = 0.3},
        .tuning = {"tuned"}},
-      // Many solves end at their limits: with all peers half an hour on one processor, not three.
+      // Many solves end at their limits. With all peers it takes eight minutes on two processors.
       {.name = "pathological",
        .manifests = {"pathological"},
        .passes = 3,

@@ -224,6 +224,7 @@ void AutoEngine::Prepare(const LcpProblem& problem) {
     given_ = ProblemArrays::Of(problem);
     std::fill(given_.b.begin(), given_.b.end(), 0.0);  // that of Solve's problem takes its place
     has_step_ = step_.Take(given_);
+    if (has_step_) rows_.Reserve(step_.rows().rows, step_.rows().bodies);
   }
   long_way_is_ready_ = !has_step_;
   if (!has_step_) PrepareLongWay(problem);

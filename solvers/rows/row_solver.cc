@@ -112,7 +112,10 @@ RowAnswer RowSolver::Solve(const StepRows& rows, const LcpOptions& options, cons
   std::optional<Deadline> deadline;
   if (rows.rows > SmallPivoting::kRowsWithoutClock && std::isfinite(options.time_limit_s)) deadline.emplace(options);
   const Request request{rows, options, initial_f, deadline.has_value() ? &*deadline : nullptr, f, w};
-  if (rows.rows <= kRowsWithoutIslands && SolveDense(request, {all_.data(), At(rows.rows)}, &answer)) return answer;
+  if (rows.rows <= kRowsWithoutIslands &&
+      SolveDense(request, {all_.data(), At(rows.rows)}, &answer) == DenseEnd::kSolved) {
+    return answer;
+  }
   islands_.Find(rows);
   for (Index k = 0; k < islands_.count(); ++k) {
     if (Index{static_cast<Index>(islands_.rows(k).size())} > kMostIslandRows) return {};
@@ -128,8 +131,9 @@ RowAnswer RowSolver::Solve(const StepRows& rows, const LcpOptions& options, cons
   return answer;
 }
 
-// Up to a tableau's size. False, with nothing added to the answer but iterations: another method, please.
-bool RowSolver::SolveDense(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer) {
+// Up to a tableau's size. Not solved: nothing is added to the answer but iterations. Another method, please.
+RowSolver::DenseEnd RowSolver::SolveDense(const Request& request, std::span<const std::int32_t> part,
+                                          RowAnswer* answer) {
   const double tolerance = request.options.tolerance;
   const double row_limit = tableau::kMargin * std::sqrt(tolerance);
   if (std::ssize(part) <= TinyRows::kMostRows) {
@@ -137,17 +141,18 @@ bool RowSolver::SolveDense(const Request& request, std::span<const std::int32_t>
     if (TinyRows::Solve(request.rows, part, tolerance, row_limit, request.f, request.w, &rho)) {
       ++answer->iterations;
       answer->rho = std::max(answer->rho, rho);
-      return true;
+      return DenseEnd::kSolved;
     }
   }
   const SmallPivoting::Answer found = tableau_.SolveRows(
       request.rows, part, {row_limit, request.initial_f, request.deadline, true}, request.f, request.w);
   answer->iterations += tableau_.pivots();
-  if (!(found.rho <= std::min(tableau::kMostRho, tolerance) && found.rows_meet)) return false;
+  const DenseEnd unsolved = std::isfinite(found.rho) ? DenseEnd::kInexact : DenseEnd::kGaveUp;
+  if (!(found.rho <= std::min(tableau::kMostRho, tolerance) && found.rows_meet)) return unsolved;
   double rho = found.rho;
-  if (rho + found.rounding > tolerance && !JudgePart(request, part, &rho)) return false;
+  if (rho + found.rounding > tolerance && !JudgePart(request, part, &rho)) return unsolved;
   answer->rho = std::max(answer->rho, rho);
-  return true;
+  return DenseEnd::kSolved;
 }
 
 void RowSolver::SolvePart(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer) {
@@ -163,13 +168,15 @@ void RowSolver::SolvePart(const Request& request, std::span<const std::int32_t> 
     return;
   }
   const bool fits_tableau = std::ssize(part) <= SmallPivoting::kMaxRows;
-  if (fits_tableau && SolveDense(request, part, answer)) return;
+  const DenseEnd end = fits_tableau ? SolveDense(request, part, answer) : DenseEnd::kGaveUp;
+  if (end == DenseEnd::kSolved) return;
   if (request.deadline != nullptr && request.deadline->Expired()) {
     answer->solved = false;
     return;
   }
-  // Above, and from where the tableau gave up, most of whose active set is right: rows that nearly depend on others.
-  const double* const initial_f = fits_tableau ? request.f : request.initial_f;
+  // Above, and where rows depend on others; from the tableau's forces where they are inexact, since most of its active
+  // set is right.
+  const double* const initial_f = end == DenseEnd::kInexact ? request.f : request.initial_f;
   profile_.Solve(request.rows, part, {tolerance / 2, initial_f, request.deadline}, request.f);
   answer->iterations += profile_.iterations();
   double rho = 0;

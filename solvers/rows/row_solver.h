@@ -50,7 +50,12 @@ class RowSolver {
     double* f;
     double* w;
   };
-  bool SolveDense(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer);
+  enum class DenseEnd {
+    kSolved,
+    kInexact,  // f is finite, and misses the tolerance
+    kGaveUp,   // f is not to be used
+  };
+  DenseEnd SolveDense(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer);
   void SolvePart(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer);
   bool JudgePart(const Request& request, std::span<const std::int32_t> part, double* rho);
   enum class Known { kRight, kUnclear, kWrong };

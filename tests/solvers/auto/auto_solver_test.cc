@@ -75,6 +75,24 @@ TEST(AutoSolver, DividesLargeProblemsWhereTheirColumnsDo) {
   }
 }
 
+TEST(AutoSolver, TakesAProblemByFactorsByItsRows) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const LcpProblem problem = DiscPile(20 + 8 * static_cast<Index>(seed), seed);
+    AutoSolver solver;
+    solver.Prepare(problem);
+    for (const double factor : {1.0, -0.5, 3.0}) {  // one preparation serves every b
+      const LcpProblem other = problem.WithB(factor * problem.b());
+      LcpResult result;
+      solver.Solve(other, {}, &result);
+      ExpectSolved(other, result);
+      EXPECT_EQ(result.detail, "rows");
+      LcpResult from_arrays;
+      AutoSolver().SolveArrays(ProblemArrays::Of(other), {}, &from_arrays);
+      EXPECT_EQ(result.f, from_arrays.f);
+    }
+  }
+}
+
 TEST(AutoSolver, AWarmStartChangesTheWayAndNotTheAnswer) {
   for (unsigned seed = 100; seed < 130; ++seed) {
     const LcpProblem problem = seed % 2 == 0 ? Archipelago(seed) : PlantedProblem(150, 60, seed, 5, 4).problem;

@@ -262,6 +262,28 @@ TEST(StepSolver, TakesRowsThatMoveNothing) {
   EXPECT_NE(Solve(&solver, arrays.View()).answer.status, LcpStatus::kSolved);
 }
 
+// A row of zeros between moving bodies keeps their island out of the tableau, which then writes no forces: those that
+// the caller left there must not become a start.
+TEST(StepSolver, DoesNotReadTheForcesThatItWrites) {
+  constexpr int kBodies = 20;
+  StepArrays arrays;
+  arrays.inverse_mass.assign(3 * kBodies, 1);
+  for (int k = 0; k + 1 < kBodies; ++k) arrays.Add(k, k + 1, {1, 0, 0, -1, 0, 0.5}, k % 3 == 0 ? -1 : 0.25);
+  arrays.Add(3, 4, {0, 0, 0, 0, 0, 0}, 1);
+  const Eigen::Index rows = arrays.View().rows;
+  VectorXd first;
+  for (const double before : {0.0, 1e300, -7.0, std::numeric_limits<double>::quiet_NaN()}) {
+    StepSolver solver;
+    Solved solved;
+    solved.f = VectorXd::Constant(rows, before);
+    solved.w = solved.f;
+    solved.answer = solver.Solve(arrays.View(), nullptr, solved.f.data(), solved.w.data());
+    ExpectVerified(arrays.Problem(), solved, "a row of zeros");
+    if (first.size() == 0) first = solved.f;
+    EXPECT_EQ(solved.f, first) << before;
+  }
+}
+
 TEST(StepSolver, AddsBothSidesOnOneBody) {
   for (const bool single : {false, true}) {
     StepSolver solver;
