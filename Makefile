@@ -49,8 +49,11 @@ CALIBRATION = --suite standard --filter '-n(25|64|160|400)-s[123]/' --no-fills -
               --variant pgs-again=pgs --variant pgs-slow=pgs,slowdown=1.1
 
 # The campaigns and studies whose results are committed (report/reference/README.md).
-REFERENCE_RESULTS := report/reference/core --motion report/reference/motion --curves report/reference/curves --pictures $(PICTURES)
-REFERENCE_ABLATION := --ablation report/reference/ablation
+REFERENCE         := report/reference
+REFERENCE_ABLATION := --ablation $(REFERENCE)/ablation
+REFERENCE_RESULTS := $(REFERENCE)/core $(REFERENCE)/sequences --precision $(REFERENCE)/precision --motion $(REFERENCE)/motion \
+                     --curves $(REFERENCE)/curves $(REFERENCE_ABLATION) --pictures $(PICTURES)
+REFERENCE_OTHERS  := smoke pathological large
 
 .PHONY: help deps peers configure command build test report run pictures ablation recommendation calibrate record-engines fresh-benchmark phase-benchmark scene-benchmark solver-curves slurm-try doc reference-report check format fuzz attack install clean
 
@@ -120,9 +123,13 @@ report: run pictures
 
 # The report of the committed results. What is committed of it: its summary, and the numbers in README.md and docs/.
 reference-report: pictures
-	@$(PYTHON) report/report.py report $(REFERENCE_RESULTS) $(REFERENCE_ABLATION) -o build/reference/index.html
-	@cp build/reference/summary.md report/reference/
-	@$(PYTHON) report/report.py headline report/reference/core $(REFERENCE_ABLATION) --update README.md docs/*.md
+	@$(PYTHON) report/report.py report $(REFERENCE_RESULTS) -o build/reference/index.html
+	@cp build/reference/summary.md $(REFERENCE)/
+	@for suite in $(REFERENCE_OTHERS); do \
+	  $(PYTHON) report/report.py report $(REFERENCE)/$$suite -o build/reference/$$suite/index.html && \
+	  cp build/reference/$$suite/summary.md $(REFERENCE)/$$suite-summary.md || exit 1; \
+	done
+	@$(PYTHON) report/report.py headline $(REFERENCE)/core $(REFERENCE_ABLATION) --update README.md docs/*.md
 	@echo "report: $(CURDIR)/build/reference/index.html, with figures and tables beside it"
 
 ablation: command

@@ -75,6 +75,15 @@ class Example(unittest.TestCase):
                 else:
                     self.assertAlmostEqual(value, expected, msg=column)
 
+    def test_pairs_shared_by_processes_are_the_same_table(self):
+        rng = np.random.default_rng(3)
+        times = pd.DataFrame(rng.lognormal(size=(12, 5)), list("pqrstuvwxyzo"), list("abcde"))
+        alone = compared(times)
+        with mock.patch.object(pairwise, "_MANY_PAIRS", 1), \
+                mock.patch.object(pairwise.os, "sched_getaffinity", return_value={0, 1, 2}):
+            shared = compared(times)
+        pd.testing.assert_frame_equal(shared, alone, check_exact=True)
+
     def test_equal_times_and_nothing_in_common_are_no_difference(self):
         times = pd.DataFrame({"a": [1.0, 2.0], "b": [1.0, 2.0], "c": [INF, INF]})
         table = compared(times)

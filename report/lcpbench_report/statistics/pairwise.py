@@ -12,6 +12,8 @@ MARGIN, and both point the same way. Anything else is "no difference": none that
 
 import itertools
 import math
+import os
+from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 import pandas as pd
@@ -27,6 +29,7 @@ from .weighted import weighted_median, weighted_share
 LEVEL = 0.05
 A_FASTER, B_FASTER, NO_DIFFERENCE = "A faster", "B faster", "no difference"
 SHARE_TAUS = (1, 2, 10)
+_MANY_PAIRS = 500  # from here on, processes that share them are worth their start
 COLUMNS = [*GROUP, "a", "b", "problems", "both", "bases", "a_only", "b_only", "neither", "a_excluded", "b_excluded", "a_faster",
            "b_faster", *(f"share_{tau}" for tau in SHARE_TAUS), "ratio", "ratio_low", "ratio_high", "sign_p",
            "sign_p_holm", "wilcoxon_p", "wilcoxon_p_holm", "verdict"]
@@ -73,7 +76,7 @@ def compare_pairs(times: pd.DataFrame, about: pd.DataFrame, excluded: pd.DataFra
     @returns a row per ordered pair; columns of COLUMNS without those of the group
     """
     bootstrap = Bootstrap(about.assign(problem=about.index))
-    pairs = [compare_two(times, about, bootstrap, a, b, excluded) for a, b in itertools.combinations(times.columns, 2)]
+    pairs = _compare_all(times, about, bootstrap, excluded)
     for test in ("sign_p", "wilcoxon_p"):
         for pair, adjusted in zip(pairs, holm([pair[test] for pair in pairs])):
             pair[f"{test}_holm"] = adjusted
@@ -119,6 +122,25 @@ def compare_two(times: pd.DataFrame, about: pd.DataFrame, bootstrap: Bootstrap, 
             **{f"share_{tau}": share for tau, share in zip(SHARE_TAUS, shares_a)},
             "ratio": math.exp(weighted_median(differences, weights[both])), "ratio_low": math.exp(low),
             "ratio_high": math.exp(high), "sign_p": sign_test(of_bases), "wilcoxon_p": p, "direction": direction}
+
+
+def _compare_all(*tables) -> list[dict]:
+    """compare_two of every pair, on all processors where there are many: of 100 solvers they take minutes.
+
+    @param tables  times, about, bootstrap and excluded of compare_two
+    """
+    pairs = list(itertools.combinations(tables[0].columns, 2))
+    workers = len(os.sched_getaffinity(0)) if len(pairs) >= _MANY_PAIRS else 1
+    if workers == 1:
+        return _compare_some(pairs, *tables)
+    parts = [pairs[first::workers] for first in range(workers)]
+    with ProcessPoolExecutor(workers) as pool:
+        done = list(pool.map(_compare_some, parts, *([table] * workers for table in tables)))
+    return [done[k % workers][k // workers] for k in range(len(pairs))]
+
+
+def _compare_some(pairs, times, about, bootstrap, excluded) -> list[dict]:
+    return [compare_two(times, about, bootstrap, a, b, excluded) for a, b in pairs]
 
 
 def _mirrored(pair: dict) -> dict:
