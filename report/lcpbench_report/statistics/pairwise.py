@@ -14,6 +14,7 @@ import itertools
 import math
 import os
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -132,14 +133,14 @@ def _compare_all(*tables) -> list[dict]:
     pairs = list(itertools.combinations(tables[0].columns, 2))
     workers = len(os.sched_getaffinity(0)) if len(pairs) >= _MANY_PAIRS else 1
     if workers == 1:
-        return _compare_some(pairs, *tables)
-    parts = [pairs[first::workers] for first in range(workers)]
+        return _compare_some(tables, pairs)
     with ProcessPoolExecutor(workers) as pool:
-        done = list(pool.map(_compare_some, parts, *([table] * workers for table in tables)))
+        done = list(pool.map(partial(_compare_some, tables), [pairs[k::workers] for k in range(workers)]))
     return [done[k % workers][k // workers] for k in range(len(pairs))]
 
 
-def _compare_some(pairs, times, about, bootstrap, excluded) -> list[dict]:
+def _compare_some(tables, pairs) -> list[dict]:
+    times, about, bootstrap, excluded = tables
     return [compare_two(times, about, bootstrap, a, b, excluded) for a, b in pairs]
 
 
