@@ -53,7 +53,7 @@ REFERENCE         := report/reference
 REFERENCE_ABLATION := --ablation $(REFERENCE)/ablation
 REFERENCE_RESULTS := $(REFERENCE)/core $(REFERENCE)/sequences --precision $(REFERENCE)/precision --motion $(REFERENCE)/motion \
                      --curves $(REFERENCE)/curves $(REFERENCE_ABLATION) --pictures $(PICTURES)
-REFERENCE_OTHERS  := smoke pathological large
+REFERENCE_OTHERS  := smoke pathological large sequences-qp
 
 .PHONY: help deps peers configure command build test report run pictures ablation recommendation calibrate record-engines fresh-benchmark phase-benchmark scene-benchmark solver-curves slurm-try doc reference-report check format fuzz attack install clean
 
@@ -68,7 +68,7 @@ help:
 	@echo "make fresh-benchmark      fresh times of our solvers, ODE and Bullet in one process, by size class and origin (OPTIONS=--cpu 1; two minutes)"
 	@echo "make phase-benchmark      where the time of auto goes, by phase and size (OPTIONS=--sizes=10,40; a minute)"
 	@echo "make scene-benchmark      time scene generation, contact detection and assembly at 10^3 to 10^5 rows"
-	@echo "make solver-curves        residual against mass ratio, regularization, sweeps and precision, for the report (CURVES=sweeps; ten minutes)"
+	@echo "make solver-curves        residual against mass ratio, regularization, sweeps and precision, for the report (CURVES=sweeps; a minute or two)"
 	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, numbers in README.md and docs/"
 	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt, requirements-peers.txt) and reconfigure"
 	@echo "make slurm-try   try campaigns as job arrays on a Slurm of its own (packages-slurm.txt; needs root once; a minute)"
@@ -166,7 +166,7 @@ fresh-benchmark phase-benchmark scene-benchmark: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target $(subst -,_,$@)
 	@$(BUILD)/$(subst -,_,$@) $(OPTIONS)
 
-# Files of curves that are not named stay. It takes ten minutes.
+# Files of curves that are not named stay.
 solver-curves: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target solver_curves
 	@$(BUILD)/solver_curves $(CURVES) $(OPTIONS) --output $(CURVES_RESULTS)
