@@ -111,9 +111,10 @@ class ProxQp : public QpPeer {
       if (start == nullptr) {
         program->solve();
       } else if (boxes) {
-        const Eigen::VectorXd none(0);
-        const Eigen::VectorXd z = -start->bound_y;
-        program->solve(start->x, none, z);
+        // Put where the library keeps a warm start: its `solve` with one refuses multipliers of bounds.
+        program->results.x = start->x;
+        program->results.z = -start->bound_y;
+        program->solve();
       } else {
         const Eigen::VectorXd y = -Split::Take(start->y, split->equal);
         const Eigen::VectorXd z = -Split::Take(start->y, split->unequal);

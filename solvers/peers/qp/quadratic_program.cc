@@ -166,6 +166,8 @@ QpStart MakeStart(const LcpProblem& problem, const QuadraticProgram& qp, const E
       w[row] = 0;
     } else {
       start.x[row] = std::max(0.0, f[row]);
+      // Complementary, too: qpOASES never takes back a multiplier of a bound that does not hold its variable.
+      if (start.x[row] > 0) w[row] = 0;
     }
   }
   start.y = OfBounds(qp, w);
