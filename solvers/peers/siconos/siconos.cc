@@ -321,8 +321,10 @@ class Siconos : public LcpSolver {
     TimeConversion(options, result, [&] {
       own = MakeOptions(options);
       problem_->SetB(problem.b());
-      z = options.initial_f != nullptr ? problem_->VariablesOf(*options.initial_f)
-                                       : Eigen::VectorXd(Eigen::VectorXd::Zero(problem_->size()));
+      // From other forces than none the path search gives up.
+      const bool is_warm = options.initial_f != nullptr && method_.solver != SICONOS_LCP_PATHSEARCH;
+      z = is_warm ? problem_->VariablesOf(*options.initial_f)
+                  : Eigen::VectorXd(Eigen::VectorXd::Zero(problem_->size()));
       w.setZero(problem_->size());
     });
     const Deadline deadline(options);
