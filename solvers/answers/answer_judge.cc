@@ -8,7 +8,22 @@
 namespace lcpbench {
 namespace {
 
-constexpr double kNearTolerance = 0.01;
+// What rounding can hide of rho at f. As w_i is summed, its absolute terms come to (|A||f|)_i + |b_i|, from factors to
+// (|J| M^-1 |J^T| |f|)_i + |b_i|: over A_ii^1/2 no more than |D^1/2 f|_1 and |D^-1/2 b|_2, since |A_ij|^2 <= A_ii A_jj.
+double Rounding(const LcpProblem& problem, const Eigen::VectorXd& f) {
+  const Eigen::VectorXd& D = problem.DiagonalA();
+  double size = 0;
+  double b_squared = 0;
+  for (Index i = 0; i < f.size(); ++i) {
+    const double root = D[i] == 0 ? 1.0 : std::sqrt(std::abs(D[i]));
+    size += root * std::abs(f[i]);
+    b_squared += (problem.b()[i] / root) * (problem.b()[i] / root);
+  }
+  constexpr double kTermsBesideRows = 64;
+  const auto rows = static_cast<double>(f.size());
+  const double relative = b_squared == 0 ? size : size / std::sqrt(b_squared) + 1;
+  return (rows + kTermsBesideRows) * std::numeric_limits<double>::epsilon() * std::sqrt(rows) * relative;
+}
 
 }  // namespace
 
@@ -36,11 +51,10 @@ bool AnswerJudge::Publish(LcpResult* result) {
   double rho = estimate_.Rho(f_, w_);
   if (!(rho < tier_)) return false;
   double backward = estimate_.BackwardError(f_, w_);
-  // The verdict is made in extended precision, so the estimate is, too, where rounding may matter: where rho is near
-  // the tolerance (it is as large as the rounding of w at least), and where sums cancel in a row whose own terms are
-  // all (nearly) 0, so that its backward error is rounding over nothing.
-  if ((rho <= tolerance_ && rho > kNearTolerance * tolerance_) ||
-      (rho <= tolerance_ && backward * backward > tolerance_)) {
+  // The verdict is made in extended precision, so the estimate is, too, where rounding may matter: where it could hide
+  // what rho lacks, and where sums cancel in a row whose own terms are all (nearly) 0, so that its backward error is
+  // rounding over nothing.
+  if (rho <= tolerance_ && (rho + Rounding(estimate_.problem(), f_) > tolerance_ || backward * backward > tolerance_)) {
     extended_.Rho(f_);
     for (Index i = 0; i < w_.size(); ++i) w_[i] = static_cast<double>(extended_.w(i));
     rho = estimate_.Rho(f_, w_);

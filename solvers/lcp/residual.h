@@ -52,6 +52,8 @@ class Residual {
   }
   /// From here on with the b of a problem that shares the matrix of the one given to Reset.
   void SetB(const LcpProblem& problem) { problem_ = problem; }
+  /// Whose answers are judged.
+  const LcpProblem& problem() const { return *problem_; }
 
   /// *w (n numbers) = A f + b.  O(nnz of the given form)
   void ComputeW(const Eigen::VectorXd& f, Vector* w) {

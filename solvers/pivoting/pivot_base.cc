@@ -189,15 +189,37 @@ PivotBase::End PivotBase::EnterJoints(LcpResult* result) {
   joints_ = m();
   solved_at_ = -1;
   if (m() > 0) active_.SolveForces();
+  const double negligible = proof_tolerance_ / static_cast<double>(1 + lcp_.bilateral - m());  // in all rows together
   for (Index p = m(); p < lcp_.bilateral; ++p) {
     const PermutedLcp::Sum w = lcp_.FreshW(p, m());
-    if (std::abs(w.value) <= kNoise * w.magnitude || lcp_.ResidualShare(p, w.value) <= proof_tolerance_) continue;
+    const double share = lcp_.ResidualShare(p, w.value);
+    if (std::abs(w.value) <= kNoise * w.magnitude || share <= negligible) continue;
+    if (TimeIsUp(m() * m())) return End::kTimeLimit;
     active_.SetDriven(p);
     active_.Direction(p);
-    if (ClaimRay(p, w.value < 0 ? 1 : -1, result)) return End::kInfeasible;
+    if (share > proof_tolerance_ && ClaimRay(p, w.value < 0 ? 1 : -1, result)) return End::kInfeasible;
+    LeaveOutStrongest(p);
   }
   for (Index p = lcp_.bilateral; p > m();) lcp_.Swap(--p, --open_);
   return End::kDone;
+}
+
+// A y = 0 for y = (df_F, 1) but for rounding, so y.w = y.b whatever f is: where that is not quite 0, the gap of the one
+// row left out is y.b over its own part of y. The row of the largest D^1/2 |y| takes the place of the driven row p.
+void PivotBase::LeaveOutStrongest(Index p) {
+  const auto size = [this](Index k) { return std::abs(active_.df()[k]) * ForceRoot(k); };
+  Index strongest = kNoRow;
+  double largest = ForceRoot(p);
+  for (Index k = 0; k < m(); ++k) {
+    if (size(k) <= largest) continue;
+    largest = size(k);
+    strongest = k;
+  }
+  if (strongest == kNoRow) return;
+  Release(strongest);  // to m, the first position outside F
+  if (const double pivot = active_.SetDriven(p); pivot > 0) active_.EnterDriven(p, pivot);
+  joints_ = m();
+  active_.SolveForces();
 }
 
 PivotBase::End PivotBase::EnterStart(LcpResult* result) {

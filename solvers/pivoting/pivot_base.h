@@ -114,6 +114,7 @@ class PivotBase {
   void Start(const LcpOptions& options);
   PermutedLcp::Loaded Load(const PermutedLcp::Guess& guess);
   End EnterJoints(LcpResult* result);
+  void LeaveOutStrongest(Index p);
   End Attempt(LcpResult* result);
   End EnterBlocks(double least_pivot);
   void ReleaseAll();

@@ -13,14 +13,19 @@
 #include <string>
 #include <utility>
 
+#include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
+#include "tests/solvers/rounded_problems.h"
 #include "tests/solvers/test_problems.h"
 #include "tests/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {
+
+// [s] Of a solve that may go on without end.
+constexpr double kShortTime = 0.02;
 
 class SolverContract : public SolverTest {
  protected:
@@ -82,6 +87,22 @@ TEST_P(SolverContract, ExactOracleProblemsMayFailButMayNotLie) {
 TEST_P(SolverContract, GeneratedProblemsMayFailButMayNotLie) {
   for (const TestProblem& test : GeneratedProblems()) {
     for (const double tolerance : {1e-6, 1e-9}) Check(test, tolerance);
+  }
+}
+
+// Where terms of w cancel, its rounding may be 0 by chance and hide an error far above the tolerance.
+TEST_P(SolverContract, NearlyParallelRowsMayFailButMayNotLie) {
+  std::vector<LcpProblem> problems;
+  for (const LcpRecord& record : ReadLcpFile(LCPBENCH_SOURCE_DIR "/tests/data/reports/false-success-bpp.jsonl")) {
+    problems.push_back(record.problem);
+  }
+  for (unsigned seed = 0; seed < 100; ++seed) problems.push_back(NearlyParallelRows(seed));
+  for (const LcpProblem& problem : problems) {
+    for (const double tolerance : kTiers) {
+      const LcpResult result = Solve(problem, tolerance, kShortTime);
+      const Verdict verdict = Verify(problem, result, tolerance);
+      EXPECT_FALSE(verdict.false_success) << problem.id() << " at " << tolerance << ": " << verdict.reason;
+    }
   }
 }
 

@@ -14,6 +14,8 @@
 #include <vector>
 
 #include "benchmarks/measure/allocation_count.h"
+#include "solvers/io/json_lines.h"
+#include "tests/solvers/rounded_problems.h"
 
 namespace lcpbench {
 namespace {
@@ -163,6 +165,16 @@ TEST_P(DirectSolversLaw, ARedundantJointIsLeftOutOrProvedImpossible) {
     Judge({problem, reference}, Solve(problem));
   }
   ExpectUndecided(GetParam().undecided > 0 ? 1.0 / 3 : 0);
+}
+
+// What rounding leaves of a contradiction goes to the row that is left out, divided by that row's part in it.
+TEST_P(DirectSolversLaw, ARedundantLinkageIsSolvedNearItsDeadPoint) {
+  std::vector<LcpProblem> problems;
+  for (const LcpRecord& record : ReadLcpFile(LCPBENCH_SOURCE_DIR "/tests/data/reports/redundant-linkage.jsonl")) {
+    problems.push_back(record.problem);
+  }
+  for (unsigned seed = 0; seed < 2000; ++seed) problems.push_back(RedundantLinkage(seed));
+  for (const LcpProblem& problem : problems) lcpbench::ExpectSolved(problem, Solve(problem));
 }
 
 TEST_P(DirectSolversLaw, TwoOpposedContactsSqueezeOrHold) {
