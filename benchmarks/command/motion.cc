@@ -34,7 +34,7 @@ struct MotionCommand {
     app.footer(
         "Drift: change of energy over the motion. Energy error and distance: largest deviation from the reference, "
         "the\n"
-        "same motion driven by dantzig at 1e-12. Energies over its largest kinetic energy. Touching bodies are "
+        "same motion driven by auto at 1e-12. Energies over its largest kinetic energy. Touching bodies are "
         "chaotic:\n"
         "a distance grows with time whatever its cause. us/step: time inside the solver (set-up too; with peers also "
         "the way to their process).");

@@ -7,6 +7,7 @@
 #include "benchmarks/command/options.h"
 #include "benchmarks/measure/budget_clock.h"
 #include "benchmarks/measure/progress.h"
+#include "benchmarks/motions/scene_source.h"
 #include "benchmarks/motions/sequence.h"
 #include "model/contact/loads.h"
 #include "solvers/registry.h"
@@ -35,7 +36,7 @@ struct EnergyRecord {
 struct Sequence {
   SceneOptions start;
   int steps = 100;
-  std::string solver = "dantzig";
+  std::string solver = kDrivingSolver;
   LcpOptions lcp;
   std::vector<std::string> settings;
   bool with_matrix = false;
@@ -48,7 +49,7 @@ struct Sequence {
     start.AddStep(app);
     start.AddLevel(app);
     start.AddBudget(app);
-    app.add_option("--solver", solver, "Solver key (lcpbench list solvers)");
+    app.add_option("--solver", solver, "Solver that drives the motion (lcpbench list solvers)");
     AddToleranceOption(app, &lcp.tolerance);
     AddTimeLimitOption(app, &lcp.time_limit_s);
     AddSettingsOption(app, &settings);

@@ -97,7 +97,7 @@ class Study {
 
   Reference RunReference(const MovingScene& scene) {
     constexpr double kPatience = 3;  // without it nothing can be compared
-    const std::unique_ptr<LcpSolver> solver = MakeSolver(kReferenceSolver);
+    const std::unique_ptr<LcpSolver> solver = MakeSolver(kDrivingSolver);
     const std::unique_ptr<Motion> motion = Start(scene, kReferenceTolerance, solver.get());
     Reference reference;
     const auto note = [&] {

@@ -62,9 +62,8 @@ struct MotionOutcome : WorstFigures {
   std::string stopped;               ///< why the motion ended before its time; empty otherwise
 };
 
-/// The reference motion: the same scene at the same level and step, driven by this solver at this tolerance, so that
-/// the differences are the solver's and not those of the discretisation.
-inline constexpr const char* kReferenceSolver = "dantzig";
+/// Of the reference motion: the same scene at the same level and step, driven by kDrivingSolver, so that the
+/// differences are the solver's and not those of the discretisation.
 inline constexpr double kReferenceTolerance = 1e-12;
 
 /// Runs the study and writes `folder`/motion.csv (RESULTS.md) as it goes. Stops early, with what there is, when an

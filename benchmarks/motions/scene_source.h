@@ -14,6 +14,9 @@ namespace lcpbench {
 // What the command line means by a scene: a family's key with size and seed, or a scene file (a name with a '/', or
 // ending in .json).
 
+/// The solver that drives a motion unless the user names another one.
+inline constexpr const char* kDrivingSolver = "auto";
+
 /// A world that is about to move, and how it is meant to.
 struct MovingScene {
   std::string name;  ///< of the family or world

@@ -9,6 +9,7 @@
 #include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
+#include "benchmarks/motions/scene_source.h"
 #include "benchmarks/motions/sequence.h"
 #include "model/contact/assembly.h"
 #include "model/motion/contact_finder.h"
@@ -92,7 +93,7 @@ ProblemSteps Single(LcpProblem problem) {
 }
 
 ProblemSteps Moving(const std::string& scene, int size, std::uint64_t seed, int steps) {
-  const std::unique_ptr<LcpSolver> solver = MakeSolver("dantzig");
+  const std::unique_ptr<LcpSolver> solver = MakeSolver(kDrivingSolver);
   ProblemSteps found;
   found.rows_are_known = true;
   RowMatching matching;

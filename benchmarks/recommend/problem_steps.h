@@ -21,8 +21,8 @@ struct ProblemSteps {
 /// @throws InputError naming file and line, also where there is no problem at all, or one without rows
 ProblemSteps ReadProblemSteps(const std::string& path);
 
-/// One instant of a scene, or with `steps` > 1 the problems that it meets as it moves, with `dantzig` at 1e-9 as the
-/// solver that drives it.
+/// One instant of a scene, or with `steps` > 1 the problems that it meets as it moves, driven by
+/// kDrivingSolver at 1e-9.
 /// @param scene  family or scene file, LoadScene
 /// @throws InputError as LoadInstant, LoadScene, and where the motion meets no problem
 ProblemSteps MakeProblemSteps(const std::string& scene, int size, std::uint64_t seed, int steps);

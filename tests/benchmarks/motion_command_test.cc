@@ -29,6 +29,7 @@ TEST_F(SequenceCommand, WritesOneVerifiedProblemPerTimeStepWithItsChanges) {
   for (std::size_t k = 0; k < records.size(); ++k) {
     const Json& motion = records[k].at("motion");
     EXPECT_EQ(motion.at("step"), k);
+    EXPECT_EQ(motion.at("solver"), "auto");
     EXPECT_NEAR(motion.at("time").get<double>(), 1e-3 * static_cast<double>(k), 1e-12);
     EXPECT_EQ(motion.at("kind"), "time_step");
     EXPECT_TRUE(motion.at("verdict").at("passes").get<bool>());
@@ -79,6 +80,22 @@ TEST_F(SequenceCommand, TakesSceneFilesAndTheAccelerationLevel) {
   }
   EXPECT_EQ(first_of_step, 60);  // the cradle hangs on joints: there is an LCP at every instant
   Succeed("sequence " + file + " --level velocity --dt 0.002 --steps 10");
+}
+
+// A Scott-Russell linkage with one arm too many falls through its dead point: every step under every direct solver.
+TEST_F(SequenceCommand, ARedundantLinkagePassesItsDeadPoint) {
+  const std::string file = LCPBENCH_SOURCE_DIR "/tests/data/reports/scott-russell.json";
+  const std::string steps = Path("steps.jsonl");
+  const CommandOutcome moved = Succeed("sequence " + file + " --steps 1454 -o " + steps);
+  EXPECT_NE(moved.error.find("1454 problems"), std::string::npos) << moved.error;
+  EXPECT_NE(moved.error.find("0 not verified"), std::string::npos) << moved.error;
+  for (const char* solver : {"dantzig", "lemke", "auto", "bpp", "ipm"}) {
+    int failed = 0;
+    for (const Json& answer : Records(Run("solve --tolerance 1e-9 " + steps + " --solver " + solver).out)) {
+      if (!answer.at("verdict").at("passes").get<bool>()) ++failed;
+    }
+    EXPECT_EQ(failed, 0) << solver;
+  }
 }
 
 TEST_F(SequenceCommand, TakesSolverSettingsAndATimeLimit) {
