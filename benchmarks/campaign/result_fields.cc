@@ -48,6 +48,9 @@ template <auto Member>
 Json OfVerdict(const Answer& of) {
   return of.verdict.*Member;
 }
+bool HasRay(const Answer& of) {
+  return of.result.status == LcpStatus::kInfeasible && of.verdict.farkas && of.verdict.farkas->accepted;
+}
 template <auto Member>
 Json Planned(const Described& of) {
   return of.planned.entry->*Member;
@@ -102,10 +105,17 @@ constexpr FieldOf<Answer> kExceptions[] = {
     {{"false_success", "boolean", "", "called solved, and is not verified"}, OfVerdict<&Verdict::false_success>},
     {{"false_infeasible", "boolean", "", "called infeasible, though a solution is known"},
      OfVerdict<&Verdict::false_infeasible>},
-    {{"proved_infeasible", "boolean", "", "called infeasible, and the ray is accepted"},
+    {{"proved_infeasible", "boolean", "",
+      "called infeasible, and the ray proves it without any rounding; in lines without `infeasible_within_rounding`: "
+      "and the ray is accepted"},
+     [](const Answer& of) { return Json(HasRay(of) && of.verdict.farkas->proved); }},
+    {{"infeasible_within_rounding", "boolean", "",
+      "called infeasible, and the ray is accepted, but proves it within rounding only"},
+     [](const Answer& of) { return Json(HasRay(of) && !of.verdict.farkas->proved); }},
+    {{"force_min", "time?", "",
+      "least sum of |A_ii^1/2 f_i| of any solution, where called infeasible within rounding only; else null"},
      [](const Answer& of) {
-       const std::optional<FarkasVerdict>& ray = of.verdict.farkas;
-       return Json(of.result.status == LcpStatus::kInfeasible && ray && ray->accepted);
+       return HasRay(of) && !of.verdict.farkas->proved ? RoundedNumber(of.verdict.farkas->force_min) : Json(nullptr);
      }},
     {{"reason", "text", "", "why it is not verified"}, OfVerdict<&Verdict::reason>},
     {{"detail", "text", "", "what the solver, or its end, says"},
@@ -263,8 +273,11 @@ RecordSchema Schema(const char* record, const char* meaning, const Tables&... ta
 
 constexpr std::array kLineKinds = {"judge", "fresh", "parts", "again"};
 
-// The one field that a line may lack.
-bool IsOptional(const ResultField& field) { return field.name == std::string_view("formed_on_host_s"); }
+// Fields that a line may lack: of programs of protocol version 1 only, and not in lines of earlier versions.
+bool IsOptional(const ResultField& field) {
+  constexpr std::array<std::string_view, 3> kOptional = {"formed_on_host_s", "infeasible_within_rounding", "force_min"};
+  return std::find(kOptional.begin(), kOptional.end(), field.name) != kOptional.end();
+}
 
 struct Kind {
   const char* key;
@@ -474,6 +487,7 @@ Json ResultSchemaJson() {
   for (const RecordSchema& schema : ResultSchema()) {
     for (const ResultField& field : schema.fields) {
       json[schema.record][field.name] = {{"type", field.type}, {"unit", field.unit}, {"meaning", field.meaning}};
+      if (IsOptional(field)) json[schema.record][field.name]["optional"] = true;
     }
   }
   return json;

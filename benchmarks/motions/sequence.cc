@@ -21,7 +21,10 @@ Json Describe(const Verdict& verdict) {
   judged["backward_error"] = FiniteOrNull(verdict.metrics.backward_error);
   judged["false_success"] = verdict.false_success;
   judged["reason"] = verdict.reason;
-  if (verdict.farkas) judged["ray_accepted"] = verdict.farkas->accepted;
+  if (verdict.farkas) {
+    judged["ray_accepted"] = verdict.farkas->accepted;
+    judged["ray_proved"] = verdict.farkas->proved;
+  }
   return judged;
 }
 

@@ -11,7 +11,7 @@ from . import choice, decision, formats, motion, solver_facts
 from .formats import DASH, power, residual, seconds, share_of, size_class, times
 from .headline_table import Entry, Headline, headline
 from .inputs import PATHOLOGICAL, Inputs
-from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, VERIFIED
+from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, VERIFIED, within_rounding
 from .statistics.class_times import ALL, RIGHT
 from .statistics.load import ORIGINS
 from .table import Table, code
@@ -180,6 +180,7 @@ def robustness(inputs: Inputs) -> Table | None:
     cells = pathological(inputs)
     cells = cells[cells["tier"] == choice.main_tier(inputs)]
     counts = {"verified": cells["verdict"] == VERIFIED, "proved infeasible": cells["proved_infeasible"].astype(bool),
+              "infeasible within rounding": within_rounding(cells),
               "false successes": cells["verdict"] == FALSE_SUCCESS, "below the tier": cells["verdict"] == BELOW_TIER,
               "excluded": cells["excluded"] != ""}
     return _table(["solver", *counts], [

@@ -4,7 +4,7 @@ from . import choice, decision, formats, shown_tables
 from .choice import main_tier
 from .headline_table import ClassRow, Headline, headline
 from .inputs import Inputs
-from .statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, VERIFIED
+from .statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, VERIFIED, within_rounding
 from .statistics.load import ORIGINS
 
 MOST_LINES = 12
@@ -168,13 +168,13 @@ def _robustness(inputs: Inputs) -> str:
     cells = cells[cells["tier"] == main_tier(inputs)]
     if cells.empty:
         return ""
-    right = (cells["verdict"] == VERIFIED) | cells["proved_infeasible"].astype(bool)
+    right = (cells["verdict"] == VERIFIED) | cells["proved_infeasible"].astype(bool) | within_rounding(cells)
     verified = cells[right]["solver"].value_counts()
     false = cells[cells["verdict"] == FALSE_SUCCESS]["solver"].value_counts()
     ranked = sorted(inputs.keys, key=lambda solver: (-verified.get(solver, 0), false.get(solver, 0)))[:3]
     parts = [f"`{solver}` {int(verified.get(solver, 0))}" for solver in ranked]
     return (f"Of {cells['problem'].nunique()} problems meant to break something, at {formats.power(main_tier(inputs))} "
-            f"most are answered rightly (solved, or infeasible with a proof) by {', '.join(parts)}; {len(false)} of "
+            f"most are answered rightly (solved, or infeasible by a proof or within rounding) by {', '.join(parts)}; {len(false)} of "
             f"{cells['solver'].nunique()} solvers claim a wrong answer at least once.")
 
 

@@ -77,12 +77,13 @@ class Page(SharedFolderCase):
         np.testing.assert_allclose(times, expected, rtol=1e-3)
 
     def test_a_proof_counts_more_than_a_claim_and_the_spread_is_half_of_the_interval(self):
-        cells = cells_of(pd.DataFrame({"a": [np.inf, np.inf, 2.0]})).assign(
-            fresh_low=1.0, fresh_high=2.0, false_infeasible=[True, True, False], proved_infeasible=[False, True, False],
-            iterations=1, backward_error=0.0, w_error=0.0)
-        found = payload._cells(cells, [0, 1, 2, 3])
-        self.assertEqual(found["verdicts"], {"1e-6": "qrv."})
-        self.assertEqual(list(base64.b64decode(found["numbers"][0]["spread"])), [255, 255, 25, 255])
+        cells = cells_of(pd.DataFrame({"a": [np.inf, np.inf, 2.0, np.inf, np.inf]})).assign(
+            fresh_low=1.0, fresh_high=2.0, false_infeasible=[True, True, False, False, True],
+            proved_infeasible=[False, True, False, False, False],
+            infeasible_within_rounding=[False, False, False, True, True], iterations=1, backward_error=0.0, w_error=0.0)
+        found = payload._cells(cells, [0, 1, 2, 3, 4, 5])
+        self.assertEqual(found["verdicts"], {"1e-6": "qrvoq."})
+        self.assertEqual(list(base64.b64decode(found["numbers"][0]["spread"])), [255, 255, 25, 255, 255, 255])
 
     def test_text_of_the_data_is_escaped(self):
         self.assertIn("the method of pgs &lt;&amp;&gt;", self.text)

@@ -26,7 +26,7 @@ class SameResults(FolderCase):
 
     def test_every_field_of_a_cell_counts(self):
         values = dict.fromkeys(METRICS, 0.25) | dict.fromkeys((
-            "at_floor", "false_success", "false_infeasible", "proved_infeasible"), True) | {
+            "at_floor", "false_success", "false_infeasible", "proved_infeasible", "infeasible_within_rounding"), True) | {
             "excluded": "rows > 100", "claim": "iteration_limit", "passes": False, "best_tier": None, "iterations": 8,
             "rho": TIERS[0] / 3 * (1 + 2**-52)}
         self.assertEqual(set(values), set(same.CELL_FIELDS))

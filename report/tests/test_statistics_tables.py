@@ -270,6 +270,18 @@ class Files(FolderCase):
                     self._expect_refused(f"streams.jsonl:{index + 1}", f"'{key}'")
                     self._edit_line("streams.jsonl", index, lambda line: json.dumps(record))
 
+    def test_exceptions_of_earlier_versions_lack_what_is_within_rounding(self):
+        known = {"claim": "infeasible", "passes": False, "at_floor": False, "false_success": False,
+                 "false_infeasible": False, "proved_infeasible": True, "reason": "", "detail": ""}
+        for more, expected in (({}, False), ({"infeasible_within_rounding": False, "force_min": None}, False),
+                               ({"infeasible_within_rounding": True, "force_min": 1e14}, True)):
+            with self.subTest(more=more):
+                self._edit_line("streams.jsonl", 0, lambda line: json.dumps(
+                    json.loads(line) | {"exceptions": [{"at": 0} | known | more]}))
+                cells = cell_table(load_campaign(self.folder))
+                self.assertEqual(cells["proved_infeasible"].sum(), 1)
+                self.assertEqual(cells["infeasible_within_rounding"].any(), expected)
+
     def test_problems_that_do_not_fit_are_refused(self):
         record = json.loads(self._lines("problems.jsonl")[0])
         for key, value in (("weight", 0), ("weight", None), ("base", ""), ("origin", "found"), ("fill", 1),

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "solvers/answers/accepted_ray.h"
 #include "solvers/answers/answer_judge.h"
 #include "solvers/lcp/verify.h"
 
@@ -307,7 +308,8 @@ bool BlockPivoting::Publish() {
 }
 
 // A y is not quite 0 while the steps still change: it is made so by a few corrections with a factor of (almost) A
-// itself and residuals in extended precision. VerifyFarkasRay, which allocates, is asked only where its rule is met.
+// itself and residuals in extended precision. AcceptedRay, which allocates, is asked only where the verifier's rule is
+// met.
 bool BlockPivoting::FindRay(const Eigen::VectorXd& direction) {
   const ScaledVectors& scaled = *task_.scaled;
   const LcpProblem& problem = *task_.problem;
@@ -334,9 +336,9 @@ bool BlockPivoting::FindRay(const Eigen::VectorXd& direction) {
       residual_[i] = static_cast<double>(product_.w(i) - b[i]) * scaled.scale[i];
       if (!scaled.is_joint(i)) ray_[i] = std::max(ray_[i], 0.0);
     }
-    if (-b_dot_y >= FarkasVerdict::kRayThreshold * largest * b_size && VerifyFarkasRay(problem, ray_).accepted) {
-      accepted_ray_ = ray_ / kLift;
-      return true;
+    if (-b_dot_y >= FarkasVerdict::kRayThreshold * largest * b_size) {
+      accepted_ray_ = AcceptedRay(problem, ray_ / kLift);
+      if (accepted_ray_.has_value()) return true;
     }
     if (pass == 0 && !task_.block->Factor(active_, kRayWeight, task_.deadline)) return false;
     task_.block->Solve(residual_.data());

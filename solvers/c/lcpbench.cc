@@ -355,6 +355,8 @@ void Judge(const LcpProblem& problem, const LcpResult& result, double tolerance,
     verdict.has_ray = 1;
     verdict.ray_accepted = found.farkas->accepted ? 1 : 0;
     verdict.ray_b_dot_y = found.farkas->b_dot_y;
+    verdict.ray_proved = found.farkas->proved ? 1 : 0;
+    verdict.ray_force_min = found.farkas->force_min;
     verdict.ray_null_residual = found.farkas->null_residual;
     CopyText(found.farkas->reason, verdict.ray_reason);
   }
@@ -472,6 +474,8 @@ void CopyOut(const StepAnswer& from, lcpbench_step_answer* target, std::size_t s
   answer.status = static_cast<lcpbench_status>(from.status);
   answer.iterations = from.iterations;
   answer.rho = from.rho;
+  answer.infeasible_proved = from.infeasible_proved ? 1 : 0;
+  answer.force_min = from.force_min;
   CopyOut(answer, target, size);
 }
 

@@ -54,9 +54,12 @@ enum {
 typedef int32_t lcpbench_status;
 /// Values of lcpbench_status.
 enum {
-  LCPBENCH_NOT_RUN = 0,            ///< the result has not been through a solve
-  LCPBENCH_SOLVED = 1,             ///< the solver believes that f meets the requested tolerance
-  LCPBENCH_INFEASIBLE = 2,         ///< no f exists; the Farkas ray is the proof, where the solver has one
+  LCPBENCH_NOT_RUN = 0,  ///< the result has not been through a solve
+  LCPBENCH_SOLVED = 1,   ///< the solver believes that f meets the requested tolerance
+  /// No f exists: the solver found a Farkas ray, which is a proof for the numbers as given, or one within rounding
+  /// only. Then a problem whose numbers differ in their last digits has no solution, and one of this problem, if there
+  /// is any, has huge forces. lcpbench_verdict and lcpbench_step_answer tell which.
+  LCPBENCH_INFEASIBLE = 2,
   LCPBENCH_ITERATION_LIMIT = 3,    ///< stopped by max_iterations or the solver's own default limit
   LCPBENCH_TIME_LIMIT = 4,         ///< stopped by time_limit_s
   LCPBENCH_NUMERICAL_FAILURE = 5,  ///< breakdown, stagnation above the tolerance, or cycling; detail says which
@@ -347,11 +350,16 @@ LCPBENCH_API lcpbench_error lcpbench_step_rows_init(lcpbench_step_rows* rows, si
 /// How a solve of a step ended.
 typedef struct lcpbench_step_answer {
   lcpbench_status status;  ///< the solver's claim; LCPBENCH_SOLVED only for an f that passed its own check
-  int32_t reserved;        ///< 0
-  int64_t iterations;      ///< pivots, and iterations of what solved large groups of bodies
+  /// 1: LCPBENCH_INFEASIBLE is proved for the numbers as given; 0: it holds within rounding only (see force_min), or
+  /// the status is another.
+  int32_t infeasible_proved;
+  int64_t iterations;  ///< pivots, and iterations of what solved large groups of bodies
   /// Of f (see lcpbench_verdict), as the solver measured it in double: the largest among groups of rows that do not act
   /// on each other, which that over all rows does not exceed. Infinite where it was not measured.
   double rho;
+  /// Where LCPBENCH_INFEASIBLE holds within rounding only: any solution has |D^1/2 f|_1 of this or more, D = diag A.
+  /// Infinite where proved, 0 where the status is another.
+  double force_min;
 } lcpbench_step_answer;
 
 /// A step solver.
@@ -409,8 +417,8 @@ typedef struct lcpbench_verdict {
   int32_t false_success;     ///< 1: LCPBENCH_SOLVED was claimed and the answer does not pass
   int32_t false_infeasible;  ///< 1: LCPBENCH_INFEASIBLE was claimed, but f passes and no ray is accepted
   int32_t has_ray;           ///< 1: a Farkas ray was judged
-  int32_t ray_accepted;      ///< 1: the ray proves that there is no solution (symmetric A only)
-  int32_t reserved;          ///< 0
+  int32_t ray_accepted;      ///< 1: by the ray there is no solution (symmetric A only), by a proof or within rounding
+  int32_t ray_proved;        ///< 1: by a proof: y^T A = 0, from factors J^T y = 0, and b.y < 0 without any rounding
   double best_tier;          ///< the smallest of 1e-9, 1e-6, 1e-3 that passes; 0 where none does
   /// |r|_2 / |D^-1/2 b|_2 with r_i = min(D_ii^1/2 f_i, D_ii^-1/2 w_i) on C, D_ii^-1/2 w_i on B; |r|_2 itself where
   /// b = 0. Independent of units.
@@ -426,9 +434,12 @@ typedef struct lcpbench_verdict {
   double energy_shift;          ///< |D^-1/2 (moved b - b)|_2; -1 as energy_bound
   double answer_floor;          ///< by how much rounding f to double alone can change rho
   double ray_b_dot_y;           ///< b.y of the ray, 0 without one
-  double ray_null_residual;     ///< |D^-1/2 A y|_inf / |D^-1/2 |A||y||_inf of the ray, 0 without one
-  char reason[256];             ///< one line: why the answer does not pass; "" where it does
-  char ray_reason[256];         ///< one line: why the ray is not accepted; "" where it is, and without one
+  /// Of the ray, 0 without one: from factors the largest |J^T y|_k / (|J^T||y|)_k, else |D^-1/2 A y|_inf /
+  /// |D^-1/2 |A||y||_inf.
+  double ray_null_residual;
+  char reason[256];      ///< one line: why the answer does not pass; "" where it does
+  char ray_reason[256];  ///< one line: why the ray is not accepted; "" where it is, and without one
+  double ray_force_min;  ///< any solution has |D^1/2 f|_1 of this or more; infinite where proved, 0 without a ray
 } lcpbench_verdict;
 
 /// Judges the result of a solve.  O(entries of A), from factors one pass over the entries of J M^-1 J^T.

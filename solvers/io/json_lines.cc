@@ -296,8 +296,10 @@ std::string FormatSolveRecord(const LcpRecord& of, std::string_view solver, cons
   if (verdict.farkas.has_value()) {
     const FarkasVerdict& farkas = *verdict.farkas;
     judgement["farkas"] = {{"accepted", farkas.accepted},
+                           {"proved", farkas.proved},
                            {"b_dot_y", ToJson(farkas.b_dot_y)},
                            {"force_min", ToJson(farkas.force_min)},
+                           {"null_residual", ToJson(farkas.null_residual)},
                            {"reason", farkas.reason}};
   }
   record["verdict"] = judgement;

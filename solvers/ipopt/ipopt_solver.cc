@@ -21,10 +21,10 @@
 #include <utility>
 #include <vector>
 
+#include "solvers/answers/accepted_ray.h"
 #include "solvers/ipopt/quadratic_program.h"
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/residual.h"
-#include "solvers/lcp/verify.h"
 
 namespace lcpbench {
 namespace {
@@ -566,9 +566,9 @@ bool IpoptEngine::AcceptRay(const Eigen::VectorXd& direction, LcpResult* result)
     problem.ComputeW(ray_, &product_);
     product_ = (product_ - problem.b()).cwiseQuotient(scaled_->gap_unit);
     if (!(Largest(product_) <= kRayGate)) continue;
-    if (!VerifyFarkasRay(problem, ray_).accepted) continue;
+    result->farkas_ray = AcceptedRay(problem, ray_);
+    if (!result->farkas_ray.has_value()) continue;
     result->status = LcpStatus::kInfeasible;
-    result->farkas_ray = ray_;
     return true;
   }
   return false;

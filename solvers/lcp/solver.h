@@ -18,7 +18,7 @@ namespace lcpbench {
 enum class LcpStatus {
   kNotRun,            ///< Solve() was not called; never returned by it
   kSolved,            ///< the solver believes that f meets the requested tolerance
-  kInfeasible,        ///< no f exists; farkas_ray holds the proof where the solver has one
+  kInfeasible,        ///< no f exists, or none within rounding: see FarkasVerdict of farkas_ray (verify.h)
   kIterationLimit,    ///< stopped by options.max_iterations or the solver's own default limit
   kTimeLimit,         ///< stopped by options.time_limit_s
   kNumericalFailure,  ///< breakdown, stagnation above the tolerance, or cycling; detail says which
@@ -69,7 +69,8 @@ struct LcpResult {
   double own_fresh_s = -1;
   /// Of the solve, in numeric factorizations [s] (factor_clock.h); negative: not asked for, or not known.
   double factor_s = -1;
-  /// Proof of infeasibility: y >= 0 on unilateral rows, A y = 0, b.y < 0 (MODEL.md section 8, property 3).
+  /// Of kInfeasible, where the solver has it: y >= 0 on unilateral rows, A y = 0, b.y < 0 (MODEL.md section 8,
+  /// property 3). Whether that is a proof, or so within rounding only, VerifyFarkasRay tells.
   std::optional<Eigen::VectorXd> farkas_ray;
 };
 

@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "solvers/lcp/exact_sum.h"
+
 namespace lcpbench {
 namespace {
 
@@ -26,6 +28,8 @@ struct Products {
   /// What was actually summed for the product, in absolute values: |J| M^-1 |J^T| |x| from factors, else |A| |x|.
   ExtendedVector summed;
 };
+
+using ColumnMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 
 // Rounding of a sum in extended precision, relative to what was summed: 2^-64 per term, with room for 64 terms.
 constexpr Extended kRounding = 0x1p-58L;
@@ -64,7 +68,7 @@ Products Multiply(const LcpProblem& problem, const Eigen::VectorXd& x) {
     case MatrixForm::kFactors: {
       const SparseMatrix& J = problem.J();
       const Eigen::VectorXd& inverse_mass = problem.inverse_mass();
-      const Eigen::SparseMatrix<double, Eigen::ColMajor, int> columns = J;
+      const ColumnMatrix columns = J;
       ExtendedVector body = ExtendedVector::Zero(J.cols());
       ExtendedVector body_magnitude = body;
       out.summed.setZero(n);
@@ -72,7 +76,7 @@ Products Multiply(const LcpProblem& problem, const Eigen::VectorXd& x) {
         if (inverse_mass[k] == 0) continue;
         Extended sum = 0;
         Extended absolute = 0;
-        for (decltype(columns)::InnerIterator it(columns, k); it; ++it) {
+        for (ColumnMatrix::InnerIterator it(columns, k); it; ++it) {
           const Extended term = static_cast<Extended>(it.value()) * x[it.row()];
           sum += term;
           absolute += std::abs(term);
@@ -92,7 +96,7 @@ Products Multiply(const LcpProblem& problem, const Eigen::VectorXd& x) {
           sum += static_cast<Extended>(it.value()) * body[it.col()];
           summed += std::abs(static_cast<Extended>(it.value())) * body_magnitude[it.col()];
           const Extended scaled = static_cast<Extended>(it.value()) * m;
-          for (decltype(columns)::InnerIterator jt(columns, it.col()); jt; ++jt) {
+          for (ColumnMatrix::InnerIterator jt(columns, it.col()); jt; ++jt) {
             if (x[jt.row()] == 0) continue;
             const Index j = jt.row();
             if (entries[j] == 0) touched.push_back(j);
@@ -258,6 +262,85 @@ Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, cons
   return m;
 }
 
+namespace {
+
+// Sums over a column of J or A, times y: without rounding, and of absolute values.
+struct ColumnSums {
+  ExtendedVector value;
+  ExtendedVector absolute;
+};
+
+ColumnSums SumColumns(const LcpProblem& problem, const Eigen::VectorXd& y) {
+  ColumnSums sums;
+  ExactSum exact;
+  const auto make = [&](Index columns, const auto& add_column) {
+    sums.value.setZero(columns);
+    sums.absolute.setZero(columns);
+    for (Index k = 0; k < columns; ++k) {
+      exact.Clear();
+      add_column(k);
+      if (sums.absolute[k] != 0) sums.value[k] = exact.Value();
+    }
+  };
+  const auto add = [&](Index k, double entry, double times) {
+    if (entry == 0 || times == 0) return;
+    exact.Add(entry, times);
+    sums.absolute[k] += std::abs(static_cast<Extended>(entry) * times);
+  };
+  if (problem.given_form() == MatrixForm::kDense) {
+    const Eigen::MatrixXd& A = problem.DenseA();
+    make(A.cols(), [&](Index k) {
+      for (Index i = 0; i < A.rows(); ++i) add(k, A(i, k), y[i]);
+    });
+    return sums;
+  }
+  const ColumnMatrix columns = problem.has_factors() ? problem.J() : problem.SparseA();
+  make(columns.cols(), [&](Index k) {
+    if (problem.has_factors() && problem.inverse_mass()[k] == 0) return;
+    for (ColumnMatrix::InnerIterator it(columns, k); it; ++it) add(k, it.value(), y[it.row()]);
+  });
+  return sums;
+}
+
+// A^T y, where `sums` are those of J: exact but for the rounding of the second product.
+ExtendedVector ThroughBodies(const LcpProblem& problem, const ColumnSums& sums) {
+  ExtendedVector product = ExtendedVector::Zero(problem.size());
+  for (Index i = 0; i < problem.size(); ++i) {
+    for (SparseMatrix::InnerIterator it(problem.J(), i); it; ++it) {
+      product[i] += it.value() * (problem.inverse_mass()[it.col()] * sums.value[it.col()]);
+    }
+  }
+  return product;
+}
+
+// max |J^T y|_k / (|J^T||y|)_k: the least relative change of entries of J that makes J^T y = 0.  [Oettli, Prager 1964]
+double NullResidualOfFactors(const ColumnSums& sums) {
+  double largest = 0;
+  for (Index k = 0; k < sums.value.size(); ++k) {
+    largest = std::max(largest, Ratio(std::abs(sums.value[k]), sums.absolute[k]));
+  }
+  return largest;
+}
+
+double NullResidualOfMatrix(const ColumnSums& sums, const ExtendedVector& D, const Eigen::VectorXd& y) {
+  Extended largest = 0, largest_summed = 0;
+  for (Index i = 0; i < y.size(); ++i) {
+    RaiseTo(std::abs(sums.value[i]) / std::sqrt(D[i]), &largest);
+    // A row of zeros stands as one whose diagonal entry, taken as 1, has vanished.
+    const Extended summed = sums.absolute[i] == 0 ? std::abs(static_cast<Extended>(y[i])) : sums.absolute[i];
+    RaiseTo(summed / std::sqrt(D[i]), &largest_summed);
+  }
+  return Ratio(largest, largest_summed);
+}
+
+Extended ExactProduct(const Eigen::VectorXd& b, const Eigen::VectorXd& y) {
+  ExactSum sum;
+  for (Index i = 0; i < b.size(); ++i) sum.Add(b[i], y[i]);
+  return sum.Value();
+}
+
+}  // namespace
+
 FarkasVerdict VerifyFarkasRay(const LcpProblem& problem, const Eigen::VectorXd& y) {
   FarkasVerdict verdict;
   const Index n = problem.size();
@@ -269,36 +352,38 @@ FarkasVerdict VerifyFarkasRay(const LcpProblem& problem, const Eigen::VectorXd& 
     verdict.reason = "rays are proofs for symmetric A only";
     return verdict;
   }
-  const ExtendedVector D = ScalingDiagonal(AbsoluteDiagonal(problem));
-  const Products Ay = Multiply(problem, y);
-  Extended b_dot_y = 0, largest = 0, largest_summed = 0, b_norm1 = 0;
-  Index negative = -1;
-  for (Index i = 0; i < n; ++i) {
-    if (!problem.is_bilateral(i) && y[i] < 0 && negative < 0) negative = i;
-    b_dot_y += static_cast<Extended>(problem.b()[i]) * y[i];
-    b_norm1 += std::abs(static_cast<Extended>(problem.b()[i])) / std::sqrt(D[i]);
-    RaiseTo(std::abs(Ay.product[i]) / std::sqrt(D[i]), &largest);
-    // A row of zeros stands as one whose diagonal entry, taken as 1, has vanished.
-    const Extended summed = Ay.summed[i] == 0 ? std::abs(static_cast<Extended>(y[i])) : Ay.summed[i];
-    RaiseTo(summed / std::sqrt(D[i]), &largest_summed);
-  }
+  const Extended b_dot_y = ExactProduct(problem.b(), y);
   verdict.b_dot_y = static_cast<double>(b_dot_y);
-  if (negative >= 0) {
-    verdict.reason = "y is negative on unilateral row " + std::to_string(negative);
-  } else if (!(b_dot_y < 0)) {
+  for (Index i = 0; i < n; ++i) {
+    if (problem.is_bilateral(i) || !(y[i] < 0)) continue;
+    verdict.reason = "y is negative on unilateral row " + std::to_string(i);
+    return verdict;
+  }
+  if (!(b_dot_y < 0)) {
     verdict.reason = "b.y = " + Number(verdict.b_dot_y) + " is not negative";
+    return verdict;
+  }
+  const bool has_factors = problem.has_factors();
+  const ExtendedVector D = ScalingDiagonal(AbsoluteDiagonal(problem));
+  const ColumnSums sums = SumColumns(problem, y);
+  verdict.proved = (sums.value.array() == 0).all();
+  verdict.null_residual = has_factors ? NullResidualOfFactors(sums) : NullResidualOfMatrix(sums, D, y);
+  const ExtendedVector Ay = has_factors ? ThroughBodies(problem, sums) : sums.value;
+  Extended largest = 0, b_norm1 = 0;
+  for (Index i = 0; i < n; ++i) {
+    RaiseTo(std::abs(Ay[i]) / std::sqrt(D[i]), &largest);
+    b_norm1 += std::abs(static_cast<Extended>(problem.b()[i])) / std::sqrt(D[i]);
+  }
+  verdict.force_min = verdict.proved ? kInfinity : static_cast<double>(-b_dot_y / largest);
+  const double needed = FarkasVerdict::kRayThreshold * static_cast<double>(b_norm1);
+  if (verdict.null_residual > FarkasVerdict::kNullTolerance) {
+    verdict.reason = std::string(has_factors ? "J^T y" : "A y") + " = 0 holds to " + Number(verdict.null_residual) +
+                     (has_factors ? " of |J^T||y|" : " of |A||y|") + " only, expected " +
+                     Number(FarkasVerdict::kNullTolerance);
+  } else if (verdict.proved || verdict.force_min >= needed) {
+    verdict.accepted = true;
   } else {
-    verdict.force_min = largest == 0 ? kInfinity : static_cast<double>(-b_dot_y / largest);
-    const double needed = FarkasVerdict::kRayThreshold * static_cast<double>(b_norm1);
-    verdict.null_residual = largest == 0 ? 0.0 : static_cast<double>(largest / largest_summed);
-    if (verdict.null_residual > FarkasVerdict::kNullTolerance) {
-      verdict.reason = "A y = 0 holds to " + Number(verdict.null_residual) + " of |A||y| only, expected " +
-                       Number(FarkasVerdict::kNullTolerance);
-    } else if (verdict.force_min >= needed) {
-      verdict.accepted = true;
-    } else {
-      verdict.reason = "F_min = " + Number(verdict.force_min) + " is below 1e12 |D^-1/2 b|_1 = " + Number(needed);
-    }
+    verdict.reason = "F_min = " + Number(verdict.force_min) + " is below 1e12 |D^-1/2 b|_1 = " + Number(needed);
   }
   return verdict;
 }
@@ -326,8 +411,9 @@ Verdict Verify(const LcpProblem& problem, const LcpResult& result, double tolera
   if (result.farkas_ray.has_value()) verdict.farkas = VerifyFarkasRay(problem, *result.farkas_ray);
   const bool known_solvable = reference != nullptr && reference->status == LcpReference::Status::kSolved;
   // At a loose tier a point of a problem that is infeasible by less than the tier passes; the ray decides then.
-  const bool proved = verdict.farkas.has_value() && verdict.farkas->accepted;
-  verdict.false_infeasible = result.status == LcpStatus::kInfeasible && (known_solvable || (verdict.passes && !proved));
+  const bool has_ray = verdict.farkas.has_value() && verdict.farkas->accepted;
+  verdict.false_infeasible =
+      result.status == LcpStatus::kInfeasible && (known_solvable || (verdict.passes && !has_ray));
   if (!verdict.passes) {
     const double tier = EffectiveTier(m, tolerance);
     const std::string whose = tier > tolerance ? " (rounding floor)" : "";

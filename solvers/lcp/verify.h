@@ -58,25 +58,32 @@ struct Metrics {
 Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, const LcpReference* reference = nullptr);
 
 /// Judgement of a claimed Farkas ray y (symmetric A). A solution f has 0 <= y.w = f.A y + b.y, hence
-/// -b.y <= |D^1/2 f|_1 |D^-1/2 A y|_inf: any solution needs |D^1/2 f|_1 >= force_min. The ray is accepted only if
-///   - y_C >= 0 and b.y < 0,
-///   - force_min >= kRayThreshold |D^-1/2 b|_1 (a small A y alone proves nothing: A = diag(1, 1e-10), b = (1, -1)),
-///   - A y = 0 up to the rounding of the entries of A, or of J: null_residual <= kNullTolerance. Then a problem whose
-///     data differ from the given ones in their last digits is infeasible. Without it a column of 8000 bodies with
-///     masses 1 and 10^6 in turns, which is solvable with a sum of forces of 10^13 |b|, would have a ray.
+/// -b.y <= |D^1/2 f|_1 |D^-1/2 A y|_inf: any solution needs |D^1/2 f|_1 >= force_min.
+///
+/// *Proved*: y_C >= 0, b.y < 0, and y^T A = 0, or J^T y = 0 on the columns of positive inverse mass, all without any
+/// rounding, for the numbers as they are given. There is no solution.
+///
+/// *Within rounding*: accepted, and not proved. y_C >= 0, b.y < 0, null_residual <= kNullTolerance and force_min >=
+/// kRayThreshold |D^-1/2 b|_1 (a small A y alone tells nothing: A = diag(1, 1e-10), b = (1, -1)). A problem whose data
+/// differ from the given ones in their last digits has no solution then; the given one has none, or one with forces of
+/// force_min and more. From factors the residual is that of J^T y: A y has the square of small angles between rows, and
+/// J = ((1, 0), (1, 2^-24)), b = (0, -1) has the solution (-2^48, 2^48). Where A is given, such a problem cannot be
+/// told from an infeasible one.
 struct FarkasVerdict {
   static constexpr double kRayThreshold = 1e12;  ///< of force_min over |D^-1/2 b|_1
   /// 32 u: the entries rounded (2 u), y rounded (u), and a factor of 10 for rays that make A y = 0 exactly on some
-  /// rows and leave the rounding to the others. Problems of a condition near 1/u cannot be told from infeasible ones.
+  /// rows and leave the rounding to the others.
   static constexpr double kNullTolerance = 0x1p-48;
-  bool accepted = false;  ///< there is no solution
-  double b_dot_y = 0;     ///< negative for a proof
-  double force_min = 0;   ///< F_min = -b.y / |D^-1/2 A y|_inf; infinite when A y = 0 exactly
-  /// |D^-1/2 A y|_inf / |D^-1/2 |A||y||_inf; from factors with |J| M^-1 |J^T| for |A|
+  bool accepted = false;  ///< there is no solution: proved, or within rounding
+  bool proved = false;    ///< accepted, and nothing was rounded
+  double b_dot_y = 0;     ///< negative for a ray
+  double force_min = 0;   ///< F_min = -b.y / |D^-1/2 A y|_inf; infinite where proved
+  /// From factors the largest |J^T y|_k / (|J^T||y|)_k over columns k of positive inverse mass, else |D^-1/2 A y|_inf /
+  /// |D^-1/2 |A||y||_inf.
   double null_residual = 0;
   std::string reason;  ///< why it was not accepted; empty otherwise
 };
-/// O(nnz of the given form), in extended precision.
+/// O(nnz of the given form).
 /// @param y  n values
 FarkasVerdict VerifyFarkasRay(const LcpProblem& problem, const Eigen::VectorXd& y);
 

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "solvers/answers/accepted_ray.h"
 #include "solvers/answers/answer_judge.h"
 #include "solvers/lcp/engine_solver.h"
-#include "solvers/lcp/verify.h"
 
 namespace lcpbench {
 namespace {
@@ -373,29 +373,26 @@ void PivotBase::Refine() {
 }
 
 bool PivotBase::ClaimRay(Index d, double sign, LcpResult* result) {
-  using Extended = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
-  const auto in_F = [this](const double* x) { return Eigen::Map<const Eigen::VectorXd>(x, m()).cast<long double>(); };
-  Extended y = in_F(active_.df());
+  Eigen::VectorXd y = Eigen::Map<const Eigen::VectorXd>(active_.df(), m());
   Eigen::VectorXd correction(m());
-  Eigen::VectorXd ray(lcp_.n);
+  Eigen::VectorXd ray = Eigen::VectorXd::Zero(lcp_.n);
+  GivenFormTest given(problem_->WithB(ray));  // A y alone
+  GivenFormTest::Vector product(lcp_.n);
   for (int pass = 0;; ++pass) {
-    ray.setZero();
     const auto set = [&](Index p, double value) { ray[RowAt(p)] = sign * value * lcp_.scale[RowAt(p)]; };
     for (Index p = 0; p < m(); ++p) {
-      const auto value = static_cast<double>(y[p]);
-      set(p, p < joints_ ? value : std::max(value, 0.0));
+      if (p >= joints_) y[p] = std::max(y[p], 0.0);
+      set(p, y[p]);
     }
     set(d, 1);
-    if (VerifyFarkasRay(*problem_, ray).accepted) {
-      result->farkas_ray = std::move(ray);
-      return true;
-    }
+    result->farkas_ray = AcceptedRay(*problem_, ray);
+    if (result->farkas_ray.has_value()) return true;
     if (pass == kRayRefinements) return false;
-    Extended residual = in_F(lcp_.column(d));
-    for (Index j = 0; j < m(); ++j) residual += in_F(lcp_.column(j)) * y[j];
-    correction = residual.cast<double>();
+    given.ComputeW(ray, &product);
+    for (Index p = 0; p < m(); ++p)
+      correction[p] = sign * static_cast<double>(product[RowAt(p)]) * lcp_.scale[RowAt(p)];
     active_.SolveSystem(correction.data());
-    y -= correction.cast<long double>();
+    y -= correction;
   }
 }
 

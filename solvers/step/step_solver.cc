@@ -8,6 +8,7 @@
 #include "solvers/auto/auto_solver.h"
 #include "solvers/batch/row_batch.h"
 #include "solvers/lcp/residual.h"
+#include "solvers/lcp/verify.h"
 #include "solvers/rows/check_rows.h"
 #include "solvers/rows/row_solver.h"
 #include "support/input_error.h"
@@ -144,7 +145,13 @@ struct StepSolver::Implementation {
       problem.ComputeW(result.f, &gaps);
       std::copy_n(gaps.data(), of.rows, w);
     }
-    return {result.status, result.iterations, Residual<double>(problem).Rho(result.f)};
+    StepAnswer answer{result.status, result.iterations, Residual<double>(problem).Rho(result.f)};
+    if (result.status == LcpStatus::kInfeasible) {
+      const FarkasVerdict verdict = VerifyFarkasRay(problem, *result.farkas_ray);
+      answer.infeasible_proved = verdict.proved;
+      answer.force_min = verdict.force_min;
+    }
+    return answer;
   }
 };
 

@@ -25,6 +25,10 @@ struct StepAnswer {
   /// Natural residual of f (verify.h), as the solver measured it in double: the largest of its islands, which that over
   /// all rows does not exceed. Infinite where it was not measured.
   double rho = std::numeric_limits<double>::infinity();
+  /// Of kInfeasible: whether the ray is a proof, or within rounding only; then any solution needs |D^1/2 f|_1 >=
+  /// force_min (FarkasVerdict). False and 0 where the status is another.
+  bool infeasible_proved = false;
+  double force_min = 0;
 };
 
 /// From an engine's arrays to forces, for the LCP of one time step: what `auto` does, without LcpProblem objects.

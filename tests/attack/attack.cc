@@ -1,7 +1,11 @@
 // Problems of known status at extreme scales, by all own solvers: nothing false may be claimed, no solve may outlast
 // its limit, and `auto` must be right. Exit status 1 where that does not hold.
 //
-//     attack [--problems N] [--first SEED] [--threads N] [--each-tier] [--solvers KEY,KEY] [--limit SECONDS]
+//     attack [--nearly-dependent] [--problems N] [--first SEED] [--threads N] [--each-tier] [--solvers KEY,KEY]
+//     [--limit SECONDS]
+//
+// --nearly-dependent: other problems, with two or three nearly dependent rows (nearly_dependent.h). "of a solvable"
+// counts solvable ones of these that are called infeasible within rounding.
 //
 // Problem k has the seed SEED + k; without --each-tier it is solved at one tier, which changes from problem to problem.
 
@@ -23,6 +27,7 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "tests/attack/attack_problem.h"
+#include "tests/attack/nearly_dependent.h"
 #include "tests/solvers/solve_with.h"
 
 namespace lcpbench {
@@ -33,6 +38,7 @@ struct Plan {
   unsigned problems = 100;
   unsigned threads = 1;
   bool each_tier = false;
+  bool nearly_dependent = false;
   double limit_s = 2;
   std::string solvers;  // "": all
 };
@@ -65,9 +71,21 @@ std::vector<Solver> SolversOf(const Plan& plan) {
   return solvers;
 }
 
-enum Outcome { kRight, kHonestFailure, kFalseSuccess, kWrongInfeasible, kOverLimit, kNotRight, kOutcomes };
-constexpr std::array<const char*, kOutcomes> kNames{
-    "right", "honest failure", "false success", "wrong infeasible", "over the limit", "not right"};
+enum Outcome {
+  kSolved,
+  kProved,
+  kWithinRounding,
+  kOfSolvable,
+  kHonestFailure,
+  kFalseSuccess,
+  kWrongInfeasible,
+  kOverLimit,
+  kNotRight,
+  kOutcomes
+};
+constexpr std::array<const char*, kOutcomes> kNames{"solved",           "proved",         "within rounding",
+                                                    "of a solvable",    "honest failure", "false success",
+                                                    "wrong infeasible", "over the limit", "not right"};
 
 // Of this thread, for the limit too: what else runs on the machine does not count.
 double CpuSeconds() {
@@ -79,11 +97,12 @@ double CpuSeconds() {
 Outcome Judge(const AttackProblem& attack, const Solver& solver, const LcpResult& result, double tier) {
   const Verdict verdict = Verify(attack.test.problem, result, tier, &attack.test.reference);
   if (verdict.false_success) return kFalseSuccess;
-  if (result.status == LcpStatus::kSolved) return kRight;
-  const bool has_proof = verdict.farkas.has_value() && verdict.farkas->accepted;
+  if (result.status == LcpStatus::kSolved) return kSolved;
   if (result.status == LcpStatus::kInfeasible) {
-    if (verdict.false_infeasible || !has_proof) return kWrongInfeasible;
-    return kRight;
+    if (!verdict.farkas || !verdict.farkas->accepted) return kWrongInfeasible;
+    if (verdict.farkas->proved) return verdict.false_infeasible ? kWrongInfeasible : kProved;
+    if (!verdict.false_infeasible) return kWithinRounding;
+    return attack.is_nearly_infeasible ? kOfSolvable : kWrongInfeasible;
   }
   const bool must_be_right = solver.key == "auto" || solver.key == "batch";
   const bool may_fail = !must_be_right || (attack.may_fail && result.status == LcpStatus::kNumericalFailure);
@@ -107,7 +126,7 @@ class Attack {
 
  private:
   void AttackWith(unsigned seed) {
-    const AttackProblem attack = MakeAttackProblem(seed);
+    const AttackProblem attack = plan_.nearly_dependent ? MakeNearlyDependentProblem(seed) : MakeAttackProblem(seed);
     std::vector<double> tiers(std::begin(kTiers), std::end(kTiers));
     if (!plan_.each_tier) tiers = {kTiers[seed % std::size(kTiers)]};
     LcpOptions options{.time_limit_s = plan_.limit_s};
@@ -179,6 +198,10 @@ int Main(int argc, char** argv) {
     const std::string_view option = argv[i];
     if (option == "--each-tier") {
       plan.each_tier = true;
+      continue;
+    }
+    if (option == "--nearly-dependent") {
+      plan.nearly_dependent = true;
       continue;
     }
     if (i + 1 == argc) return std::fprintf(stderr, "attack: unknown option %s\n", argv[i]), 2;

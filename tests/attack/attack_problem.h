@@ -23,6 +23,8 @@ struct AttackProblem {
   /// Where kNumericalFailure is right, too: forces of this scale may leave the range of doubles, or the problem is
   /// unsolvable by so little that no ray proves it once it is rounded to double.
   bool may_fail = false;
+  /// Where it is right, too, to call a solvable problem infeasible within rounding.
+  bool is_nearly_infeasible = false;
 };
 
 /// The same seed gives the same problem, with one standard library. The verifier has accepted its proof, without any

@@ -156,13 +156,26 @@ static void AnInfeasibleProblemHasARay(void) {
   const double* ray = NULL;
   int64_t n = 0;
   CHECK_OK(lcpbench_result_farkas_ray(answer.result, &ray, &n));
-  CHECK(n == 2 && ray[0] > 0 && fabs(ray[0] - ray[1]) <= 1e-15 * ray[0]);
+  CHECK(n == 2 && ray[0] > 0 && ray[0] == ray[1]);
+  CHECK(answer.verdict.ray_proved == 1 && isinf(answer.verdict.ray_force_min));
   /* A ray that proves nothing is refused with its reason. */
   const double f[2] = {0, 0}, wrong[2] = {1, 2};
   lcpbench_verdict verdict;
   CHECK_OK(lcpbench_verify(problem, f, 2, LCPBENCH_INFEASIBLE, wrong, 1e-6, &verdict, sizeof verdict, NULL));
   CHECK(verdict.has_ray == 1 && verdict.ray_accepted == 0 && strlen(verdict.ray_reason) > 0);
   Free(&answer);
+  lcpbench_problem_free(problem);
+}
+
+/* Joints at an angle of 2^-24 are solved by f = (-2^48, 2^48). A has the square of the angle. */
+static void ARayWithinRoundingIsNoProof(void) {
+  const double A[4] = {1, 1, 1, 1 + 0x1p-48}, b[2] = {0, -1}, f[2] = {0, 0}, ray[2] = {-1, 1};
+  const uint8_t kinds[2] = {LCPBENCH_BILATERAL, LCPBENCH_BILATERAL};
+  lcpbench_problem* problem = Dense(2, A, b, kinds, LCPBENCH_SYMMETRIC);
+  lcpbench_verdict verdict;
+  CHECK_OK(lcpbench_verify(problem, f, 2, LCPBENCH_INFEASIBLE, ray, 1e-6, &verdict, sizeof verdict, NULL));
+  CHECK(verdict.ray_accepted == 1 && verdict.ray_proved == 0);
+  CHECK(fabs(verdict.ray_force_min - 0x1p48) <= 1e-9 * 0x1p48);
   lcpbench_problem_free(problem);
 }
 
@@ -507,6 +520,7 @@ int main(void) {
   LayoutsAndFormsAgree();
   FactorsAreTheirProduct();
   AnInfeasibleProblemHasARay();
+  ARayWithinRoundingIsNoProof();
   AWrongAnswerIsFound();
   EverySolverSolvesTheKnownProblem();
   OptionsReachTheSolver();

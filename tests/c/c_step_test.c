@@ -196,13 +196,13 @@ static void AKnownStep(void) {
   lcpbench_step_free(step);
 }
 
-/* Two joints that contradict each other: an answer that claims nothing, and the object goes on. */
-static void AnImpossibleStepIsNotSolved(void) {
+/* Two joints of one body in the plane; b = (1, -1). */
+static lcpbench_step_answer SolveTwoJoints(lcpbench_step* step, double first_x, double first_y, double second_x,
+                                           double second_y) {
   const int32_t body[4] = {0, -1, 0, -1};
-  const double J[12] = {1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0}, b[2] = {1, -1}, inverse_mass[3] = {1, 1, 1};
+  const double J[12] = {first_x, first_y, 0, 0, 0, 0, second_x, second_y, 0, 0, 0, 0};
+  const double b[2] = {1, -1}, inverse_mass[3] = {1, 1, 1};
   const uint8_t kinds[2] = {LCPBENCH_BILATERAL, LCPBENCH_BILATERAL};
-  static Arrays arrays;
-  lcpbench_step* step = MakeStep();
   lcpbench_step_rows rows;
   CHECK_OK(lcpbench_step_rows_init(&rows, sizeof rows));
   rows.rows = 2;
@@ -215,12 +215,29 @@ static void AnImpossibleStepIsNotSolved(void) {
   double f[2] = {NAN, NAN};
   lcpbench_step_answer answer;
   CHECK_OK(lcpbench_step_solve(step, &rows, NULL, f, NULL, &answer, sizeof answer));
-  CHECK(answer.status == LCPBENCH_INFEASIBLE || answer.status == LCPBENCH_NUMERICAL_FAILURE);
   CHECK(isfinite(f[0]) && isfinite(f[1]));
+  return answer;
+}
+
+/* Joints that contradict each other: an answer that says how surely, and the object goes on. */
+static void AnImpossibleStepIsNotSolved(void) {
+  static Arrays arrays;
+  lcpbench_step* step = MakeStep();
+  lcpbench_step_answer answer = SolveTwoJoints(step, 1, 0, 1, 0);
+  CHECK(answer.status == LCPBENCH_INFEASIBLE && answer.infeasible_proved == 1 && isinf(answer.force_min));
   int64_t fallbacks = 0;
   CHECK_OK(lcpbench_step_fallbacks(step, &fallbacks));
   CHECK(fallbacks == 1);
-  rows = MakeRows(&arrays, 9, 3, 1, 0);
+  /* The second joint is three times the first, but for the last digits. */
+  answer = SolveTwoJoints(step, 0.3, 0.1, 0.9, 0.3);
+  CHECK(answer.status == LCPBENCH_INFEASIBLE && answer.infeasible_proved == 0);
+  CHECK(answer.force_min > 1e12 && isfinite(answer.force_min));
+  /* From an angle of 1e-13 on there is a solution. */
+  for (double angle = 1e-12; angle < 0.1; angle *= 7) {
+    answer = SolveTwoJoints(step, 0.6, 0.8, 0.6 - 0.8 * angle, 0.8 + 0.6 * angle);
+    CHECK(answer.status != LCPBENCH_INFEASIBLE && answer.infeasible_proved == 0 && answer.force_min == 0);
+  }
+  lcpbench_step_rows rows = MakeRows(&arrays, 9, 3, 1, 0);
   ExpectSolved(step, &rows);
   lcpbench_step_free(step);
 }

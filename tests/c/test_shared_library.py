@@ -14,12 +14,13 @@ _LIBRARY, _HEADER = sys.argv[1:3]
 class Verdict(ctypes.Structure):
     _fields_ = (
         [("requested", c_double)]
-        + [(name, c_int32) for name in ("passes", "false_success", "false_infeasible", "has_ray", "ray_accepted")]
+        + [(name, c_int32) for name in ("passes", "false_success", "false_infeasible", "has_ray", "ray_accepted",
+                                       "ray_proved")]
         + [(name, c_double) for name in (
             "best_tier", "rho", "backward_error", "natural_residual", "primal_infeasibility", "dual_infeasibility",
             "complementarity", "gap", "energy_bound", "energy_shift", "answer_floor", "ray_b_dot_y",
             "ray_null_residual")]
-        + [("reason", c_char * 256), ("ray_reason", c_char * 256)]
+        + [("reason", c_char * 256), ("ray_reason", c_char * 256), ("ray_force_min", c_double)]
     )
 
 

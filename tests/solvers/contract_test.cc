@@ -115,6 +115,20 @@ TEST_P(SolverContract, HeavyOnLightIsNeverCalledInfeasible) {
   }
 }
 
+TEST_P(SolverContract, NearlyParallelJointsAreNotProvedInfeasible) {
+  for (const LcpRecord& record : ReadLcpFile(LCPBENCH_SOURCE_DIR "/tests/data/reports/nearly-parallel-joints.jsonl")) {
+    for (const double tolerance : kTiers) {
+      const LcpResult result = Solve(record.problem, tolerance);
+      if (record.problem.has_factors()) EXPECT_NE(result.status, LcpStatus::kInfeasible) << record.problem.id();
+      if (result.status != LcpStatus::kInfeasible) continue;
+      const Verdict verdict = Verify(record.problem, result, tolerance);
+      ASSERT_TRUE(verdict.farkas.has_value());
+      EXPECT_TRUE(verdict.farkas->accepted && !verdict.farkas->proved) << record.problem.id();
+      EXPECT_GT(verdict.farkas->force_min, 1e14);
+    }
+  }
+}
+
 TEST_P(SolverContract, NoRowsIsSolved) {
   const LcpResult result = Solve(LcpProblem::FromDense("empty", Eigen::MatrixXd(0, 0), Eigen::VectorXd(0)), 1e-9);
   EXPECT_EQ(result.status, LcpStatus::kSolved);

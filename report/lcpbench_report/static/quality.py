@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 from .. import choice
 from ..formats import power
 from ..inputs import PATHOLOGICAL, Inputs
-from ..statistics.cells import EXCLUDED, FAILED
+from ..statistics.cells import EXCLUDED, FAILED, within_rounding
 from ..statistics.means import delivered_table
 from ..statistics.weighted import quantiles
 from . import canvas
@@ -147,6 +147,7 @@ def _map(inputs: Inputs, cells: pd.DataFrame, kinds: list[str]):
         return None
     verdicts = cells["verdict"].where(~cells["verdict"].str.startswith(FAILED), "failed")
     verdicts[cells["proved_infeasible"].astype(bool)] = "proved infeasible"
+    verdicts[within_rounding(cells)] = "infeasible within rounding"
     counts = pd.crosstab([cells["solver"], cells["kind"]], verdicts)
     of_problem = dict(zip(cells["problem"], cells["kind"]))
     names = list(dict.fromkeys(of_problem[name] for name in inputs.problems if name in of_problem))

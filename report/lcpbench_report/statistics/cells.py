@@ -25,7 +25,7 @@ KEY = ["problem", "solver", "tier"]
 LEAST_PASSES = 3  # for an interval of what differs between passes
 
 _ABOUT = ("set", "counts", "base", "weight", "origin", "fill", "family", "problem", "rows", "size_class", "reference")
-_FLAGS = ("passes", "at_floor", "false_success", "false_infeasible", "proved_infeasible")
+_FLAGS = ("passes", "at_floor", "false_success", "false_infeasible", "proved_infeasible", "infeasible_within_rounding")
 _TIMES = ("fresh_low", "fresh_high", "quickest_s", "fresh_s", *PART_TIMES, "again_s")
 COLUMNS = [*_ABOUT, "solver", "tier", "verdict", "asked", "excluded", "claim", *_FLAGS, "best_tier", "iterations",
            *METRICS, "timed", "disturbed", *_TIMES, "first_s", "factor_share", "allocations", "time_s", "time_limit_s",
@@ -93,7 +93,7 @@ def _judged(tasks: list[Task], places: list[slice], total: int) -> dict[str, np.
         out, other = ([one for one in task.exceptions if (one["claim"] == OUT) == is_out] for is_out in (True, False))
         at = [place.start + one["at"] for one in other]
         for key in ("claim", *_FLAGS) if other else ():
-            columns[key][at] = [one[key] for one in other]
+            columns[key][at] = [one.get(key, False) for one in other]
         for one in out:
             row = place.start + one["at"]
             columns["excluded"][row], columns["claim"][row], columns["passes"][row] = one["reason"], "", False
@@ -148,6 +148,11 @@ def _verdicts(columns: dict[str, np.ndarray]) -> np.ndarray:
     failed = np.array([FAILED + claim for claim in columns["claim"]], dtype=object)
     return np.select([columns["excluded"] != "", columns["passes"], columns["false_success"]],
                      [EXCLUDED, VERIFIED, np.where(columns["asked"], FALSE_SUCCESS, BELOW_TIER)], failed)
+
+
+def within_rounding(cells: pd.DataFrame) -> pd.Series:
+    """Called infeasible by a ray that holds within rounding only, and no solution is known."""
+    return cells["infeasible_within_rounding"].astype(bool) & ~cells["false_infeasible"].astype(bool)
 
 
 def median_of_passes(times: np.ndarray) -> np.ndarray:

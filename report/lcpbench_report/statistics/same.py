@@ -17,7 +17,7 @@ from .load import METRICS, Campaign
 ENVIRONMENT = ("started", "environment", "environment_hash")
 _TIME_OF_PROBLEM = "oracle_s"
 CELL_FIELDS = ("excluded", "claim", "passes", "best_tier", "at_floor", "false_success", "false_infeasible",
-               "proved_infeasible", "iterations", *METRICS)
+               "proved_infeasible", "infeasible_within_rounding", "iterations", *METRICS)
 _MISSING = object()  # the value of a key that is not there
 # Claims that depend on how fast the machine is.
 _OUT_OF_TIME = ("time_limit", "killed")

@@ -28,7 +28,7 @@ LETTERS = {VERIFIED: "v", FALSE_SUCCESS: "f", BELOW_TIER: "b", CHANGED: "h", EXC
            FAILED + "time_limit": "t", FAILED + "numerical_failure": "n", FAILED + "unsupported": "u",
            FAILED + "crashed": "c", FAILED + "killed": "k", FAILED + "out_of_memory": "m",
            FAILED + "infeasible": "p", FAILED + "solved": "w"}
-PROVED_INFEASIBLE, FALSE_INFEASIBLE, OTHER, ABSENT = "r", "q", "e", "."
+PROVED_INFEASIBLE, WITHIN_ROUNDING, FALSE_INFEASIBLE, OTHER, ABSENT = "r", "o", "q", "e", "."
 # Key in the page -> column of statistics.cells; all packed as logarithms. `time` is the fresh time.
 NUMBERS = {"again": "again_s", "problem": "problem_s", "prepare": "prepare_s", "convert": "convert_s", "solve": "solve_s",
            "iterations": "iterations", "rho": "rho", "backward": "backward_error", "werror": "w_error", "time": "time"}
@@ -85,7 +85,8 @@ def _cells(table: pd.DataFrame, names: list[str]) -> dict:
     verdicts, numbers, places = {}, [], {}
     for tier, of_tier in table.groupby("tier", sort=False):
         letters = of_tier["verdict"].map(LETTERS).fillna(OTHER)
-        for flag, letter in (("false_infeasible", FALSE_INFEASIBLE), ("proved_infeasible", PROVED_INFEASIBLE)):
+        for flag, letter in (("infeasible_within_rounding", WITHIN_ROUNDING), ("false_infeasible", FALSE_INFEASIBLE),
+                             ("proved_infeasible", PROVED_INFEASIBLE)):
             letters = letters.mask(of_tier[flag].astype(bool), letter)
         half = (of_tier["fresh_high"] - of_tier["fresh_low"]) / 2 / of_tier["fresh_s"]
         # What failed has the time of the solve that was judged.

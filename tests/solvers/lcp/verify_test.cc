@@ -3,11 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <random>
 #include <utility>
+#include <vector>
 
+#include "solvers/lcp/exact_sum.h"
 #include "solvers/lcp/residual.h"
 #include "tests/solvers/test_problems.h"
 
@@ -248,8 +252,82 @@ TEST(FarkasRay, AnExactRayIsAccepted) {
   // y = (1, 1) has A y = 0, b.y = -2.
   const LcpProblem problem = Opposed({-1, -1});
   const FarkasVerdict verdict = VerifyFarkasRay(problem, Eigen::Vector2d(1, 1));
-  EXPECT_TRUE(verdict.accepted) << verdict.reason;
+  EXPECT_TRUE(verdict.accepted && verdict.proved) << verdict.reason;
   EXPECT_EQ(verdict.b_dot_y, -2);
+  EXPECT_EQ(verdict.force_min, std::numeric_limits<double>::infinity());
+}
+
+// Two joints at an angle of 2^-exponent, with masses that turn no digit: f = (-2^2e, 2^2e) solves the problem.
+LcpProblem Toggle(int exponent, double heavy, bool has_factors) {
+  const double angle = std::ldexp(1.0, -exponent);
+  const Eigen::MatrixXd J = (Eigen::MatrixXd(2, 2) << 1, 0, 1, angle).finished();
+  const Eigen::Vector2d inverse_mass(1, heavy);
+  RowBounds joints = RowBounds::WithBilateralRows(2, {0, 1});
+  if (has_factors) return LcpProblem::FromFactors("t", J.sparseView(), inverse_mass, Eigen::Vector2d(0, -1), joints);
+  return LcpProblem::FromDense("t", J * inverse_mass.asDiagonal() * J.transpose(), Eigen::Vector2d(0, -1), joints,
+                               SymmetricPsd());
+}
+
+TEST(FarkasRay, FromFactorsAnAngleBetweenRowsIsNotSquared) {
+  for (const int exponent : {10, 24, 26, 43, 60}) {
+    for (const double inverse_mass : {1.0, 0x1p-20, 0x1p20}) {
+      const FarkasVerdict verdict = VerifyFarkasRay(Toggle(exponent, inverse_mass, true), Eigen::Vector2d(-1, 1));
+      EXPECT_FALSE(verdict.accepted || verdict.proved) << exponent;
+      EXPECT_NE(verdict.reason.find("J^T y = 0 holds to 1 of"), std::string::npos) << verdict.reason;
+    }
+  }
+}
+
+TEST(FarkasRay, AMatrixThatIsRoundedTellsNoMoreThanWithinRounding) {
+  const FarkasVerdict near = VerifyFarkasRay(Toggle(24, 1, false), Eigen::Vector2d(-1, 1));
+  EXPECT_TRUE(near.accepted && !near.proved) << near.reason;
+  EXPECT_NEAR(near.force_min, 0x1p48, 0x1p30);  // as the solution of J has it
+  // From an angle of 2^-27 on A is singular as it is given, and there is no solution of that.
+  EXPECT_TRUE(VerifyFarkasRay(Toggle(27, 1, false), Eigen::Vector2d(-1, 1)).proved);
+  EXPECT_FALSE(VerifyFarkasRay(Toggle(20, 1, false), Eigen::Vector2d(-1, 1)).accepted);
+}
+
+TEST(FarkasRay, WhatRoundingHidesIsNotProved) {
+  // Terms of y and b cancel but for a last digit, or the smallest number there is.
+  const Eigen::MatrixXd J = (Eigen::MatrixXd(2, 1) << 0.1, -0.3).finished();
+  const LcpProblem problem =
+      LcpProblem::FromFactors("thirds", J.sparseView(), Eigen::VectorXd::Ones(1), Eigen::Vector2d(-1, -1));
+  const FarkasVerdict near = VerifyFarkasRay(problem, Eigen::Vector2d(3, 1));  // 3 * 0.1 is not 0.3 in doubles
+  EXPECT_TRUE(near.accepted && !near.proved) << near.reason;
+  EXPECT_GT(near.null_residual, 0);
+  EXPECT_TRUE(VerifyFarkasRay(problem, Eigen::Vector2d(0.3, 0.1)).proved);
+  const double tiny = std::numeric_limits<double>::denorm_min();
+  for (const double last : {0.0, tiny, -tiny}) {
+    const Eigen::MatrixXd A = Eigen::MatrixXd::Zero(3, 3);
+    const LcpProblem zero =
+        LcpProblem::FromDense("zero", A, Eigen::Vector3d(1e300, -1e300, last), RowBounds(), SymmetricPsd());
+    EXPECT_EQ(VerifyFarkasRay(zero, Eigen::Vector3d(1e300, 1e300, tiny)).proved, last < 0) << last;
+  }
+}
+
+// Large terms that cancel, and whole numbers at any scale, whose sum is known.
+TEST(ExactSum, IsZeroOnlyWhereTheSumIs) {
+  std::mt19937 random(7);
+  std::uniform_int_distribution<int> exponent(-1000, 900);
+  std::uniform_int_distribution<int> integer(-1000000, 1000000);
+  ExactSum sum;
+  for (int trial = 0; trial < 2000; ++trial) {
+    sum.Clear();
+    std::vector<std::pair<double, double>> terms;
+    const int unit = exponent(random);
+    std::int64_t total = 0;
+    for (int k = 0; k < 5; ++k) {
+      const int a = integer(random), b = integer(random);
+      total += std::int64_t{a} * b;
+      terms.emplace_back(std::ldexp(a, unit), std::ldexp(b, -unit / 2));
+      const double large = std::ldexp(1 + std::ldexp(integer(random), -30), exponent(random));
+      terms.emplace_back(large, 1 / 3.0);
+      terms.emplace_back(-large, 1 / 3.0);
+    }
+    std::shuffle(terms.begin(), terms.end(), random);
+    for (const auto& [x, y] : terms) sum.Add(x, y);
+    EXPECT_EQ(sum.Value(), std::ldexp(static_cast<long double>(total), unit - unit / 2)) << trial;
+  }
 }
 
 TEST(FarkasRay, ASmallAyIsNotAProof) {
