@@ -23,7 +23,7 @@ struct SizeClass {
 };
 
 inline constexpr std::array kSizeClasses{
-    SizeClass{"1", 1, 1, 1000},
+    SizeClass{"1", 0, 1, 1000},
     SizeClass{"2-3", 2, 3, 1000},
     SizeClass{"4-6", 4, 6, 1000},
     SizeClass{"7-12", 7, 12, 1000},
@@ -36,7 +36,7 @@ inline constexpr std::array kSizeClasses{
     SizeClass{"1e5-1e6", 100'001, std::numeric_limits<Index>::max(), 0},
 };
 
-/// The class of a problem with so many rows, at least one.
+/// The class of a problem with so many rows. One without rows belongs to the first.
 constexpr const SizeClass& SizeClassOf(Index rows) {
   for (const SizeClass& size_class : kSizeClasses) {
     if (rows <= size_class.most) return size_class;

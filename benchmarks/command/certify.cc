@@ -75,12 +75,13 @@ struct Certify {
     if (solved) {
       record["nullity_on_active"] = answer.nullity_on_active;
       record["f_unique"] = OrNull(answer.f_unique);
-      record["degenerate"] = answer.f_least_norm.empty() ? Json(nullptr) : Json(answer.degenerate);
+      const bool has_least_norm = answer.f_least_norm.size() == answer.f.size();
+      record["degenerate"] = has_least_norm ? Json(answer.degenerate) : Json(nullptr);
       Add("w", answer.w, &record);
       Add("f", answer.f, &record);
-      Add("f_minnorm", answer.f_least_norm, &record);
+      if (has_least_norm) Add("f_minnorm", answer.f_least_norm, &record);
     }
-    Add("ray", answer.ray, &record);
+    if (answer.status == ExactAnswer::Status::kInfeasible) Add("ray", answer.ray, &record);
     record.update({{"exact_solves", answer.pivots}, {"time_s", time_s}, {"detail", answer.detail}});
     return record;
   }
@@ -116,12 +117,12 @@ struct Certify {
 
   // As in the oracle's records: name_exact as "p/q", and name rounded to doubles.
   void Add(const std::string& name, const std::vector<Rational>& values, Json* record) const {
-    if (values.empty()) return;
-    Json exact = Json::array();
+    Json numbers = Json::array(), exact = Json::array();
     for (const Rational& value : values) {
-      (*record)[name].push_back(RoundToNearest(value));
+      numbers.push_back(RoundToNearest(value));
       exact.push_back(value.str());
     }
+    (*record)[name] = numbers;
     if (!rounded) (*record)[name + "_exact"] = exact;
   }
 };

@@ -108,20 +108,12 @@ ProblemSteps Moving(const std::string& scene, int size, std::uint64_t seed, int 
   return found;
 }
 
-void RequireRows(const ProblemSteps& found) {
-  for (const SequenceStep& step : found.steps) {
-    if (step.problem.size() > 0) continue;
-    throw InputError(found.name + ": problem '" + step.problem.id() + "': expected one row or more");
-  }
-}
-
 }  // namespace
 
 ProblemSteps ReadProblemSteps(const std::string& path) {
   const auto read = FormatOfFile(path).read;
   ProblemSteps found = read == nullptr ? ReadLines(path) : Single(read(path, {}));
   found.name = path == "-" ? "standard input" : std::filesystem::path(path).filename().string();
-  RequireRows(found);
   return found;
 }
 
@@ -130,7 +122,6 @@ ProblemSteps MakeProblemSteps(const std::string& scene, int size, std::uint64_t 
   ProblemSteps found = steps == 1 ? Single(AssembleContactLcp(LoadInstant(scene, size, seed)).problem)
                                   : Moving(scene, size, seed, steps);
   found.name = scene;
-  RequireRows(found);
   return found;
 }
 

@@ -18,7 +18,7 @@ struct ProblemSteps {
 /// Reads a problem file of any format (problem_formats.h; - is standard input), or a recorded sequence: JSON lines that
 /// say which rows stay, by a member "previous" (sequence_file.h) or by "motion" (`lcpbench sequence`, RESULTS.md; rows
 /// that stay keep their order).
-/// @throws InputError naming file and line, also where there is no problem at all, or one without rows
+/// @throws InputError naming file and line, also where there is no problem at all
 ProblemSteps ReadProblemSteps(const std::string& path);
 
 /// One instant of a scene, or with `steps` > 1 the problems that it meets as it moves, driven by

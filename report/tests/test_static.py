@@ -56,6 +56,11 @@ class Static(SharedFolderCase):
         for old, new in zip(self.written, again):
             self.assertEqual(old.read_bytes(), new.read_bytes(), old.name)
 
+    def test_problems_without_rows_are_drawn(self):
+        inputs = load_inputs([self.path / "standard"])
+        inputs.cells["rows"] = 0
+        self.assertIsNotNone(dict(write.figures(inputs))["time-by-size"]())
+
     def test_svg_stands_on_white(self):
         text = (self.path / "out/figures/time-by-size.svg").read_text(encoding="utf-8")
         background = re.search(r'<g id="patch_1">\s*<path d="[^"]*" style="([^"]*)"', text)

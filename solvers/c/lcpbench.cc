@@ -246,7 +246,7 @@ SparseMatrix ReadCompressed(const char* name, std::int64_t rows, std::int64_t co
   const std::int64_t outer = by_columns ? columns : rows;
   const std::int64_t inner = by_columns ? rows : columns;
   SparseMatrix matrix(rows, columns);
-  if (outer == 0 && entries == 0) return matrix;
+  if (entries == 0 && (outer == 0 || (inner == 0 && starts == nullptr))) return matrix;
   RequireNotNull(starts, "starts", "one number for every column (or row) and one more");
   RequireStarts(starts, outer, entries, "entries");
   if (entries == 0) return matrix;

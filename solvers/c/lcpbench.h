@@ -119,7 +119,7 @@ LCPBENCH_API lcpbench_error lcpbench_problem_from_dense(int64_t n, const double*
                                                         lcpbench_problem** problem);
 
 /// A problem from a sparse A, both triangles stored.  O(n + entries).
-/// @param n        rows, 0 <= n < 2^31
+/// @param n        rows, 0 <= n < 2^31; n = 0 is a valid problem, whose arrays may be NULL
 /// @param layout   of A: compressed columns or compressed rows
 /// @param starts   n + 1 numbers that do not fall, the first 0 and the last `entries`
 /// @param indices  `entries` numbers in [0, n), none twice in one column (or row)
@@ -138,7 +138,7 @@ LCPBENCH_API lcpbench_error lcpbench_problem_from_sparse(int64_t n, lcpbench_lay
 /// for rigid bodies: many solvers never form A. In the plane body k has the columns 3k, 3k + 1 (its translation) and
 /// 3k + 2 (its rotation); rows whose entries lie in at most two such blocks are the fastest, other J are welcome.
 /// Bodies in space: lcpbench_problem_from_body_factors.  O(n + columns + entries).
-/// @param n             rows of J, 0 <= n < 2^31
+/// @param n             rows of J, 0 <= n < 2^31; without rows the arrays of J, b and kinds may be NULL
 /// @param columns       columns of J (degrees of freedom), 0 <= columns < 2^31
 /// @param layout        of J: compressed columns or compressed rows
 /// @param starts        columns + 1 numbers (or n + 1, for compressed rows), as in lcpbench_problem_from_sparse

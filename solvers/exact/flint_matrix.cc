@@ -59,6 +59,7 @@ bool AllDepend(const IntegerMatrix& A, const std::vector<Index>& independent, co
 }
 
 bool IsPositiveSemidefinite(const IntegerMatrix& A) {
+  if (A.rows() == 0) return true;  // FLINT ends the process
   fmpz_poly_t polynomial;
   fmpz_poly_init(polynomial);
   fmpz_mat_charpoly(polynomial, A.get());

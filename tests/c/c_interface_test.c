@@ -295,15 +295,33 @@ static void OptionsReachTheSolver(void) {
   lcpbench_problem_free(problem);
 }
 
+/* Of a dense matrix, a sparse one, and factors with and without bodies, in both layouts, by every own solver. */
 static void NoRowsAreAProblem(void) {
-  lcpbench_problem* problem = Dense(0, NULL, NULL, NULL, 0);
-  int64_t n = -1;
-  CHECK_OK(lcpbench_problem_size(problem, &n));
-  CHECK(n == 0);
-  Answer answer = Solve("auto", problem, NULL, NULL);
-  CHECK(answer.status == LCPBENCH_SOLVED && answer.n == 0 && answer.f == NULL && answer.verdict.passes == 1);
-  Free(&answer);
-  lcpbench_problem_free(problem);
+  const double inverse_mass[3] = {1, 1, 1};
+  size_t solvers = 0;
+  CHECK_OK(lcpbench_solver_count(&solvers));
+  for (int form = 0; form < 8; ++form) {
+    const lcpbench_layout layout = form % 2;
+    lcpbench_problem* problem = NULL;
+    if (form < 2) CHECK_OK(lcpbench_problem_from_dense(0, NULL, layout, NULL, NULL, 0, &problem));
+    if (form / 2 == 1) CHECK_OK(lcpbench_problem_from_sparse(0, layout, NULL, NULL, NULL, 0, NULL, NULL, 0, &problem));
+    if (form >= 4) {
+      CHECK_OK(lcpbench_problem_from_factors(0, form < 6 ? 0 : 3, layout, NULL, NULL, NULL, 0, inverse_mass, NULL, NULL,
+                                             &problem));
+    }
+    int64_t n = -1;
+    CHECK_OK(lcpbench_problem_size(problem, &n));
+    CHECK(n == 0);
+    for (size_t k = 0; k < solvers; ++k) {
+      lcpbench_solver_info info;
+      CHECK_OK(lcpbench_solver_describe(k, &info, sizeof info));
+      if (!info.available || info.is_peer) continue;
+      Answer answer = Solve(info.key, problem, NULL, NULL);
+      CHECK(answer.status == LCPBENCH_SOLVED && answer.n == 0 && answer.f == NULL && answer.verdict.passes == 1);
+      Free(&answer);
+    }
+    lcpbench_problem_free(problem);
+  }
 }
 
 static void WrongProblemsAreRefused(void) {

@@ -303,6 +303,10 @@ static void NoRowsAreSolved(void) {
   lcpbench_step_answer answer;
   CHECK_OK(lcpbench_step_solve(step, &rows, NULL, NULL, NULL, &answer, sizeof answer));
   CHECK(answer.status == LCPBENCH_SOLVED && answer.iterations == 0 && answer.rho == 0);
+  const int32_t starts[4] = {0, 0, 0, 0};
+  lcpbench_step_answer answers[3];
+  CHECK_OK(lcpbench_step_solve_batch(step, &rows, starts, 3, NULL, answers, sizeof *answers));
+  for (int k = 0; k < 3; ++k) CHECK(answers[k].status == LCPBENCH_SOLVED && answers[k].rho == 0);
   lcpbench_step_free(step);
 }
 

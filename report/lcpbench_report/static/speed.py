@@ -76,7 +76,7 @@ def _regular(inputs: Inputs) -> pd.DataFrame:
     grids = cells["problem"].map(lambda name: bool(inputs.problems[name].get("grid"))).astype(bool)
     cells = cells[~grids] if not grids.all() else cells
     problems = cells.drop_duplicates("problem")
-    mean = np.log(problems["rows"].astype(float)).groupby(problems["size_class"]).mean()
+    mean = np.log(problems["rows"].clip(lower=1).astype(float)).groupby(problems["size_class"]).mean()
     return cells.assign(place=np.exp(cells["size_class"].map(mean)))
 
 

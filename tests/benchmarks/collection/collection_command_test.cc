@@ -77,6 +77,43 @@ TEST_F(CollectionCommand, ImportLeavesOutWhatCannotBeReadAndSaysSo) {
 }
 
 // What docs/recording.md tells a user to do.
+TEST_F(CollectionCommand, ProblemsWithoutRowsGoThroughEveryCommand) {
+  std::filesystem::create_directories(folder_ / "set");
+  const std::string reported = LCPBENCH_SOURCE_DIR "/tests/data/reports/no-rows.jsonl";
+  std::string lines = ReadFile(reported) + "\n";
+  for (const char* form :
+       {R"({"id":"sparse","n":0,"A":{"shape":[0,0],"row":[],"col":[],"val":[]},"b":[],"bilateral":[],"joint":[]})",
+        R"({"id":"factors","J":[],"invM":[1,1,1],"b":[]})", R"({"id":"nothing","J":[],"invM":[],"b":[],"contacts":[]})",
+        R"({"id":"no-bodies","J":[[],[]],"invM":[],"b":[1,2]})"}) {
+    lines += std::string(form) + "\n";
+  }
+  Write("set/lines.jsonl", lines);
+  for (const char* format : {"mtx", "hdf5", "dat", "qps", "npz"}) {
+    Succeed("convert " + reported + " -o " + Path(std::string("set/") + format + "." + format));
+  }
+  std::filesystem::remove(folder_ / "set/hdf5.hdf5");  // which keeps the id, of the first line
+  for (const char* file : {"set/lines.jsonl", "set/mtx.mtx", "set/dat.dat"}) {
+    for (const char* arguments : {"solve --solver auto", "solve --solver pgs --floor", "certify"}) {
+      const bool is_certify = arguments == std::string("certify");
+      if (is_certify && file != std::string("set/lines.jsonl")) continue;
+      for (const nlohmann::json& answer : Records(Succeed(arguments + (" " + Path(file))).out)) {
+        EXPECT_EQ(answer["status"], "solved") << answer;
+        const bool has_rows = answer["id"] == "no-bodies";
+        EXPECT_EQ(answer["f"], has_rows ? nlohmann::json({0.0, 0.0}) : nlohmann::json::array()) << answer;
+        EXPECT_EQ(is_certify ? answer["certified"] : answer["verdict"]["passes"], true) << answer;
+      }
+    }
+  }
+  Succeed("import " + Path("set") + " --provenance 'a test' --licence CC0-1.0");
+  const std::string manifest = Path("set/manifest.json");
+  const CommandOutcome check = Succeed("collection check " + manifest);
+  EXPECT_NE(check.out.find("7 of 7"), std::string::npos) << check.out;
+  EXPECT_EQ(Lines(Succeed("collection write " + manifest).out).size(), 7U);
+  Succeed("run --suite " + manifest + " --solvers auto,dantzig -o " + Path("campaign"));
+  for (const nlohmann::json& cell : CellsOf(folder_ / "campaign")) EXPECT_EQ(cell["passes"], true) << cell;
+  Succeed("analyse " + Path("campaign"));
+}
+
 TEST_F(CollectionCommand, ARecorderOfAUsersOwnEngineGivesProblemsThatAreSolved) {
   const std::string example = LCPBENCH_SOURCE_DIR "/examples/record_discs.py";
   ASSERT_EQ(std::system(("/usr/bin/python3 " + example + " 12 200 > " + Path("discs.jsonl")).c_str()), 0);

@@ -380,6 +380,19 @@ TEST_F(RecommendCommand, ASequenceIsRunFromWarmStartsTooWhetherRecordedOrMoving)
   }
 }
 
+TEST_F(RecommendCommand, ProblemsWithoutRowsAreRecommendedFor) {
+  const Json none = Recommend(LCPBENCH_SOURCE_DIR "/tests/data/reports/no-rows.jsonl");
+  EXPECT_EQ(none["rows"], Json({0.0, 0.0}));
+  EXPECT_TRUE(none["recommended"].is_string()) << none;
+  Write("steps.jsonl", R"({"A":[],"b":[],"previous":[]}
+{"A":[[1]],"b":[-1],"previous":[-1]}
+{"A":[],"b":[],"previous":[]}
+)");
+  const Json steps = Recommend(Path("steps.jsonl"));
+  EXPECT_EQ(steps["problems"], 3);
+  EXPECT_EQ(steps["ranked"][0]["verified"], 1) << steps;
+}
+
 TEST_F(RecommendCommand, TheTextEndsWithLinesForCMakeUnlessNothingMeetsTheRequest) {
   const std::string arguments = "recommend --rounds 1 --scene rockers --size 18 --rules " + Path("rules.json");
   const std::string late = arguments + " --deadline 1e-9";

@@ -150,6 +150,18 @@ TEST(ExactLcp, WhatIsNoPositiveSemidefiniteMatrixIsSaidToBeNone) {
   }
 }
 
+TEST(ExactLcp, NoRowsAreSolvedWithRankZero) {
+  for (const char* line : {R"({"A":[],"b":[]})", R"({"A":{"shape":[0,0],"row":[],"col":[],"val":[]},"b":[]})",
+                           R"({"J":[],"invM":[],"b":[]})", R"({"J":[],"invM":["1/3"],"b":[]})"}) {
+    const ExactLcp problem = Small(line);
+    const ExactAnswer answer = SolveExactly(problem, {});
+    EXPECT_EQ(answer.status, Status::kSolved) << line;
+    EXPECT_EQ(answer.rank, 0) << line;
+    EXPECT_TRUE(answer.rank_is_proved && answer.f_unique.value_or(false)) << line;
+    EXPECT_EQ(FindFault(problem, answer), "") << line;
+  }
+}
+
 TEST(ExactLcp, DoublesAreTheRationalsThatTheyAre) {
   // 0.1 is no tenth: 3 * 0.1 - 0.3 is not 0.
   const ExactLcp problem = Small(R"({"A":[[0.1]],"b":[-0.3]})");
