@@ -354,8 +354,9 @@ typedef struct lcpbench_step_answer {
   /// the status is another.
   int32_t infeasible_proved;
   int64_t iterations;  ///< pivots, and iterations of what solved large groups of bodies
-  /// Of f (see lcpbench_verdict), as the solver measured it in double: the largest among groups of rows that do not act
-  /// on each other, which that over all rows does not exceed. Infinite where it was not measured.
+  /// Of f (see lcpbench_verdict), as the solver measured it: the largest among groups of rows that do not act on each
+  /// other, which that over all rows does not exceed. Infinite where it was not measured, or is beyond double; never
+  /// NaN.
   double rho;
   /// Where LCPBENCH_INFEASIBLE holds within rounding only: any solution has |D^1/2 f|_1 of this or more, D = diag A.
   /// Infinite where proved, 0 where the status is another.

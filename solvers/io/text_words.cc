@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <optional>
@@ -10,26 +9,13 @@
 #include <utility>
 
 #include "support/input_error.h"
+#include "support/number_text.h"
 #include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
 
 constexpr std::string_view kSpace = " \t\r\v\f";
-
-// The number that the whole word is.
-template <typename Number>
-std::optional<Number> Parsed(std::string_view word) {
-  Number value{};
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || word.empty() || end != word.data() + word.size()) return std::nullopt;
-  return value;
-}
-
-std::optional<double> FiniteNumber(std::string_view word) {
-  const auto value = Parsed<double>(word.starts_with('+') ? word.substr(1) : word);
-  return value && std::isfinite(*value) ? value : std::nullopt;
-}
 
 }  // namespace
 
@@ -75,14 +61,16 @@ std::string_view TextWords::PeekOfAnyLine() {
 }
 
 std::int64_t TextWords::Integer(std::int64_t least, std::int64_t most, const std::string& what, std::string_view word) {
-  const auto value = Parsed<std::int64_t>(word);
-  if (value && least <= *value && *value <= most) return *value;
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const bool is_whole = error == std::errc() && end == word.data() + word.size();
+  if (is_whole && least <= value && value <= most) return value;
   Reject(what + " from " + std::to_string(least) + " to " + std::to_string(most), word);
 }
 
 double TextWords::Number() {
   const std::string_view word = Word();
-  const std::optional<double> value = FiniteNumber(word);
+  const std::optional<double> value = ParseNumber(word);
   if (!value) Reject("a finite number", word);
   return *value;
 }
@@ -101,7 +89,7 @@ std::vector<double> TextWords::NumbersOfAnyLine(std::int64_t count, const std::s
     };
     const std::string_view word = WordOfAnyLine();
     if (word.empty()) RejectEnd(expected());
-    const std::optional<double> value = FiniteNumber(word);
+    const std::optional<double> value = ParseNumber(word);
     if (!value) Reject(expected() + " to be finite", word);
     values.push_back(*value);
   }

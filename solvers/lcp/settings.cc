@@ -1,10 +1,10 @@
 #include "solvers/lcp/settings.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 
 #include "support/input_error.h"
+#include "support/number_text.h"
 
 namespace lcpbench {
 
@@ -15,14 +15,13 @@ double SettingsReader::Number(const std::string& name, double fallback, double m
   const auto found = settings_.find(name);
   if (found == settings_.end()) return fallback;
   const std::string& text = found->second;
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !(value >= minimum && value <= maximum)) {
+  const std::optional<double> value = ParseNumber(text);
+  if (!value || !(*value >= minimum && *value <= maximum)) {
     char range[64];
     std::snprintf(range, sizeof range, "[%g, %g]", minimum, maximum);
     throw InputError(owner_ + ": option " + name + " must be a number in " + range + ", found '" + text + "'");
   }
-  return value;
+  return *value;
 }
 
 std::string SettingsReader::Choice(const std::string& name, std::string_view fallback,

@@ -145,7 +145,9 @@ struct StepSolver::Implementation {
       problem.ComputeW(result.f, &gaps);
       std::copy_n(gaps.data(), of.rows, w);
     }
-    StepAnswer answer{result.status, result.iterations, Residual<double>(problem).Rho(result.f)};
+    // In double the squares of large numbers overflow, and their ratio is NaN.
+    StepAnswer answer{result.status, result.iterations,
+                      static_cast<double>(Residual<long double>(problem).Rho(result.f))};
     if (result.status == LcpStatus::kInfeasible) {
       const FarkasVerdict verdict = VerifyFarkasRay(problem, *result.farkas_ray);
       answer.infeasible_proved = verdict.proved;

@@ -22,8 +22,8 @@ struct StepOptions {
 struct StepAnswer {
   LcpStatus status = LcpStatus::kNotRun;  ///< the solver's claim, as LcpResult::status
   std::int64_t iterations = -1;           ///< pivots, and iterations of what solved large islands
-  /// Natural residual of f (verify.h), as the solver measured it in double: the largest of its islands, which that over
-  /// all rows does not exceed. Infinite where it was not measured.
+  /// Natural residual of f (verify.h), as the solver measured it: the largest of its islands, which that over all rows
+  /// does not exceed. Infinite where it was not measured, or is beyond double; never NaN.
   double rho = std::numeric_limits<double>::infinity();
   /// Of kInfeasible: whether the ray is a proof, or within rounding only; then any solution needs |D^1/2 f|_1 >=
   /// force_min (FarkasVerdict). False and 0 where the status is another.

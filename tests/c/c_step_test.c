@@ -310,6 +310,44 @@ static void NoRowsAreSolved(void) {
   lcpbench_step_free(step);
 }
 
+/* Rows of numbers up to the ends of double's range, solvable or not, and also without time: rho is a number or
+   infinite, and that of the verifier where the solver failed. */
+static void RhoIsNeverNan(void) {
+  static const double sizes[] = {0, 1, 1e-320, 1e-170, 1e100, 1e150},
+                      loads[] = {0, -1, 1, -1e-320, -1e-170, 1e170, -1e308};
+  static Arrays arrays;
+  for (int k = 0; k < 6 * 7 * 2 * 3; ++k) {
+    const int n = k % 3 == 0 ? 1 : k % 3 == 1 ? 4 : 30;
+    const double size = sizes[k / 3 % 6];
+    lcpbench_step_rows rows = MakeRows(&arrays, n, 3, 1, 0);
+    for (int i = 0; i < n; ++i) {
+      for (int c = 0; c < 6; ++c) arrays.J[6 * i + c] *= size;
+      arrays.b[i] = loads[k / 18 % 7] * (i % 3 == 2 ? -0.5 : 1);
+    }
+    lcpbench_step_options options;
+    CHECK_OK(lcpbench_step_options_init(&options, sizeof options));
+    if (k >= 6 * 7 * 3) options.time_limit_s = 1e-12;
+    lcpbench_step* step = NULL;
+    CHECK_OK(lcpbench_step_create(&options, &step));
+    double f[30];
+    lcpbench_step_answer answer;
+    lcpbench_verdict verdict;
+    CHECK_OK(lcpbench_step_solve(step, &rows, NULL, f, NULL, &answer, sizeof answer));
+    CHECK(!isnan(answer.rho));
+    lcpbench_problem* problem = ProblemOf(&rows);
+    CHECK_OK(lcpbench_verify(problem, f, n, answer.status, NULL, 1e-9, &verdict, sizeof verdict, NULL));
+    CHECK(!isnan(verdict.rho));
+    const int is_below_double = size > 0 && size * size == 0; /* A: 0 in double, not so for the verifier */
+    const int agrees = answer.rho == verdict.rho || fabs(answer.rho - verdict.rho) <= 1e-9 * (1 + verdict.rho);
+    CHECK(answer.status == LCPBENCH_SOLVED || is_below_double || agrees);
+    const int32_t starts[2] = {0, n};
+    CHECK_OK(lcpbench_step_solve_batch(step, &rows, starts, 1, f, &answer, sizeof answer));
+    CHECK(!isnan(answer.rho));
+    lcpbench_problem_free(problem);
+    lcpbench_step_free(step);
+  }
+}
+
 /* Every mistake by its words, with nothing written. */
 static void MistakesAreRefused(void) {
   static Arrays arrays;
@@ -467,6 +505,7 @@ int main(void) {
   AnImpossibleStepIsNotSolved();
   ABatchIsItsProblems();
   NoRowsAreSolved();
+  RhoIsNeverNan();
   MistakesAreRefused();
   LaterStructsAreUnderstood();
   return CountFailures();

@@ -11,12 +11,15 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <random>
 #include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "solvers/io/json_lines.h"
+#include "solvers/io/same_bits.h"
 #include "support/output_error.h"
 #include "tests/solvers/lcp/same_problem.h"
 #include "tests/solvers/test_problems.h"
@@ -107,6 +110,41 @@ TEST_F(MatrixMarket, ReadsWhatTheFormatAllows) {
   EXPECT_EQ(array.ToSparse().coeff(0, 1), 2);
   EXPECT_EQ(array.ToSparse().coeff(1, 1), 3);
   EXPECT_EQ(Parse("%%MatrixMarket matrix array real general\n0 1\n").ToVector("x").size(), 0);
+}
+
+// The same bits, or refused in both.
+TEST_F(MatrixMarket, NumbersAreThoseOfJson) {
+  std::vector<std::string> words = {
+      "1e-400", "-1e-400", "1e400",   "-1e400", "2e-324", "3e-324",  "2.4703282292062327e-324",
+      "0e999",  "0.0",     "1e-9999", "1e9999", "-0.0",   "1.7e308", "1.8e308"};
+  for (const std::string& zeros : {std::string(400, '0'), std::string(5000, '0')}) {
+    for (const std::string& mantissa : {"0." + zeros + "1", "1" + zeros}) {
+      words.push_back(mantissa);
+      for (const char* exponent : {"e399", "e-399", "e401", "e-401", "e5001", "e-5001", "e9999", "e-9999"}) {
+        words.push_back(mantissa + exponent);
+      }
+    }
+  }
+  std::mt19937_64 random(42);
+  for (int k = 0; k < 3000; ++k) {
+    const int exponent = static_cast<int>(random() % 760) - 400;
+    words.push_back((k % 2 == 0 ? "-" : "") + std::to_string(random() % 10) + "." + std::to_string(random()) + "e" +
+                    std::to_string(exponent));
+  }
+  int refused = 0;
+  for (const std::string& word : words) {
+    std::optional<double> by_json, by_market;
+    const std::string why_json =
+        RefusalOf([&] { by_json = ParseLcpRecord(R"({"A":[[1]],"b":[)" + word + "]}", "line").problem.b()[0]; });
+    const std::string why_market = RefusalOf(
+        [&] { by_market = Parse("%%MatrixMarket matrix array real general\n1 1\n" + word + "\n").ToVector("x")[0]; });
+    EXPECT_EQ(why_json.empty(), why_market.empty()) << word << ": " << why_json << why_market;
+    refused += why_json.empty() ? 0 : 1;
+    if (by_json && by_market) {
+      EXPECT_TRUE(SameBits(&*by_json, &*by_market, 1)) << word;
+    }
+  }
+  EXPECT_GT(refused, 100);
 }
 
 TEST_F(MatrixMarket, WhatIsWrongIsOneLineWithItsPlace) {
