@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -78,6 +79,74 @@ void RequireCompressedRows(const ProblemArrays& arrays) {
   }
 }
 
+// Whether so many of J's entries are stored that products of whole rows cost less than lists do. Below, the lists of a
+// few rows stay in the caches.
+constexpr Index kLeastFullRows = 32;
+constexpr Index kPartOfFull = 4;
+bool IsFull(const Eigen::Ref<const SparseMatrix>& J) {
+  return J.rows() >= kLeastFullRows && kPartOfFull * J.outerIndexPtr()[J.rows()] >= J.rows() * J.cols();
+}
+
+// The rows of J without the columns that cannot move, kTile rows side by side: column k of the rows from kTile t on
+// begins at kTile (t columns + k); zeros where there is no row.
+constexpr Index kTile = 8;
+struct FullRows {
+  FullRows(const Eigen::Ref<const SparseMatrix>& J, const double* inverse_mass) {
+    std::vector<Index> place(static_cast<size_t>(J.cols()), -1);
+    for (Index k = 0; k < J.cols(); ++k) {
+      if (inverse_mass[k] == 0) continue;
+      place[static_cast<size_t>(k)] = static_cast<Index>(mass.size());
+      mass.push_back(inverse_mass[k]);
+    }
+    columns = static_cast<Index>(mass.size());
+    J_by_tiles.assign(static_cast<size_t>((J.rows() + kTile - 1) / kTile * kTile * columns), 0.0);
+    for (Index i = 0; i < J.rows(); ++i) {
+      for (int e = J.outerIndexPtr()[i]; e < J.outerIndexPtr()[i + 1]; ++e) {
+        const Index k = place[static_cast<size_t>(J.innerIndexPtr()[e])];
+        if (k >= 0) J_by_tiles[static_cast<size_t>((i / kTile * columns + k) * kTile + i % kTile)] = J.valuePtr()[e];
+      }
+    }
+  }
+  const double* Tile(Index t) const { return J_by_tiles.data() + t * columns * kTile; }
+
+  Index columns = 0;
+  std::vector<double> mass, J_by_tiles;
+};
+
+// sum[kTile r + c] = sum over k of mass_k (first_rk second_ck). The widest instructions of the machine give the same
+// bits as any others: products and sums are not fused.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+__attribute__((target_clones("avx512f", "avx2", "default")))
+#endif
+void MultiplyTiles(const double* first, const double* second, const double* mass, Index columns, double* sum) {
+  using Tile [[gnu::vector_size(kTile * sizeof(double)), gnu::aligned(alignof(double)), gnu::may_alias]] = double;
+  Tile rows[kTile] = {};
+  for (Index k = 0; k < columns; ++k) {
+    const Tile other = *reinterpret_cast<const Tile*>(second + k * kTile);
+    for (int r = 0; r < kTile; ++r) rows[r] += mass[k] * (first[k * kTile + r] * other);
+  }
+  for (int r = 0; r < kTile; ++r) *reinterpret_cast<Tile*>(sum + r * kTile) = rows[r];
+}
+
+// As Assemble: every entry is the same sum in the same order, so that it has the same bits.
+void AssembleFull(const Eigen::Ref<const SparseMatrix>& J, const double* inverse_mass, double* A, Index stride) {
+  const FullRows full(J, inverse_mass);
+  const Index n = J.rows();
+  for (Index i = 0; i < n; ++i) std::fill(A + i * stride + n, A + (i + 1) * stride, 0.0);
+  double sum[kTile * kTile];
+  for (Index i = 0; i < n; i += kTile) {
+    for (Index j = 0; j <= i; j += kTile) {
+      MultiplyTiles(full.Tile(i / kTile), full.Tile(j / kTile), full.mass.data(), full.columns, sum);
+      for (Index r = 0; r < std::min(kTile, n - i); ++r) {
+        for (Index c = 0; c < std::min(kTile, n - j); ++c) {
+          A[(i + r) * stride + j + c] = A[(j + c) * stride + i + r] = sum[r * kTile + c];
+        }
+      }
+    }
+  }
+}
+
 // Rows enter their columns' lists one after the other; row i meets those above it in every one of its columns, in the
 // order of the columns.
 void Assemble(const Eigen::Ref<const SparseMatrix>& J, const double* inverse_mass, double* A, Index stride) {
@@ -87,6 +156,7 @@ void Assemble(const Eigen::Ref<const SparseMatrix>& J, const double* inverse_mas
     int row;
     double value;
   };
+  if (IsFull(J)) return AssembleFull(J, inverse_mass, A, stride);
   std::fill_n(A, J.rows() * stride, 0.0);
   std::vector<int> last(static_cast<size_t>(J.cols()), -1);
   const int* const start = J.outerIndexPtr();
@@ -200,6 +270,31 @@ struct LcpProblem::Matrix {
       }
     }
     return true;
+  }
+
+  // Whether every row of J has more than half of the columns that can move; at most 2^31 - 1 pairs.
+  bool EveryPairSharesAColumn() const {
+    if (!IsFull(sparse) || rows * rows > std::numeric_limits<int>::max()) return false;
+    const auto movable = static_cast<Index>((inverse_mass.array() != 0).count());
+    for (Index i = 0; i < rows; ++i) {
+      Index count = 0;
+      for (SparseMatrix::InnerIterator it(sparse, i); it; ++it) count += inverse_mass[it.col()] != 0 ? 1 : 0;
+      if (2 * count <= movable) return false;
+    }
+    return true;
+  }
+
+  // Every entry of a symmetric matrix, zeros too.
+  void FormSparseWithAll(const Eigen::MatrixXd& symmetric) {
+    const Index n = symmetric.rows();
+    RequireSparseMatrices(n, static_cast<double>(n) * static_cast<double>(n), 1);
+    derived_sparse.resize(n, n);
+    derived_sparse.resizeNonZeros(n * n);
+    for (Index i = 0; i <= n; ++i) derived_sparse.outerIndexPtr()[i] = static_cast<int>(i * n);
+    for (Index i = 0; i < n; ++i) {
+      std::iota(derived_sparse.innerIndexPtr() + i * n, derived_sparse.innerIndexPtr() + (i + 1) * n, 0);
+    }
+    std::copy_n(symmetric.data(), n * n, derived_sparse.valuePtr());
   }
 
   // A = J M^-1 J^T row by row. Every entry sums m_k (J_ik J_jk) over ascending k, so (i, j) and (j, i) round alike.
@@ -478,7 +573,11 @@ const SparseMatrix& LcpProblem::SparseA() const {
   std::call_once(s.sparse_once, [&] {
     switch (s.form) {
       case MatrixForm::kFactors:
-        s.FormSparseFromFactors();
+        if (s.EveryPairSharesAColumn()) {
+          s.FormSparseWithAll(DenseA());
+        } else {
+          s.FormSparseFromFactors();
+        }
         break;
       case MatrixForm::kSparse:
         s.FormSparseWithDiagonal(s.sparse);

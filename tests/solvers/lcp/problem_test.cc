@@ -66,6 +66,41 @@ TEST(LcpProblem, EveryEntryOfASumsOverAscendingColumnsOfJ) {
   EXPECT_FALSE(RandomFactors(40, 10, 7, Entries::kScattered).has_two_body_rows());
 }
 
+// A full J goes by tiles: the same sums in the same order, whatever the share of entries, the rest of the last tile,
+// and columns that cannot move.
+TEST(LcpProblem, FullJacobiansGiveTheSameBits) {
+  std::mt19937_64 random(11);
+  for (const Index n : {31, 32, 33, 47, 64, 90}) {
+    for (const Index columns : {1, 6, 33, 64}) {
+      for (const double share : {0.2, 0.3, 0.6, 1.0}) {
+        Eigen::MatrixXd J(n, columns);
+        Eigen::VectorXd inverse_mass(columns);
+        for (Index k = 0; k < columns; ++k) {
+          inverse_mass[k] = Uniform(&random, 0, 1) < 0.2 ? 0 : Uniform(&random, 0.1, 10);
+          for (Index i = 0; i < n; ++i) J(i, k) = Uniform(&random, 0, 1) < share ? Uniform(&random, -1, 1) : 0;
+        }
+        Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(n, n);
+        for (Index k = 0; k < columns; ++k) {
+          for (Index i = 0; i < n; ++i) {
+            for (Index j = 0; j < n; ++j) expected(i, j) += inverse_mass[k] * (J(i, k) * J(j, k));
+          }
+        }
+        const SparseMatrix sparse_J = J.sparseView();
+        const LcpProblem problem = LcpProblem::FromFactors("", sparse_J, inverse_mass, Eigen::VectorXd::Zero(n));
+        EXPECT_EQ(problem.DenseA(), expected);
+        EXPECT_EQ(Eigen::MatrixXd(problem.SparseA()), expected);
+        EXPECT_TRUE(problem.SparseA().nonZeros() == n * n || share < 1 || inverse_mass.isZero(0));
+        std::vector<double> rows(static_cast<size_t>(n * (n + 5)), -1.0);
+        AssembleDenseA(ProblemArrays::Of(problem), rows.data(), n + 5);
+        using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+        const Eigen::Map<const Rows> padded(rows.data(), n, n + 5);
+        EXPECT_EQ(padded.leftCols(n), expected);
+        EXPECT_TRUE(padded.rightCols(5).isZero(0));
+      }
+    }
+  }
+}
+
 TEST(LcpProblem, AssemblyPadsEveryRowWithZeros) {
   const LcpProblem factors = RandomFactors(7, 4, 5);
   Eigen::MatrixXd A = factors.DenseA();
