@@ -251,6 +251,20 @@ bool BlockPivoting::RelaxTinyRows(double tolerance) {
   return false;
 }
 
+// Whether w_F = 0 within the tolerance, also if what can be seen of it is rounding.
+bool BlockPivoting::ActiveGapsMeet() const {
+  double gaps_squared = 0;
+  double b_squared = 0;
+  for (Index i = 0; i < f_.size(); ++i) {
+    const double b = task_.scaled->b[i] / GapRoot(i);
+    const double gap = active_[At(i)] != 0 ? w_[i] / GapRoot(i) : 0.0;
+    b_squared += b * b;
+    gaps_squared += gap * gap;
+  }
+  const double rounding = kEpsilon * f_.cwiseAbs().dot(root_);
+  return std::sqrt(gaps_squared) + rounding <= task_.tolerance * std::sqrt(b_squared);
+}
+
 // The problem of A itself from active_, f_, a few exchanges at most. Publishes; kDone if the answer is good enough.
 BlockPivoting::End BlockPivoting::Polish(Index most, double tolerance) {
   Index least = most;
@@ -258,7 +272,7 @@ BlockPivoting::End BlockPivoting::Polish(Index most, double tolerance) {
     if (const End end = CorrectForces(); end != End::kNotMet) return end;
     if (Publish() || Refine(tolerance)) return End::kDone;
     const Index count = FindViolated(false);
-    if (count == 0 && task_.sink == nullptr) return End::kDone;
+    if (count == 0 && task_.sink == nullptr && ActiveGapsMeet()) return End::kDone;
     if (count == 0 || count >= least) break;
     least = count;
     Exchange(false);

@@ -69,7 +69,7 @@ class BlockPivoting {
     const LcpProblem* problem = nullptr;
     const ScaledVectors* scaled = nullptr;
     ActiveBlock* block = nullptr;        ///< loaded
-    AnswerSink* sink = nullptr;          ///< nullptr: an answer is one without violated rows
+    AnswerSink* sink = nullptr;          ///< nullptr: an answer is one whose signs and active gaps hold
     const Deadline* deadline = nullptr;  ///< nullptr for none
     std::int64_t factors = 0;            ///< limit
     double tolerance = 0;
@@ -140,6 +140,7 @@ class BlockPivoting {
   bool RelaxTinyRows(double tolerance);
   End Polish(Index most, double tolerance);
   Index FindViolated(bool of_proximal);
+  bool ActiveGapsMeet() const;
   void Exchange(bool least_only);
   bool Publish();
   double tier() const { return task_.sink == nullptr ? std::numeric_limits<double>::infinity() : task_.sink->tier(); }

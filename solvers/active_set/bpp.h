@@ -37,7 +37,7 @@ struct BppOptions {
   /// Ends with kNumericalFailure where blocks cycle, instead of raising the weight.
   bool end_when_cycling = false;
 
-  bool self_check = true;  ///< SettingsReader::SelfCheck; without it kSolved is claimed where no row is violated
+  bool self_check = true;  ///< SettingsReader::SelfCheck; without it signs and active gaps in double decide
 
   /// Larger problems are refused as unsupported where the dense form is used: two n x n arrays besides DenseA(). In [1,
   /// 100000].

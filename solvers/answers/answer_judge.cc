@@ -49,12 +49,13 @@ bool AnswerJudge::Publish(LcpResult* result) {
   latest_is_best_ = false;
   estimate_.ComputeW(f_, &w_);
   double rho = estimate_.Rho(f_, w_);
-  if (!(rho < tier_)) return false;
+  const bool is_unclear = std::abs(rho - tolerance_) <= Rounding(estimate_.problem(), f_);
+  if (!(rho < tier_) && !is_unclear) return false;
   double backward = estimate_.BackwardError(f_, w_);
-  // The verdict is made in extended precision, so the estimate is, too, where rounding may matter: where it could hide
-  // what rho lacks, and where sums cancel in a row whose own terms are all (nearly) 0, so that its backward error is
+  // The verdict is made in extended precision, so the estimate is, too, where rounding may matter: where it could
+  // decide about rho, and where sums cancel in a row whose own terms are all (nearly) 0, so that its backward error is
   // rounding over nothing.
-  if (rho <= tolerance_ && (rho + Rounding(estimate_.problem(), f_) > tolerance_ || backward * backward > tolerance_)) {
+  if (is_unclear || (rho <= tolerance_ && backward * backward > tolerance_)) {
     extended_.Rho(f_);
     for (Index i = 0; i < w_.size(); ++i) w_[i] = static_cast<double>(extended_.w(i));
     rho = estimate_.Rho(f_, w_);

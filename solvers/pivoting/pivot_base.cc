@@ -168,10 +168,24 @@ PivotBase::End PivotBase::Attempt(LcpResult* result) {
   } else if (end != End::kDone) {
     Publish(result);
   }
-  if (!pivot_options_.self_check) return end;
+  if (!pivot_options_.self_check) return end == End::kDone && MayBeWrong() ? End::kNotMet : end;
   if (end == End::kDone && judge_.tier() > tolerance_) DropTinyForces(result);
   if (judge_.tier() <= (end == End::kInfeasible ? proof_tolerance_ : tolerance_)) return End::kDone;
   return end == End::kDone ? End::kNotMet : end;
+}
+
+// Without a judge: whether a row that was left out or set aside is wrong by more than the tolerance, or any row may be
+// because the rounding of its terms is as large.
+bool PivotBase::MayBeWrong() const {
+  double forces = 0;
+  for (Index p = 0; p < m(); ++p) forces += std::abs(lcp_.f[p]) * std::sqrt(lcp_.diagonal[p]);
+  if (std::numeric_limits<double>::epsilon() * forces > tolerance_ * lcp_.b_scale * lcp_.b_norm) return true;
+  for (Index p = open_; p < lcp_.nonzero; ++p) {
+    const double w = lcp_.FreshW(p, m()).value;
+    const double wrong = problem_->is_bilateral(RowAt(p)) ? w : std::min(w, 0.0);
+    if (lcp_.ResidualShare(p, wrong) > tolerance_) return true;
+  }
+  return false;
 }
 
 PivotBase::End PivotBase::EnterJoints(LcpResult* result) {

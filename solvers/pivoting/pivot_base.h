@@ -113,6 +113,7 @@ class PivotBase {
  private:
   void Start(const LcpOptions& options);
   PermutedLcp::Loaded Load(const PermutedLcp::Guess& guess);
+  bool MayBeWrong() const;
   End EnterJoints(LcpResult* result);
   void LeaveOutStrongest(Index p);
   End Attempt(LcpResult* result);
