@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "benchmarks/collection/plan.h"
+#include "solvers/lcp/rounding_floor.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -116,6 +117,14 @@ constexpr FieldOf<Answer> kExceptions[] = {
       "least sum of |A_ii^1/2 f_i| of any solution, where called infeasible within rounding only; else null"},
      [](const Answer& of) {
        return HasRay(of) && !of.verdict.farkas->proved ? RoundedNumber(of.verdict.farkas->force_min) : Json(nullptr);
+     }},
+    {{"below_floor", "boolean", "",
+      "not verified and no claim, but as good as rounding lets its forces be, and the tier below that "
+      "(solvers/lcp/rounding_floor.h)"},
+     [](const Answer& of) {
+       const LcpStatus claim = of.result.status;
+       const bool has_claim = claim == LcpStatus::kSolved || claim == LcpStatus::kInfeasible;
+       return Json(!of.verdict.passes && !has_claim && IsBelowFloor(of.verdict.metrics, of.verdict.requested));
      }},
     {{"reason", "text", "", "why it is not verified"}, OfVerdict<&Verdict::reason>},
     {{"detail", "text", "", "what the solver, or its end, says"},
@@ -273,10 +282,11 @@ RecordSchema Schema(const char* record, const char* meaning, const Tables&... ta
 
 constexpr std::array kLineKinds = {"judge", "fresh", "parts", "again"};
 
-// Fields that a line may lack: of programs of protocol version 1 only, and not in lines of earlier versions.
+// Fields that a line may lack: of programs of protocol version 1 only, and younger than stored campaigns.
 bool IsOptional(const ResultField& field) {
-  constexpr std::array<std::string_view, 3> kOptional = {"formed_on_host_s", "infeasible_within_rounding", "force_min"};
-  return std::find(kOptional.begin(), kOptional.end(), field.name) != kOptional.end();
+  constexpr std::string_view kOptional[] = {"formed_on_host_s", "infeasible_within_rounding", "force_min",
+                                            "below_floor"};
+  return std::find(std::begin(kOptional), std::end(kOptional), field.name) != std::end(kOptional);
 }
 
 struct Kind {

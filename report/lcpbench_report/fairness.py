@@ -124,6 +124,10 @@ def _solvers(inputs: Inputs) -> _Lines:
     if passed := int(inputs.cells["at_floor"].sum()):
         yield ("Rounding floor", f"{formats.plural(passed, 'cell')} passed only because the tier is looser where rounding the "
                "proved answer to doubles exceeds it already (verify.h).")
+    if failed := int(inputs.cells["below_floor"].sum()):
+        yield ("Below the rounding floor", f"{formats.plural(failed, 'failed cell')} (⌊) asked for less than rounding the "
+               "answer's own forces to doubles adds to ρ, which is all that the answer misses it by; no solver passed there. "
+               "They count as failed.")
     if inputs.peers:
         yield ("Other projects' solvers", "They run in worker processes and are timed there, from the same arrays as ours: "
                "forming what the library takes, a dense A by the one shared assembly or sparse matrices, is on their clock. "

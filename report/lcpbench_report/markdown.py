@@ -111,7 +111,8 @@ def render(inputs: Inputs, lines: list[str], changes: str = "") -> str:
         parts += _part("Ablations", shown_tables.ablation(inputs, all_only=True), ABLATION_WORDS)
         parts += _part("Verified and false", shown_tables.coverage(inputs), "Share of the problems that are verified; ✗ with the "
                        "number of false successes: answers that a solver called solved and that are not; ↓ with the number of "
-                       "those of a solver that was not asked for this tier.")
+                       "those of a solver that was not asked for this tier; ⌊ with the number of failures that ask for less than the "
+                       "rounding floor of the answer's own forces, where no solver passes.")
         problems = shown_tables.pathological(inputs)["problem"].nunique()
         parts += _part("Problems that are meant to break something", shown_tables.robustness(inputs),
                        f"{problems} problems at tier {tier}; what is missing to that number failed honestly.")

@@ -147,7 +147,7 @@ def within_deadlines(inputs: Inputs) -> Table | None:
 def coverage(inputs: Inputs) -> Table | None:
     """Share verified of all solvers at the shown tiers, and wrong claims."""
     def words(of: pd.Series) -> str:
-        marks = {"false_successes": "✗", "below_tier": "↓"}
+        marks = {"false_successes": "✗", "below_tier": "↓", "below_floor": "⌊"}
         wrong = [f"{mark} {int(of[column])}" for column, mark in marks.items() if of[column]]
         return " · ".join([share_of(of["verified_share"]), *wrong])
 

@@ -23,7 +23,8 @@ FIRST, AGAIN = 3.0, 0.5  # times of the solve that is judged, and of another b, 
 PARTS = {"problem_s": 0.25, "prepare_s": 0.5, "convert_s": 0.0, "solve_s": 0.25}  # of the fresh time
 METRICS = ("rho", "backward_error", "gap_rel", "w_error", "f_error")
 JUDGED = (*METRICS, "best_tier", "iterations", "first_s", "allocations", "factor_share")
-FLAGS = ("passes", "at_floor", "false_success", "false_infeasible", "proved_infeasible", "infeasible_within_rounding")
+FLAGS = ("passes", "at_floor", "below_floor", "false_success", "false_infeasible", "proved_infeasible",
+         "infeasible_within_rounding")
 
 
 @dataclass
@@ -67,7 +68,7 @@ def cells_of(times: pd.DataFrame, tier: float = 1e-6, **columns) -> pd.DataFrame
         "origin": "placed", "fill": False, "family": "piles", "rows": 10, "size_class": "7-12", "reference": "certified",
         "asked": True, "fresh_s": known, "first_s": known, "again_s": known, **dict.fromkeys(PARTS, np.nan),
         "time_limit_s": TIME_LIMIT, "oracle_s": 1e-3, "oracle_ratio": time / 1e-3, "excluded": "", "passes": solved,
-        "at_floor": False, "false_success": False, "false_infeasible": False, "rho": tier / 2,
+        "at_floor": False, "below_floor": False, "false_success": False, "false_infeasible": False, "rho": tier / 2,
         "verdict": np.where(solved, "verified", "failed:time_limit"),
         "claim": np.where(solved, "solved", "time_limit")} | columns)
 
@@ -212,7 +213,8 @@ def _cell(problem: str, solver: str, tier: float, times: list[float]) -> dict:
     """What is known of one cell: the members of a judge line's arrays and of its exceptions, a time for every pass, and
     which passes were disturbed."""
     return {"problem": problem, "solver": solver, "tier": tier, "excluded": "", "claim": "solved", "passes": True,
-            "at_floor": False, "false_success": False, "false_infeasible": False, "proved_infeasible": False,
-            "infeasible_within_rounding": False, "reason": "", "detail": "", "rho": tier / 3, "backward_error": tier / 2, "gap_rel": None, "w_error": tier,
+            "at_floor": False, "below_floor": False, "false_success": False, "false_infeasible": False,
+            "proved_infeasible": False, "infeasible_within_rounding": False, "reason": "", "detail": "",
+            "rho": tier / 3, "backward_error": tier / 2, "gap_rel": None, "w_error": tier,
             "f_error": None, "best_tier": tier, "iterations": 7, "first_s": FIRST * times[0], "allocations": 0,
             "factor_share": 0.5, "fresh_s": times, "disturbed": []}

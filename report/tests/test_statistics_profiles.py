@@ -125,12 +125,14 @@ class Coverage(unittest.TestCase):
         cells.loc[cells.index[cells["passes"]][:5], "at_floor"] = True
         cells.loc[failed[:3], ["verdict", "claim"]] = ["false success", "solved"]
         cells.loc[failed[3:7], ["verdict", "claim"]] = ["excluded", ""]
+        cells.loc[failed[7:9], "below_floor"] = True
         table = coverage_table(cells)
         total = table[["verified", "false_successes", "failed", "excluded"]].sum(axis=1)
         self.assertEqual(list(total), list(table["problems"]))
         self.assertEqual(table["false_successes"].sum(), 3)
         self.assertEqual(table["excluded"].sum(), 4)
         self.assertEqual(table["at_floor"].sum(), 5)
+        self.assertEqual(table["below_floor"].sum(), 2)  # of the failed: no share is better for it
         self.assertEqual(table["verified"].sum(), cells["passes"].sum())
 
     def test_wrong_claims_of_who_was_not_asked_are_a_figure_of_their_own(self):

@@ -187,6 +187,26 @@ class Verdicts(FolderCase):
         self.assertTrue(np.isinf(found.loc["piles-10-0", "again_s"]))
         self.assertEqual(found.loc["piles-10-0", "verdict"], "verified")
 
+    def test_below_the_floor_is_what_no_solver_passes_and_has_failed_all_the_same(self):
+        def change(record):
+            if record["problem"] == "piles-10-0" or (record["problem"] == "piles-10-1" and record["solver"] == "a"):
+                return fail(record, "numerical_failure") | {"below_floor": True}
+            return record
+        write_campaign(self.folder, {"a": 1.0, "b": 1.0}, tiers=TIERS[:1], copies=2, change=change)
+        found = cell_table(load_campaign(self.folder)).set_index(["problem", "solver"])
+        self.assertEqual([found.loc[cell, "below_floor"] for cell in (("piles-10-0", "a"), ("piles-10-0", "b"),
+                                                                      ("piles-10-1", "a"), ("piles-10-1", "b"))],
+                         [True, True, False, False])
+        self.assertEqual(set(found.loc["piles-10-0", "verdict"]), {"failed:numerical_failure"})
+
+    def test_a_stored_campaign_may_lack_what_is_younger(self):
+        def edit(line):
+            for one in line.get("exceptions", []):
+                del one["below_floor"]
+            return line
+        found = self.cells(lambda r: fail(r, "numerical_failure"), edit=edit)
+        self.assertFalse(found["below_floor"].any())
+
     def test_who_was_not_asked_for_the_tier_answers_below_it(self):
         found = self.cells(lambda r: fail(r, "solved"), solvers={"a": {"tolerance": "default"}})
         self.assertEqual(set(found["verdict"]), {"below the tier"})

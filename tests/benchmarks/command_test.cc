@@ -259,6 +259,8 @@ TEST_F(Command, SolveJudgesByTheToleranceAloneUnlessAskedForTheFloor) {
   EXPECT_EQ(by_tolerance["f"], by_floor["f"]);
   EXPECT_FALSE(by_tolerance["verdict"]["at_floor"].get<bool>());
   EXPECT_FALSE(by_tolerance["verdict"]["passes"].get<bool>());
+  EXPECT_NE(by_tolerance["detail"].get<std::string>().find("1e-09 is below the rounding floor"), std::string::npos)
+      << by_tolerance["detail"];
   EXPECT_TRUE(by_floor["verdict"]["passes"].get<bool>());
   EXPECT_TRUE(by_floor["verdict"]["at_floor"].get<bool>());
 }

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "solvers/io/json_lines.h"
+#include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
@@ -97,12 +98,43 @@ TEST_P(SolverContract, NearlyParallelRowsMayFailButMayNotLie) {
     problems.push_back(record.problem);
   }
   for (unsigned seed = 0; seed < 100; ++seed) problems.push_back(NearlyParallelRows(seed));
+  std::vector<LcpSolver*> solvers = {solver_.get()};
+  const auto unchecked = GetParam().make({{"self_check", "no"}});
+  if (GetParam().key == "bpp" || GetParam().key == "active-set") solvers.push_back(unchecked.get());
   for (const LcpProblem& problem : problems) {
     for (const double tolerance : kTiers) {
-      const LcpResult result = Solve(problem, tolerance, kShortTime);
-      const Verdict verdict = Verify(problem, result, tolerance);
-      EXPECT_FALSE(verdict.false_success) << problem.id() << " at " << tolerance << ": " << verdict.reason;
+      const LcpOptions options{.tolerance = tolerance, .time_limit_s = kShortTime};
+      for (LcpSolver* solver : solvers) {
+        const Verdict verdict = Verify(problem, SolveWith(solver, problem, options), tolerance);
+        EXPECT_FALSE(verdict.false_success) << problem.id() << " at " << tolerance << ": " << verdict.reason;
+      }
     }
+  }
+}
+
+// The floor is told by those that fail at it, and by no others.
+TEST_P(SolverContract, AFailureAtTheRoundingFloorSaysSo) {
+  constexpr double kTolerance = 1e-9;
+  int told = 0;
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    const TwoJoints test = NearlyParallelJoints(seed);
+    const double floor = RoundingFloor(test.problem, test.f);
+    const LcpResult result = Solve(test.problem, kTolerance, kShortTime);
+    const bool tells = result.detail.find("1e-09 is below the rounding floor") != std::string::npos;
+    const bool is_near = (result.f - test.f).norm() <= 1e-2 * test.f.norm();
+    SCOPED_TRACE(test.problem.id() + ": floor " + std::to_string(std::log10(floor)) + ", " + result.detail);
+    if (tells) {
+      EXPECT_EQ(result.status, LcpStatus::kNumericalFailure);
+      EXPECT_GT(floor, 0.9 * kTolerance);
+      EXPECT_FALSE(Verify(test.problem, result, kTolerance).passes);
+      ++told;
+    }
+    if (result.status == LcpStatus::kNumericalFailure && is_near && floor > 1.1 * kTolerance) {
+      EXPECT_EQ(tells, ComputeMetrics(test.problem, result.f).rho <= std::min(kFloorReach * floor, kLargestFloor));
+    }
+  }
+  if (GetParam().key == "auto" || GetParam().key == "bpp") {
+    EXPECT_GT(told, 20);
   }
 }
 

@@ -64,6 +64,28 @@ LcpProblem NearlyParallelRows(unsigned seed) {
   }
 }
 
+TwoJoints NearlyParallelJoints(unsigned seed) {
+  Random random(seed);
+  const double angle = std::pow(10.0, -random.Uniform(2, 7));
+  const double a = random.Uniform(0.5, 2);
+  const double stretch = random.Uniform(0.5, 2);
+  MatrixXd A(2, 2);
+  A << a, a * stretch, a * stretch, a * stretch * stretch + angle * angle;
+  const VectorXd b = Eigen::Vector2d(random.Uniform(-1, 1), random.Uniform(-1, 1));
+  // x y - z t, rounded once or nearly so.
+  const auto difference = [](double x, double y, double z, double t) {
+    const double xy = x * y;
+    const double zt = z * t;
+    return (xy - zt) + (std::fma(x, y, -xy) - std::fma(z, t, -zt));
+  };
+  const double determinant = difference(A(0, 0), A(1, 1), A(0, 1), A(1, 0));
+  const Eigen::Vector2d f(difference(b[1], A(0, 1), b[0], A(1, 1)) / determinant,
+                          difference(b[0], A(1, 0), b[1], A(0, 0)) / determinant);
+  return {LcpProblem::FromDense("nearly-parallel-joints-" + std::to_string(seed), A, b,
+                                RowBounds::WithBilateralRows(2, {0, 1}), SymmetricPsd()),
+          f};
+}
+
 LcpProblem RedundantLinkage(unsigned seed) {
   Random random(seed);
   const double angle = std::pow(10.0, -random.Uniform(0, 8)) * (random.Integer(0, 1) == 0 ? 1 : -1);

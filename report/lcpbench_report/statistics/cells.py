@@ -25,7 +25,8 @@ KEY = ["problem", "solver", "tier"]
 LEAST_PASSES = 3  # for an interval of what differs between passes
 
 _ABOUT = ("set", "counts", "base", "weight", "origin", "fill", "family", "problem", "rows", "size_class", "reference")
-_FLAGS = ("passes", "at_floor", "false_success", "false_infeasible", "proved_infeasible", "infeasible_within_rounding")
+_FLAGS = ("passes", "at_floor", "below_floor", "false_success", "false_infeasible", "proved_infeasible",
+          "infeasible_within_rounding")
 _TIMES = ("fresh_low", "fresh_high", "quickest_s", "fresh_s", *PART_TIMES, "again_s")
 COLUMNS = [*_ABOUT, "solver", "tier", "verdict", "asked", "excluded", "claim", *_FLAGS, "best_tier", "iterations",
            *METRICS, "timed", "disturbed", *_TIMES, "first_s", "factor_share", "allocations", "time_s", "time_limit_s",
@@ -55,12 +56,19 @@ def cell_table(campaign: Campaign, of_ablations: bool = False) -> pd.DataFrame:
             lost[place.start + np.array(one.failed, dtype=int)] = True
     lost &= columns["passes"]
     columns["passes"] &= ~lost
+    columns["below_floor"] &= ~_passed_by_any(columns)
     columns["verdict"] = _verdicts(columns)
     columns["verdict"][lost] = CHANGED
     columns["time_s"] = np.where(columns["passes"], np.where(np.isnan(columns["fresh_s"]), columns["first_s"],
                                                              columns["fresh_s"]), math.inf)
     columns["oracle_ratio"] = columns["time_s"] / columns["oracle_s"]
     return pd.DataFrame(columns, columns=COLUMNS)
+
+
+def _passed_by_any(columns: dict[str, np.ndarray]) -> np.ndarray:
+    """Whether a solver passes the cell's problem at its tier: then no rounding floor of the problem is in the way."""
+    cells = pd.DataFrame({key: columns[key] for key in ("problem", "tier", "passes")})
+    return cells.groupby(["problem", "tier"])["passes"].transform("any").to_numpy(dtype=bool)
 
 
 def _about(campaign: Campaign, tasks: list[Task]) -> dict[str, np.ndarray]:

@@ -12,7 +12,8 @@ from .cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, VERIFIED
 from .groups import GROUP, by_solver, groups
 from .intervals import share_with_interval
 
-_COUNTS = ["problems", "verified", "at_floor", "false_successes", "below_tier", "false_infeasible", "failed", "excluded"]
+_COUNTS = ["problems", "verified", "at_floor", "false_successes", "below_tier", "false_infeasible", "failed", "below_floor",
+           "excluded"]
 # Share -> (what is counted, out of what): names of counts.
 SHARES = {"attempted_share": ("attempted", "problems"), "verified_share": ("verified", "problems"),
           "verified_of_attempted": ("verified", "attempted"), "false_share": ("false_successes", "attempted"),
@@ -23,16 +24,17 @@ COLUMNS = [*GROUP, "solver", "asked", *_COUNTS, "attempted", "claims", "weight",
 
 def coverage_table(cells: pd.DataFrame) -> pd.DataFrame:
     """A row per group and solver; problems that count only. verified + false_successes + below_tier + failed +
-    excluded = problems; claims: answers that the solver called solved, or that were verified whatever it said."""
+    excluded = problems; below_floor: of the failed, where the tier is below the rounding floor of the answer's forces and no
+    solver passes it (cells.py); claims: answers that the solver called solved, or that were verified whatever it said."""
     return by_solver(groups(cells, counted_only=True), coverage, COLUMNS)
 
 
 def coverage(cells: pd.DataFrame) -> dict:
     # Name of a count -> of every cell whether it counts there.
     verdict = cells["verdict"].to_numpy()
-    flags = {name: cells[name].to_numpy().astype(bool) for name in ("passes", "at_floor", "false_infeasible")}
+    flags = {name: cells[name].to_numpy().astype(bool) for name in ("passes", "at_floor", "below_floor", "false_infeasible")}
     kinds = {"problems": np.ones(len(cells), dtype=bool), "at_floor": flags["passes"] & flags["at_floor"],
-             "false_infeasible": flags["false_infeasible"]}
+             "below_floor": flags["below_floor"], "false_infeasible": flags["false_infeasible"]}
     kinds |= {kind: verdict == of for kind, of in (("verified", VERIFIED), ("false_successes", FALSE_SUCCESS),
                                                    ("below_tier", BELOW_TIER), ("excluded", EXCLUDED))}
     kinds["attempted"] = ~kinds["excluded"]

@@ -32,6 +32,7 @@ _KINDS = {
 
 # {record: {field: {"type": kind, ...}}}, written by `lcpbench list fields --json`; [kind] is a list of it.
 _SCHEMA = json.loads((Path(__file__).parent / "result_fields.json").read_text(encoding="utf-8"))
+_OPTIONAL = {record: {key for key, field in fields.items() if field.get("optional")} for record, fields in _SCHEMA.items()}
 # Record -> field -> kind; of lists only that they are.
 _KINDS_OF = {record: {key: "list" if field["type"][0] == "[" else field["type"] for key, field in fields.items()}
              for record, fields in _SCHEMA.items()}
@@ -39,12 +40,10 @@ _OPTIONAL = {record: {key for key, field in fields.items() if field.get("optiona
 
 
 def check_record(place: str, value: object, record: str, *keys: str) -> dict:
-    """As check_fields, for a record of a campaign's lines: all its fields, those that it may lack where they are there;
-    or these."""
+    """As check_fields, for a record of a campaign's lines: all its fields, but optional ones that it lacks, or these."""
     kinds = _KINDS_OF[record]
-    if not keys and isinstance(value, dict):
-        keys = [key for key in kinds if key in value or key not in _OPTIONAL[record]]
-    return check_fields(place, value, {key: kinds[key] for key in keys} if keys else kinds)
+    lacks = _OPTIONAL[record].difference(value) if isinstance(value, dict) else ()
+    return check_fields(place, value, {key: kinds[key] for key in keys or kinds if key not in lacks})
 
 
 def check_fields(place: str, record: object, kinds: dict[str, str]) -> dict:

@@ -450,6 +450,35 @@ TEST(ResultFields, CommittedFilesSayWhatTheTablesSay) {
       << "run lcpbench list fields --json";
 }
 
+TEST(ResultFields, BelowTheFloorIsWhatTheJudgeFindsAtTheAnswerAndNotWhatASolverSays) {
+  Eigen::Matrix2d A;
+  A << 1, 1, 1, 1 + 0x1p-30;
+  const Eigen::Vector2d b(0, -1);
+  const LcpProblem problem = LcpProblem::FromDense("joints", A, b, RowBounds::WithBilateralRows(2, {0, 1}));
+  const auto describe = [&](const Eigen::Vector2d& f, LcpStatus claim, double tier, const LcpReference& known) {
+    LcpResult result;
+    result.status = claim;
+    result.f = f;
+    result.detail = "1e-09 is below the rounding floor 1 of this problem";
+    return DescribeAnswer({result, Verify(problem, result, tier, &known)})["below_floor"].get<bool>();
+  };
+  const Eigen::Vector2d exact(-0x1p30, 0x1p30);           // its floor is some 3e-7
+  const Eigen::Vector2d rounded = exact * (1 + 0x1p-25);  // rho 3e-8
+  const Eigen::Vector2d wrong = exact + 1e-4 * b;         // rho 1e-4
+  const LcpStatus failed = LcpStatus::kNumericalFailure;
+  EXPECT_TRUE(describe(rounded, failed, 1e-9, {}));
+  EXPECT_TRUE(describe(rounded, LcpStatus::kIterationLimit, 1e-9, {}));
+  EXPECT_FALSE(describe(exact, failed, 1e-9, {})) << "passes";
+  EXPECT_FALSE(describe(rounded, failed, 1e-6, {})) << "passes";
+  EXPECT_FALSE(describe(wrong, failed, 1e-9, {})) << "rounding is not what it misses the tier by";
+  EXPECT_FALSE(describe(wrong, failed, 1e-6, {})) << "the tier is above the floor";
+  EXPECT_FALSE(describe(Eigen::Vector2d::Zero(), failed, 1e-9, {})) << "no forces, no rounding";
+  EXPECT_FALSE(describe(rounded, LcpStatus::kSolved, 1e-9, {})) << "a false success";
+  LcpReference known;
+  known.floor = 1e-12;
+  EXPECT_FALSE(describe(rounded, failed, 1e-9, known)) << "the problem has an answer that needs no such forces";
+}
+
 TEST(PeerFacts, TheCommittedFileSaysWhatTheTableSays) {
   const std::filesystem::path source = LCPBENCH_SOURCE_DIR;
   EXPECT_EQ(ReadFile(source / "report/lcpbench_report/peers.json"), PeerFactsJson().dump(1) + "\n")

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "solvers/lcp/verify.h"
+
+namespace lcpbench {
+
+/// What a solve in double reaches lies within so many rounding floors of its f.
+inline constexpr double kFloorReach = 4;
+
+/// Whether an answer of which these are the metrics is as good as double precision lets it be, and `tolerance` below
+/// that: tolerance < answer_floor, and rho <= kFloorReach answer_floor, at most kLargestFloor. False where the
+/// reference knows the problem's own floor, which the verdict rests on then.
+///
+/// The floor is that of the given f: where f is not unique, another answer may have a lower one.
+bool IsBelowFloor(const Metrics& metrics, double tolerance);
+
+/// The same said in the detail of a numerical failure: "1e-09 is below the rounding floor 1.4e-08 of this problem", as
+/// estimated from f.  O(nnz of the given form), of a numerical failure only
+void TellRoundingFloor(const LcpProblem& problem, double tolerance, LcpResult* result);
+
+}  // namespace lcpbench
