@@ -3,6 +3,7 @@
 and that the drawing of the layers (docs/includes.svg) is up to date."""
 
 import graphlib
+import os
 import re
 import sys
 import unittest
@@ -48,6 +49,9 @@ _CITED_PATH = re.compile(rf"(?<![\w/.$}}<>*-])((?:{_TOP})(?:/[\w.+-]+)*/[\w.+-]+
 _CITED_FOLDER = re.compile(rf"(?<![\w/.$}}<>*-])((?:{_TOP})(?:/[\w-]+)+)/(?![\w.*<{{$(%-])")
 # A path without its first folders, such as lcp/verify.h.
 _CITED_TAIL = re.compile(r"(?<![\w/.$}<>*-])((?:[\w-]+/)+[\w-]+\.(?:h|cc|py))(?![\w/*])")
+# Sections of the page on the model, such as docs/model.md sections 3, 4 and 8; and a page's headings as links.
+_CITED_SECTIONS = re.compile(r"model\.md\)? sections? (\d+(?:(?:, (?:and )?| and )\d+)*)(?!\d|\.\d)")
+_LINKED_HEADING = re.compile(r"\]\(([\w./-]*\.md)?#([^)\s]+)\)")
 _CITED_NAME = re.compile(r"(?<![\w/.$}<>*-])([a-z][\w-]+\.(?:h|cc))(?![\w/*(])")
 
 _CXX_TOKEN = re.compile(
@@ -81,6 +85,11 @@ def _prose(path, text):
         quoted = [match.span() for match in re.finditer(r'"[^"\n]*"', text)]
         return _only(text, comments), _only(text, comments + quoted)
     return _only(text, comments), text
+
+
+def _anchor(heading):
+    """What a link to a heading says, as GitHub makes it."""
+    return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
 
 
 class _Tree(unittest.TestCase):
@@ -214,6 +223,32 @@ class Citations(_Tree):
                 self.assertTrue(found)
                 self.assertNone([f"{place} cites {cited}" for place, cited in found if not exists(place, cited)], why)
 
+    def _headings(self, page):
+        return re.findall(r"(?m)^#+ (.*)$", (_ROOT / page).read_text(encoding="utf-8"))
+
+    def test_sections_of_the_model_that_are_cited_exist(self):
+        sections = {m[1] for heading in self._headings("docs/model.md") if (m := re.match(r"(\d+)\. ", heading))}
+        self.assertEqual(sorted(map(int, sections)), list(range(1, len(sections) + 1)))
+        cited = []
+        for path, (lines, _) in self.texts.items():
+            # A comment goes on over the ends of its lines.
+            text = " ".join(re.sub(r"^\s*(///?|#)?\s*|\s+$", "", line) for line in lines)
+            cited += [(path, number) for match in _CITED_SECTIONS.finditer(text) for number in re.findall(r"\d+", match[1])]
+        self.assertGreater(len(cited), 25)  # there is something to check
+        wrong = [f"{path} cites section {number}" for path, number in cited if number not in sections]
+        self.assertNone(wrong, "docs/model.md has no such section:")
+
+    def test_headings_that_are_linked_exist(self):
+        pages = [path for path in self.texts if path.endswith(".md")]
+        anchors = {page: set(map(_anchor, self._headings(page))) for page in pages}
+        links = [
+            (page, os.path.normpath(Path(page).parent / to) if to else page, anchor)
+            for page in pages
+            for to, anchor in _LINKED_HEADING.findall("\n".join(self.texts[page][0]))
+        ]
+        self.assertTrue(links)
+        wrong = [f"{page} links {to}#{anchor}" for page, to, anchor in links if anchor not in anchors.get(to, ())]
+        self.assertNone(wrong, "no such heading:")
 
     def test_tests_that_documents_name_exist(self):
         tests = set()

@@ -30,7 +30,7 @@ struct AssembledLcp {
   LcpProblem problem;
 };
 
-/// Assembles the acceleration-level LCP of `system`. [MODEL.md sections 3, 4, 6, 8]  O(rows).
+/// Assembles the acceleration-level LCP of `system`. [docs/model.md sections 3, 4, 6, 8]  O(rows).
 /// @throws InputError for invalid geometry, and for singular constraints, naming the condition and both features
 AssembledLcp AssembleContactLcp(const ContactSystem& system);
 

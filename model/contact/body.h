@@ -9,7 +9,7 @@
 namespace lcpbench {
 
 /// A rigid body's inertia, state and load. World frame, z out of the page, angles counter-clockwise, SI units.
-/// The body frame's origin is the centre of mass: a body-frame point c is at x + R(theta) c. [MODEL.md section 1]
+/// The body frame's origin is the centre of mass: a body-frame point c is at x + R(theta) c. [docs/model.md section 1]
 struct Body {
   std::string name;
   double mass = 1;     ///< [kg] > 0

@@ -60,19 +60,19 @@ enum class Regularity {
 /// edge.
 inline constexpr double kSingularD = 1e-10;
 
-/// The closest points of two features.  [MODEL.md section 2]
+/// The closest points of two features.  [docs/model.md section 2]
 ///   vertex or arc / straight (q on the edge's line):   d = n.(c - q) - rho,   n the edge's normal
 ///   vertex or arc / vertex or arc:                     d = sigma |c1 - c2| - (rho1 + rho2),
 ///                                                      n = sigma (c1 - c2) / |c1 - c2|,  sigma = sign(rho1 + rho2)
 ///   anything / ellipse, superellipse, Bezier curve:    SearchStationaryPoints (below)
 /// with c the centre of curvature or the vertex and rho the signed radius: +R convex, -R concave, 0 vertex. A general
 /// curve enters by its 2-jet at the closest point, its osculating circle there, and so must be searched anew at every
-/// configuration. [MODEL.md section 4]
+/// configuration. [docs/model.md section 4]
 ///
 /// The first two are closed forms, O(1), evaluated in double; in DoubleDouble where an arc is nearly straight
 /// (kFarCenter) or the edges nearly match (docs/geometry.md).
-/// Corrects the paper's gap and normal of concave arcs and its gap of an arc on a straight edge. [MODEL.md section 11,
-/// errata 2, 5, 11]
+/// Corrects the paper's gap and normal of concave arcs and its gap of an arc on a straight edge, errata 2, 5 and 11.
+/// [docs/model.md section 11]
 /// Swapping the features swaps the result bit by bit (n changes sign).
 /// @throws InputError naming the condition and both features, for invalid geometry (RequireValid), vertex/vertex,
 ///         straight/straight, equal radii of a convex and a concave arc, a search that does not converge or leaves a

@@ -22,19 +22,19 @@ struct ContactRow {
   double omega_n = 0;  ///< n' = omega_n t [rad/s], t = Perp(n)
 };
 
-/// J = [n, R1 x n, -n, -R2 x n], and by the unified curvature formula, exact at any gap d, for every kind and
-/// side,
+/// J = [n, R1 x n, -n, -R2 x n]. With t = Perp(n), the slip u = t.(v1(p1) - v2(p2)) [m/s] of the material points at p1
+/// and p2, the pairs (r, s) of CurvaturePair and D of ClosestPoints, exact at any gap d, for every kind and side,
 ///     gamma   = -omega1^2 n.R1 + omega2^2 n.R2 + (s1 s2 u^2 + 2 u (r1 s2 omega1 + s1 r2 omega2)
 ///               - r1 r2 (omega1 - omega2)^2 - d (r1 s2 omega1^2 + s1 r2 omega2^2)) / D,
-///     omega_n = (s1 s2 u + r1 s2 omega1 + s1 r2 omega2) / D.   [MODEL.md sections 3, 4; Neumann, Curved Edge Physics]
+///     omega_n = (s1 s2 u + r1 s2 omega1 + s1 r2 omega2) / D.   [docs/model.md sections 3, 4]
 /// The curvature form is chosen over the equivalent centre form because it stays accurate as an edge becomes straight.
 /// O(1). `closest` must be regular (FindClosestPoints saw to that).
 ///
-/// Corrects these errata of the paper, by their numbers in MODEL.md section 11: 1 (eq. (3) is d''), 3 (the attached
-/// normal's alpha2 term: R1 and R2 here lead to the closest points, where it vanishes), 4 (n' = omega_n t turns with
-/// the line of centres, not with body 2), 5 (concave edges: signed curvature), 6 (terms in d), 7 (J is the same for U
-/// and R, only gamma's arms matter: here R), 8 and 10 (p1, p2 and the osculating centres are fixed in their bodies), 11
-/// (either body may own the normal).
+/// Corrects these errata of the paper (Neumann, Curved Edge Physics), by their numbers in docs/model.md section 11:
+/// 1 (eq. (3) is d''), 3 (the attached normal's alpha2 term: R1 and R2 here lead to the closest points, where it
+/// vanishes), 4 (n' = omega_n t turns with the line of centres, not with body 2), 5 (concave edges: signed curvature),
+/// 6 (terms in d), 7 (J is the same for U and R, only gamma's arms matter: here R), 8 and 10 (p1, p2 and the osculating
+/// centres are fixed in their bodies), 11 (either body may own the normal).
 ContactRow ComputeContactRow(const ClosestPoints& closest, const Body& body1, const Body& body2);
 
 /// The rows of a pin: g = p1 - p2 along the fixed world axes x and y; g' = J v, g'' = J a + gamma, exact also for
@@ -48,7 +48,7 @@ struct PinRows {
   std::array<double, 2> gamma{};  ///< [m/s^2]
 };
 
-/// Row of axis e: J = [e, R1 x e, -e, -R2 x e], gamma = -omega1^2 e.R1 + omega2^2 e.R2. [MODEL.md section 6]  O(1).
+/// Row of axis e: J = [e, R1 x e, -e, -R2 x e], gamma = -omega1^2 e.R1 + omega2^2 e.R2. [docs/model.md section 6] O(1).
 /// @param vertex1, vertex2  the joint's points in the body frames, rotations as SinCos(theta)
 PinRows ComputePinRows(Vec2 vertex1, const Rotation& rotation1, const Body& body1, Vec2 vertex2,
                        const Rotation& rotation2, const Body& body2);
@@ -59,8 +59,8 @@ struct ConnectorRow {
   ContactRow row;        ///< d' = J v, d'' = J a + gamma
 };
 
-/// The vertex/vertex row: (r, s) = (0, 1) on both sides of the unified formula, so that
-///     J = [n, R1 x n, -n, -R2 x n],   gamma = -omega1^2 n.R1 + omega2^2 n.R2 + u^2/d.   [MODEL.md sections 4, 6]
+/// The vertex/vertex row: (r, s) = (0, 1) on both sides of the formula of ComputeContactRow, u the slip, so that
+///     J = [n, R1 x n, -n, -R2 x n],   gamma = -omega1^2 n.R1 + omega2^2 n.R2 + u^2/d.   [docs/model.md sections 4, 6]
 /// O(1). A rod is w = 0 on d - L; a rope is unilateral on L - d, with J and gamma negated (assembly.h).
 /// Swapping the bodies swaps the row bit by bit (n changes sign). Vertex/vertex *contacts* are another matter: as they
 /// close, d -> 0 and n is lost, so FindClosestPoints refuses them.

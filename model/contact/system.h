@@ -19,7 +19,7 @@ enum class ConstraintType {
 };
 
 /// A constraint between two features of two bodies (indices into ContactSystem::bodies, different).
-/// The normal points from body 2 to body 1, whichever body owns the edge that defines it. [MODEL.md sections 1, 2]
+/// The normal points from body 2 to body 1, whichever body owns the edge that defines it. [docs/model.md sections 1, 2]
 struct Constraint {
   ConstraintType type = ConstraintType::kContact;
   int body1 = 0;

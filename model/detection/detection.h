@@ -26,8 +26,8 @@ struct DetectionOptions {
 /// The contacts of bodies with outlines: every local minimum of the gap between two bodies' outlines within
 /// -penetration <= d <= tolerance, as kContact constraints with the features of the two edges (or edge and vertex), and
 /// start values s1, s2 on general curves. Pairs of fixed bodies have no contacts, and excluded pairs none. Of convex
-/// corners the vertices are features; vertex against vertex is not reported [MODEL.md section 2]. At joins of edges a
-/// contact is reported for one of the two, of flush straight edges one at both ends of their overlap
+/// corners the vertices are features; vertex against vertex is not reported [docs/model.md section 2]. At joins of
+/// edges a contact is reported for one of the two, of flush straight edges one at both ends of their overlap
 /// (docs/geometry.md). O(n log n) for bodies of similar size; contacts come in lexicographic order of (body1 < body2,
 /// features along the outlines).
 /// @param outlines  outlines[i] is that of bodies[i], in its body frame (origin at the centre of mass); no loops for

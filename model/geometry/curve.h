@@ -22,7 +22,7 @@ constexpr double SignOf(Side side) { return side == Side::kConvex ? 1 : -1; }
 enum class CurveKind { kStraight, kArc, kSearched };
 
 /// How a feature enters the curvature formulas: (r, s) = (1, kappa) for an edge of signed curvature kappa [1/m] (> 0
-/// convex, 0 straight, < 0 concave), (0, 1) for a vertex. [MODEL.md section 4]
+/// convex, 0 straight, < 0 concave), (0, 1) for a vertex. [docs/model.md section 4]
 struct CurvaturePair {
   double r = 1;
   double s = 0;

@@ -208,7 +208,7 @@ struct AnsweredLcp {
 };
 
 // A world's equations of motion between events: y' = (v, M^-1 (F + J^T f)), f from the contact LCP of a fixed set of
-// constraints, whose closest points are searched anew at every evaluation. [MODEL.md section 8]
+// constraints, whose closest points are searched anew at every evaluation. [docs/model.md section 8]
 // Kinematic bodies are where their start and constant acceleration put them, x0 + v0 t + a t^2 / 2, at every time.
 class ConstrainedFlow {
  public:

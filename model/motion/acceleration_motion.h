@@ -37,11 +37,11 @@ struct AccelerationOptions {
 };
 
 /// Motion at the acceleration level: between events, Fehlberg 7(8) steps on accelerations from the contact LCP at every
-/// evaluation; events located; impacts simultaneous. [MODEL.md sections 8, 9]
+/// evaluation; events located; impacts simultaneous. [docs/model.md sections 8, 9]
 ///
 /// A step ends early at the first event: the approach of a gap outside the held set to 0 (less 1e-4 eps_d), the release
 /// of a held contact whose f falls to 0, or the passage of a contact's foot from its edge to the next. An impact is due
-/// when a touching row (d <= 0) approaches faster than eps_v. docs/physics.md: how events are found and drift is
+/// when a touching row (d <= 0) approaches faster than eps_v. docs/motion.md: how events are found and drift is
 /// corrected, and why nothing tunnels.
 ///
 /// A solver that fails is asked for its best point, with which the motion goes on; forces that are not finite end it as

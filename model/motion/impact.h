@@ -48,7 +48,7 @@ double ProjectPositions(double goal, const ImpulseSolver& solve, ContactSystem* 
 
 inline constexpr int kMostProjections = 4;
 
-/// How impulses follow from approach. [MODEL.md section 9]
+/// How impulses follow from approach. [docs/model.md section 9]
 enum class ImpactLaw {
   /// One restitution e for every unilateral row: w = A p + (1 + e) J v-, that is J v+ >= -e J v-. Always solvable
   /// without moving kinematic bodies; kinetic energy does not grow.

@@ -16,7 +16,7 @@
 
 namespace lcpbench {
 
-/// What an LCP met on the way stands for. [MODEL.md sections 8, 9]
+/// What an LCP met on the way stands for. [docs/model.md sections 8, 9]
 enum class MotionProblemKind {
   kAcceleration,  ///< w gap accelerations, f forces; b = J M^-1 F + gamma, without any stabilisation
   kImpact,        ///< w = J v+ + e J v-, f impulses

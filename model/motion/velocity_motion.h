@@ -33,7 +33,8 @@ struct VelocityOptions {
   LcpOptions lcp;
 };
 
-/// The time stepping of Anitescu and Potra (1997) and Stewart and Trinkle (1996) without friction [MODEL.md section 9]:
+/// The time stepping of Anitescu and Potra (1997) and Stewart and Trinkle (1996) without friction [docs/model.md
+/// section 9]:
 ///     v^ = v + h M^-1 F,   w = A p + J v^ + c,   0 <= p perp w >= 0 (joints: w = 0, p free),
 ///     v+ = v^ + M^-1 J^T p,   x+ = x + h v+,   theta+ = theta + h omega+,
 /// with J, the gaps d and the forces F at the step's beginning, p impulses [N s], w velocities [m/s], and
@@ -44,7 +45,7 @@ struct VelocityOptions {
 ///
 /// Where the solver says kInfeasible, the observer gets that problem with its ray, statistics().unsolvable counts it,
 /// and the step is repeated with less. Any other failure goes on with the impulses that it left, unless they are not
-/// finite: kSolverFailed. docs/physics.md: energy, and what an unsolvable step is repeated with.
+/// finite: kSolverFailed. docs/motion.md: energy, and what an unsolvable step is repeated with.
 /// O(contacts) per step beside the broad phase and the solve.
 /// @param solver  not owned; must outlive the motion
 /// @throws InputError for an invalid world (RequireValid) or options outside their ranges

@@ -60,7 +60,7 @@ RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& 
   // At the ends of the centre arms, as the software takes it.
   const Vec2 dv = (body1.v + body1.omega * Perp(contact.U1)) - (body2.v + body2.omega * Perp(contact.U2));
   const double vn = Dot(contact.n, dv);
-  const double u = Dot(Perp(contact.n), dv);
+  const double vt = Dot(Perp(contact.n), dv);
   RebuiltContact rebuilt;
   const auto add = [&](Correction correction, double value) { rebuilt.added[static_cast<size_t>(correction)] = value; };
   const auto add_normal_derivative = [&](double rho) { add(Correction::kNormalDerivative, -vn * vn / rho); };
@@ -100,22 +100,22 @@ RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& 
       constraint.length = d;
       rebuilt.gap_offset = d;
       add_normal_derivative(contact.radius2);
-      add(Correction::kVertexAboveVertex, 2 * body1.omega * u);
+      add(Correction::kVertexAboveVertex, 2 * body1.omega * vt);
       break;
     case RecordedKind::kJoint:
       constraint.type = ConstraintType::kPin;
       rebuilt.weight = {contact.n.x, contact.n.y};
-      if (!contact.fixed_normal) add(Correction::kJointAxis, -2 * body2.omega * u);
+      if (!contact.fixed_normal) add(Correction::kJointAxis, -2 * body2.omega * vt);
       break;
     case RecordedKind::kPathJoint: {
       constraint.type = ConstraintType::kPathJoint;
-      // The software gives n' of a path, not its curvature: on a fixed body n' = kappa u t. At u = 0 any will do.
-      const double kappa = u == 0 ? 0 : Dot(Perp(contact.n), contact.normal_dt) / u;
+      // The software gives n' of a path, not its curvature: on a fixed body n' = kappa vt t. At vt = 0 any will do.
+      const double kappa = vt == 0 ? 0 : Dot(Perp(contact.n), contact.normal_dt) / vt;
       // The point of the path below the vertex by n and d. The recorded one is off it along t, by up to 5e-7 m.
       const Vec2 foot = (body1.x - body2.x) + contact.R1 - d * contact.n;
       constraint.feature2 =
           kappa == 0 ? LineThrough(body2, foot, contact.n) : ArcAbout(body2, foot - (1 / kappa) * contact.n, 1 / kappa);
-      add(Correction::kPathGap, kappa * u * u / (1 + kappa * d) - Dot(contact.normal_dt, dv));
+      add(Correction::kPathGap, kappa * vt * vt / (1 + kappa * d) - Dot(contact.normal_dt, dv));
       break;
     }
     case RecordedKind::kRod: {
@@ -124,7 +124,7 @@ RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& 
       rebuilt.weight = {-1, 0};
       add_normal_derivative(contact.radius2);
       const double distance = Norm((body1.x - body2.x) + (contact.R1 - contact.R2));
-      add(Correction::kRodLength, u * u * (1 / constraint.length - 1 / distance));
+      add(Correction::kRodLength, vt * vt * (1 / constraint.length - 1 / distance));
       break;
     }
     case RecordedKind::kRope:

@@ -19,16 +19,16 @@ namespace lcpbench {
 /// system. The software's b departs from the second derivative of the gap in the ways that Correction lists; with them,
 /// recorded b - extra + corrections is what this model computes. A needs no correction.
 
-/// What the mathematics demands and the software does otherwise; docs/physics.md derives the terms. Written with the
-/// software's own quantities: dv = v1(U1) - v2(U2) the relative velocity at the ends of the centre arms, vn = n.dv, u =
-/// t.dv, t = Perp(n), rho the signed radius that it divides by.
+/// What the mathematics demands and the software does otherwise; derived in docs/model.md section 13. Written with the
+/// software's own quantities: dv = v1(U1) - v2(U2) the relative velocity at the ends of the centre arms, vn = n.dv, vt
+/// = t.dv, t = Perp(n), rho the signed radius that it divides by.
 enum class Correction {
   kNormalDerivative,   ///< its n' = dv/rho is not perpendicular to n:  -vn^2/rho
   kVertexAboveEdge,    ///< a vertex taken to be where its foot is:  -d (omega1 - omega2)^2
-  kVertexAboveVertex,  ///< the same of two vertices:  2 omega1 u
-  kJointAxis,          ///< the arms of fixed axes with the term of turning ones:  -2 omega2 u
-  kRodLength,          ///< it divides by the rest length L; the distance is l = |p1 - p2|:  u^2 (1/L - 1/l)
-  kPathGap,            ///< n' of a path at distance d turns slower by 1 + kappa d:  kappa u^2/(1 + kappa d) - n'.dv
+  kVertexAboveVertex,  ///< the same of two vertices:  2 omega1 vt
+  kJointAxis,          ///< the arms of fixed axes with the term of turning ones:  -2 omega2 vt
+  kRodLength,          ///< it divides by the rest length L; the distance is l = |p1 - p2|:  vt^2 (1/L - 1/l)
+  kPathGap,            ///< n' of a path at distance d turns slower by 1 + kappa d:  kappa vt^2/(1 + kappa d) - n'.dv
 };
 
 inline constexpr size_t kCorrectionCount = 6;
@@ -41,10 +41,10 @@ struct CorrectionText {
 inline constexpr std::array<CorrectionText, kCorrectionCount> kCorrectionTexts = {
     {{"normal-derivative", "-vn^2/rho"},
      {"vertex-above-edge", "-d (omega1 - omega2)^2"},
-     {"vertex-above-vertex", "2 omega1 u"},
-     {"joint-axis", "-2 omega2 u"},
-     {"rod-length", "u^2 (1/L - 1/l)"},
-     {"path-gap", "kappa u^2/(1 + kappa d) - n'.dv"}}};
+     {"vertex-above-vertex", "2 omega1 vt"},
+     {"joint-axis", "-2 omega2 vt"},
+     {"rod-length", "vt^2 (1/L - 1/l)"},
+     {"path-gap", "kappa vt^2/(1 + kappa d) - n'.dv"}}};
 
 /// One recorded row against this model's.
 struct ReplayRow {

@@ -69,8 +69,8 @@ struct LcpResult {
   double own_fresh_s = -1;
   /// Of the solve, in numeric factorizations [s] (factor_clock.h); negative: not asked for, or not known.
   double factor_s = -1;
-  /// Of kInfeasible, where the solver has it: y >= 0 on unilateral rows, A y = 0, b.y < 0 (MODEL.md section 8,
-  /// property 3). Whether that is a proof, or so within rounding only, VerifyFarkasRay tells.
+  /// Of kInfeasible, where the solver has it: y >= 0 on unilateral rows, A y = 0, b.y < 0 (docs/model.md section
+  /// 8, property 3). Whether that is a proof, or so within rounding only, VerifyFarkasRay tells.
   std::optional<Eigen::VectorXd> farkas_ray;
 };
 

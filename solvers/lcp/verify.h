@@ -19,7 +19,7 @@ struct Metrics {
   Eigen::VectorXd w;  ///< A f + b, rounded to double
 
   /// PRIMARY.  rho = |r|_2 / |D^-1/2 b|_2 with r_i = min(D_ii^1/2 f_i, D_ii^-1/2 w_i) on C, D_ii^-1/2 w_i on B;
-  /// |r|_2 itself when b = 0. Independent of units and of row scaling. [MODEL.md section 8]
+  /// |r|_2 itself when b = 0. Independent of units and of row scaling. [docs/model.md section 8]
   double rho = -1;
   /// max over rows of |min(A_ii f_i, w_i)| / (|A||f| + |b|)_i on C, |w_i| / (...) on B; 0/0 = 0, and a
   /// defect within the rounding of its own evaluation counts as 0. Componentwise, so that

@@ -12,7 +12,7 @@ namespace lcpbench {
 /// Which movable bodies the rows of A = J M^-1 J^T join, the order in which the bodies are eliminated, and the analysis
 /// in that order of
 ///     K = I + J^T T J,   T diagonal,
-/// which has one 3 x 3 block per body and one per pair of bodies that share a row. [MODEL.md section 8]
+/// which has one 3 x 3 block per body and one per pair of bodies that share a row. [docs/model.md section 8]
 ///
 /// The order comes from the graph of bodies, a ninth of the entries of K, and is expanded by three. In a sequence
 /// (LcpSolver::SetInSequence) it outlasts the problem: where the next one joins pairs of bodies that are all in the

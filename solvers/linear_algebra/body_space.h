@@ -15,7 +15,7 @@ namespace lcpbench {
 /// K has one 3 x 3 block per movable body and one per pair that shares a row, however many rows it shares; it is
 /// positive definite whatever the rank of A^, so redundant contacts cost nothing and need no regularisation. Digits are
 /// lost in r - J^ x instead, where theta is tiny: about eps / theta of r, which one step of refinement brings back.
-/// [Woodbury; the body-space form of MODEL.md section 8]
+/// [Woodbury; the body-space form of docs/model.md section 8]
 ///
 /// The bodies are ordered by their graph, which is kept from problem to problem where it changes little: BodyGraph.
 /// Vectors of rows have one entry per row of the problem; those of bodies three per movable body, in elimination order.

@@ -17,7 +17,7 @@ struct EdgePoint {
 
 /// An edge at s: the model's evaluation of general curves (SmoothCurve) in 32 digits, and closed forms of the others.
 ///   N = (c'_y, -c'_x)/|c'|,  kappa = (c' x c'')/|c'|^3  for material on the left, as of straight edges, Bezier curves
-///   and convex ovals; both change sign for concave ones.   [MODEL.md section 1]
+///   and convex ovals; both change sign for concave ones.   [docs/model.md section 1]
 /// @param edge  any feature but a vertex, valid (RequireValid)
 /// @param s     finite; beyond the ends of a straight edge or Bezier curve: of the line, of the polynomials
 inline EdgePoint EvaluateEdge(const Feature& edge, double s) {

@@ -157,12 +157,12 @@ struct Material {
   Vec2 acceleration;
 };
 
-// Velocity and acceleration of the point fixed in a body at arm r. [MODEL.md section 1]
+// Velocity and acceleration of the point fixed in a body at arm r. [docs/model.md section 1]
 Material MaterialPoint(const Body& body, const Acceleration& acceleration, Vec2 r) {
   return {body.v + body.omega * Perp(r), acceleration.a + acceleration.alpha * Perp(r) - body.omega * body.omega * r};
 }
 
-// gamma and omega_n by the centre form, in double: [MODEL.md section 4]
+// gamma and omega_n by the centre form, in double: [docs/model.md section 4]
 std::pair<double, double> ByCenters(const ContactCase& c, const ClosestPoints& p) {
   const Vec2 U1 = Rotate(SinCos(c.body1.theta), Center(c.feature1, p.s1));
   const Vec2 U2 = Rotate(SinCos(c.body2.theta), Center(c.feature2, p.s2));

@@ -386,7 +386,7 @@ TEST(FlushContacts, AFloorOfManySegmentsTouchesAtTheEndsOfTheBodyOnly) {
   }
 }
 
-// MODEL.md section 5: D = 0 where a superellipse stands exactly on a flat point, which is refused; never lost.
+// docs/model.md section 5: D = 0 where a superellipse stands exactly on a flat point, which is refused; never lost.
 TEST(FlushContacts, ASuperellipseOnItsFlatSideTouchesOnceOrIsRefusedByName) {
   for (const int m : {4, 6, 8, 20, 100}) {
     int refused = 0;

@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// MODEL.md section 10 asks for 1e-11; the search and the rows are worth 1e-14.
+// docs/model.md section 10 asks for 1e-11; the search and the rows are worth 1e-14.
 constexpr double kOracleTolerance = 1e-13;
 
 // Calls check(record, answer) for every record of a reference file: how many there are, none where the data are absent.
