@@ -1,8 +1,9 @@
 #include "tests/solvers/test_problems.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <numeric>
 #include <random>
@@ -75,20 +76,21 @@ std::ostream& operator<<(std::ostream& out, const TestProblem& test) { return ou
 
 std::vector<TestProblem> OracleProblems() {
   std::vector<TestProblem> problems;
-  const std::string path = std::string(LCPBENCH_SHARED_DIR) + "/data/oracle/lcp.jsonl";
-  if (!std::filesystem::exists(path)) return problems;
-  for (LcpRecord& record : ReadLcpFile(path)) problems.push_back({record.problem, record.reference});
+  for (LcpRecord& record : ReadLcpFile(LCPBENCH_SOURCE_DIR "/tests/data/oracle/lcp.jsonl")) {
+    problems.push_back({record.problem, record.reference});
+  }
   return problems;
 }
 
 std::vector<LcpProblem> RecordedUnitProblems() {
   std::vector<LcpProblem> problems;
-  const std::string path = std::string(LCPBENCH_SHARED_DIR) + "/data/myphysicslab/unit_problems.jsonl";
+  const std::string path = LCPBENCH_SOURCE_DIR "/tests/data/myphysicslab/unit_problems.jsonl";
   std::ifstream file(path);
   std::string line;
   while (std::getline(file, line)) {
     if (line.find("\"compute_forces\"") != std::string::npos) problems.push_back(ParseLcpRecord(line, path).problem);
   }
+  EXPECT_EQ(problems.size(), 7u) << path;
   return problems;
 }
 

@@ -28,10 +28,10 @@ std::vector<Index> AllRows(Index n);
 /// The same on every machine.
 double Uniform(std::mt19937_64* random, double low, double high);
 
-/// The exact LCPs of the oracle set; empty where the outside data is absent.
+/// The exact LCPs of tests/data/oracle.
 std::vector<TestProblem> OracleProblems();
 
-/// The contact problems among the unit tests of the paper's own software; empty where the outside data is absent.
+/// The contact problems among the unit tests of the paper's own software.
 std::vector<LcpProblem> RecordedUnitProblems();
 
 /// Small problems whose answers are written beside them.
