@@ -97,7 +97,9 @@ build: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS)
 
 test: build
-	@ctest --preset $(PRESET) -j $(JOBS)
+	@rm -f $(BUILD)/Testing/tests.xml
+	@ctest --preset $(PRESET) -j $(JOBS) --output-junit Testing/tests.xml; status=$$?; \
+	  $(PYTHON) tests/skipped.py $(BUILD)/Testing/tests.xml; exit $$status
 
 # Only the command: a newcomer's first report should not wait for the tests to compile.
 command: configure
