@@ -55,7 +55,7 @@ REFERENCE_RESULTS := $(REFERENCE)/core $(REFERENCE)/sequences --precision $(REFE
                      --curves $(REFERENCE)/curves $(REFERENCE_ABLATION) --pictures $(PICTURES)
 REFERENCE_OTHERS  := smoke pathological large sequences-qp
 
-.PHONY: help deps peers configure command build test report run pictures ablation recommendation calibrate record-engines fresh-benchmark phase-benchmark scene-benchmark solver-curves slurm-try doc reference-report check format fuzz attack install clean
+.PHONY: help deps peers configure command build test report run pictures ablation recommendation calibrate record-engines fresh-benchmark scene-benchmark solver-curves slurm-try doc reference-report check format fuzz attack install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
@@ -66,7 +66,6 @@ help:
 	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
 	@echo "make record-engines   let physics engines step scenes of their own, and record them in data/recordings (RECORDINGS=box2d-)"
 	@echo "make fresh-benchmark      fresh times of our solvers, ODE and Bullet in one process, by size class and origin (OPTIONS=--cpu 1; two minutes)"
-	@echo "make phase-benchmark      where the time of auto goes, by phase and size (OPTIONS=--sizes=10,40; a minute)"
 	@echo "make scene-benchmark      time scene generation, contact detection and assembly at 10^3 to 10^5 rows"
 	@echo "make solver-curves        residual against mass ratio, regularization, sweeps and precision, for the report (CURVES=sweeps; a minute or two)"
 	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, numbers in README.md and docs/"
@@ -164,7 +163,7 @@ record-engines: deps
 	done
 	@$(PYTHON) data/recordings/table.py
 
-fresh-benchmark phase-benchmark scene-benchmark: configure
+fresh-benchmark scene-benchmark: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target $(subst -,_,$@)
 	@$(BUILD)/$(subst -,_,$@) $(OPTIONS)
 

@@ -18,14 +18,14 @@ struct InstructionSet {
 
 // The widest last.
 constexpr std::array kSets{
-    InstructionSet{BatchInstructions::kSse2, "sse2", {2, &SolveGroupSse2, &SolveRowsSse2}, [] { return true; }},
+    InstructionSet{BatchInstructions::kSse2, "sse2", {2, &SolveGroupSse2}, [] { return true; }},
     InstructionSet{BatchInstructions::kAvx2,
                    "avx2",
-                   {4, &SolveGroupAvx2, &SolveRowsAvx2},
+                   {4, &SolveGroupAvx2},
                    [] { return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0; }},
     InstructionSet{BatchInstructions::kAvx512,
                    "avx512",
-                   {8, &SolveGroupAvx512, &SolveRowsAvx512},
+                   {8, &SolveGroupAvx512},
                    [] {
                      return __builtin_cpu_supports("fma") != 0 && __builtin_cpu_supports("avx512f") != 0 &&
                             __builtin_cpu_supports("avx512dq") != 0 && __builtin_cpu_supports("avx512vl") != 0;

@@ -10,18 +10,26 @@ namespace lcpbench {
 inline constexpr int kBatchMaxRows = 32;
 inline constexpr int kBatchMaxLanes = 8;
 
-/// One problem: symmetric A (n x n, contiguous), b (n), bit i of `joints` for a bilateral row i; f (n) is written.
+/// What is read and written of one problem besides its rows of J: b and f (n), bit i of `joints` for a bilateral row i.
+/// n: the lane's own rows without those that fill it up.
 struct BatchItem {
-  const double* A = nullptr;
   const double* b = nullptr;
   double* f = nullptr;
   std::uint32_t joints = 0;
   int n = 0;
 };
 
-/// As many problems as the kernel has lanes; a lane without a problem of its own repeats another's.
+/// As many problems as the kernel has lanes, given by their rows (StepRows), all filled up to `rows` rows; a lane
+/// without a problem of its own repeats another's.
 struct BatchGroup {
   BatchItem items[kBatchMaxLanes];
+  const std::int32_t* body[kBatchMaxLanes] = {};
+  const double* J[kBatchMaxLanes] = {};
+  const float* J_single[kBatchMaxLanes] = {};  ///< read where J[0] is nullptr
+  const double* inverse_mass = nullptr;
+  std::int64_t bodies = 0;
+  int columns_per_body = 3;
+  int rows = 0;
   double rho_limit = 0;        ///< at most this rho, in double, where rounding
   double rounding_limit = 0;   ///< can hide at most this much of it
   double close_rho_limit = 0;  ///< up to this one a test in higher precision is worth while
@@ -29,23 +37,6 @@ struct BatchGroup {
   /// This part of A_ii is added to it in the tableau, so that rows that depend on others move, too; refinement against
   /// A itself makes up for it.
   double shift = 0;
-  // Answers.
-  std::uint32_t met = 0;    ///< bit l: the f of lane l passed both limits
-  std::uint32_t close = 0;  ///< bit l: it passed close_rho_limit and row_limit
-  int pivots[kBatchMaxLanes] = {};
-};
-
-/// The same for problems that are given by their rows (StepRows), all with `rows` rows; of `group.items` b, f, joints
-/// and n, the lane's own rows without those that fill it up, are read.
-struct RowGroup {
-  BatchGroup group;
-  const std::int32_t* body[kBatchMaxLanes] = {};
-  const double* J[kBatchMaxLanes] = {};
-  const float* J_single[kBatchMaxLanes] = {};  ///< read where J[0] is none
-  const double* inverse_mass = nullptr;
-  std::int64_t bodies = 0;
-  int columns_per_body = 3;
-  int rows = 0;
   /// What memory shall bring meanwhile, a little with every row: of the group after this one all but the bodies, which
   /// have come before, and of the one after that the bodies.
   struct Next {
@@ -55,8 +46,12 @@ struct RowGroup {
     const double* f;
     const std::int32_t* later_body;
   } next[kBatchMaxLanes] = {};
-  int next_rows = 0;                ///< of the smaller one of both; 0: nothing
-  double rho[kBatchMaxLanes] = {};  ///< answer: an upper bound, at most 4 times too large
+  int next_rows = 0;  ///< of the smaller one of both; 0: nothing
+  // Answers.
+  std::uint32_t met = 0;    ///< bit l: the f of lane l passed both limits
+  std::uint32_t close = 0;  ///< bit l: it passed close_rho_limit and row_limit
+  int pivots[kBatchMaxLanes] = {};
+  double rho[kBatchMaxLanes] = {};  ///< an upper bound, at most 4 times too large
 };
 
 /// Brings inverse_mass[at] into the cache, if there is such a number. Of no linkage: see lanes.h.
@@ -67,21 +62,14 @@ struct RowGroup {
   __builtin_prefetch(reinterpret_cast<const void*>(address));
 }
 
-using BatchKernel = void (*)(BatchGroup* group);
-using RowKernel = void (*)(RowGroup* group);
-
 /// Of one instruction set.
 struct BatchKernels {
   std::size_t lanes;
-  BatchKernel solve;
-  RowKernel solve_rows;
+  void (*solve)(BatchGroup* group);
 };
 
 void SolveGroupAvx512(BatchGroup* group);
 void SolveGroupAvx2(BatchGroup* group);
 void SolveGroupSse2(BatchGroup* group);
-void SolveRowsAvx512(RowGroup* group);
-void SolveRowsAvx2(RowGroup* group);
-void SolveRowsSse2(RowGroup* group);
 
 }  // namespace lcpbench

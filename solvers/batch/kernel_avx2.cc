@@ -3,6 +3,5 @@
 namespace lcpbench {
 
 void SolveGroupAvx2(BatchGroup* group) { SolveGroup(group); }
-void SolveRowsAvx2(RowGroup* group) { SolveRows(group); }
 
 }  // namespace lcpbench

@@ -3,6 +3,5 @@
 namespace lcpbench {
 
 void SolveGroupSse2(BatchGroup* group) { SolveGroup(group); }
-void SolveRowsSse2(RowGroup* group) { SolveRows(group); }
 
 }  // namespace lcpbench

@@ -17,7 +17,7 @@ namespace {
 template <int p, typename Real>
 class RowAssembly {
  public:
-  explicit RowAssembly(const RowGroup& group, const Real* const* J) : group_(group), n_(group.rows) {
+  explicit RowAssembly(const BatchGroup& group, const Real* const* J) : group_(group), n_(group.rows) {
     for (int k = 0; k < 2 * p * n_; k += kWidth) {
       const int left = 2 * p * n_ - k;
       L::LoadTransposed(J, static_cast<std::size_t>(k), left < kWidth ? left : kWidth, J_ + k);
@@ -72,7 +72,7 @@ class RowAssembly {
 
   void LoadLoads(V* b) const {
     const double* from[kWidth];
-    for (int l = 0; l < kWidth; ++l) from[l] = group_.group.items[l].b;
+    for (int l = 0; l < kWidth; ++l) from[l] = group_.items[l].b;
     for (int i = 0; i < n_; i += kWidth) {
       V part[kWidth];
       const int count = n_ - i < kWidth ? n_ - i : kWidth;
@@ -86,7 +86,7 @@ class RowAssembly {
     constexpr std::ptrdiff_t kRowBytes = std::ptrdiff_t{2} * p * sizeof(Real);
     const std::ptrdiff_t side_0 = std::ptrdiff_t{2} * i;
     for (int l = 0; l < kWidth; ++l) {
-      const RowGroup::Next& next = group_.next[l];
+      const BatchGroup::Next& next = group_.next[l];
       const char* const J = next.J + i * kRowBytes;
       __builtin_prefetch(J);
       __builtin_prefetch(J + kRowBytes - 1);
@@ -168,19 +168,19 @@ class RowAssembly {
 
   using Unsigned [[gnu::vector_size(sizeof(V))]] = unsigned long long;
 
-  const RowGroup& group_;
+  const BatchGroup& group_;
   int n_;
   V J_[2 * p * kBatchMaxRows + kWidth];  // loaded in whole blocks
   M first_[kBatchMaxRows], second_[kBatchMaxRows];
 };
 
 template <int p>
-Lanes::M AssembleRowsOf(RowGroup* group, Lanes::V* matrix, Lanes::V* b) {
+Lanes::M AssembleRowsOf(BatchGroup* group, Lanes::V* matrix, Lanes::V* b) {
   if (group->J[0] != nullptr) return RowAssembly<p, double>(*group, group->J).Assemble(matrix, b);
   return RowAssembly<p, float>(*group, group->J_single).Assemble(matrix, b);
 }
 
-[[gnu::noinline]] Lanes::M AssembleRows(RowGroup* group, Lanes::V* matrix, Lanes::V* b) {
+[[gnu::noinline]] Lanes::M AssembleRows(BatchGroup* group, Lanes::V* matrix, Lanes::V* b) {
   return group->columns_per_body == 3 ? AssembleRowsOf<3>(group, matrix, b) : AssembleRowsOf<6>(group, matrix, b);
 }
 

@@ -79,10 +79,10 @@ struct RowBatch::Implementation {
     start = starts;
     f = forces;
     receiver = to;
-    group.group.rho_limit = std::min(tableau::kMostRho, tolerance / 2);
-    group.group.rounding_limit = tolerance / 2;
-    group.group.close_rho_limit = tolerance;
-    group.group.row_limit = tableau::kMargin * std::sqrt(tolerance);
+    group.rho_limit = std::min(tableau::kMostRho, tolerance / 2);
+    group.rounding_limit = tolerance / 2;
+    group.close_rho_limit = tolerance;
+    group.row_limit = tableau::kMargin * std::sqrt(tolerance);
     group.columns_per_body = of.columns_per_body;
     group.bodies = of.bodies;
     group.inverse_mass = of.inverse_mass;
@@ -162,7 +162,7 @@ struct RowBatch::Implementation {
     group.next_rows = std::min(SizeOf(problems[0]), SizeOf(later[0]));
     for (std::size_t l = 0; l < kernels.lanes; ++l) {
       const std::int64_t first = start[static_cast<std::size_t>(problems[l])];
-      RowGroup::Next& next = group.next[l];
+      BatchGroup::Next& next = group.next[l];
       next.body = rows->body + 2 * first;
       next.J = rows->J != nullptr ? reinterpret_cast<const char*>(rows->J + 2 * p * first)
                                   : reinterpret_cast<const char*>(rows->J_single + 2 * p * first);
@@ -196,7 +196,7 @@ struct RowBatch::Implementation {
     } else {
       group.J_single[lane] = rows->J_single + width * first;
     }
-    BatchItem& item = group.group.items[lane];
+    BatchItem& item = group.items[lane];
     item.b = rows->b + first;
     item.f = f + first;
     item.n = n;
@@ -214,7 +214,7 @@ struct RowBatch::Implementation {
     for (std::size_t l = 0; l < kernels.lanes; ++l) {
       const std::size_t of = l < problems.size() ? l : 0;
       PointTo(l, problems[of]);
-      BatchItem& item = group.group.items[l];
+      BatchItem& item = group.items[l];
       if (item.n == n) continue;
       const auto own = static_cast<std::size_t>(item.n);
       const auto all = static_cast<std::size_t>(n);
@@ -237,22 +237,22 @@ struct RowBatch::Implementation {
 
   void Run(Queue* queue, std::span<const std::int32_t> problems, std::int32_t n) {
     group.rows = n;
-    group.group.shift = queue == &first_try ? 0 : kShift;
+    group.shift = queue == &first_try ? 0 : kShift;
 #if defined(__AVX__)
     // SSE2's instructions take twice the time while upper halves of registers are in use; GCC 12 forgets some.
     if (kernels.lanes == 2) _mm256_zeroupper();
 #endif
-    kernels.solve_rows(&group);
+    kernels.solve(&group);
     for (std::size_t l = 0; l < problems.size(); ++l) {
-      const BatchItem& item = group.group.items[l];
+      const BatchItem& item = group.items[l];
       double* const to = f + start[static_cast<std::size_t>(problems[l])];
       if (item.f != to) std::copy_n(item.f, item.n, to);
     }
     for (std::size_t l = 0; l < problems.size(); ++l) {
-      const bool met = (group.group.met >> l & 1U) != 0;
-      const bool close = (group.group.close >> l & 1U) != 0;
+      const bool met = (group.met >> l & 1U) != 0;
+      const bool close = (group.close >> l & 1U) != 0;
       if (met || (close && IsRight(problems[l]))) {
-        receiver->Take(problems[l], group.group.pivots[l], group.rho[l]);
+        receiver->Take(problems[l], group.pivots[l], group.rho[l]);
       } else if (queue == &first_try) {
         second_try.Add(problems[l], SizeOf(problems[l]));
       } else {
@@ -265,7 +265,7 @@ struct RowBatch::Implementation {
   bool IsRight(std::int32_t problem) const {
     const std::int64_t first = start[static_cast<std::size_t>(problem)];
     const StepRows part = PartOf(*rows, first, start[static_cast<std::size_t>(problem) + 1]);
-    return ExtendedRho(part, f + first) <= group.group.close_rho_limit;
+    return ExtendedRho(part, f + first) <= group.close_rho_limit;
   }
 
   const BatchKernels& kernels;
@@ -273,7 +273,7 @@ struct RowBatch::Implementation {
   std::span<const std::int32_t> start;
   double* f = nullptr;
   Receiver* receiver = nullptr;
-  RowGroup group;
+  BatchGroup group;
   std::array<Padded, kBatchMaxLanes> padded;
   volatile unsigned touched = 0;
   Queue first_try, second_try;

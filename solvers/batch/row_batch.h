@@ -10,7 +10,7 @@
 namespace lcpbench {
 
 /// Many small problems from an engine's arrays to forces, one per SIMD lane: A is assembled in the lanes from the
-/// rows, then solved and checked as BatchSolver does (docs/solvers/batch.md).
+/// rows, then solved by principal pivoting on a symmetric tableau and checked (docs/solvers/batch.md).
 ///
 /// The problems are taken in blocks, in which equal sizes share a group, so that memory is read about in order and
 /// once. What is left of all blocks shares groups with the next sizes, filled up by rows of zeros.

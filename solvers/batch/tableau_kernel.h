@@ -35,7 +35,7 @@ constexpr int Mirror(int v) {
   return last - v;
 }
 
-/// Solves one group of N rows or fewer, one problem per lane, by the method of solve_batch.h.
+/// Solves one group of N rows or fewer, one problem per lane (docs/solvers/batch.md).
 ///
 /// The tableau T starts as A, of which the lower triangle is kept, q as b. Exchanging row k, with a = T_kk:
 ///     T_ij -= T_ik T_kj / a,   T_kj /= |a|,   T_kk = -1 / a,   and q_i, q_k as if q were another column,
@@ -51,24 +51,18 @@ class TableauKernel {
   }
 
   void Solve() {
-    Load();
-    Run();
-  }
-
-  // The assembled matrix replaces that of the group's items.
-  void SolveRows(RowGroup* group) {
-    for (int i = group->rows; i < N; ++i) {
+    for (int i = group_.rows; i < N; ++i) {
       b_[i] = L::Set(0);
       for (int j = 0; j <= i; ++j) matrix_[At(i, j)] = L::Set(0);
     }
-    const M usable = AssembleRows(group, matrix_, b_);
+    const M usable = AssembleRows(&group_, matrix_, b_);
     TakeJoints();
     Run();
     group_.met &= L::Bits(usable);
     group_.close &= L::Bits(usable);
     alignas(64) double squares[kLaneCount];
     L::Store(squares, rho_square_);
-    for (int l = 0; l < kLaneCount; ++l) group->rho[l] = __builtin_sqrt(squares[l]);
+    for (int l = 0; l < kLaneCount; ++l) group_.rho[l] = __builtin_sqrt(squares[l]);
   }
 
  private:
@@ -135,45 +129,6 @@ class TableauKernel {
     EachUpTo<is_unrolled>(std::integral_constant<int, end>{}, f);
   }
 
-  void Load() {
-    int n = 0;
-    bool uniform = true;
-    const double* matrices[kLaneCount];
-    const double* loads[kLaneCount];
-    for (int l = 0; l < kLaneCount; ++l) {
-      const BatchItem& item = group_.items[l];
-      n = item.n > n ? item.n : n;
-      uniform &= item.n == group_.items[0].n;
-      matrices[l] = item.A;
-      loads[l] = item.b;
-    }
-    TakeJoints();
-    if (!uniform) {
-      LoadMixed();
-    } else if (n == N) {
-      Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA { LoadRow(matrices, i * N, N, i + 1, matrix_ + At(i, 0)); });
-      LoadRow(loads, 0, N, N, b_);
-    } else {
-      for (int i = 0; i < n; ++i) LoadRow(matrices, i * n, n, i + 1, matrix_ + At(i, 0));
-      LoadRow(loads, 0, n, n, b_);
-      for (int i = n; i < N; ++i) {
-        for (int j = 0; j < i; ++j) matrix_[At(i, j)] = L::Set(0);
-        matrix_[At(i, i)] = L::Set(1);
-        b_[i] = L::Set(0);
-      }
-    }
-  }
-
-  // to[j] = entry `offset` + j of every lane, j < keep <= n; n - j of them can be read.
-  [[gnu::always_inline]] static void LoadRow(const double* const* from, int offset, int n, int keep, V* to) {
-    for (int j = 0; j < keep; j += kLaneCount) {
-      V part[kLaneCount];
-      L::LoadTransposed(from, static_cast<std::size_t>(offset) + static_cast<std::size_t>(j),
-                        n - j < kLaneCount ? n - j : kLaneCount, part);
-      for (int k = 0; k < kLaneCount && j + k < keep; ++k) to[j + k] = part[k];
-    }
-  }
-
   void TakeJoints() {
     std::uint32_t joints = 0;
     for (int l = 0; l < kLaneCount; ++l) joints |= group_.items[l].joints;
@@ -186,22 +141,6 @@ class TableauKernel {
       unsigned bits = 0;
       for (int l = 0; l < kLaneCount; ++l) bits |= (group_.items[l].joints >> i & 1U) << l;
       joint_[i] = L::FromBits(bits);
-    }
-  }
-
-  // Lanes of different sizes: the rows that a lane does not have are those of the unit matrix.
-  [[gnu::noinline]] void LoadMixed() {
-    for (int i = 0; i < N; ++i) {
-      alignas(64) double values[kLaneCount];
-      for (int j = 0; j <= i; ++j) {
-        for (int l = 0; l < kLaneCount; ++l) {
-          const BatchItem& item = group_.items[l];
-          values[l] = i < item.n ? item.A[i * item.n + j] : (i == j ? 1.0 : 0.0);
-        }
-        matrix_[At(i, j)] = L::Load(values);
-      }
-      for (int l = 0; l < kLaneCount; ++l) values[l] = i < group_.items[l].n ? group_.items[l].b[i] : 0.0;
-      b_[i] = L::Load(values);
     }
   }
 
@@ -484,31 +423,14 @@ class TableauKernel {
   bool any_joint_;
 };
 
-// By the smallest even size that holds all lanes' problems.
+// By the smallest even size that holds all lanes' rows.
 template <int N = 2>
-void SolveGroupOfSize(int n, BatchGroup* group) {
-  if (n <= N) {
+void SolveGroup(BatchGroup* group) {
+  if (group->rows <= N) {
     TableauKernel<N>(group).Solve();
   } else if constexpr (N < kBatchMaxRows) {
-    SolveGroupOfSize<N + 2>(n, group);
+    SolveGroup<N + 2>(group);
   }
-}
-
-template <int N = 2>
-void SolveRowsOfSize(RowGroup* group) {
-  if (group->rows <= N) {
-    TableauKernel<N>(&group->group).SolveRows(group);
-  } else if constexpr (N < kBatchMaxRows) {
-    SolveRowsOfSize<N + 2>(group);
-  }
-}
-
-void SolveRows(RowGroup* group) { SolveRowsOfSize(group); }
-
-void SolveGroup(BatchGroup* group) {
-  int n = 0;
-  for (int l = 0; l < Lanes::kWidth; ++l) n = group->items[l].n > n ? group->items[l].n : n;
-  SolveGroupOfSize(n, group);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -23,9 +24,10 @@
 #include <thread>
 #include <vector>
 
-#include "solvers/batch/solve_batch.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
+#include "solvers/rows/row_solver.h"
+#include "solvers/step/step_solver.h"
 #include "tests/attack/attack_problem.h"
 #include "tests/attack/nearly_dependent.h"
 #include "tests/solvers/solve_with.h"
@@ -48,6 +50,28 @@ struct Solver {
   std::function<LcpResult(const LcpProblem&, const LcpOptions&)> solve;  // by an object of its own
 };
 
+// By StepSolver::SolveBatch where rows act on at most two bodies, else by `auto`. Its answers carry no ray: that of
+// `auto` stands for it.
+LcpResult SolveInLanes(const LcpProblem& problem, const LcpOptions& options) {
+  LcpOptions cold = options;
+  cold.initial_f = nullptr;
+  if (problem.has_factors()) {
+    const ProblemArrays arrays = ProblemArrays::Of(problem);
+    TwoBodyCopy copy;
+    if (copy.Take(arrays)) {
+      LcpResult result;
+      result.f.resize(problem.size());
+      StepSolver solver({.tolerance = options.tolerance, .time_limit_s = options.time_limit_s});
+      const std::array<std::int32_t, 2> start{0, static_cast<std::int32_t>(problem.size())};
+      StepAnswer answer;
+      solver.SolveBatch(copy.rows(), start, result.f.data(), {&answer, 1});
+      result.status = answer.status;
+      if (result.status != LcpStatus::kInfeasible) return result;
+    }
+  }
+  return SolveWith(MakeSolver("auto").get(), problem, cold);
+}
+
 std::vector<Solver> SolversOf(const Plan& plan) {
   std::vector<Solver> solvers;
   for (const SolverEntry& entry : AllSolvers()) {
@@ -56,13 +80,7 @@ std::vector<Solver> SolversOf(const Plan& plan) {
                          return SolveWith(make({}).get(), problem, options);
                        }});
   }
-  solvers.push_back({"batch", [](const LcpProblem& problem, const LcpOptions& options) {
-                       LcpResult result;
-                       LcpOptions cold = options;
-                       cold.initial_f = nullptr;
-                       BatchSolver().Solve({&problem, 1}, cold, {&result, 1});
-                       return result;
-                     }});
+  solvers.push_back({"batch", &SolveInLanes});
   if (!plan.solvers.empty()) {
     const std::string wanted = "," + plan.solvers + ",";
     std::erase_if(solvers,
