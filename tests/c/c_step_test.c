@@ -104,7 +104,8 @@ static void ExpectSolved(lcpbench_step* step, const lcpbench_step_rows* rows) {
   memset(w, 0xff, sizeof w);
   memset(&answer, 0xff, sizeof answer);
   CHECK_OK(lcpbench_step_solve(step, rows, NULL, f, w, &answer, sizeof answer));
-  CHECK(answer.status == LCPBENCH_SOLVED && answer.reserved == 0 && answer.iterations >= 0);
+  CHECK(answer.status == LCPBENCH_SOLVED && answer.infeasible_proved == 0 && answer.force_min == 0 &&
+        answer.iterations >= 0);
 
   lcpbench_problem* problem = ProblemOf(rows);
   lcpbench_verdict verdict;
