@@ -64,7 +64,6 @@ class Campaign {
           });
       if (!done) return false;
     }
-    if (!MakeSequences()) return false;
     StartWorker();  // with all its memory
     for (int round = 0; round < plan_.passes; ++round) {
       const std::string title = "sequences, round " + std::to_string(round);
@@ -230,33 +229,19 @@ class Campaign {
     return all;
   }
 
-  // All sequences that are needed, before their first solve: those that are there are checked, the others made.
-  bool MakeSequences() {
-    // Exact solves cost about the square of the rows.
-    const auto weight_of = [](const SequenceEntry& entry) {
-      return static_cast<double>(entry.problems * entry.most_rows * entry.most_rows);
-    };
-    std::map<std::string, const Task*> missing;
-    for (const Task& pass : passes_) {
-      if (pass.excluded.empty()) missing[SequencePath(options_.folder, pass.about)] = &pass;
-    }
-    double weight = 0;
-    std::erase_if(missing, [&](const auto& item) {
-      const auto& [path, pass] = item;
-      if (fs::exists(path)) return ReadSequenceFile(path, pass->sequence->sha256), true;
-      weight += weight_of(*pass->sequence);
-      return false;
-    });
-    if (missing.empty()) return true;
-    ProgressBar bar("sequences", weight);
-    for (const auto& [path, pass] : missing) {
+  // Makes the pass's sequence where the folder does not have it yet; what it has from a run before is checked once, and
+  // made anew where it is damaged. False where it was interrupted.
+  bool MakeSequence(const Task& pass) {
+    const std::string path = SequencePath(options_.folder, pass.about);
+    if (made_.contains(path)) return true;
+    if (!IsSequenceFile(path, pass.sequence->sha256)) {
       try {
-        WriteSequenceFile(*pass->sequence, FolderOf(plan_.manifests[pass->manifest]), path);
+        WriteSequenceFile(*pass.sequence, FolderOf(plan_.manifests[pass.manifest]), path);
       } catch (const Interrupted&) {
         return false;
       }
-      bar.Advance(weight_of(*pass->sequence), pass->about);
     }
+    made_.insert(path);
     return true;
   }
 
@@ -271,6 +256,7 @@ class Campaign {
     }
     const Journal::Judgement* first = journal_.Find(key);
     if (round > 0 && (first == nullptr || !first->completed)) return;
+    if (!MakeSequence(pass)) return;
     SequenceRequest request;
     request.file = SequencePath(options_.folder, pass.about);
     request.sha256 = pass.sequence->sha256;
@@ -296,7 +282,8 @@ class Campaign {
   const CampaignOptions& options_;
   const std::vector<PlannedProblem>& problems_;
   std::vector<Task> tasks_;
-  std::vector<Task> passes_;  // over sequences
+  std::vector<Task> passes_;    // over sequences
+  std::set<std::string> made_;  // files of sequences that are known to be right
   Journal journal_;
   std::unique_ptr<WorkerProcess> worker_;
   std::int64_t failures_ = 0;

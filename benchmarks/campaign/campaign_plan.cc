@@ -293,7 +293,18 @@ std::vector<std::size_t> OrderOfRound(const std::vector<Task>& tasks, std::uint6
                       tasks[k].solver == tasks[k - 1].solver;
     groups[k] = groups[k - 1] + (same ? 0 : 1);
   }
-  return ShuffleGroups(groups, seed, round);
+  std::vector<std::size_t> order = ShuffleGroups(groups, seed, round);
+  if (round > 0) return order;
+  const auto work_to_make = [&](std::size_t k) {
+    const SequenceEntry* entry = tasks[k].sequence;
+    if (entry == nullptr) return std::pair(0.0, std::string_view());
+    // An exact solve costs about the square of the rows.
+    const auto rows = static_cast<double>(entry->most_rows);
+    return std::pair(static_cast<double>(entry->problems) * rows * rows, std::string_view(entry->id));
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return work_to_make(a) < work_to_make(b); });
+  return order;
 }
 
 std::vector<Task> TasksOfShard(std::vector<Task> tasks, int k, int n) {

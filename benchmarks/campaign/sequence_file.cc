@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iostream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -141,6 +142,17 @@ std::vector<SequenceStep> ReadSequenceFile(const std::string& path, const std::s
   }
   RequireHash(path, sha256, hash.Result());
   return steps;
+}
+
+bool IsSequenceFile(const std::string& path, const std::string& sha256) {
+  if (!fs::exists(path)) return false;
+  try {
+    ReadSequenceFile(path, sha256);
+    return true;
+  } catch (const InputError& error) {
+    std::cerr << "note: made anew: " << error.what() << std::endl;
+    return false;
+  }
 }
 
 Eigen::VectorXd CarryOver(const Eigen::VectorXd& f, const std::vector<int>& previous) {

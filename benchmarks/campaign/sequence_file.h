@@ -43,6 +43,9 @@ std::vector<SequenceStep> ReadSequenceFile(const std::string& path, const std::s
 /// @throws InputError unless `previous` has a row of the line before, or -1, for every row
 void RequirePrevious(const std::vector<int>& previous, Index rows, std::size_t rows_before, const std::string& where);
 
+/// Whether the file is there and has the sequence; where it is there and has not, one line on standard error says so.
+bool IsSequenceFile(const std::string& path, const std::string& sha256);
+
 /// Forces on the rows of a step from those of the step before: rows that were not there start at 0.
 /// @param previous  SequenceStep::previous, indices < f.size() or -1
 Eigen::VectorXd CarryOver(const Eigen::VectorXd& f, const std::vector<int>& previous);

@@ -16,6 +16,7 @@
 #include "benchmarks/campaign/sequence_runner.h"
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/collection/build.h"
+#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
 #include "benchmarks/collection/recording.h"
@@ -365,20 +366,106 @@ TEST_F(SequenceCampaign, EveryPassHasALineInEveryRound) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "c" / "analysis" / "cells.csv"));
 }
 
-TEST_F(SequenceCampaign, AnotherSequenceIsToldInOneLine) {
-  Succeed(Campaign("c"));
-  // A file that was changed since.
-  const std::string path = SequencePath(Path("c"), GearTrain().id);
-  std::filesystem::copy_file(SequencePath(Path("c"), DiscsInV().id), path,
-                             std::filesystem::copy_options::overwrite_existing);
-  ExpectMistake(Campaign("c", "--resume"), path + ": expected the sequence with SHA-256 " + GearTrain().sha256);
-  // A manifest that says something else than the motion.
+TEST_F(SequenceCampaign, AManifestThatSaysAnotherMotionIsToldInOneLine) {
   SequenceEntry wrong = DiscsInV();
   wrong.sha256 = GearTrain().sha256;
   Write("motions.json", ManifestText({wrong}));
   const CommandOutcome other = Run(Campaign("d"));  // with a progress bar before
   EXPECT_EQ(other.status, 2);
   EXPECT_NE(other.error.find(wrong.id + ": expected the sequence with SHA-256"), std::string::npos) << other.error;
+}
+
+// Short ones of several families, the least work first.
+const std::vector<SequenceEntry>& ShortMotions() {
+  static const std::vector<SequenceEntry> entries = [] {
+    std::vector<SequenceEntry> made;
+    for (const char* family : {"discs-in-v", "disc-track", "gear-train", "disc-pile"}) {
+      for (const int rows : {6, 12}) made.push_back(MeasureSequence(Recipe{family, rows, 3, {}}, 4));
+    }
+    std::sort(made.begin(), made.end(), [](const SequenceEntry& a, const SequenceEntry& b) {
+      return a.problems * a.most_rows * a.most_rows < b.problems * b.most_rows * b.most_rows;
+    });
+    return made;
+  }();
+  return entries;
+}
+
+TEST_F(SequenceCampaign, OnlyWhatIsSolvedIsMadeAndEachBeforeItsFirstSolve) {
+  const auto made = [&](const std::string& folder) {
+    std::set<std::string> names;
+    for (const auto& file : std::filesystem::directory_iterator(folder_ / folder / "sequences")) {
+      names.insert(file.path().filename().string());
+    }
+    return names;
+  };
+  // The one with the most work cannot be made: all others are solved before that is noticed.
+  std::vector<SequenceEntry> entries = ShortMotions();
+  entries.back().sha256 = entries.front().sha256;
+  Write("motions.json", ManifestText(entries));
+  EXPECT_EQ(Run(Campaign("c")).status, 2);
+  std::set<std::string> solved;
+  std::set<std::string> files;
+  for (const Json& pass : Passes("c")) solved.insert(pass["sequence"]);
+  for (const SequenceEntry& entry : entries) files.insert(entry.id + ".jsonl.gz");
+  EXPECT_EQ(solved.size(), entries.size() - 1);
+  EXPECT_EQ(solved.count(entries.back().id), 0U);
+  files.erase(entries.back().id + ".jsonl.gz");
+  EXPECT_EQ(made("c"), files);
+
+  for (const SequenceEntry& entry : ShortMotions()) {
+    if (entry.id == entries.back().id) continue;
+    Succeed(Campaign(entry.id, "--filter '" + entry.id + "/dantzig/.*/cold'"));
+    EXPECT_EQ(made(entry.id), std::set<std::string>{entry.id + ".jsonl.gz"});
+  }
+}
+
+TEST_F(SequenceCampaign, KeptSequencesAreUsedAgainAndDamagedOnesMadeAnew) {
+  Write("motions.json", ManifestText(ShortMotions()));
+  const std::string campaign = Campaign("c", "--filter '/dantzig/.*/cold'");
+  Succeed(campaign);
+  const auto path_of = [&](const SequenceEntry& entry) { return SequencePath(Path("c"), entry.id); };
+  std::map<std::string, std::string> kept;
+  for (const SequenceEntry& entry : ShortMotions()) kept[entry.id] = ReadFile(path_of(entry));
+
+  // What is right stays as it is: here with another compression.
+  const SequenceEntry& right = ShortMotions().front();
+  std::string text;
+  ReadEachLine(path_of(right), [&](const std::string& line, const std::string&) { text += line + "\n"; });
+  Write("c/sequences/" + right.id + ".jsonl.gz", text);
+  const std::string& first = kept.begin()->second;
+  const auto damage = [&](std::size_t k, const std::string& file) -> std::string {
+    switch (k % 4) {
+      case 0:
+        return file.substr(0, file.size() / 2);
+      case 1:
+        return file == first ? kept.rbegin()->second : first;  // another sequence
+      case 2:
+        return "";
+      default:
+        std::string flipped = file;
+        flipped[file.size() / 2] = static_cast<char>(flipped[file.size() / 2] ^ 0x10);
+        return flipped;
+    }
+  };
+  for (std::size_t k = 1; k < ShortMotions().size(); ++k) {
+    const std::string& id = ShortMotions()[k].id;
+    Write("c/sequences/" + id + ".jsonl.gz", damage(k, kept.at(id)));
+  }
+  Write("c/steps.jsonl", "");
+  const CommandOutcome again = Succeed(campaign + " --resume");
+  EXPECT_EQ(ReadFile(path_of(right)), text);
+  for (std::size_t k = 1; k < ShortMotions().size(); ++k) {
+    const SequenceEntry& entry = ShortMotions()[k];
+    EXPECT_TRUE(ReadFile(path_of(entry)) == kept.at(entry.id)) << k;
+    EXPECT_NE(again.error.find("note: made anew: " + path_of(entry)), std::string::npos) << again.error;
+  }
+  EXPECT_EQ(again.error.find(path_of(right)), std::string::npos) << again.error;
+  EXPECT_EQ(Passes("c").size(), ShortMotions().size() * 2);  // of two rounds
+
+  // What is done needs no sequence.
+  std::filesystem::remove_all(folder_ / "c/sequences");
+  Succeed(campaign + " --resume");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "c/sequences"));
 }
 
 // As the lines of streams.jsonl (kept_campaign_test.cc).
