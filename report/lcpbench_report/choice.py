@@ -5,7 +5,7 @@ import math
 import pandas as pd
 
 from .inputs import Inputs
-from .statistics.cells import EXCLUDED
+from .statistics.cells import NOT_RUN
 from .statistics.groups import COUNTED, GROUP
 from .statistics.means import mean_time, shift_of
 from .solver_facts import library, method
@@ -104,7 +104,7 @@ def _best_of(cells: pd.DataFrame, solvers: list[str]) -> list[str]:
         return solvers[:1]
     mine = cells[cells["solver"].isin(solvers)]
     # Sizes that a solver is not given at all; a single problem may be excluded for the time that a looser tier took.
-    absent = (mine["verdict"] == EXCLUDED).groupby([mine["solver"], mine["size_class"]]).all()
+    absent = mine["verdict"].isin(NOT_RUN).groupby([mine["solver"], mine["size_class"]]).all()
     absent = absent[absent].reset_index()
     common = mine[~mine["size_class"].isin(absent["size_class"])]
     first = _ranked(common if len(common) else mine, solvers)[0]

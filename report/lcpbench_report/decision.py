@@ -104,6 +104,7 @@ def passes(inputs: Inputs, tier: float, mode: str = "warm", size: str = ALL) -> 
     """latency_by_solver's rows of one mode and size of sequences; of every solver at the tier nearest to `tier`."""
     latency = inputs.analysis.get("latency_by_solver", pd.DataFrame(columns=["solver", "mode", "size", "p99"]))
     rows = latency[(latency["mode"] == mode) & (latency["size"] == size)]
+    rows = rows[rows["sequences"] > 0] if len(rows) else rows
     if rows.empty:
         return rows
     return rows.loc[(rows["tier"].map(math.log) - math.log(tier)).abs().groupby(rows["solver"]).idxmin()]

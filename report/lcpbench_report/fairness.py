@@ -5,7 +5,8 @@ from collections.abc import Iterator
 
 from . import formats
 from .inputs import Inputs
-from .statistics.cells import CHANGED, LEAST_PASSES, VERIFIED
+from .statistics.cells import CHANGED, LEAST_PASSES, NOT_ASKED, VERIFIED
+from .statistics.class_times import RIGHT
 from .statistics.load import ORIGINS, TASK_BUDGET
 
 # A solver is called out as built for looser tiers when it verifies less than this part of what it does at the loosest.
@@ -94,6 +95,14 @@ def _rules(inputs: Inputs) -> _Lines:
                  for rule, group in left_out.groupby("excluded", sort=False)]
         yield ("Excluded by rule", f"{formats.plural(len(left_out), 'cell')} did not take place, by rules fixed before the "
                f"run: {_few(parts, 8, '; ')}. In means, profiles and counts they stand as not solved.")
+    unasked = cells[cells["verdict"] == NOT_ASKED]
+    if len(unasked):
+        counts = unasked["solver"].value_counts()
+        yield ("Not asked", f"In {formats.plural(len(unasked), 'cell')} the solver does not take the problem as it is given, for "
+               "example without J or with bilateral rows "
+               f"({_few([f'{solver} {counts[solver]}' for solver in inputs.in_order(counts.index)], 8)}): no failure, and in none "
+               f"of its shares and medians. Who does not take {formats.percent(RIGHT)} of a class is not called the best of it. In "
+               "means and profiles over common problems they stand as not solved.")
     late = cells[cells["excluded"] == TASK_BUDGET]
     untimed = int((cells["passes"].astype(bool) & (cells["timed"] == 0)).sum())
     parts = []
@@ -107,7 +116,7 @@ def _rules(inputs: Inputs) -> _Lines:
         yield "Budgets", " ".join(parts)
     if missing := [entry["key"] for entry in inputs.solvers if not entry["available"]]:
         yield ("Not in this build", f"{formats.words(missing)}: without their libraries these have no results. “make peers” "
-               "installs what Debian has.")
+               "installs them.")
 
 
 def _solvers(inputs: Inputs) -> _Lines:

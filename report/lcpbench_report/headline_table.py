@@ -24,11 +24,13 @@ from .statistics.intervals import Bootstrap
 class Entry:
     """One solver on the problems of one size class."""
 
-    problems: int  # that had their turn within the solver's budget for the class
+    problems: int  # that had their turn within the solver's budget for the class, without those below
+    not_asked: int  # that it does not take as they are given
     attempted: int  # the others were not given to the solver, by a rule that was declared before
     share: float  # verified, by weight
     time_s: float  # median of the weight; inf where half or more were not verified
     p99_s: float  # NaN where there are few problems
+    taken: float = 1.0  # the share, by weight, that it takes as it is given
     best: bool = False  # of all, or tied with it
 
 
@@ -59,6 +61,7 @@ class Headline:
     classes: list[ClassRow]
     solvers: list[str]  # of the table by solver
     left_out: list[str]  # solvers that have a better setting, or a better relative, in the table
+    no_peer: str = ""  # why there is none to compare with; empty where there is
 
 
 @lru_cache(maxsize=2)
@@ -71,11 +74,19 @@ def headline(inputs: Inputs) -> Headline:
     classes = [_row(inputs, key, rows, ratios, cells[cells["size_class"] == key])
                for key, rows in times.groupby("size_class", sort=False) if key != ALL]
     ran = [solver for solver in shown if any(solver in row.entries for row in classes)]
-    return Headline(tier, classes, ran, [key for key in inputs.keys if key not in shown])
+    return Headline(tier, classes, ran, [key for key in inputs.keys if key not in shown], _no_peer(inputs))
+
+
+def _no_peer(inputs: Inputs) -> str:
+    if inputs.peers:
+        return ""
+    missing = any(entry["origin"] != "own" and not entry["available"] for entry in inputs.solvers)
+    return "no peer in this build: `make peers`" if missing else "no peer was run"
 
 
 def _row(inputs: Inputs, size_class: str, times: pd.DataFrame, ratios: pd.DataFrame, cells: pd.DataFrame) -> ClassRow:
-    entries = {of.solver: Entry(of.problems, of.attempted, of.verified_share, of.median_s, of.p99_s)
+    entries = {of.solver: Entry(of.problems - of.not_asked, of.not_asked, of.attempted, of.verified_share, of.median_s,
+                                of.p99_s, of.taken_share)
                for of in times.itertuples()}
     rivals = _rivals({key: entry for key, entry in entries.items() if key in inputs.own})
     entries |= {solver: replace(entries[solver], best=True) for solver in tied(cells, entries)}
@@ -95,7 +106,8 @@ def _ratio(of: pd.Series, name: str) -> Ratio | None:
 def _rivals(entries: dict[str, Entry]) -> dict[str, float]:
     """Median times of those that can be the best, for few problems say little; empty where nobody verifies half."""
     most = max((entry.problems for entry in entries.values()), default=0)
-    sampled = {solver: entry for solver, entry in entries.items() if entry.problems >= min(LEAST_TURNS, most)}
+    sampled = {solver: entry for solver, entry in entries.items()
+               if entry.problems >= min(LEAST_TURNS, most) and entry.taken >= RIGHT}
     least = min(RIGHT, max((entry.share for entry in sampled.values()), default=0))
     return {solver: entry.time_s for solver, entry in sampled.items()
             if entry.share >= least and math.isfinite(entry.time_s)}

@@ -64,7 +64,9 @@ def details(inputs: Inputs, found: Headline) -> str:
              "Own solvers first, then the best solver of each peer library, with a second one where the best is not run on "
              "larger problems. The columns are numbers of rows. After a time stands the share verified, where that is not all, "
              "and of how many problems, where the solver's budget ended before every problem had its turn (their order is "
-             f"drawn at random). ✗: half or more failed. {DASH}: not run at that size, by a rule declared before the run.", "",
+             f"drawn at random) or it does not take the others as they are given. {shown_tables.NOT_ASKED_MARK}: it takes none "
+             f"of them, and was not asked. ✗: half or more failed. {DASH}: not run at that size, by a rule declared before the "
+             "run.", "",
              shown_tables.by_solver(found).markdown()]
     if found.left_out:
         lines.append(f"{plural(len(found.left_out), 'other solver or setting', 'other solvers and settings')} are in the report.\n")
@@ -112,7 +114,9 @@ def render(inputs: Inputs, lines: list[str], changes: str = "") -> str:
         parts += _part("Verified and false", shown_tables.coverage(inputs), "Share of the problems that are verified; ✗ with the "
                        "number of false successes: answers that a solver called solved and that are not; ↓ with the number of "
                        "those of a solver that was not asked for this tier; ⌊ with the number of failures that ask for less than the "
-                       "rounding floor of the answer's own forces, where no solver passes.")
+                       "rounding floor of the answer's own forces, where no solver passes; "
+                       f"{shown_tables.NOT_ASKED_MARK} with the number of problems that it does not take as they are given: it was not "
+                       "asked, and the share is of the others.")
         problems = shown_tables.pathological(inputs)["problem"].nunique()
         parts += _part("Problems that are meant to break something", shown_tables.robustness(inputs),
                        f"{problems} problems at tier {tier}; what is missing to that number failed honestly.")

@@ -11,11 +11,12 @@ from . import choice, decision, formats, motion, solver_facts
 from .formats import DASH, power, residual, seconds, share_of, size_class, times
 from .headline_table import Entry, Headline, headline
 from .inputs import PATHOLOGICAL, Inputs
-from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, VERIFIED, within_rounding
+from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_ASKED, VERIFIED, within_rounding
 from .statistics.class_times import ALL, RIGHT
 from .statistics.load import ORIGINS
 from .table import Table, code
 
+NOT_ASKED_MARK = "○"
 _MOST_SOLVERS = 25  # of the table of sequences
 
 
@@ -34,7 +35,7 @@ def classes(found: Headline) -> Table:
         own, peer = row.entries.get(row.own), row.entries.get(row.peer)
         tails = [seconds(entry.p99_s) for entry in (own, peer) if entry and not math.isnan(entry.p99_s)]
         rows.append([size_class(row.size_class), row.problems, *_named(row.own, own, DASH),
-                     *_named(row.peer, peer, f"none is right on {formats.percent(RIGHT)}"),
+                     *_named(row.peer, peer, found.no_peer or f"none is right on {formats.percent(RIGHT)}"),
                      *(DASH if of is None else _with_interval(of.median, of.low, of.high)
                        for of in (row.to_peer, row.to_fastest)), ", ".join(tails) or DASH])
     return Table(["rows", "problems", "best of ours", "right", "best right peer", "right", "ours / that peer",
@@ -50,7 +51,7 @@ def by_solver(found: Headline) -> Table:
 
 def cell(entry: Entry | None, problems: int) -> str:
     if entry is None or not entry.attempted:
-        return DASH
+        return NOT_ASKED_MARK if entry and entry.not_asked else DASH
     verified = share_of(entry.share)
     sample = f" of {entry.problems}" if entry.problems < problems else ""
     if not math.isfinite(entry.time_s):
@@ -149,7 +150,8 @@ def coverage(inputs: Inputs) -> Table | None:
     def words(of: pd.Series) -> str:
         marks = {"false_successes": "✗", "below_tier": "↓", "below_floor": "⌊"}
         wrong = [f"{mark} {int(of[column])}" for column, mark in marks.items() if of[column]]
-        return " · ".join([share_of(of["verified_share"]), *wrong])
+        unasked = [f"{NOT_ASKED_MARK} {int(of['not_asked'])}"] * bool(of["not_asked"])
+        return " · ".join([share_of(of["verified_share"])] * bool(of["not_asked"] < of["problems"]) + wrong + unasked)
 
     return _by_tier(inputs, "coverage", words)
 
@@ -182,7 +184,7 @@ def robustness(inputs: Inputs) -> Table | None:
     counts = {"verified": cells["verdict"] == VERIFIED, "proved infeasible": cells["proved_infeasible"].astype(bool),
               "infeasible within rounding": within_rounding(cells),
               "false successes": cells["verdict"] == FALSE_SUCCESS, "below the tier": cells["verdict"] == BELOW_TIER,
-              "excluded": cells["excluded"] != ""}
+              "excluded": cells["excluded"] != "", NOT_ASKED: cells["verdict"] == NOT_ASKED}
     return _table(["solver", *counts], [
         [key(solver), *(int(holds[cells["solver"] == solver].sum()) for holds in counts.values())]
         for solver in inputs.in_order(cells["solver"])])
@@ -276,10 +278,13 @@ def _latency(of: dict | pd.Series) -> list[str]:
 
 def latencies(inputs: Inputs) -> Table | None:
     """Latency of a step over all sequences, from cold and warm starts."""
-    tier, none = choice.main_tier(inputs), [DASH] * len(_LATENCY)
+    tier = choice.main_tier(inputs)
+    passes = inputs.analysis.get("latency", pd.DataFrame(columns=["solver", "excluded"]))
+    unasked = set(passes.loc[passes["excluded"] == NOT_ASKED, "solver"])
     modes = {mode: decision.passes(inputs, tier, mode).set_index("solver") for mode in ("cold", "warm")}
     rows = []
-    for solver in inputs.in_order([*modes["cold"].index, *modes["warm"].index]):
+    for solver in inputs.in_order([*modes["cold"].index, *modes["warm"].index, *unasked]):
+        none = [NOT_ASKED_MARK if solver in unasked else DASH] * len(_LATENCY)
         cold, warm = (_latency(table.loc[solver]) if solver in table.index else none for table in modes.values())
         gain = modes["warm"]["warm_gain"].get(solver, math.nan) if len(modes["warm"]) else math.nan
         rows.append([key(solver), *cold, *warm, formats.ratio(gain)])

@@ -4,7 +4,7 @@ from . import choice, decision, formats, shown_tables
 from .choice import main_tier
 from .headline_table import ClassRow, Headline, headline
 from .inputs import Inputs
-from .statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, VERIFIED, within_rounding
+from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_RUN, VERIFIED, within_rounding
 from .statistics.load import ORIGINS
 
 MOST_LINES = 12
@@ -59,7 +59,7 @@ def _coverage(inputs: Inputs) -> str:
 def false_successes(inputs: Inputs) -> str:
     """Two figures: what claims to have solved what it was asked for, and what was never asked."""
     cells = inputs.cells
-    ran = cells[cells["verdict"] != EXCLUDED]
+    ran = cells[~cells["verdict"].isin(NOT_RUN)]
     own, asked = ran["solver"].isin(inputs.own), ran["asked"].astype(bool)
     false = ran["verdict"] == FALSE_SUCCESS
     text = (f"False successes (claimed solved, refuted by the verifier), over all tiers: {int((false & own).sum())} in "
@@ -119,7 +119,9 @@ def origins(inputs: Inputs) -> str:
 
 
 def peers(found: Headline) -> str:
-    """First where we lose, then where nothing is decided, and only then where we win; empty without peers."""
+    """First where we lose, then where nothing is decided, and only then where we win."""
+    if found.no_peer:
+        return f"Nothing here compares with other projects' solvers: {found.no_peer}."
     rows = [row for row in found.classes if row.to_fastest is not None]
     if not rows:
         return ""

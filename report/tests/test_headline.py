@@ -1,5 +1,6 @@
 """The headline: which solver is bold and shown, its Markdown, and its way into a file; the summary in Markdown."""
 
+import math
 import tempfile
 import xml.etree.ElementTree
 from pathlib import Path
@@ -7,8 +8,8 @@ from pathlib import Path
 from lcpbench_report import formats, markdown, shown_tables, summary
 from lcpbench_report.headline_table import headline
 from lcpbench_report.inputs import load_inputs
-from .cases import SharedFolderCase, run
-from .synthetic_campaign import exclude, fail, only, slower
+from .cases import SharedFolderCase, edit_info, json_of, run
+from .synthetic_campaign import exclude, fail, only, slower, write_campaign
 from .synthetic_report import ENVIRONMENT, FAILING, MANY, NEXT, OWN, write_problems, write_steps
 
 COLUMN = 2  # of problems with 31 to 100 rows
@@ -79,6 +80,41 @@ class Headline(SharedFolderCase):
         self.assertEqual((row.peer, row.to_peer), (None, None))
         self.assertIsNotNone(row.to_fastest)
         self.assertIn("none is right on 99", shown_tables.classes(found).markdown())
+
+    def test_without_a_peer_the_report_says_how_to_get_one_and_not_that_none_is_right(self):
+        def told(change: dict) -> tuple[str, str]:
+            with tempfile.TemporaryDirectory() as name:
+                folder = write_campaign(Path(name), dict.fromkeys(OWN, 1.0), tiers=(1e-6,), copies=1)
+                edit_info(folder, solvers=[entry | (change if entry["key"] == "absent" else {})
+                                           for entry in json_of(folder / "campaign.json")["solvers"]])
+                inputs = load_inputs([folder])
+                return markdown.render(inputs, summary.summary_lines(inputs)), markdown.full_headline(inputs, headline(inputs))
+        for change, words in (({"origin": "peer"}, "no peer in this build: `make peers`"), ({}, "no peer was run")):
+            page, text = told(change)
+            for of in (page, text):
+                self.assertIn(words, of)
+                self.assertNotIn("none is right", of)
+        self.assertNotIn("no peer", markdown.render(self.inputs, summary.summary_lines(self.inputs)).lower())
+
+    def test_what_a_solver_does_not_take_has_a_mark_of_its_own_and_is_in_no_share(self):
+        """As bullet-si and mujoco, which need factors: the best peer here takes a part of a class, or none of it."""
+        _, before = self.of(lambda record: record)
+        for peer, parts in (("ode-lemke", ("-50-1", "-100-")), ("clp", ("piles-50-1",))):
+            for part in parts:
+                _, found = self.of(only(peer, part, lambda record: fail(record, "unsupported")))
+                row, entry = found.classes[COLUMN], found.classes[COLUMN].entries[peer]
+                whole = before.classes[COLUMN].entries[peer]
+                self.assertEqual(entry.problems + entry.not_asked, whole.problems)
+                self.assertGreater(entry.not_asked, 0)
+                self.assertEqual((entry.share, entry.attempted), (1, entry.problems))
+                self.assertTrue(math.isfinite(entry.time_s))
+                text = shown_tables.cell(entry, row.problems)
+                self.assertIn(f"of {entry.problems}", text)
+                self.assertNotIn("✗", text)
+                self.assertNotEqual(row.peer, peer)  # who does not take the class is not its best
+            _, found = self.of(only(peer, "", lambda record: fail(record, "unsupported")))
+            cells = {shown_tables.cell(row.entries[peer], row.problems) for row in found.classes}
+            self.assertEqual(cells, {shown_tables.NOT_ASKED_MARK})
 
     def test_excluded_columns_are_a_dash_and_never_bold(self):
         _, found = self.of(only(FAILING, "-10-", exclude))

@@ -46,6 +46,19 @@ class StepTables(FolderCase):
         self.assertEqual((row["outcome"], row["verified"]), ("budget", 60))
         self.assertTrue(np.isclose(row["p50"], 51e-6) and np.isinf(row["p99"]) and np.isinf(row["max"]))
 
+    def test_a_sequence_with_a_step_that_a_solver_does_not_take_is_not_asked_of_it(self):
+        for refused in (1, 40, STEPS):
+            partly = one_pass("pile-12", "peer", "cold", RISING, failed=range(refused))
+            partly["claims"] = {"unsupported": refused} | ({"solved": STEPS - refused} if refused < STEPS else {})
+            campaign = self.load([partly, partly | {"round": 1}, one_pass("chain-12", "peer", "cold", RISING),
+                                  one_pass("pile-12", "quick", "cold", RISING)])
+            table = latency_table(campaign).set_index(["sequence", "solver"])["excluded"]
+            self.assertEqual(table.to_dict(), {("pile-12", "peer"): "not asked", ("chain-12", "peer"): "",
+                                               ("pile-12", "quick"): ""})
+            by_solver = latency_by_solver_table(campaign).set_index(["solver", "size"])
+            row = by_solver.loc[("peer", "all")]
+            self.assertEqual((row["sequences"], row["excluded"], row["verified_share"]), (1, 1, 1))
+
     def test_a_direct_solver_has_a_row_at_every_tier_that_it_is_judged_at(self):
         campaign = self.load([one_pass("pile-12", "quick", mode, RISING, judged=TIERS) for mode in ("cold", "warm")])
         table = latency_table(campaign)

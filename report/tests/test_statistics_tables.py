@@ -28,6 +28,8 @@ def _change(record: dict) -> dict:
         return exclude(record)
     if record["solver"] == "limited" and "-200-" in record["problem"]:
         return fail(record, "time_limit")
+    if record["solver"] == "limited" and "-100-0" in record["problem"]:
+        return fail(record, "unsupported")
     return record
 
 
@@ -90,13 +92,27 @@ class Tables(SharedFolderCase):
         verified = cells["verdict"] == "verified"
         self.assertTrue((cells.loc[verified, "time_s"] == cells.loc[verified, "fresh_s"]).all())
         self.assertTrue(np.isinf(cells.loc[~verified, "time_s"]).all())
-        self.assertEqual(set(cells["verdict"]), {"verified", "false success", "failed:time_limit", "excluded"})
+        self.assertEqual(set(cells["verdict"]), {"verified", "false success", "failed:time_limit", "excluded", "not asked"})
 
     def test_what_does_not_count_has_tables_of_its_own(self):
         for name in ("profiles", "means", "coverage"):
             self.assertEqual(set(self.tables[name]["set"]), {"counted"}, name)
         for name in ("pairwise", "oracle"):
             self.assertEqual(set(self.tables[name]["set"]), {"counted", "engine"}, name)
+
+    def test_what_a_solver_does_not_take_is_neither_failed_nor_in_its_share(self):
+        for row in self.tables["coverage"].to_dict("records"):
+            kinds = ("verified", "false_successes", "below_tier", "failed", "excluded", "not_asked")
+            self.assertEqual(sum(row[kind] for kind in kinds), row["problems"])
+            self.assertEqual(row["not_asked"], len(FAMILIES) * (row["solver"] == "limited"))
+            taken = row["problems"] - row["not_asked"]
+            self.assertAlmostEqual(row["verified_share"], row["verified"] / taken, places=5)
+            self.assertAlmostEqual(row["taken_share"], taken / row["problems"], places=5)
+        of_class = self.tables["class_times"]
+        of_class = of_class[(of_class["solver"] == "limited") & (of_class["size_class"] == "31-100")]
+        self.assertEqual(set(of_class["not_asked"]), {len(FAMILIES)})
+        self.assertEqual(set(of_class["verified_share"]), {1})
+        self.assertTrue(np.isfinite(of_class["median_s"]).all())
 
     def test_scaling_finds_the_exponent(self):
         table = self.tables["scaling"]
@@ -111,7 +127,7 @@ class Tables(SharedFolderCase):
         row = cells[(cells["solver"] == "quick") & (cells["rows"] == 100)].iloc[0]
         self.assertAlmostEqual(row["oracle_ratio"], row["time_s"] / (100 * ORACLE_PER_ROW), places=5)
         table = self.tables["oracle"].set_index(["set", "solver", "tier"])
-        self.assertEqual(table.loc[("counted", "limited", TIERS[0]), "problems"], COUNTED * 4 // 6)
+        self.assertEqual(table.loc[("counted", "limited", TIERS[0]), "problems"], COUNTED * 4 // 6 - len(FAMILIES))
         self.assertNotIn(("counted", "liar", min(TIERS)), table.index)
 
     def test_accuracy_of_claims_shows_what_verified_ones_hide(self):

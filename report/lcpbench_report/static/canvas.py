@@ -24,7 +24,7 @@ ORACLE = {"color": ORACLE_COLOUR, "linestyle": (0, (6, 2)), "linewidth": 1.2, "z
 # Verdicts; told apart by lightness as well.
 VERDICTS = {"verified": "#0072B2", "false success": "#D55E00", "below the tier": "#E8A27C",
             "proved infeasible": "#8CC5E8", "infeasible within rounding": "#C5DFF0", "failed": "#F0C98A",
-            "excluded": "#e1e5ea"}
+            "not asked": "#cfe0dc", "excluded": "#e1e5ea"}
 _STYLE = {
     "svg.fonttype": "path", "svg.hashsalt": "lcpbench", "pdf.fonttype": 42, "font.family": "DejaVu Sans",
     "font.size": 7.5, "axes.titlesize": 8, "axes.labelsize": 8, "legend.fontsize": 7, "xtick.labelsize": 7,

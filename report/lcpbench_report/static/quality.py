@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 from .. import choice
 from ..formats import power
 from ..inputs import PATHOLOGICAL, Inputs
-from ..statistics.cells import EXCLUDED, FAILED, within_rounding
+from ..statistics.cells import FAILED, NOT_RUN, within_rounding
 from ..statistics.means import delivered_table
 from ..statistics.weighted import quantiles
 from . import canvas
@@ -20,7 +20,7 @@ _PANELS = (("rho", "scaled natural residual $\\rho$", ("certified", "bounded", "
            ("w_error", "error of $w$ against proved answers, over $1 + |b|_\\infty$", ("certified", "bounded")))
 _FEWEST_TIERS = 3
 _COLUMNS = {"verified": "verified", "false success": "false_successes", "below the tier": "below_tier", "failed": "failed",
-            "excluded": "excluded"}
+            "not asked": "not_asked", "excluded": "excluded"}
 # family-n40-s1-mass-ratio-1e+08: the change of a problem is what it is meant to break.
 _CHANGE = re.compile(r"-n\d+-s\d+-(?P<change>[a-z-]+?)-[-+.\de]+$")
 
@@ -91,7 +91,7 @@ def _at_every_tier(cells: pd.DataFrame) -> pd.DataFrame:
     """Points of one line must be of the same problems: where several campaigns were read, those of the one with the most
     tiers; and of them, for each solver, those that it was not excluded from at any tier."""
     tiers = cells.groupby("problem")["tier"].transform("nunique")
-    run = cells[(tiers == tiers.max()) & (cells["verdict"] != EXCLUDED)]
+    run = cells[(tiers == tiers.max()) & ~cells["verdict"].isin(NOT_RUN)]
     return run[run.groupby(["solver", "problem"])["tier"].transform("nunique") == run["tier"].nunique()]
 
 

@@ -13,12 +13,14 @@ from scipy import stats
 
 from .intervals import CONFIDENCE
 from .load import AGAIN, DEFAULT, FRESH, JUDGED, METRICS, OUT, PART_TIMES, PARTS, TASK_BUDGET, Campaign, Task
+from .steps import NOT_ASKED, UNSUPPORTED
 
 VERIFIED = "verified"
 FALSE_SUCCESS = "false success"
 # Of a solver that was not asked for this tier's tolerance: it takes its library's own one.
 BELOW_TIER = "below the tier"
 EXCLUDED = "excluded"
+NOT_RUN = (EXCLUDED, NOT_ASKED)
 FAILED = "failed:"  # and the solver's claim
 CHANGED = FAILED + "changed"  # verified by itself, and not in a timed pass
 KEY = ["problem", "solver", "tier"]
@@ -154,8 +156,9 @@ def _passes(tasks: list[Task], places: list[slice], total: int, kind: str, key: 
 
 def _verdicts(columns: dict[str, np.ndarray]) -> np.ndarray:
     failed = np.array([FAILED + claim for claim in columns["claim"]], dtype=object)
-    return np.select([columns["excluded"] != "", columns["passes"], columns["false_success"]],
-                     [EXCLUDED, VERIFIED, np.where(columns["asked"], FALSE_SUCCESS, BELOW_TIER)], failed)
+    return np.select([columns["excluded"] != "", columns["passes"], columns["false_success"],
+                      columns["claim"] == UNSUPPORTED],
+                     [EXCLUDED, VERIFIED, np.where(columns["asked"], FALSE_SUCCESS, BELOW_TIER), NOT_ASKED], failed)
 
 
 def within_rounding(cells: pd.DataFrame) -> pd.Series:

@@ -10,6 +10,9 @@ Peers are all keys of other projects: one that was not asked for the tier and is
 fastest peer of a problem is another one from problem to problem, which no user can know beforehand; so beside it stands
 the ratio to the best single peer: of those that are right on RIGHT of the class's weight the one with the least median.
 The ratio over all classes depends on how many problems each has.
+
+What a solver does not take as it is given is in none of its medians and shares; who does not take RIGHT of a class is not
+called the best of it.
 """
 
 import math
@@ -18,7 +21,7 @@ from collections.abc import Collection, Iterator
 import numpy as np
 import pandas as pd
 
-from .cells import VERIFIED
+from .cells import NOT_ASKED, VERIFIED
 from .coverage import coverage
 from .groups import GROUP, Part, groups
 from .intervals import Bootstrap, share_with_interval
@@ -30,10 +33,10 @@ LEAST_FOR_P99 = 1000  # problems of a class
 RIGHT = 0.99
 LEAST_TURNS = 20  # problems of a class that a solver must have had its turn at to be called the best
 _ENDS = ("", "_low", "_high")
-_SHARES = [f"{share}{end}" for share in ("attempted_share", "verified_share", "verified_of_attempted") for end in _ENDS]
+_SHARES = [f"{share}{end}" for share in ("taken_share", "attempted_share", "verified_share", "verified_of_attempted") for end in _ENDS]
 _MEDIANS = ["again_s", "first_s", *PART_TIMES]
 _RATIO, _PEER_RATIO = ([f"{name}{end}" for end in _ENDS] for name in ("ratio", "peer_ratio"))
-COLUMNS = [*GROUP, "size_class", "solver", "asked", "problems", "weight", "attempted", "verified", "false_successes",
+COLUMNS = [*GROUP, "size_class", "solver", "asked", "problems", "weight", "not_asked", "attempted", "verified", "false_successes",
            "below_tier", *_SHARES, "median_s", "median_low", "median_high", "p99_s", *_MEDIANS]
 PEER_COLUMNS = [*GROUP, "size_class", "solver", "problems", "weight", "verified_share", "verified_low", "verified_high",
                 "median_s", "p99_s", "no_peer", *_RATIO, "peer", "peer_share", "peer_low", "peer_high", "peer_median_s",
@@ -55,7 +58,8 @@ def classes(cells: pd.DataFrame) -> Iterator[Part]:
 
 
 def _by_solver(cells: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """Rows by problem."""
+    """Rows by problem, of those that the solver was asked."""
+    cells = cells[cells["verdict"] != NOT_ASKED]
     return {solver: own.set_index("problem") for solver, own in cells.groupby("solver", sort=False)}
 
 
@@ -81,14 +85,17 @@ def class_table(cells: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for label, of_class in classes(cells):
         bootstrap = Bootstrap(of_class)
-        rows += [label | {"solver": solver} | _row(own, bootstrap) for solver, own in _by_solver(of_class).items()]
+        rows += [label | {"solver": solver} | _row(own.set_index("problem"), bootstrap)
+                 for solver, own in of_class.groupby("solver", sort=False)]
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
 def _row(cells: pd.DataFrame, bootstrap: Bootstrap) -> dict:
+    counts = coverage(cells)
+    cells = cells[cells["verdict"] != NOT_ASKED]
     low, high = bootstrap.median(cells.index, cells["time_s"], cells["weight"])
     verified = cells[cells["verdict"] == VERIFIED]
-    row = coverage(cells) | {"median_s": weighted_median(cells["time_s"], cells["weight"]), "median_low": low,
+    row = counts | {"median_s": weighted_median(cells["time_s"], cells["weight"]), "median_low": low,
                              "median_high": high, "p99_s": p99(cells)}
     for key in _MEDIANS:
         known = verified[verified[key].notna()]
@@ -112,7 +119,7 @@ def _peer_rows(cells: pd.DataFrame, own: Collection[str]) -> list[dict]:
     times = pd.DataFrame({key: found["time_s"] for key, found in solvers.items()}, problems.index)  # NaN: had no turn
     peers = times[[key for key in solvers if key not in own]]
     fastest = peers.min(axis=1).fillna(math.inf)
-    best = _best(peers, problems)
+    best = _best(peers[[key for key in peers if _takes_the_class(cells[cells["solver"] == key])]], problems)
     beside = {"peer": best}
     if best:
         turns = peers[best].dropna()
@@ -131,6 +138,11 @@ def _peer_rows(cells: pd.DataFrame, own: Collection[str]) -> list[dict]:
             row |= _ratio(_PEER_RATIO, taken, peers.loc[taken.index, best], weights, bootstrap)
         rows.append(row)
     return rows
+
+
+def _takes_the_class(cells: pd.DataFrame) -> bool:
+    """Whether one solver takes so much of the class as it is given that it may be called the best of it."""
+    return weighted_share(cells["verdict"] != NOT_ASKED, cells["weight"]) >= RIGHT
 
 
 def _best(peers: pd.DataFrame, weights: pd.Series) -> str:

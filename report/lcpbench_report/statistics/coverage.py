@@ -2,20 +2,22 @@
 
 Two figures of wrong claims: a *false success* is of a solver that was asked for this tier's tolerance, or whose method
 has none; a claim of one that takes its library's own tolerance is an answer *below the tier*. Shares are of the
-problems' weight, with Wilson's intervals (intervals.share_interval).
+problems' weight, with Wilson's intervals (intervals.share_interval). Problems that a solver does not take as they are
+given (*not asked*) are in no share of what it verified; `taken_share` says how much is left.
 """
 
 import numpy as np
 import pandas as pd
 
-from .cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, VERIFIED
+from .cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, NOT_ASKED, VERIFIED
 from .groups import GROUP, by_solver, groups
 from .intervals import share_with_interval
 
 _COUNTS = ["problems", "verified", "at_floor", "false_successes", "below_tier", "false_infeasible", "failed", "below_floor",
-           "excluded"]
+           "excluded", "not_asked"]
 # Share -> (what is counted, out of what): names of counts.
-SHARES = {"attempted_share": ("attempted", "problems"), "verified_share": ("verified", "problems"),
+SHARES = {"taken_share": ("taken", "problems"), "attempted_share": ("attempted", "problems"),
+          "verified_share": ("verified", "taken"),
           "verified_of_attempted": ("verified", "attempted"), "false_share": ("false_successes", "attempted"),
           "below_tier_share": ("below_tier", "attempted"), "false_of_claims": ("wrong_claims", "claims")}
 COLUMNS = [*GROUP, "solver", "asked", *_COUNTS, "attempted", "claims", "weight",
@@ -24,8 +26,9 @@ COLUMNS = [*GROUP, "solver", "asked", *_COUNTS, "attempted", "claims", "weight",
 
 def coverage_table(cells: pd.DataFrame) -> pd.DataFrame:
     """A row per group and solver; problems that count only. verified + false_successes + below_tier + failed +
-    excluded = problems; below_floor: of the failed, where the tier is below the rounding floor of the answer's forces and no
-    solver passes it (cells.py); claims: answers that the solver called solved, or that were verified whatever it said."""
+    excluded + not_asked = problems; below_floor: of the failed, where the tier is below the rounding floor of the answer's
+    forces and no solver passes it (cells.py); claims: answers that the solver called solved, or that were verified
+    whatever it said."""
     return by_solver(groups(cells, counted_only=True), coverage, COLUMNS)
 
 
@@ -36,8 +39,10 @@ def coverage(cells: pd.DataFrame) -> dict:
     kinds = {"problems": np.ones(len(cells), dtype=bool), "at_floor": flags["passes"] & flags["at_floor"],
              "below_floor": flags["below_floor"], "false_infeasible": flags["false_infeasible"]}
     kinds |= {kind: verdict == of for kind, of in (("verified", VERIFIED), ("false_successes", FALSE_SUCCESS),
-                                                   ("below_tier", BELOW_TIER), ("excluded", EXCLUDED))}
-    kinds["attempted"] = ~kinds["excluded"]
+                                                   ("below_tier", BELOW_TIER), ("excluded", EXCLUDED),
+                                                   ("not_asked", NOT_ASKED))}
+    kinds["taken"] = ~kinds["not_asked"]
+    kinds["attempted"] = kinds["taken"] & ~kinds["excluded"]
     kinds["wrong_claims"] = kinds["false_successes"] | kinds["below_tier"]
     kinds["claims"] = kinds["verified"] | kinds["wrong_claims"]
     kinds["failed"] = kinds["attempted"] & ~kinds["claims"]

@@ -23,7 +23,7 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from .cells import EXCLUDED, VERIFIED
+from .cells import NOT_RUN, VERIFIED
 from .groups import GROUP, by_solver, common, groups, wide
 from .intervals import CONFIDENCE
 from .weighted import quantiles, weighted_share
@@ -62,7 +62,7 @@ def profile_table(cells: pd.DataFrame) -> pd.DataFrame:
         if shared.empty:
             continue
         times, weights = wide(shared, "time_s"), shared.drop_duplicates("problem")["weight"].to_numpy(dtype=float)
-        excluded = (wide(shared, "verdict") == EXCLUDED).apply(weighted_share, weights=weights)
+        excluded = wide(shared, "verdict").isin(NOT_RUN).apply(weighted_share, weights=weights)
         for solver, shares in profile(times, weights=weights).items():
             rows += [{**label, "solver": solver, "problems": len(times), "tau": tau, "share": share,
                       "excluded_share": excluded[solver]} for tau, share in shares.items()]

@@ -5,7 +5,8 @@ that weigh v_p:
 
 Without the shift the easiest problems, which nobody waits for, would weigh as much as the hardest; a shift that is as
 large as the times makes a mean of shifts. It is the power of ten nearest to a tenth of the smallest median of a solver
-in the group. An answer that was not verified, an excluded cell too, enters with the time limit of its problem.
+in the group. An answer that was not verified enters with the time limit of its problem; so does a cell that is excluded,
+or whose solver was not asked, for means over other problems would not compare.
 """
 
 import math
@@ -13,7 +14,7 @@ import math
 import numpy as np
 import pandas as pd
 
-from .cells import EXCLUDED, VERIFIED
+from .cells import NOT_RUN, VERIFIED
 from .groups import GROUP, common, groups, with_label
 from .intervals import Bootstrap
 from .weighted import quantiles, weighted_median, weighted_share
@@ -79,7 +80,7 @@ def delivered_table(cells: pd.DataFrame) -> pd.DataFrame:
     answers are by the common metrics, whether they pass or not. The time of an answer that is not verified is that of
     the solve that was judged, for nothing wrong is timed fresh."""
     rows = []
-    run = with_label(cells[cells["verdict"] != EXCLUDED])
+    run = with_label(cells[~cells["verdict"].isin(NOT_RUN)])
     run = run.assign(taken_s=run["fresh_s"].fillna(run["first_s"]).fillna(run["time_limit_s"]))
     shifts = {label: shift_of(own, "taken_s") for label, own in run.groupby("set")}  # one for all tiers: they compare
     for (label, solver, tier), own in run.groupby(["set", "solver", "tier"], sort=False):

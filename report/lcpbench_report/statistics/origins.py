@@ -18,6 +18,7 @@ from scipy import stats
 from .cells import VERIFIED
 from .groups import GROUP, groups
 from .intervals import Bootstrap, interval_of, share_with_interval
+from .cells import NOT_ASKED
 from .load import ORIGINS, TASK_BUDGET
 from .weighted import weighted_median
 
@@ -78,7 +79,7 @@ def rank_table(cells: pd.DataFrame) -> pd.DataFrame:
 def _turns(cells: pd.DataFrame):
     """Label and cells of every group that counts, with the least time of each problem; inf where nobody is verified."""
     for label, of_group in groups(cells, counted_only=True):
-        turns = of_group[of_group["excluded"] != TASK_BUDGET]
+        turns = of_group[(of_group["excluded"] != TASK_BUDGET) & (of_group["verdict"] != NOT_ASKED)]
         yield label, turns.assign(fastest_s=turns.groupby("problem")["time_s"].transform("min"))
 
 

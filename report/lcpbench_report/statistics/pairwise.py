@@ -21,7 +21,7 @@ import pandas as pd
 from scipy import special, stats
 
 from ..errors import ReportError
-from .cells import EXCLUDED, cell_table
+from .cells import NOT_RUN, cell_table
 from .groups import COUNTED, GROUP, groups, wide
 from .intervals import MARGIN, Bootstrap, holm
 from .load import Campaign
@@ -73,7 +73,7 @@ def verdict(adjusted_p: float, direction: int, low: float, high: float) -> str:
 def compare_pairs(times: pd.DataFrame, about: pd.DataFrame, excluded: pd.DataFrame | None = None) -> pd.DataFrame:
     """@param times  problems x solvers: inf where the solver failed, NaN where there is no cell
     @param about     problems x (family, base, weight)
-    @param excluded  as `times`: whether the cell was excluded by rule
+    @param excluded  as `times`: whether the cell was excluded by rule, or the solver not asked
     @returns a row per ordered pair; columns of COLUMNS without those of the group
     """
     bootstrap = Bootstrap(about.assign(problem=about.index))
@@ -95,7 +95,7 @@ def pairwise_table(cells: pd.DataFrame) -> pd.DataFrame:
         if label["set"] != COUNTED:
             times = times.where(np.isfinite(times))
         about = of_group.drop_duplicates("problem").set_index("problem")[["family", "base", "weight"]]
-        table = compare_pairs(times, about, wide(of_group, "verdict") == EXCLUDED).assign(**label)[COLUMNS]
+        table = compare_pairs(times, about, wide(of_group, "verdict").isin(NOT_RUN)).assign(**label)[COLUMNS]
         if not table.empty:
             tables.append(table)
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=COLUMNS)

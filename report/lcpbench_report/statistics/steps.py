@@ -12,6 +12,9 @@ from .fields import check_fields, check_numbers, check_places, check_record, che
 from .jsonl import is_there, read_lines
 
 FILE = "steps.jsonl"
+# The solver does not take a problem as it is given (without J, with bilateral rows), and says so by this claim: no
+# failure. A sequence that has such a step is not asked of it as a whole.
+NOT_ASKED, UNSUPPORTED = "not asked", "unsupported"
 OUTCOMES = ("completed", "budget", "crashed", "killed", "out_of_memory")
 _SEQUENCE = {"sequence": "name", "set": "name", "family": "name", "rows": "count", "most_rows": "count",
              "steps": "count"}
@@ -29,6 +32,7 @@ class Round:
     false_successes: dict[float, int]
     late: np.ndarray
     preempted: np.ndarray  # the solver lost the processor to something else
+    unsupported: bool  # some step
     latency_s: np.ndarray  # what each step takes: one interval from the caller's arrays to f
     iterations: np.ndarray
     rho: np.ndarray  # NaN: none, for it came late or is not finite
@@ -80,6 +84,9 @@ def read_passes(path: Path, info: dict, sequences: dict[str, dict],
     for key, runs in passes.items():
         if not runs.excluded and 0 not in runs.rounds:
             raise ReportError(path.name, f"pass {', '.join(map(str, key))} has no round 0", "a line for every round")
+        if any(one.unsupported for one in runs.rounds.values()):
+            runs.excluded = NOT_ASKED
+            runs.rounds.clear()
     return passes
 
 
@@ -104,6 +111,7 @@ def _round(place: str, record: dict, steps: int, tiers: list[float]) -> Round:
         raise ReportError(place, "no verdict at the tier asked for", "one among 'verdicts'")
     return Round(record["outcome"], verified, false_successes,
                  *(_marked(f"{place}: {key}", record[key], steps) for key in ("late", "preempted")),
+                 record["claims"].get(UNSUPPORTED, 0) > 0,
                  *(np.pad(check_numbers(place, record, "steps", key, reached), (0, steps - reached),
                           constant_values=math.nan) for key in ("latency_s", "iterations", "rho", "w_error")))
 

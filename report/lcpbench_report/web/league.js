@@ -5,9 +5,10 @@ function leagueRows(view) {
   const all = selected(view), picked = complete(all, view), best = bestTimes(view.shown, view.tier);
   const rows = (picked.length ? cellsShown(view) : []).map(({solver, cells}) => {
     const time = cells.get("time"), rho = cells.get("rho"), error = cells.get("werror");
-    const good = picked.filter((i) => cells.verdicts[i] === "v");
+    const good = picked.filter((i) => cells.verdicts[i] === "v"), taken = picked.filter((i) => cells.verdicts[i] !== "u");
     const errors = sorted(good.map((i) => error[i])), weights = good.map((i) => WEIGHTS[i]);
-    return {solver: solver.key, verified: good.length === picked.length ? 1 : weightOf(good) / weightOf(picked),
+    return {solver: solver.key, verified: good.length && good.length === taken.length ? 1 : weightOf(good) / weightOf(taken),
+               unasked: picked.length - taken.length,
                lies: picked.filter((i) => "fq".includes(cells.verdicts[i])).length,
                below: picked.filter((i) => cells.verdicts[i] === "b").length,
                mean: geometricMean(good.map((i) => time[i]), weights, DATA.shift),
@@ -18,7 +19,7 @@ function leagueRows(view) {
 }
 
 const LEAGUE = [
-  ["solver", "solver", (value) => value], ["verified", "verified", percent], ["lies", "false claims", String], ["below", "below the tier", String],
+  ["solver", "solver", (value) => value], ["verified", "verified", percent], ["unasked", "not asked", String], ["lies", "false claims", String], ["below", "below the tier", String],
   ["mean", "mean fresh time of the verified", seconds], ["ratio", "median time / best shown", times], ["rho", "median ρ", residual],
   ["error", "99 % of w errors", residual],
 ];
@@ -27,7 +28,7 @@ const leagueOrder = {by: "verified", down: true};
 function leagueTable(view) {
   const {rows, count, missing} = leagueRows(view), table = document.getElementById("league");
   const {by, down} = leagueOrder;
-  const key = (row) => Number.isNaN(row[by]) ? Infinity : row[by];
+  const key = (row) => Number.isNaN(row[by]) ? (down ? -Infinity : Infinity) : row[by];  // last
   rows.sort((a, b) => (down ? -1 : 1) * ((key(a) > key(b)) - (key(a) < key(b))) || a.ratio - b.ratio);
   table.replaceChildren();
   const head = table.createTHead().insertRow();
@@ -36,7 +37,7 @@ function leagueTable(view) {
     button.type = "button";
     button.textContent = title + (field === by ? (down ? " ↓" : " ↑") : "");
     button.addEventListener("click", () => {
-      leagueOrder.down = field === by ? !down : ["verified", "lies", "below"].includes(field);
+      leagueOrder.down = field === by ? !down : ["verified", "unasked", "lies", "below"].includes(field);
       leagueOrder.by = field;
       leagueTable(view);
     });

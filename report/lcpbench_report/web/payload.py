@@ -14,7 +14,7 @@ import pandas as pd
 from .. import motion
 from ..formats import power, short, size_class
 from ..inputs import Inputs
-from ..statistics.cells import BELOW_TIER, CHANGED, EXCLUDED, FAILED, FALSE_SUCCESS, VERIFIED
+from ..statistics.cells import BELOW_TIER, CHANGED, EXCLUDED, FAILED, FALSE_SUCCESS, NOT_ASKED, VERIFIED
 from ..statistics.load import ORIGINS
 from ..statistics.means import shift_of
 from ..style import MARKER_PATHS
@@ -25,7 +25,7 @@ ZERO, INFINITE, UNKNOWN = -32767, 32767, -32768
 NO_SPREAD = 255
 # Verdict -> letter in the strings of verdicts; other failures are "e". app.js has the words.
 LETTERS = {VERIFIED: "v", FALSE_SUCCESS: "f", BELOW_TIER: "b", CHANGED: "h", EXCLUDED: "x", FAILED + "iteration_limit": "i",
-           FAILED + "time_limit": "t", FAILED + "numerical_failure": "n", FAILED + "unsupported": "u",
+           FAILED + "time_limit": "t", FAILED + "numerical_failure": "n", NOT_ASKED: "u",
            FAILED + "crashed": "c", FAILED + "killed": "k", FAILED + "out_of_memory": "m",
            FAILED + "infeasible": "p", FAILED + "solved": "w"}
 PROVED_INFEASIBLE, WITHIN_ROUNDING, FALSE_INFEASIBLE, OTHER, ABSENT = "r", "o", "q", "e", "."

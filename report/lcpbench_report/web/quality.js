@@ -42,8 +42,8 @@ function precisionFigure(view) {
 
 // Colour-blind safe: blue is good, black on red is a lie, greys and yellows are honest failures.
 const VERDICT_COLOURS = {v: "#2b7bba", r: "#56a3a6", o: "#9cc9cb", f: "#b3261e", b: "#dd9a84", h: "#cdb04b", q: "#d8604f", w: "#e8a33d", i: "#f2cf66", t: "#e3b7a0", n: "#c9a0c9", p: "#f0dca0",
-                         u: "#b9c2cc", c: "#6b4c9a", k: "#8d7bb5", m: "#a58fc9", e: "#c8b8a8", x: "#e4e8ec", ".": "#f8f9fa"};
-const VERDICT_ORDER = "vrfqbhwitnpuckmex";
+                         u: "#cfe0dc", c: "#6b4c9a", k: "#8d7bb5", m: "#a58fc9", e: "#c8b8a8", x: "#e4e8ec", ".": "#f8f9fa"};
+const VERDICT_ORDER = "vrofqbhwitnpckmeux";
 
 function coverageFigure(view) {
   const all = selected(view), picked = complete(all, view);
