@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """The rules of the source tree: which folders may include which, how many entries a folder has, that cited files exist,
-and that the drawing of the layers (docs/includes.svg) is up to date."""
+and that the drawing of the layers (docs/includes.svg) is up to date, and that every peer's package is installed."""
 
 import graphlib
 import os
@@ -279,6 +279,18 @@ class Drawing(_Tree):
         boxes, arrows = draw_includes.drawn(self.own_includes)
         again = draw_includes.drawn(reversed(self.own_includes))
         self.assertEqual(draw_includes.drawing(boxes, arrows), draw_includes.drawing(*again))
+
+
+class Packages(unittest.TestCase):
+    def test_every_peer_of_debian_is_installed_by_one_list_and_those_of_engines_for_everyone(self):
+        listed = [re.findall(r"(?m)^[a-z][\w.+-]*", (_ROOT / name).read_text(encoding="utf-8"))
+                  for name in ("packages.txt", "packages-peers.txt")]
+        self.assertEqual(set(listed[0]) & set(listed[1]) - {"python3-venv"}, set())
+        options = "".join(path.read_text(encoding="utf-8") for path in (_ROOT / "solvers/peers").glob("*/*.cmake"))
+        wanted = re.findall(r"(?m)^lcpbench_peer_option\(\w+ \S+ ([\w.+-]+)\)", options)
+        self.assertGreater(len(wanted), 5)
+        self.assertEqual(set(wanted) - {*listed[0], *listed[1]}, set())
+        self.assertLessEqual({"libode-dev", "libbullet-dev"}, set(listed[0]))
 
 
 if __name__ == "__main__":

@@ -35,11 +35,17 @@ TEST_F(QuickCampaign, HasASpreadOfEverything) {
   std::set<std::string> problems;
   std::set<std::string> sequences;
   std::map<std::string, std::set<std::string>> tiers;  // by solver
+  std::set<std::string> stepped;                       // solvers
   for (const std::string& name : Lines(listed.out)) {
     const std::vector<std::string> parts = Split(name, '/');
     ASSERT_GE(parts.size(), 4U) << name;
     (parts[0] == "solve" ? problems : sequences).insert(parts[1]);
     tiers[parts[2]].insert(parts[3]);
+    if (parts[0] == "steps") stepped.insert(parts[2]);
+  }
+  // What a newcomer's first report compares with (packages.txt).
+  for (const char* engine : {"ode-dantzig", "ode-dantzig-cfm", "bullet-dantzig", "bullet-dantzig-cfm"}) {
+    EXPECT_EQ(stepped.count(engine), FindSolver(engine).available ? 1U : 0U) << engine;
   }
   for (const SolverEntry& entry : AllSolvers()) {
     if (!entry.available) continue;
