@@ -5,6 +5,7 @@
 #include <string>
 
 #include "solvers/lcp/range_scaling.h"
+#include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
 
@@ -82,7 +83,11 @@ void EngineSolver<Options, Engine>::DoPrepare(const LcpProblem& problem) {
 
 template <typename Options, typename Engine>
 void EngineSolver<Options, Engine>::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  if (!problem.has_extreme_matrix() && !problem.has_extreme_b()) return engine_->Solve(problem, options, result);
+  const FloorTeller floor;
+  if (!problem.has_extreme_matrix() && !problem.has_extreme_b()) {
+    engine_->Solve(problem, options, result);
+    return floor.Tell(problem, options.tolerance, result);
+  }
   if (!scaling_) scaling_.emplace(problem);  // of b alone
   scaling_->SolveScaled(problem, options, result,
                         [this](const LcpProblem& scaled, const LcpOptions& wanted, LcpResult* found) {

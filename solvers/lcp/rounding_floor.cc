@@ -11,8 +11,8 @@ bool IsBelowFloor(const Metrics& metrics, double tolerance) {
   return metrics.floor < 0 && tolerance < metrics.answer_floor && is_near;
 }
 
-void TellRoundingFloor(const LcpProblem& problem, double tolerance, LcpResult* result) {
-  if (result->status != LcpStatus::kNumericalFailure) return;
+void FloorTeller::Tell(const LcpProblem& problem, double tolerance, LcpResult* result) const {
+  if (!is_outermost_ || result->status != LcpStatus::kNumericalFailure) return;
   const Metrics metrics = ComputeMetrics(problem, result->f);
   if (!IsBelowFloor(metrics, tolerance)) return;
   std::array<char, 96> text{};

@@ -10,7 +10,6 @@
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/in_sequence.h"
 #include "solvers/lcp/memory_budget.h"
-#include "solvers/lcp/rounding_floor.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -49,20 +48,6 @@ void StartResult(Index rows, LcpResult* result) {
   result->factor_s = -1;
   result->farkas_ray.reset();
 }
-
-// Whether a solve is one that another solver asked for.
-class Nesting {
- public:
-  Nesting() { ++depth; }
-  ~Nesting() { --depth; }
-  Nesting(const Nesting&) = delete;
-  Nesting& operator=(const Nesting&) = delete;
-  static bool IsOutermost() { return depth == 1; }
-
- private:
-  static thread_local int depth;
-};
-thread_local int Nesting::depth = 0;
 
 }  // namespace
 
@@ -114,12 +99,10 @@ void LcpSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
     Prepare(problem);
     const InSequence::Scope sequence(in_sequence_);
     const FactorClock::Session clock(options.time_factorizations);
-    const Nesting nesting;
     DoSolve(problem, options, result);
     // What another process solves it factorizes there.
     const bool is_known = result->own_solve_s < 0 && !std::isnan(clock.seconds());
     if (options.time_factorizations && is_known) result->factor_s = clock.seconds();
-    if (result->own_solve_s < 0 && Nesting::IsOutermost()) TellRoundingFloor(problem, options.tolerance, result);
   } catch (const MemoryRefusal& refusal) {
     result->status = LcpStatus::kUnsupported;
     result->detail = refusal.what();
