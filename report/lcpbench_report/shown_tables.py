@@ -151,7 +151,8 @@ def coverage(inputs: Inputs) -> Table | None:
         marks = {"false_successes": "✗", "below_tier": "↓", "below_floor": "⌊"}
         wrong = [f"{mark} {int(of[column])}" for column, mark in marks.items() if of[column]]
         unasked = [f"{NOT_ASKED_MARK} {int(of['not_asked'])}"] * bool(of["not_asked"])
-        return " · ".join([share_of(of["verified_share"])] * bool(of["not_asked"] < of["problems"]) + wrong + unasked)
+        share = [share_of(of["verified_share"])] if of["not_asked"] < of["problems"] else []
+        return " · ".join(share + wrong + unasked)
 
     return _by_tier(inputs, "coverage", words)
 

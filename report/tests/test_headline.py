@@ -112,7 +112,8 @@ class Headline(SharedFolderCase):
                 self.assertIn(f"of {entry.problems}", text)
                 self.assertNotIn("✗", text)
                 self.assertNotEqual(row.peer, peer)  # who does not take the class is not its best
-            _, found = self.of(only(peer, "", lambda record: fail(record, "unsupported")))
+            inputs, found = self.of(only(peer, "", lambda record: fail(record, "unsupported")))
+            self.assertRegex(markdown.render(inputs, summary.summary_lines(inputs)), rf"\| `{peer}` \| ○ \d+ \|")
             cells = {shown_tables.cell(row.entries[peer], row.problems) for row in found.classes}
             self.assertEqual(cells, {shown_tables.NOT_ASKED_MARK})
 
