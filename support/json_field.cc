@@ -250,10 +250,10 @@ Json ParseJsonDocument(std::string_view text, const std::string& where) {
 Json ParseJsonObject(std::string_view line, const std::string& where) {
   try {
     Json json = ParseFollowed(line, where);
-    if (!json.is_object()) JsonField(json, where).Mismatch("an object");
-    return json;
+    if (json.is_object()) return json;
+    throw NotJsonError(where + ": expected an object, found " + json.type_name());
   } catch (const Json::parse_error& error) {
-    throw InputError(where + ": not valid JSON, at byte " + std::to_string(error.byte));
+    throw NotJsonError(where + ": not valid JSON, at byte " + std::to_string(error.byte));
   }
 }
 

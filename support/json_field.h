@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "support/input_error.h"
+
 namespace lcpbench {
 
 /// A value of a JSON document together with the way to it, so that every error can say where it is, in one line:
@@ -98,7 +100,14 @@ inline constexpr std::size_t kMaxJsonDepth = 32;
 ///         key, of a value nested deeper than kMaxJsonDepth, of a number beyond the range of double
 nlohmann::json ParseJsonDocument(std::string_view text, const std::string& where);
 
+/// A text that is no JSON, or no object where one is wanted: of another format, if it is the beginning of a file.
+class NotJsonError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// The same of one line that holds an object; what is not JSON is named by its byte.
+/// @throws NotJsonError for what is none, or no object; else as ParseJsonDocument
 nlohmann::json ParseJsonObject(std::string_view line, const std::string& where);
 
 }  // namespace lcpbench

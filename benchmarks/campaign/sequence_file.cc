@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "benchmarks/collection/content_hash.h"
-#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/sequence_problems.h"
 #include "benchmarks/measure/progress.h"
 #include "benchmarks/measure/reference_solves.h"
+#include "solvers/io/gzip_file.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "support/input_error.h"

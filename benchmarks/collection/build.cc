@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "benchmarks/collection/content_hash.h"
-#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/recipes/formulas.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
 #include "benchmarks/collection/recording.h"
@@ -16,6 +15,7 @@
 #include "benchmarks/measure/reference_solves.h"
 #include "benchmarks/motions/sequence.h"
 #include "model/scenes/scene.h"
+#include "solvers/io/gzip_file.h"
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
 #include "support/json_field.h"

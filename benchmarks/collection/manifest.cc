@@ -518,7 +518,7 @@ LcpProblem ProblemSource::Make(const RecordingSource& source) {
 
 LcpProblem ProblemSource::Read(const FileSource& source) {
   const std::string path = (std::filesystem::path(folder_) / source.path).string();
-  if (const auto read = FormatOfFile(path).read) return read(path, {});
+  if (!FormatOfFile(path).is_lines()) return ReadProblemFile(path, {});
   if (!open_ || open_->name() != path || open_->number() >= source.line) open_.emplace(path);
   std::string line;
   while (open_->number() < source.line) {

@@ -6,10 +6,10 @@
 #include <variant>
 #include <vector>
 
-#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/properties.h"
 #include "benchmarks/collection/recipes/recipe.h"
 #include "benchmarks/collection/recording.h"
+#include "solvers/io/gzip_file.h"
 
 namespace lcpbench {
 

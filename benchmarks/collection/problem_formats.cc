@@ -1,18 +1,22 @@
 #include "benchmarks/collection/problem_formats.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <iostream>
 #include <limits>
+#include <set>
+#include <utility>
 
-#include "benchmarks/collection/gzip_file.h"
+#include "benchmarks/collection/each_line.h"
 #include "benchmarks/collection/npz_file.h"
 #include "solvers/io/fclib_file.h"
+#include "solvers/io/file_ending.h"
+#include "solvers/io/gzip_file.h"
 #include "solvers/io/matrix_market.h"
 #include "solvers/io/qps_text.h"
 #include "solvers/io/siconos_text.h"
+#include "solvers/io/text_words.h"
 #include "support/input_error.h"
-#include "support/text_file.h"
+#include "support/printable.h"
 
 namespace lcpbench {
 namespace {
@@ -26,16 +30,16 @@ LcpProblem ReadSiconos(const std::string& path, const ReadingOptions& options) {
 }
 
 void WriteJsonLine(const LcpProblem& problem, const std::string& path) {
-  WriteTextFile(path, FormatLcpRecord(problem) + '\n');
+  WriteFile(path, [&](std::ostream& file) { file << FormatLcpRecord(problem) << '\n'; });
 }
 
 const std::vector<ProblemFormat>& Formats() {
-  static const std::vector<ProblemFormat> formats{{"jsonl", {}, nullptr, WriteJsonLine},
-                                                  {"mtx", {".mtx"}, ReadMarket, WriteMarketProblem},
-                                                  {"hdf5", {".hdf5", ".h5"}, ReadFclib, WriteFclibProblem},
-                                                  {"dat", {".dat"}, ReadSiconos, WriteSiconosProblem},
-                                                  {"qps", {".qps", ".mps"}, nullptr, WriteQpsProblem},
-                                                  {"npz", {".npz"}, nullptr, WriteNpzProblem}};
+  static const std::vector<ProblemFormat> formats{{"jsonl", {}, true, nullptr, WriteJsonLine},
+                                                  {"mtx", {".mtx"}, true, ReadMarket, WriteMarketProblem},
+                                                  {"hdf5", {".hdf5", ".h5"}, false, ReadFclib, WriteFclibProblem},
+                                                  {"dat", {".dat"}, true, ReadSiconos, WriteSiconosProblem},
+                                                  {"qps", {".qps", ".mps"}, true, nullptr, WriteQpsProblem},
+                                                  {"npz", {".npz"}, false, nullptr, WriteNpzProblem}};
   return formats;
 }
 
@@ -88,15 +92,60 @@ class Symmetrizer {
   double most_made_ = 0, least_left_ = std::numeric_limits<double>::infinity();
 };
 
+// What becomes of problems that are read, and what is told of them.
+class Taker {
+ public:
+  Taker(const ReadingOptions& options, const PlacedProblemHandler& handle)
+      : options_(options), handle_(handle), symmetrizer_(options.symmetrize) {}
+
+  std::function<void(const std::string& line, const std::string& where)> OfLines() {
+    return [this](const std::string& line, const std::string& where) {
+      LcpRecord record = ParseLcpRecord(line, where);
+      unknown_.insert(record.unknown_members.begin(), record.unknown_members.end());
+      Take(std::move(record), where, line);
+    };
+  }
+  void TakeFile(const std::string& path) { Take({ReadProblemFile(path, options_), {}, ""}, path, ""); }
+
+  // Of the file that was read last, in one line on standard error, as the other.
+  void TellUnknownMembers(const std::string& path) {
+    if (unknown_.empty()) return;
+    std::string names;
+    for (const std::string& name : unknown_) names += (names.empty() ? "'" : ", '") + name + "'";
+    std::cerr << "lcpbench: " << Printable(path == "-" ? "<stdin>" : path)
+              << ": warning: passed over members that no problem has: " << names << std::endl;
+    unknown_.clear();
+  }
+  void TellSymmetrized() const { symmetrizer_.Tell(); }
+
+ private:
+  void Take(LcpRecord record, const std::string& where, const std::string& line) {
+    symmetrizer_.Take(&record);
+    handle_(record, where, line);
+  }
+
+  const ReadingOptions& options_;
+  const PlacedProblemHandler& handle_;
+  Symmetrizer symmetrizer_;
+  std::set<std::string> unknown_;
+};
+
 }  // namespace
 
 const ProblemFormat& FormatOfFile(const std::string& path) {
-  const std::string extension = std::filesystem::path(path).extension().string();
+  const std::string ending = EndingOf(path).format;
   for (const ProblemFormat& format : Formats()) {
-    const auto& extensions = format.extensions;
-    if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) return format;
+    if (std::find(format.endings.begin(), format.endings.end(), ending) != format.endings.end()) return format;
   }
   return Formats().front();
+}
+
+const ProblemFormat& UsableFormatOfFile(const std::string& path) {
+  const ProblemFormat& format = FormatOfFile(path);
+  const FileEnding name = EndingOf(path);
+  if (format.is_text || !name.is_gzip) return format;
+  throw InputError(path + ": files of " + format.name + " are not compressed by gzip, expected a name like " +
+                   IdOfFile(path) + name.format);
 }
 
 const ProblemFormat& FormatNamed(const std::string& name) {
@@ -108,28 +157,40 @@ const ProblemFormat& FormatNamed(const std::string& name) {
   throw InputError("expected a format of " + names + ", found '" + name + "'");
 }
 
+LcpProblem ReadProblemFile(const std::string& path, const ReadingOptions& options) {
+  const ProblemFormat& format = UsableFormatOfFile(path);
+  if (format.read == nullptr) throw InputError(path + ": files of " + format.name + " are written, not read");
+  return format.read(path, options);
+}
+
+int ForEachProblem(const std::vector<std::string>& files, const ReadingOptions& options,
+                   const PlacedProblemHandler& handle) {
+  int status = 0;
+  Taker taker(options, handle);
+  for (const std::string& path : files) {
+    status |= FormatOfFile(path).is_lines() ? ForEachLine({path}, taker.OfLines())
+                                            : TellRefusal([&] { taker.TakeFile(path); });
+    taker.TellUnknownMembers(path);
+  }
+  taker.TellSymmetrized();
+  return status;
+}
+
 int ForEachProblem(const std::vector<std::string>& files, const ReadingOptions& options,
                    const std::function<void(const LcpRecord& record)>& handle) {
-  int status = 0;
-  Symmetrizer symmetrizer(options.symmetrize);
-  const auto take = [&](LcpRecord record) {
-    symmetrizer.Take(&record);
-    handle(record);
-  };
-  for (const std::string& path : files) {
-    const ProblemFormat& format = FormatOfFile(path);
-    if (!format.is_lines()) {
-      status |= TellRefusal([&] {
-        if (format.read == nullptr) throw InputError(path + ": files of " + format.name + " are written, not read");
-        take({format.read(path, options), {}, ""});
-      });
-    } else {
-      status |= ForEachLine(
-          {path}, [&](const std::string& line, const std::string& where) { take(ParseLcpRecord(line, where)); });
-    }
+  return ForEachProblem(files, options,
+                        [&handle](const LcpRecord& record, const std::string&, const std::string&) { handle(record); });
+}
+
+void ReadEachProblem(const std::string& path, const ReadingOptions& options, const PlacedProblemHandler& handle) {
+  Taker taker(options, handle);
+  if (FormatOfFile(path).is_lines()) {
+    ReadEachLine(path, taker.OfLines());
+  } else {
+    taker.TakeFile(path);
   }
-  symmetrizer.Tell();
-  return status;
+  taker.TellUnknownMembers(path);
+  taker.TellSymmetrized();
 }
 
 }  // namespace lcpbench

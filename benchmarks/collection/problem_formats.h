@@ -21,27 +21,43 @@ struct ReadingOptions {
 
 /// A file format of problems: json_lines.h, matrix_market.h, fclib_file.h, siconos_text.h, qps_text.h or npz_file.h.
 struct ProblemFormat {
-  const char* name;                          ///< "jsonl", "mtx", "hdf5", "dat", "qps", "npz"
-  std::vector<std::string_view> extensions;  ///< of its files; JSON lines have any other, and - for standard input
+  const char* name;  ///< "jsonl", "mtx", "hdf5", "dat", "qps", "npz"
+  /// Of its files, in small letters (EndingOf); JSON lines have any other, and - for standard input.
+  std::vector<std::string_view> endings;
+  bool is_text;  ///< may be compressed by gzip, with .gz after the ending
   /// The problem of a file; null of JSON lines, where a file has many, and where files are written only.
   /// @throws InputError as the format's reader
   LcpProblem (*read)(const std::string& path, const ReadingOptions& options);
   /// One problem to a file. @throws InputError where the format cannot hold it or it cannot be written
   void (*write)(const LcpProblem& problem, const std::string& path);
 
-  bool is_lines() const { return extensions.empty(); }  ///< JSON lines
+  bool is_lines() const { return endings.empty(); }  ///< JSON lines
 };
 
-/// By the extension.
+/// By the ending, whatever its case, and with or without .gz behind it.
 const ProblemFormat& FormatOfFile(const std::string& path);
+/// The same for a file to read or write. @throws InputError for .gz behind the ending of a format that is no text
+const ProblemFormat& UsableFormatOfFile(const std::string& path);
 /// @throws InputError for an unknown name
 const ProblemFormat& FormatNamed(const std::string& name);
 
+/// The problem of a file of any format but JSON lines.
+/// @throws InputError as the format's reader, and for formats that are written only
+LcpProblem ReadProblemFile(const std::string& path, const ReadingOptions& options);
+
 /// Calls `handle` for every problem of every file, of JSON lines one after the other. What is refused with InputError,
-/// by the reader or by `handle`, is told on standard error, one line each, and the next problem is taken.
-/// How many matrices were symmetrized, and how many not, is told there, too.
+/// by the reader or by `handle`, is told on standard error as by ForEachLine, and the next problem is taken.
+/// How many matrices were symmetrized, and how many not, is told there, too, and of every file of JSON lines which
+/// members no problem has (LcpRecord::unknown_members).
 /// @return 0, or 2 when something was refused
 int ForEachProblem(const std::vector<std::string>& files, const ReadingOptions& options,
                    const std::function<void(const LcpRecord& record)>& handle);
+/// The same, also with "file:line" and the line as it stands; of other formats with the file, and "".
+using PlacedProblemHandler =
+    std::function<void(const LcpRecord& record, const std::string& where, const std::string& line)>;
+int ForEachProblem(const std::vector<std::string>& files, const ReadingOptions& options,
+                   const PlacedProblemHandler& handle);
+/// The problems of one file, as ForEachProblem. @throws InputError for the first that is refused
+void ReadEachProblem(const std::string& path, const ReadingOptions& options, const PlacedProblemHandler& handle);
 
 }  // namespace lcpbench

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "benchmarks/collection/gzip_file.h"
+#include "solvers/io/gzip_file.h"
 #include "solvers/lcp/problem.h"
 
 namespace lcpbench {

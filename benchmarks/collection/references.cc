@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "benchmarks/collection/content_hash.h"
-#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/measure/reference_solves.h"
 #include "solvers/exact/bounded_reference.h"
 #include "solvers/exact/enumeration.h"
 #include "solvers/exact/exact_lcp.h"
+#include "solvers/io/gzip_file.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/collection/gzip_file.h"
+#include "benchmarks/collection/each_line.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
 #include "benchmarks/measure/reference_solves.h"

@@ -12,13 +12,13 @@
 
 #include "benchmarks/collection/build.h"
 #include "benchmarks/collection/content_hash.h"
-#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
 #include "benchmarks/collection/sequence_problems.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
 #include "benchmarks/measure/progress.h"
+#include "solvers/io/gzip_file.h"
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
 #include "support/text_file.h"
@@ -161,7 +161,7 @@ struct WriteProblems {
 
   int Run() const {
     const Manifest manifest = ReadManifest(path);
-    TextOutput out(output);
+    TextOrGzipOutput out(output);
     const auto write = [&](const LcpProblem& problem) { out.Write(FormatLcpRecord(problem) + "\n"); };
     std::vector<std::string> left = ids;
     const auto wanted = [&](const std::string& id) { return ids.empty() || std::erase(left, id) > 0; };

@@ -9,9 +9,9 @@
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
+#include "solvers/io/gzip_file.h"
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
-#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
@@ -32,13 +32,14 @@ struct Convert {
   ReadingOptions reading;
 
   void Declare(CLI::App& app) {
-    app.add_option("FILE", files,
-                   "JSON lines, - for standard input; name.mtx with name_b.mtx beside it; FCLib's name.hdf5 (or .h5); "
-                   "Siconos' name.dat")
+    app.add_option(
+           "FILE", files,
+           "JSON lines, - for standard input; name.mtx with name_b.mtx beside it; Siconos' name.dat; all of them "
+           "also with .gz; FCLib's name.hdf5 (or .h5)")
         ->required();
     app.add_option("-o,--output", output,
                    "name.mtx, name.hdf5, name.h5, name.dat, or, as a quadratic program, name.qps or name.npz (of "
-                   "qpsolvers) for one problem, a folder for many, else a file of JSON lines");
+                   "qpsolvers) for one problem, a folder for many, else a file of JSON lines; text also as .gz");
     app.add_option("--to", to, "In a folder: jsonl, mtx (the default), hdf5, dat, qps or npz");
     AddReadingOptions(app, &reading);
   }
@@ -46,7 +47,7 @@ struct Convert {
   int Run() const {
     const bool is_folder = fs::is_directory(output);
     const ProblemFormat& format = Format(is_folder);
-    std::optional<TextOutput> lines;
+    std::optional<TextOrGzipOutput> lines;
     if (!is_folder && format.is_lines()) lines.emplace(output);
     std::set<std::string> written;
     bool any = false;
@@ -70,7 +71,8 @@ struct Convert {
  private:
   const ProblemFormat& Format(bool is_folder) const {
     if (is_folder) return FormatNamed(to.empty() ? "mtx" : to);
-    if (to.empty() || &FormatNamed(to) == &FormatOfFile(output)) return FormatOfFile(output);
+    const ProblemFormat& format = UsableFormatOfFile(output);
+    if (to.empty() || &FormatNamed(to) == &format) return format;
     throw InputError("--to " + to + ": expected a folder or a file of this format for --output, found '" + output +
                      "'");
   }

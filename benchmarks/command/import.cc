@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/collection/references.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
-#include "solvers/io/json_lines.h"
+#include "solvers/io/file_ending.h"
+#include "solvers/io/gzip_file.h"
 #include "support/input_error.h"
 #include "support/text_file.h"
 
@@ -22,18 +22,17 @@ namespace fs = std::filesystem;
 constexpr const char* kReferencesName = "references.jsonl.gz";
 
 bool IsJsonLines(const fs::path& path) {
-  const std::string name = path.filename().string();
-  return name.ends_with(".jsonl") || (name.ends_with(".jsonl.gz") && name != kReferencesName);
+  return EndingOf(path.string()).format == ".jsonl" && path.filename() != kReferencesName;
 }
 
 // A file of one problem in another format; of Matrix Market name.mtx, and no part of one.
 bool IsProblemFile(const fs::path& path) {
   if (FormatOfFile(path.string()).read == nullptr) return false;
-  const std::string stem = path.stem().string();
+  const std::string stem = IdOfFile(path.string());
   const std::vector<std::string> parts = {"_b", "_x", "_J", "_invM", "_bilateral"};
-  return path.extension() != ".mtx" || std::none_of(parts.begin(), parts.end(), [&stem](const std::string& part) {
-           return stem.ends_with(part) && stem.size() > part.size();
-         });
+  return EndingOf(path.string()).format != ".mtx" ||
+         std::none_of(parts.begin(), parts.end(),
+                      [&stem](const std::string& part) { return stem.ends_with(part) && stem.size() > part.size(); });
 }
 
 // Sorted: the same manifest whatever order the file system has.
@@ -44,7 +43,7 @@ std::set<fs::path> ProblemFiles(const std::string& folder) {
     if (item.is_regular_file() && (IsJsonLines(item.path()) || IsProblemFile(item.path()))) files.insert(item.path());
   }
   if (files.empty()) {
-    throw InputError(folder + ": expected files *.jsonl, *.jsonl.gz, *.mtx, *.hdf5, *.h5 or *.dat, found none");
+    throw InputError(folder + ": expected files *.jsonl, *.mtx, *.dat, also with .gz, *.hdf5 or *.h5, found none");
   }
   return files;
 }
@@ -60,7 +59,7 @@ struct Import {
     manifest.version = "1";
     manifest.purpose = "Imported problems.";
     manifest.references = kReferencesName;
-    app.add_option("FOLDER", folder, "With files *.jsonl, *.jsonl.gz, name.mtx, *.hdf5, *.h5, *.dat")->required();
+    app.add_option("FOLDER", folder, "With files *.jsonl, name.mtx, *.dat, also with .gz, *.hdf5, *.h5")->required();
     app.add_option("--name", manifest.name, "Of the set [default: the folder's]");
     app.add_option("--set-version", manifest.version, "Of the set");
     app.add_option("--provenance", provenance, "Where the problems come from")->required();
@@ -80,13 +79,11 @@ struct Import {
     int status = 0;
     for (const fs::path& file : ProblemFiles(folder)) {
       const std::string relative = file.lexically_relative(folder).string();
-      const auto take_line = [&](const std::string& line, const std::string& where) {
-        const std::size_t number = std::stoul(where.substr(where.rfind(':') + 1));
-        Take(ParseLcpRecord(line, where).problem, {relative, number}, where);
+      const auto take = [&](const LcpRecord& record, const std::string& where, const std::string& line) {
+        const std::size_t number = line.empty() ? 1 : std::stoul(where.substr(where.rfind(':') + 1));
+        Take(record.problem, {relative, number}, where);
       };
-      const auto take = [&](const LcpRecord& record) { Take(record.problem, {relative, 1}, file.string()); };
-      status = std::max(status, IsJsonLines(file) ? ForEachLine({file.string()}, take_line)
-                                                  : ForEachProblem({file.string()}, {}, take));
+      status = std::max(status, ForEachProblem({file.string()}, {}, take));
     }
     if (manifest.problems.empty()) throw InputError(folder + ": no problem could be read");
     WriteGzipFile((fs::path(folder) / kReferencesName).string(), references_);

@@ -4,12 +4,11 @@
 #include <utility>
 #include <vector>
 
-#include "benchmarks/collection/gzip_file.h"
+#include "benchmarks/collection/each_line.h"
 #include "benchmarks/collection/recording.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
 #include "solvers/io/json_lines.h"
-#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
@@ -34,7 +33,7 @@ struct RecordingProblems {
   }
 
   int Run() const {
-    TextOutput lines(output);
+    TextOrGzipOutput lines(output);
     const RecordedLevel wanted = level == "velocity" ? RecordedLevel::kVelocity : RecordedLevel::kAcceleration;
     std::optional<RecordingHeader> header;
     bool is_first = true;

@@ -1,6 +1,6 @@
 #include <iostream>
 
-#include "benchmarks/collection/gzip_file.h"
+#include "benchmarks/collection/each_line.h"
 #include "benchmarks/command/commands.h"
 #include "model/records/records.h"
 #include "model/records/replay.h"

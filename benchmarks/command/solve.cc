@@ -30,9 +30,10 @@ struct Solve {
     app.add_flag("--floor", relative_to_floor,
                  "Judge by the larger of tolerance and the problem's rounding floor, which a reference solve finds");
     AddSettingsOption(app, &settings);
-    app.add_option("FILE", files,
-                   "JSON lines, - for standard input; name.mtx with name_b.mtx beside it; FCLib's name.hdf5 (or .h5); "
-                   "Siconos' name.dat")
+    app.add_option(
+           "FILE", files,
+           "JSON lines, - for standard input; name.mtx with name_b.mtx beside it; Siconos' name.dat; all of them "
+           "also with .gz; FCLib's name.hdf5 (or .h5)")
         ->required();
     AddReadingOptions(app, &reading);
     named.Declare(app);

@@ -6,8 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include "benchmarks/collection/gzip_file.h"
-#include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
 #include "benchmarks/motions/scene_source.h"
 #include "benchmarks/motions/sequence.h"
@@ -64,31 +62,33 @@ std::optional<std::vector<int>> PreviousRows(const Json& line, std::size_t rows,
   }
 }
 
-ProblemSteps ReadLines(const std::string& path) {
-  ProblemSteps found;
-  bool all_known = true;
-  std::size_t rows_before = 0;
-  ReadEachLine(path, [&](const std::string& line, const std::string& where) {
-    LcpRecord record = ParseLcpRecord(line, where);
-    const Json json = Json::parse(line);
-    const auto rows = static_cast<std::size_t>(record.problem.size());
-    const std::optional<std::vector<int>> previous = PreviousRows(json, rows, rows_before, where);
-    all_known = all_known && previous.has_value();
-    SequenceStep step{std::move(record.problem), previous.value_or(std::vector<int>(rows, -1)),
-                      std::move(record.reference)};
-    if (json.contains("floor") && json.at("floor").is_number()) step.reference.floor = json.at("floor").get<double>();
-    rows_before = rows;
-    found.steps.push_back(std::move(step));
-  });
-  found.rows_are_known = all_known && found.steps.size() > 1;
-  return found;
-}
-
 // A problem that stands alone.
 ProblemSteps Single(LcpProblem problem) {
   ProblemSteps found;
   const auto rows = static_cast<std::size_t>(problem.size());
   found.steps.push_back({std::move(problem), std::vector<int>(rows, -1), {}});
+  return found;
+}
+
+ProblemSteps Read(const std::string& path, const ReadingOptions& options) {
+  ProblemSteps found;
+  bool all_known = true;
+  std::size_t rows_before = 0;
+  ReadEachProblem(path, options, [&](const LcpRecord& record, const std::string& where, const std::string& line) {
+    if (line.empty()) {  // of another format
+      found = Single(record.problem);
+      return;
+    }
+    const Json json = Json::parse(line);
+    const auto rows = static_cast<std::size_t>(record.problem.size());
+    const std::optional<std::vector<int>> previous = PreviousRows(json, rows, rows_before, where);
+    all_known = all_known && previous.has_value();
+    SequenceStep step{record.problem, previous.value_or(std::vector<int>(rows, -1)), record.reference};
+    if (json.contains("floor") && json.at("floor").is_number()) step.reference.floor = json.at("floor").get<double>();
+    rows_before = rows;
+    found.steps.push_back(std::move(step));
+  });
+  found.rows_are_known = all_known && found.steps.size() > 1;
   return found;
 }
 
@@ -110,9 +110,8 @@ ProblemSteps Moving(const std::string& scene, int size, std::uint64_t seed, int 
 
 }  // namespace
 
-ProblemSteps ReadProblemSteps(const std::string& path) {
-  const auto read = FormatOfFile(path).read;
-  ProblemSteps found = read == nullptr ? ReadLines(path) : Single(read(path, {}));
+ProblemSteps ReadProblemSteps(const std::string& path, const ReadingOptions& options) {
+  ProblemSteps found = Read(path, options);
   found.name = path == "-" ? "standard input" : std::filesystem::path(path).filename().string();
   return found;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "benchmarks/campaign/sequence_file.h"
+#include "benchmarks/collection/problem_formats.h"
 
 namespace lcpbench {
 
@@ -19,7 +20,7 @@ struct ProblemSteps {
 /// say which rows stay, by a member "previous" (sequence_file.h) or by "motion" (`lcpbench sequence`, RESULTS.md; rows
 /// that stay keep their order).
 /// @throws InputError naming file and line, also where there is no problem at all
-ProblemSteps ReadProblemSteps(const std::string& path);
+ProblemSteps ReadProblemSteps(const std::string& path, const ReadingOptions& options = {});
 
 /// One instant of a scene, or with `steps` > 1 the problems that it meets as it moves, driven by
 /// kDrivingSolver at 1e-9.

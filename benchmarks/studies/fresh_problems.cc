@@ -6,10 +6,10 @@
 #include <set>
 #include <utility>
 
-#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
 #include "model/scenes/scene.h"
+#include "solvers/io/gzip_file.h"
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
 
@@ -85,9 +85,8 @@ void FreshProblems::AddFile(const std::string& path) {
     ManifestEntry& entry = manifest.problems.emplace_back(Entry(problem.id(), "given", problem.size()));
     entry.source = FileSource{path, line};
   };
-  if (const ProblemFormat& format = FormatOfFile(path); !format.is_lines()) {
-    if (format.read == nullptr) throw InputError(path + ": files of " + format.name + " are written, not read");
-    add(format.read(path, {}), 1);
+  if (!FormatOfFile(path).is_lines()) {
+    add(ReadProblemFile(path, {}), 1);
   } else {
     LineReader lines(path);
     for (std::string line; lines.Next(&line);) {

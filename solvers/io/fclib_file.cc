@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <utility>
 #include <vector>
 
+#include "solvers/io/file_ending.h"
 #include "solvers/io/hdf5_file.h"
 #include "solvers/io/same_bits.h"
 #include "support/input_error.h"
@@ -24,6 +24,8 @@ constexpr int kCompressedRows = -2;
 constexpr int kLeastDimension = 2;
 constexpr int kMostDimension = 3;
 
+constexpr char kLocal[] = "/fclib_local";
+constexpr char kGlobal[] = "/fclib_global";
 constexpr char kDimension[] = "/fclib_local/spacedim";
 constexpr char kW[] = "/fclib_local/W";
 constexpr char kV[] = "/fclib_local/V";
@@ -69,7 +71,8 @@ Hdf5Datasets AllDatasets() {
 class File {
  public:
   explicit File(const std::string& path) : path_(path) {
-    for (auto& [name, values] : ReadHdf5(path, AllDatasets())) datasets_.emplace(name, std::move(values));
+    for (auto& [name, values] : ReadHdf5(path, AllDatasets(), {kLocal, kGlobal}))
+      datasets_.emplace(name, std::move(values));
   }
 
   [[noreturn]] void Reject(const std::string& place, const std::string& expected, const std::string& found) const {
@@ -77,6 +80,10 @@ class File {
   }
 
   bool Has(const std::string& name) const { return datasets_.count(name) > 0; }
+  bool HasAnyBelow(const std::string& group) const {
+    const auto first = datasets_.lower_bound(group + '/');
+    return first != datasets_.end() && first->first.starts_with(group + '/');
+  }
   const std::string& Text(const std::string& name) const { return std::get<std::string>(datasets_.at(name)); }
   const std::vector<int>& Integers(const std::string& name) const {
     return std::get<std::vector<int>>(Find(name, "a dataset of integers"));
@@ -195,10 +202,11 @@ class Matrices {
     std::vector<Entry> by_columns = EveryNth(matrix.entries, row_step, column_step, true);
     if (triplets_ == FclibTriplets::kColumnsFirst) return by_columns;
     if (HaveSameEntries(by_rows, by_columns)) return by_rows;
-    file_.Reject(matrix.name,
-                 "triplets of which one reading is possible, or --fclib-triplets rows-first (as fclib.h "
-                 "has it) or columns-first (as Siconos writes them)",
-                 "some that can be read both ways");
+    file_.Reject(
+        matrix.name,
+        "triplets of which one reading is possible, or `lcpbench convert --fclib-triplets rows-first` (as fclib.h "
+        "has it) or columns-first (as Siconos writes them)",
+        "some that can be read both ways");
   }
 
  private:
@@ -310,7 +318,8 @@ Rows ReadRows(const File& file, int dimension, const Matrix& of_contacts, const 
 void RequireNoFriction(const File& file, const char* name, int contacts, bool without_friction) {
   for (const double mu : file.Reals(name, contacts)) {
     if (mu == 0 || without_friction) continue;
-    file.Reject(name, "friction coefficients 0, or --without-friction, which passes over them", std::to_string(mu));
+    file.Reject(name, "friction coefficients 0, or `lcpbench convert --without-friction`, which passes over them",
+                std::to_string(mu));
   }
 }
 
@@ -482,8 +491,8 @@ Blocks Divide(const LcpProblem& problem, const std::vector<int>& place) {
 
 FclibProblem ReadFclibProblem(const std::string& path, const FclibOptions& options) {
   const File file(path);
-  const std::string id = file.Has(kId) ? file.Text(kId) : std::filesystem::path(path).stem().string();
-  const bool is_global = file.Has(kGlobalDimension) && !file.Has(kDimension);
+  const std::string id = file.Has(kId) ? file.Text(kId) : IdOfFile(path);
+  const bool is_global = file.HasAnyBelow(kGlobal) && !file.HasAnyBelow(kLocal);
   try {
     auto [problem, rows] = (is_global ? ReadGlobal : ReadLocal)(file, options, id);
     return {std::move(problem), ReadForces(file, rows)};

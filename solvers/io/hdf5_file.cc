@@ -191,6 +191,31 @@ std::uint64_t CountOf(hid_t dataset, std::size_t value_size, std::uint64_t file_
   return count;
 }
 
+// The names of what lies at the top of the file, in one line of ASCII and cut off where it is long.
+std::string TopNames(hid_t file) {
+  constexpr std::size_t kLongest = 300;
+  std::string names;
+  const auto add = [](hid_t, const char* name, const H5L_info_t*, void* to) -> herr_t {
+    auto* all = static_cast<std::string*>(to);
+    *all += (all->empty() ? "" : ", ") + std::string(name);
+    return all->size() > kLongest ? 1 : 0;
+  };
+  if (H5Literate(file, H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &names) != 0)
+    names = names.substr(0, kLongest) + "...";
+  std::replace_if(
+      names.begin(), names.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return names.empty() ? "nothing" : names;
+}
+
+void RequireOneOf(hid_t file, const std::vector<std::string>& groups) {
+  std::string expected;
+  for (const std::string& group : groups) {
+    if (Exists(file, group)) return;
+    expected += (expected.empty() ? "a group " : " or ") + group.substr(1);
+  }
+  if (!groups.empty()) throw Refusal{"expected " + expected + ", found " + TopNames(file)};
+}
+
 void ReadDataset(hid_t file, const std::string& path, std::size_t type_index, std::uint64_t file_size, std::size_t k,
                  Report* report) {
   if (!Exists(file, path)) return;
@@ -249,8 +274,8 @@ void BecomeHarmless(int socket, std::uint64_t file_size) {
 }
 
 // Reads the wanted datasets of a file of `file_size` bytes.
-void RunChild(int socket, const std::string& path, const Hdf5Datasets& wanted, std::uint64_t file_size,
-              Report* report) {
+void RunChild(int socket, const std::string& path, const Hdf5Datasets& wanted, const std::vector<std::string>& groups,
+              std::uint64_t file_size, Report* report) {
   BecomeHarmless(socket, file_size);
   const auto refuse = [&](const std::string& message) {
     message.copy(report->outcome().refusal, sizeof report->outcome().refusal - 1);
@@ -261,6 +286,7 @@ void RunChild(int socket, const std::string& path, const Hdf5Datasets& wanted, s
     const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
     if (file < 0) throw Refusal{"expected an HDF5 file that libhdf5 can read, found one that it refuses"};
     Limit(RLIMIT_NOFILE, 0);
+    RequireOneOf(file, groups);
     for (std::size_t k = 0; k < wanted.size(); ++k) {
       ReadDataset(file, wanted[k].first, wanted[k].second.index(), file_size, k, report);
     }
@@ -299,14 +325,14 @@ class Silence {
 
 }  // namespace
 
-Hdf5Datasets ReadHdf5(const std::string& path, const Hdf5Datasets& wanted) {
+Hdf5Datasets ReadHdf5(const std::string& path, const Hdf5Datasets& wanted, const std::vector<std::string>& groups) {
   constexpr double kWaitPerTime = 4;  // the machine may have other things to do
   const std::uint64_t file_size = SizeOf(path);
   std::optional<Report> report;
   std::optional<Subprocess> child;
   try {
     report.emplace(wanted.size(), file_size);
-    child.emplace([&](int socket) { RunChild(socket, path, wanted, file_size, &*report); });
+    child.emplace([&](int socket) { RunChild(socket, path, wanted, groups, file_size, &*report); });
   } catch (const std::runtime_error& error) {
     throw InputError(path + ": " + error.what());
   }

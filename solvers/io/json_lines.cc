@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
-#include <fstream>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
+#include "solvers/io/gzip_file.h"
 #include "solvers/lcp/verify.h"
 #include "support/input_error.h"
 #include "support/json_field.h"
@@ -171,6 +172,41 @@ void ParseReference(const JsonField& record, std::size_t n, MatrixFacts* facts, 
   }
 }
 
+constexpr const char* kKnownMembers[] = {
+    "id",       "n",      "A",    "J",     "invM",     "b",           "bilateral", "joint",
+    "contacts", "status", "w",    "f",     "rank_A",   "f_minnorm",   "f_unique",  "columns_per_body",
+    "category", "family", "base", "floor", "previous", "symmetrized", "licence",   "provenance",
+    "motion"};
+
+// What other tools mean by these, and a problem has no place for.
+constexpr std::pair<const char*, const char*> kForeignMembers[] = {
+    {"lo", "bounds of f"},        {"hi", "bounds of f"},        {"lower", "bounds of f"},
+    {"upper", "bounds of f"},     {"l", "bounds of f"},         {"u", "bounds of f"},
+    {"lb", "bounds of f"},        {"ub", "bounds of f"},        {"mu", "friction"},
+    {"friction", "friction"},     {"G", "constraints"},         {"h", "constraints"},
+    {"P", "a quadratic program"}, {"q", "a quadratic program"}, {"M", "a mass matrix or an LCP of other letters"}};
+
+// Of recorded contact problems.
+bool IsTimeStep(const JsonField& record, std::string_view name) { return name == "h" && record.Has("contacts"); }
+
+// Refuses foreign members. @return those that nobody knows
+std::vector<std::string> UnknownMembers(const JsonField& record) {
+  for (const auto& [name, meaning] : kForeignMembers) {
+    if (!record.Has(name) || IsTimeStep(record, name)) continue;
+    record[name].Fail(std::string("a problem has no such member, which elsewhere stands for ") + meaning +
+                      "; expected w = A f + b by A (or J and invM), b and bilateral");
+  }
+  std::vector<std::string> unknown;
+  for (const auto& [name, value] : record.Members()) {
+    const bool is_known =
+        std::find(std::begin(kKnownMembers), std::end(kKnownMembers), name) != std::end(kKnownMembers);
+    if (!is_known && !IsTimeStep(record, name)) {
+      unknown.push_back(PointerToken(name));
+    }
+  }
+  return unknown;
+}
+
 Json ToJson(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json ToJson(const Eigen::VectorXd& vector) {
@@ -198,6 +234,7 @@ Json ToJson(const SparseMatrix& matrix) {
 LcpRecord ParseLcpRecord(std::string_view line, const std::string& where) {
   const Json json = ParseJsonObject(line, where);
   const JsonField record(json, where);
+  std::vector<std::string> unknown = UnknownMembers(record);
   std::string id = where;
   if (record.Has("id")) id = record["id"].IsNumber() ? json["id"].dump() : record["id"].String();
   Eigen::VectorXd b = ParseVector(record["b"]);
@@ -231,7 +268,7 @@ LcpRecord ParseLcpRecord(std::string_view line, const std::string& where) {
     return LcpProblem::FromDense(std::move(id), std::move(A.dense), std::move(b), std::move(bounds), facts);
   };
   try {
-    return {problem(), std::move(reference), category, symmetrized};
+    return {problem(), std::move(reference), category, symmetrized, std::move(unknown)};
   } catch (const InputError& error) {
     const std::string text = error.what();
     throw InputError(text.starts_with(where) ? text : where + ": " + text);
@@ -239,13 +276,11 @@ LcpRecord ParseLcpRecord(std::string_view line, const std::string& where) {
 }
 
 std::vector<LcpRecord> ReadLcpFile(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw InputError(path + ": cannot be opened for reading");
   std::vector<LcpRecord> records;
-  std::string line;
-  for (std::size_t number = 1; std::getline(file, line); ++number) {
+  LineReader lines(path);
+  for (std::string line; lines.Next(&line);) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    records.push_back(ParseLcpRecord(line, path + ":" + std::to_string(number)));
+    records.push_back(ParseLcpRecord(line, path + ":" + std::to_string(lines.number())));
   }
   return records;
 }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <set>
@@ -12,10 +11,11 @@
 #include <string_view>
 #include <utility>
 
+#include "solvers/io/file_ending.h"
+#include "solvers/io/gzip_file.h"
 #include "solvers/io/same_bits.h"
 #include "solvers/io/text_words.h"
 #include "support/input_error.h"
-#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
@@ -83,15 +83,15 @@ void RequireNoneTwice(const MarketMatrix& matrix, const std::string& name) {
                    std::to_string(twice->second + 1) + ") twice");
 }
 
-// dir/name.mtx -> dir/name_part.mtx
-std::filesystem::path PartOf(const std::filesystem::path& path, const char* part) {
-  return path.parent_path() / (path.stem().string() + part + ".mtx");
+// dir/name.mtx.gz -> dir/name_part.mtx.gz
+std::string PartOf(const std::string& path, const char* part) {
+  const FileEnding name = EndingOf(path);
+  return name.stem + part + name.ending;
 }
 
 std::optional<MarketMatrix> ReadPart(const std::string& path) {
   if (!std::filesystem::exists(path)) return std::nullopt;
-  std::ifstream file(path);
-  if (!file) throw InputError(path + ": cannot be opened");
+  TextInput file(path);
   return ReadMarketMatrix(file, path);
 }
 
@@ -179,9 +179,8 @@ void WriteMarketVector(const Eigen::VectorXd& vector, std::ostream& output) {
 }
 
 MarketProblem ReadMarketProblem(const std::string& path) {
-  const std::filesystem::path file(path);
-  const std::string id = file.stem().string();
-  const auto part = [&](const char* name) { return PartOf(file, name).string(); };
+  const std::string id = IdOfFile(path);
+  const auto part = [&](const char* name) { return PartOf(path, name); };
   const std::optional<MarketMatrix> b_file = ReadPart(part("_b"));
   if (!b_file.has_value()) throw InputError(part("_b") + ": cannot be opened; expected the vector b");
   Eigen::VectorXd b = b_file->ToVector(part("_b"));
@@ -221,14 +220,13 @@ MarketProblem ReadMarketProblem(const std::string& path) {
 }
 
 void WriteMarketProblem(const LcpProblem& problem, const std::string& path) {
-  const std::filesystem::path file(path);
-  std::vector<std::unique_ptr<TextOutput>> written;
+  std::vector<std::unique_ptr<TextOrGzipOutput>> written;
   std::set<std::string> parts;
   const auto write = [&](const char* part, const auto& format, const auto& content) {
     parts.insert(part);
-    written.push_back(std::make_unique<TextOutput>(PartOf(file, part).string()));
+    written.push_back(std::make_unique<TextOrGzipOutput>(PartOf(path, part)));
     format(content, written.back()->stream());
-    written.back()->stream() << std::flush;
+    written.back()->Finish();
   };
   write("", WriteMarketMatrix, problem.SparseA());
   if (problem.has_factors()) {
@@ -243,11 +241,11 @@ void WriteMarketProblem(const LcpProblem& problem, const std::string& path) {
   write("_b", WriteMarketVector, problem.b());
   // All is written. Without its b, which comes last, a problem is refused: nobody reads parts of two.
   std::error_code absent;
-  std::filesystem::remove(std::filesystem::weakly_canonical(PartOf(file, "_b")), absent);
+  std::filesystem::remove(std::filesystem::weakly_canonical(PartOf(path, "_b")), absent);
   for (const char* part : {"_J", "_invM", "_bilateral", "_x"}) {
-    if (parts.count(part) == 0) std::filesystem::remove(PartOf(file, part), absent);
+    if (parts.count(part) == 0) std::filesystem::remove(PartOf(path, part), absent);
   }
-  for (const std::unique_ptr<TextOutput>& part : written) part->Close();
+  for (const std::unique_ptr<TextOrGzipOutput>& part : written) part->Close();
 }
 
 }  // namespace lcpbench

@@ -48,7 +48,8 @@ struct MarketProblem {
 /// A problem in files named as those of the SuiteSparse collection: `name.mtx` holds A, `name_b.mtx` b, and where they
 /// are there `name_x.mtx` a known f, `name_J.mtx` and `name_invM.mtx` the factors, which win over A, and
 /// `name_bilateral.mtx` the numbers of bilateral rows, from 1.
-/// @param path  of name.mtx, which may be absent where the factors are there
+/// @param path  of name.mtx, which may be absent where the factors are there; where it ends in .MTX or .mtx.gz so do
+/// the others
 /// @throws InputError as ReadMarketMatrix, and where the files do not fit each other
 MarketProblem ReadMarketProblem(const std::string& path);
 

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <numeric>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "solvers/io/file_ending.h"
+#include "solvers/io/gzip_file.h"
 #include "solvers/io/text_words.h"
 #include "support/input_error.h"
 
@@ -372,7 +372,8 @@ MixedProblem ReadContacts(TextWords* words, std::int64_t dimension, std::int64_t
   const std::vector<double> q = words->NumbersOfAnyLine(rows, "q");
   for (const double mu : words->NumbersOfAnyLine(contacts, "friction coefficients")) {
     if (mu == 0 || without_friction) continue;
-    words->Reject("friction coefficients 0, or --without-friction, which passes over them", RoundTripDigits(mu));
+    words->Reject("friction coefficients 0, or `lcpbench convert --without-friction`, which passes over them",
+                  RoundTripDigits(mu));
   }
   MixedProblem problem;
   problem.M.rows = problem.M.columns = contacts;
@@ -480,11 +481,8 @@ LcpProblem ReadSiconosText(std::istream& input, const std::string& name, const s
 }
 
 LcpProblem ReadSiconosProblem(const std::string& path, bool without_friction) {
-  std::error_code no_folder;
-  if (std::filesystem::is_directory(path, no_folder)) throw InputError(path + ": is a folder, expected a file");
-  std::ifstream file(path);
-  if (!file) throw InputError(path + ": cannot be opened");
-  return ReadSiconosText(file, path, std::filesystem::path(path).stem().string(), without_friction);
+  TextInput file(path);
+  return ReadSiconosText(file, path, IdOfFile(path), without_friction);
 }
 
 void WriteSiconosText(const LcpProblem& problem, std::ostream& output) {

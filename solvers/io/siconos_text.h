@@ -23,7 +23,7 @@ namespace lcpbench {
 /// number, too few numbers or too many, friction, both storages of an MLCP where they differ
 LcpProblem ReadSiconosText(std::istream& input, const std::string& name, const std::string& id,
                            bool without_friction = false);
-/// The problem's id is the file's name without its extension.
+/// Of a file, plain or compressed by gzip. The problem's id is the file's name without its ending.
 LcpProblem ReadSiconosProblem(const std::string& path, bool without_friction = false);
 
 /// An LCP, or where there are bilateral rows an MLCP of M and q alone with its blocks in the order of our rows (some of

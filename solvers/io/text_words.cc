@@ -8,9 +8,9 @@
 #include <system_error>
 #include <utility>
 
+#include "solvers/io/gzip_file.h"
 #include "support/input_error.h"
 #include "support/number_text.h"
-#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
@@ -124,7 +124,7 @@ std::string RoundTripDigits(double value) {
 }
 
 void WriteFile(const std::string& path, const std::function<void(std::ostream&)>& write) {
-  TextOutput file(path);
+  TextOrGzipOutput file(path);
   write(file.stream());
   file.Close();
 }

@@ -64,7 +64,7 @@ class TextWords {
 /// 17 significant digits: reading gives the same bits.
 std::string RoundTripDigits(double value);
 
-/// Writes a new file, as TextOutput does, with its errors
+/// Writes a new file, as TextOrGzipOutput does, with its errors
 void WriteFile(const std::string& path, const std::function<void(std::ostream&)>& write);
 
 }  // namespace lcpbench

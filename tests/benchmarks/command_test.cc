@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "model/scenes/scene.h"
+#include "solvers/io/gzip_file.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/peers/protocol/external_solver.h"
 #include "solvers/registry.h"
@@ -218,14 +219,84 @@ TEST_F(Command, ControlCharactersAreShownEscaped) {
   ExpectMistake("generate disc-pile \"$(printf '%s\\033' --x)\"", "--x\\x1b");
 }
 
-TEST_F(Command, OfManyBadLinesTenAreTold) {
-  std::string lines;
-  for (int k = 0; k < 25; ++k) lines += "{\"A\":[[1]]}\n";
-  const CommandOutcome outcome = Run("solve --solver dantzig -", lines + kProblem);
-  EXPECT_EQ(outcome.status, 2);
-  EXPECT_EQ(Lines(outcome.error).size(), 11U) << outcome.error;
-  EXPECT_NE(outcome.error.find("<stdin>: and 15 more\n"), std::string::npos) << outcome.error;
-  EXPECT_EQ(Records(outcome.out).size(), 1U);
+TEST_F(Command, OfManyBadLinesTenReasonsAreToldEachOnce) {
+  std::string same, others;
+  for (int k = 0; k < 25; ++k) {
+    same += "{\"A\":[[1]]}\n";
+    others += "{\"A\":[[1]],\"b\":[" + std::to_string(k) + ",1]," + "\"n\":" + std::to_string(k + 3) + "}\nno JSON\n";
+  }
+  for (const auto& [bad, told, left] : {std::tuple{same, 2U, " 24 "}, std::tuple{others, 11U, " 40 "}}) {
+    const CommandOutcome outcome = Run("solve --solver dantzig -", bad + kProblem);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_EQ(Lines(outcome.error).size(), told) << outcome.error;
+    EXPECT_NE(outcome.error.find(std::string("<stdin>: and") + left + "more\n"), std::string::npos) << outcome.error;
+    EXPECT_EQ(Records(outcome.out).size(), 1U);
+  }
+}
+
+TEST_F(Command, AWrongFileGetsOneComplaint) {
+  const std::string market = ReadFile(std::string(LCPBENCH_SOURCE_DIR) + "/tests/data/reports/UP.MTX");
+  const std::string binary("\x89HDF\r\n\x1a\n\0\0\n\n{}\n", 18);
+  int number = 0;
+  for (const std::string& text :
+       {market, binary, std::string("{\n  \"id\": 1,\n  \"b\": [1]\n}\n"), std::string("1\n2\n3\n"),
+        std::string("a,b\n1,2\n"), std::string("\n\n[1, 2]\n[3, 4]\n"), std::string("x\ty\n\n")}) {
+    const std::string name = "wrong" + std::to_string(number++) + ".txt";
+    Write(name, text);
+    WriteGzipFile(Path(name + ".gz"), text);
+    ExpectMistake("solve --solver auto " + Path(name + ".gz"), name + ".gz:");
+    for (const char* arguments : {"solve --solver auto ", "convert ", "certify ", "recommend ", "recommend --features ",
+                                  "assemble ", "replay ", "recording "}) {
+      ExpectMistake(arguments + Path(name), name + ":");
+    }
+    ExpectMistake("convert -", "; expected JSON lines, an object on each", text);
+  }
+  // Lines that are objects of another kind: answers.
+  const std::string answers = Succeed("solve --solver auto -", std::string(kProblem) + "\n" + kProblem).out;
+  const CommandOutcome outcome = Run("solve --solver auto -", answers + answers);
+  EXPECT_EQ(Lines(outcome.error).size(), 2U) << outcome.error;
+}
+
+TEST_F(Command, FormatsAreToldByEndingsWhateverTheirCaseAndTextMayBeCompressed) {
+  const std::string problem = Run("generate gear-train --size 12 --seed 3").out;
+  const Json given = Json::parse(problem);
+  for (const std::string ending :
+       {"mtx",  "MTX",  "Mtx", "mtx.gz", "MTX.GZ", "mTx.gZ", "dat",      "DAT",      "dat.gz", "Dat.Gz",
+        "hdf5", "HDF5", "h5",  "H5",     "jsonl",  "JSONL",  "jsonl.gz", "JSONL.GZ", "json",   "gz"}) {
+    SCOPED_TRACE(ending);
+    const std::string file = Path("p." + ending);
+    Succeed("convert - -o " + file, problem);
+    const bool is_gzip =
+        ending.ends_with("gz") || ending.ends_with("GZ") || ending.ends_with("Gz") || ending.ends_with("gZ");
+    EXPECT_EQ(ReadFile(file).starts_with("\x1f\x8b"), is_gzip);
+    const Json back = Json::parse(Succeed("convert " + file).out);
+    for (const char* field : {"n", "b", "bilateral"}) EXPECT_EQ(back[field], given[field]) << field;
+    EXPECT_EQ(Json::parse(Succeed("solve --solver auto " + file).out)["verdict"]["passes"], true);
+    fs::remove(file);
+  }
+  for (const auto& [ending, format] : {std::pair{"hdf5.gz", "hdf5"}, {"H5.GZ", "hdf5"}, {"npz.gz", "npz"}}) {
+    const std::string file = Path(std::string("p.") + ending);
+    const std::string told = "files of " + std::string(format) + " are not compressed by gzip, expected a name like p.";
+    ExpectMistake("convert - -o " + file, told, problem);
+    for (const char* command : {"convert ", "solve --solver auto ", "recommend "}) ExpectMistake(command + file, told);
+  }
+  Succeed("convert - -o " + Path("q.QPS"), problem);
+  Succeed("convert - -o " + Path("q.qps.gz"), problem);
+  TextInput unpacked(Path("q.qps.gz"));
+  EXPECT_EQ((std::string{std::istreambuf_iterator<char>(unpacked), {}}), ReadFile(Path("q.QPS")));
+}
+
+TEST_F(Command, ReportedFilesAreReadByTheirEndingsAndNumbers) {
+  const std::string reports = std::string(LCPBENCH_SOURCE_DIR) + "/tests/data/reports/";
+  const Json answer = Json::parse(Succeed("solve --solver auto " + reports + "UP.MTX").out);
+  EXPECT_EQ(answer["id"], "UP");
+  EXPECT_NEAR(answer["f"][0].get<double>(), 0.2, 1e-12);
+  EXPECT_NEAR(answer["f"][1].get<double>(), 0.6, 1e-12);
+  EXPECT_EQ(Json::parse(Succeed("convert " + reports + "under.mtx").out)["A"]["val"], Json({0.0, 0.0, 0.0, 3.0}));
+  for (const char* command : {"solve --solver auto ", "convert ", "certify ", "recommend "}) {
+    ExpectMistake(command + reports + "bounds-ignored.jsonl",
+                  "bounds-ignored.jsonl:1: /lo: a problem has no such member");
+  }
 }
 
 TEST_F(Command, SolveJudgesEveryLineAndKeepsGoingAfterABadOne) {

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/collection/gzip_file.h"
 #include "model/contact/assembly.h"
 #include "model/scenes/random.h"
 #include "model/scenes/scene.h"
+#include "solvers/io/gzip_file.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"

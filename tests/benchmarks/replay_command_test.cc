@@ -13,9 +13,9 @@
 #include <variant>
 #include <vector>
 
-#include "benchmarks/collection/gzip_file.h"
 #include "model/records/replay.h"
 #include "model/records/replay_record.h"
+#include "solvers/io/gzip_file.h"
 #include "support/input_error.h"
 #include "tests/benchmarks/command_fixture.h"
 
@@ -119,8 +119,10 @@ TEST_F(ReplayCommand, TruncatedOrDamagedGzipIsToldInsteadOfReadAsAShorterFile) {
   damaged[good.size() / 2 - 6] ^= 1;  // the first member's checksum
   Write("damaged.gz", damaged);
   EXPECT_THROW(Unzip(folder_ / "damaged.gz"), InputError);
-  // After the lines that could be unpacked, which are no JSON.
-  const CommandOutcome outcome = Run("solve --solver dantzig -", good.substr(0, good.size() / 2 - 4));
+  // After the lines that could be unpacked, which are no problems.
+  WriteGzipFile(Path("lines.gz"), "{}\n{}\n");
+  const std::string lines = ReadFile(folder_ / "lines.gz");
+  const CommandOutcome outcome = Run("solve --solver dantzig -", lines.substr(0, lines.size() - 4));
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.error.find("gzip data end early"), std::string::npos) << outcome.error;
 }

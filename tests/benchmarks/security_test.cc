@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "benchmarks/collection/gzip_file.h"
+#include "solvers/io/gzip_file.h"
 #include "support/subprocess.h"
 #include "tests/benchmarks/command_fixture.h"
 
@@ -98,6 +98,8 @@ TEST_F(Security, ALineThatUnpacksToMoreThanTheMemoryIsRefused) {
   Write("small.sh", "ulimit -v 2000000\nexec " + program_ + " \"$@\"\n");
   program_ = "sh " + Path("small.sh");
   ExpectMistake("solve --solver pgs " + Path("bomb.jsonl.gz"), "bomb.jsonl.gz:1: a line of this length needs ");
+  fs::copy(folder_ / "bomb.jsonl.gz", folder_ / "bomb_b.mtx.gz");
+  ExpectMistake("solve --solver pgs " + Path("bomb.mtx.gz"), "bomb_b.mtx.gz:1: a line of this length needs ");
 }
 
 }  // namespace

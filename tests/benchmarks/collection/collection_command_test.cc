@@ -76,7 +76,6 @@ TEST_F(CollectionCommand, ImportLeavesOutWhatCannotBeReadAndSaysSo) {
   EXPECT_EQ(imported["problems"][0]["file"]["line"], 1);
 }
 
-// What docs/recording.md tells a user to do.
 TEST_F(CollectionCommand, ProblemsWithoutRowsGoThroughEveryCommand) {
   std::filesystem::create_directories(folder_ / "set");
   const std::string reported = LCPBENCH_SOURCE_DIR "/tests/data/reports/no-rows.jsonl";
@@ -114,6 +113,7 @@ TEST_F(CollectionCommand, ProblemsWithoutRowsGoThroughEveryCommand) {
   Succeed("analyse " + Path("campaign"));
 }
 
+// What docs/recording.md tells a user to do.
 TEST_F(CollectionCommand, ARecorderOfAUsersOwnEngineGivesProblemsThatAreSolved) {
   const std::string example = LCPBENCH_SOURCE_DIR "/examples/record_discs.py";
   ASSERT_EQ(std::system(("/usr/bin/python3 " + example + " 12 200 > " + Path("discs.jsonl")).c_str()), 0);

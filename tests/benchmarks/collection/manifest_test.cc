@@ -13,12 +13,12 @@
 
 #include "benchmarks/collection/build.h"
 #include "benchmarks/collection/content_hash.h"
-#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/plan.h"
 #include "benchmarks/collection/properties.h"
 #include "benchmarks/collection/references.h"
 #include "benchmarks/collection/sequence_problems.h"
 #include "model/scenes/scene.h"
+#include "solvers/io/gzip_file.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/io/matrix_market.h"
 #include "solvers/lcp/verify.h"

@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "benchmarks/collection/gzip_file.h"
+#include "solvers/io/gzip_file.h"
 #include "solvers/io/json_lines.h"
 #include "tests/solvers/solve_with.h"
 

@@ -160,7 +160,8 @@ TEST_F(FclibFile, TheNormalPartIsTheProblem) {
 // Triplets of a square matrix that is not symmetric fit both readings; a V that is not square tells them apart.
 TEST_F(FclibFile, TripletsAreReadByRowsOrByColumnsAndNeverTransposedInSilence) {
   const FclibOptions rows_first{FclibTriplets::kRowsFirst, false}, columns_first{FclibTriplets::kColumnsFirst, false};
-  const std::string told = "triplets of which one reading is possible, or --fclib-triplets rows-first";
+  const std::string told =
+      "triplets of which one reading is possible, or `lcpbench convert --fclib-triplets rows-first`";
   const Eigen::Matrix3d A = (Eigen::Matrix3d() << 4, 7, 5, 1, 3, 0, 5, 0, 2).finished();
   const Eigen::Matrix3d turned = (Eigen::Matrix3d() << 4, 1, 5, 7, 3, 0, 5, 0, 2).finished();
   Contents contents = Example();
@@ -237,7 +238,7 @@ TEST_F(FclibFile, GlobalProblemsOfADiagonalMassAreReadByFactors) {
   contents.reals["/solution/r"] = {1, 8, 2, 8};
   contents.reals["/solution/l"] = {-1};
   contents.Write(Path("p.h5"));
-  ExpectRefused(Path("p.h5"), "expected friction coefficients 0, or --without-friction");
+  ExpectRefused(Path("p.h5"), "expected friction coefficients 0, or `lcpbench convert --without-friction`");
   const FclibOptions normal{FclibTriplets::kByRanges, true};
   const FclibProblem read = ReadFclibProblem(Path("p.h5"), normal);
   EXPECT_EQ(Eigen::MatrixXd(read.problem.J()), (Eigen::MatrixXd(3, 2) << 1, 0, -1, 1, 0, 1).finished());
@@ -255,6 +256,29 @@ TEST_F(FclibFile, GlobalProblemsOfADiagonalMassAreReadByFactors) {
   expect("M: expected masses > 0 on the diagonal, found 0.000000 at 1");
   contents.Matrix(global + "/M", 3, 3, 0, {}, {}, {});
   expect("M: expected 2 x 2 entries, found 3 x 3");
+}
+
+// Groups of FCLib that are not taken, one or several, with a solution beside them; and a global problem that lacks
+// part.
+TEST_F(FclibFile, AFileOfOtherGroupsIsToldWhatItHas) {
+  for (const std::string other : {"fclib_global_rolling", "fclib_local_rolling", "FCLIB_LOCAL", "a group"}) {
+    Contents contents;
+    contents.integers["/" + other + "/spacedim"] = {5};
+    contents.Matrix("/" + other + "/M", 1, 1, 1, {0}, {0}, {2});
+    contents.Write(Path("p.h5"));
+    ExpectRefused(Path("p.h5"), "expected a group fclib_local or fclib_global, found " + other);
+    contents.reals["/solution/r"] = {1};
+    contents.Write(Path("p.h5"));
+    ExpectRefused(Path("p.h5"), "fclib_global, found " + other + ", solution");
+  }
+  Contents contents;
+  for (int k = 0; k < 100; ++k) contents.integers["/group" + std::to_string(k) + "/n"] = {k};
+  contents.Write(Path("p.h5"));
+  ExpectRefused(Path("p.h5"), "found group0, group1, group10");
+  contents = {};
+  contents.Matrix("/fclib_global/M", 1, 1, 1, {0}, {0}, {2});
+  contents.Write(Path("p.h5"));
+  ExpectRefused(Path("p.h5"), "/fclib_global/spacedim: expected a dataset of integers, found none");
 }
 
 // As a writer leaves it that creates a dataset and then has nothing for it.
@@ -324,7 +348,8 @@ TEST_F(FclibFile, WhatIsWrongIsOneLineWithItsDataset) {
       {without(W + "/x"), "/fclib_local/W/x: expected a dataset of numbers, found none"},
       {without(vectors + "/s"), "vectors/s: expected a dataset of numbers, found none"},
       {without(R + "/m"), "/fclib_local/R/m: expected a dataset of integers, found none"},
-      {[](Contents* c) { *c = {}; }, "/fclib_local/spacedim: expected a dataset of integers, found none"},
+      {[](Contents* c) { *c = {}; }, "expected a group fclib_local or fclib_global, found nothing"},
+      {without("/fclib_local/spacedim"), "/fclib_local/spacedim: expected a dataset of integers, found none"},
       {integers("/fclib_local/spacedim", {4}), "spacedim: expected one number from 2 to 3, found 4"},
       {integers("/fclib_local/spacedim", {}), "spacedim: expected one number from 2 to 3, found 0 numbers"},
       {integers("/fclib_local/spacedim", {3}), "W: expected a square matrix of 3 rows for every contact, found 4 x 4"},
@@ -352,7 +377,8 @@ TEST_F(FclibFile, WhatIsWrongIsOneLineWithItsDataset) {
       {reals(vectors + "/s", {}), "vectors/s: expected 1 numbers, found 0"},
       {reals(vectors + "/mu", {0}), "vectors/mu: expected 2 numbers, found 1"},
       {reals(vectors + "/mu", {0, 0.3}),
-       "vectors/mu: expected friction coefficients 0, or --without-friction, which passes over them, found 0.3"},
+       "vectors/mu: expected friction coefficients 0, or `lcpbench convert --without-friction`, which passes over "
+       "them, found 0.3"},
       {reals(vectors + "/mu", {-0.3, 0}), "vectors/mu: expected friction coefficients 0"},
       {reals("/solution/r", {1, 2, 3, 4}), "/solution/l: expected a dataset of numbers, found none"},
       {reals("/solution/r", {1, 2}), "/solution/r: expected 4 numbers, found 2"},

@@ -123,7 +123,7 @@ TEST(SiconosText, OfContactsWithFrictionTheNormalRowsAreRead) {
   EXPECT_EQ(dense.DenseA(), (Eigen::Matrix2d() << 4, 1, 1, 3).finished());
   EXPECT_EQ(dense.b(), Eigen::Vector2d(-1, -2));
   EXPECT_TRUE(dense.bilateral_rows().empty());
-  ExpectRefused([&] { Parse(W + "0 0.5"); }, "friction coefficients 0, or --without-friction, which passes over them",
+  ExpectRefused([&] { Parse(W + "0 0.5"); }, "friction coefficients 0, or `lcpbench convert --without-friction`",
                 "file.dat:1: ");
   EXPECT_THROW(Parse(W + "0"), InputError);
   EXPECT_THROW(Parse(W + "0 0 1 1"), InputError);
