@@ -41,6 +41,7 @@ struct Recommend {
   bool json = false;
   bool features = false;
   NamedSolvers named;
+  ReadingOptions reading;
 
   void Declare(CLI::App& app) {
     app.add_option("FILE", files, "Problem file of any format, or a sequence as JSON lines; - for standard input");
@@ -68,6 +69,7 @@ struct Recommend {
     AddCpuOption(app, &plan.cpu);
     app.add_flag("--json", json, "All of it as one JSON object");
     app.add_flag("--features", features, "Only print the features of all problems, as JSON lines");
+    AddReadingOptions(app, &reading);
     named.Declare(app);
     app.footer("Exit status 0 also where nothing meets the request; the answer then says so.");
   }
@@ -79,7 +81,7 @@ struct Recommend {
     if (inputs != 1) throw InputError("recommend: expected one FILE or --scene, found " + std::to_string(inputs));
     const RecommendationRules rules =
         ReadRecommendationRules(rules_file.empty() ? DataFile("recommendation") : rules_file);
-    const ProblemSteps problems = start.scene.empty() ? ReadProblemSteps(files.front())
+    const ProblemSteps problems = start.scene.empty() ? ReadProblemSteps(files.front(), reading)
                                                       : MakeProblemSteps(start.scene, start.size, start.seed, steps);
 
     const auto by_rows = [](const SequenceStep& a, const SequenceStep& b) {
@@ -99,7 +101,9 @@ struct Recommend {
     all_.made_of = rules.made_of;
     all_.region = FindRegion(rules, all_.features, plan.tolerance);
 
-    ChooseCandidates(largest->problem.size());
+    // Its words name the solvers that take what it does not.
+    all_.note = MakeSolver("auto")->WhyUnsupported(largest->problem);
+    ChooseCandidates(largest->problem);
     for (const std::string& key : plan.solvers) {
       if (FindSolver(key).origin == SolverOrigin::kExternal) WorkerVersion(key);  // which says why it does not start
     }
@@ -108,7 +112,7 @@ struct Recommend {
     all_.rounds = plan.rounds;
     all_.samples = static_cast<int>(measurements.front().latency_s.size());
     all_.ranked = RankMeasurements(measurements, all_.request);
-    all_.untried = Untried();
+    all_.untried = Untried(largest->problem);
     if (json) {
       std::cout << DescribeRecommendation(all_).dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
                 << std::endl;
@@ -122,7 +126,7 @@ struct Recommend {
   // What report/report.py recommendation makes rules of: the same numbers as the command looks them up by.
   int PrintFeatures() const {
     if (files.empty()) throw InputError("--features: expected one FILE or more");
-    return ForEachProblem(files, {}, [](const LcpRecord& record) {
+    return ForEachProblem(files, reading, [](const LcpRecord& record) {
       nlohmann::ordered_json line = {{"problem", record.problem.id()}};
       line.update(Describe(MeasureFeatures(record.problem)));
       std::cout << line.dump() << std::endl;
@@ -134,16 +138,24 @@ struct Recommend {
     if (tried_.insert(entry.key).second) plan.solvers.push_back(entry.key);
   }
 
-  void ChooseCandidates(Index rows) {
+  // Of others than ours only their workers know.
+  static bool Takes(const SolverEntry& entry, const LcpProblem& problem) {
+    if (!entry.available) return false;
+    return entry.origin != SolverOrigin::kOwn || entry.make({})->WhyUnsupported(problem).empty();
+  }
+
+  void ChooseCandidates(const LcpProblem& problem) {
     const bool by_rules = candidates.empty();
     const bool all = candidates == std::vector<std::string>{"all"};
-    const auto fits = [rows](const SolverEntry& entry) { return entry.available && SizeRefusal(entry, rows).empty(); };
+    const auto fits = [&problem](const SolverEntry& entry) {
+      return Takes(entry, problem) && SizeRefusal(entry, problem.size()).empty();
+    };
     if (by_rules || all) {
       for (const std::string& key : all_.region.candidates) {
-        if (const SolverEntry& entry = FindSolver(key); entry.available) Try(entry);
+        if (const SolverEntry& entry = FindSolver(key); Takes(entry, problem)) Try(entry);
       }
     }
-    if (all) {
+    if (all || (by_rules && plan.solvers.empty())) {  // the rules are made of problems with symmetric A
       for (const SolverEntry& entry : AllSolvers()) {
         if (entry.origin == SolverOrigin::kOwn && fits(entry)) Try(entry);
       }
@@ -160,16 +172,17 @@ struct Recommend {
     if (plan.solvers.empty()) throw InputError("recommend: none of the candidates of the rules is in this build");
   }
 
-  std::vector<UntriedSolver> Untried() const {
+  std::vector<UntriedSolver> Untried(const LcpProblem& problem) const {
     std::vector<UntriedSolver> untried;
     std::set<std::string> known = tried_;
     int rank = 0;
     for (const ReferenceRecord& record : all_.region.solvers) {
       ++rank;
-      if (known.insert(record.solver).second) untried.push_back({record.solver, rank, record.within});
+      if (!known.insert(record.solver).second || !Takes(FindSolver(record.solver), problem)) continue;
+      untried.push_back({record.solver, rank, record.within});
     }
     for (const SolverEntry& entry : AllSolvers()) {
-      const bool is_ours = entry.origin == SolverOrigin::kOwn && entry.available && entry.base.empty();
+      const bool is_ours = entry.origin == SolverOrigin::kOwn && entry.base.empty() && Takes(entry, problem);
       if (is_ours && known.insert(entry.key).second) untried.push_back({entry.key, 0, 0});
     }
     return untried;

@@ -232,6 +232,7 @@ std::string FormatRecommendation(const Recommendation& all) {
   for (size_t k = 1; k < std::min(all.ranked.size(), kMostShown); ++k) {
     text += (k == 1 ? "next: " : "      ") + Evidence(all, all.ranked[k]) + "\n";
   }
+  if (!all.note.empty()) text += "note: " + all.note + "\n";
   text += UntriedText(all) + DisturbedText(all);
   if (!best.meets) return text;
   return text + "\nC++:\n\n" + RecommendedCode(all) + OriginNote(measured.solver) + "\nCMake:\n\n" + kCMake;
@@ -282,6 +283,7 @@ nlohmann::ordered_json DescribeRecommendation(const Recommendation& all) {
                                  {"rank", each.rank > 0 ? Json(each.rank) : Json(nullptr)},
                                  {"within", each.rank > 0 ? Json(each.within) : Json(nullptr)}});
   }
+  json["note"] = all.note.empty() ? Json(nullptr) : Json(all.note);
   const Assessment& best = all.ranked.front();
   json["recommended"] = best.meets ? Json(best.measured.solver) : Json(nullptr);
   json["start"] = best.meets ? Json(best.measured.warm ? "warm" : "cold") : Json(nullptr);

@@ -48,6 +48,7 @@ struct Recommendation {
   RecommendationRegion region;
   std::vector<Assessment> ranked;  ///< best first, one or more
   std::vector<UntriedSolver> untried;
+  std::string note = {};  ///< what of the problem leaves solvers out, and which take it; "" for most problems
 };
 
 /// As text: features, table, the recommendation with its evidence, C++ and CMake lines.

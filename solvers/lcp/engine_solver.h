@@ -52,9 +52,11 @@ class EngineSolver : public LcpSolver {
   std::optional<RangeScaling> scaling_;  // of a prepared matrix out of range
 };
 
-/// WhyUnsupported of solvers for symmetric A.
+/// WhyUnsupported of solvers for symmetric A: names the own solvers, and peers, that take any other.
 inline std::string WhyNotSymmetric(const LcpProblem& problem) {
-  return problem.IsNumericallySymmetric() ? "" : "A is not symmetric";
+  if (problem.IsNumericallySymmetric()) return {};
+  return "A is not symmetric; solvers that take it: pgs, psor, ipopt-ncp, and of peers siconos-lexicolemke, "
+         "siconos-newton-fb, petsc-ssls, bullet-lemke, drake-moby";
 }
 
 template <typename Options, typename Engine>

@@ -347,5 +347,30 @@ TEST(Registry, UnknownKeysNameTheKnownOnes) {
   }
 }
 
+// Of peers that are in this build the adapter must take it; how far their solver gets is its own matter.
+TEST(NonsymmetricMatrices, TheRefusalNamesWhoTakesThem) {
+  Eigen::Matrix2d A;
+  A << 2, 1, -1, 2;
+  const LcpProblem problem = LcpProblem::FromDense("other", A, Eigen::Vector2d(-1, -2));
+  const std::string refusal = MakeSolver("auto")->WhyUnsupported(problem);
+  std::string named = refusal + ",";
+  std::replace(named.begin(), named.end(), ' ', ',');
+  int takers = 0;
+  for (const SolverEntry& entry : AllSolvers()) {
+    const bool is_named = named.find("," + entry.key + ",") != std::string::npos;
+    takers += is_named ? 1 : 0;
+    if (!entry.available || (entry.origin != SolverOrigin::kOwn && !is_named)) continue;
+    LcpResult result;
+    LcpOptions options;
+    options.time_limit_s = 1;
+    entry.make({})->Solve(problem, options, &result);
+    EXPECT_EQ(result.status != LcpStatus::kUnsupported, is_named) << entry.key << ": " << refusal;
+    if (!is_named) {
+      EXPECT_EQ(result.detail, refusal) << entry.key;
+    }
+  }
+  EXPECT_EQ(takers, 8) << refusal;
+}
+
 }  // namespace
 }  // namespace lcpbench

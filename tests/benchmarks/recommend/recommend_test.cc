@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <random>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -391,6 +392,38 @@ TEST_F(RecommendCommand, ProblemsWithoutRowsAreRecommendedFor) {
   const Json steps = Recommend(Path("steps.jsonl"));
   EXPECT_EQ(steps["problems"], 3);
   EXPECT_EQ(steps["ranked"][0]["verified"], 1) << steps;
+}
+
+// Row diagonally dominant, so that projected Gauss-Seidel converges.
+TEST_F(RecommendCommand, WhereAIsNotSymmetricThoseThatTakeItAreTriedAndNamed) {
+  std::mt19937_64 random(7);
+  for (const int n : {2, 5, 40}) {
+    Json A = Json::array(), b = Json::array();
+    for (int i = 0; i < n; ++i) {
+      Json row = Json::array();
+      for (int j = 0; j < n; ++j) row.push_back(i == j ? 2.0 * n : static_cast<double>(random() % 7) - 3.0);
+      A.push_back(row);
+      b.push_back(static_cast<double>(random() % 9) - 6.0);
+    }
+    A[0][1] = A[1][0].get<double>() + 1;
+    Write("other.jsonl", Json{{"id", "p"}, {"A", A}, {"b", b}}.dump());
+    const Json found = Recommend(Path("other.jsonl"));
+    EXPECT_TRUE(found["recommended"].is_string()) << found;
+    EXPECT_NE(found["note"].get<std::string>().find("solvers that take it: pgs, "), std::string::npos) << found["note"];
+    for (const Json& row : found["ranked"]) EXPECT_EQ(row["claims"].count("unsupported"), 0U) << row;
+    for (const Json& untried : found["not_tried"]) EXPECT_NE(untried["solver"], "lemke");
+    const CommandOutcome text = Succeed("recommend --rounds 1 " + Path("other.jsonl"));
+    EXPECT_NE(text.out.find("note: A is not symmetric; solvers that take it: pgs, "), std::string::npos) << text.out;
+  }
+}
+
+TEST_F(RecommendCommand, ReadersHaveTheirOptions) {
+  Write("friction.dat", "2 2 0 4 4 4 4  4 9 1 9  9 9 9 9  1 9 3 9  9 9 9 9  -1 8 -2 8  0 0.5\n");
+  ExpectMistake("recommend " + Path("friction.dat"),
+                "friction coefficients 0, or `lcpbench convert --without-friction`");
+  EXPECT_EQ(Recommend(Path("friction.dat") + " --without-friction")["rows"], Json({2.0, 2.0}));
+  Write("nearly.jsonl", R"({"id":"p","A":[[4,1.0625],[1,4]],"b":[-1,2]})");
+  EXPECT_TRUE(Recommend(Path("nearly.jsonl") + " --symmetrize 0.1")["note"].is_null());
 }
 
 TEST_F(RecommendCommand, TheTextEndsWithLinesForCMakeUnlessNothingMeetsTheRequest) {
