@@ -130,11 +130,11 @@ Json ConnectorJson(const Connector& connector) {
   Json json = {{"type", connector.type},   {"a", connector.end1.body},        {"p", Pair(connector.end1.point)},
                {"b", connector.end2.body}, {"q", Pair(connector.end2.point)}, {"length", connector.length},
                {"side", connector.side}};
-  if (!connector.path) return json;
+  if (connector.path.empty()) return json;
   Body carrier;
-  carrier.outline = {*connector.path};
+  carrier.outline = connector.path;
   json["unit"] = UnitOf(carrier);
-  json["path"] = PiecePath(*connector.path, UnitOf(carrier), "M");
+  json["path"] = PiecesPath(connector.path, UnitOf(carrier));
   return json;
 }
 

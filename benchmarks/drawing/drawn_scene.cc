@@ -57,8 +57,9 @@ std::vector<Connector> ConnectorsOf(const std::vector<Constraint>& joints, const
     const Attachment end2{joint.body2, vertex2 != nullptr ? vertex2->p : Vec2{}};
     if (joint.type == ConstraintType::kPathJoint && (vertex1 != nullptr || vertex2 != nullptr)) {
       const bool first = vertex1 != nullptr;
-      connectors.push_back({"path joint", first ? end1 : end2, first ? end2 : end1, 0, 0,
-                            WholeCurve(first ? joint.feature2 : joint.feature1)});
+      std::vector<OutlineEdge> path = joint.path;
+      if (path.empty()) path = WholeCurve(first ? joint.feature2 : joint.feature1);
+      connectors.push_back({"path joint", first ? end1 : end2, first ? end2 : end1, 0, 0, std::move(path)});
     }
     if (vertex1 == nullptr || vertex2 == nullptr) continue;
     if (joint.type == ConstraintType::kPin) connectors.push_back({"pin", end1, end2});

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -63,7 +62,7 @@ struct Connector {
   Attachment end2;        ///< of a path joint: the body that has the path
   double length = 0;      ///< of a rope [m]
   double side = 0;        ///< of springs and dampers with the same ends: 1 and -1, which are drawn beside each other
-  std::optional<OutlineEdge> path = {};
+  std::vector<OutlineEdge> path = {};
 };
 /// @param loads  or null
 std::vector<Connector> ConnectorsOf(const std::vector<Constraint>& joints, const Loads* loads);

@@ -206,7 +206,8 @@ Picture::Picture(const ContactSystem& system, const AssembledLcp& lcp, const Eig
   for (const RowInfo& row : lcp.rows) points.insert(points.end(), {row.p1, row.p2});
   for (const Connector& connector : connectors_) {
     for (const Attachment& end : {connector.end1, connector.end2}) {
-      if (!connector.path) points.push_back(BodyOf(end.body).x + Rotate(SinCos(BodyOf(end.body).theta), end.point));
+      if (connector.path.empty())
+        points.push_back(BodyOf(end.body).x + Rotate(SinCos(BodyOf(end.body).theta), end.point));
     }
   }
   layout_ = MakeLayout(system.bodies, points);
@@ -291,8 +292,8 @@ void Picture::AddBody(const Body& body) {
 
 void Picture::AddConnectors() {
   for (const Connector& connector : connectors_) {
-    if (!connector.path) continue;
-    out_ += SvgPath(PiecePath(*connector.path, layout_.scale, "M"),
+    if (connector.path.empty()) continue;
+    out_ += SvgPath(PiecesPath(connector.path, layout_.scale),
                     {kSoftInkColor, std::max(0.5, 0.7 * line_), "none",
                      " stroke-dasharray=\"6 3 1 3\"" + TransformOf(BodyOf(connector.end2.body))});
   }
@@ -302,7 +303,7 @@ void Picture::AddConnectors() {
     const Vec2 to = PageOf(connector.end2);
     if (connector.type == "pin") {
       out_ += PinShape(0.5 * (from + to), radius);
-    } else if (!connector.path) {
+    } else if (connector.path.empty()) {
       out_ += ConnectorShape(connector, from, to, connector_, connector.length * layout_.scale);
     }
   }

@@ -179,16 +179,15 @@ std::string PiecePath(const OutlineEdge& piece, double unit, std::string_view mo
                     piece.edge);
 }
 
+std::string PiecesPath(const std::vector<OutlineEdge>& pieces, double unit) {
+  std::string path;
+  for (const OutlineEdge& piece : pieces) path += PiecePath(piece, unit, path.empty() ? "M" : "L");
+  return path;
+}
+
 std::string OutlinePath(const Outline& outline, double unit) {
   std::string path;
-  for (const OutlineLoop& loop : outline.loops) {
-    std::string_view move = "M";
-    for (const OutlinePiece& piece : loop) {
-      path += PiecePath(piece, unit, move);
-      move = "L";
-    }
-    path += 'Z';
-  }
+  for (const OutlineLoop& loop : outline.loops) path += PiecesPath(loop, unit) + 'Z';
   return path;
 }
 
@@ -206,16 +205,16 @@ std::string BandPath(const OutlineEdge& piece, double unit, double depth) {
   return path + "Z";
 }
 
-std::optional<OutlineEdge> WholeCurve(const Feature& feature) {
+std::vector<OutlineEdge> WholeCurve(const Feature& feature) {
   return std::visit(
-      [](const auto& edge) -> std::optional<OutlineEdge> {
+      [](const auto& edge) -> std::vector<OutlineEdge> {
         if constexpr (requires { edge.side; }) {
           const bool convex = edge.side == Side::kConvex;
-          return OutlineEdge{edge, convex ? 0 : 2 * kPi, convex ? 2 * kPi : 0};
+          return {{edge, convex ? 0 : 2 * kPi, convex ? 2 * kPi : 0}};
         } else if constexpr (requires { edge.kIsAngle; }) {
-          return OutlineEdge{edge, 0, 1};
+          return {{edge, 0, 1}};
         } else {
-          return std::nullopt;
+          return {};
         }
       },
       feature);

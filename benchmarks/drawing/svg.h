@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,6 +46,8 @@ std::string SvgText(Vec2 at, double size, std::string_view text, std::string_vie
 /// Arcs and ellipses as A, Bezier curves as C, what SVG has no command for (superellipses, arcs too flat for a
 /// renderer's floats) as a polygon within kFlatness of the curve. `move` leads to the piece's start: "M" or "L".
 std::string PiecePath(const OutlineEdge& piece, double unit, std::string_view move);
+/// Pieces that join, as one line that may stay open.
+std::string PiecesPath(const std::vector<OutlineEdge>& pieces, double unit);
 
 /// All loops, closed. Fill by the even-odd rule: holes stay empty.
 std::string OutlinePath(const Outline& outline, double unit);
@@ -62,7 +63,7 @@ std::vector<double> FlatParameters(const OutlineEdge& piece, double flatness);
 bool IsBounded(const Outline& outline);
 
 /// The whole curve that an edge stands for, a straight edge and a Bezier curve from end to end; none for a vertex.
-std::optional<OutlineEdge> WholeCurve(const Feature& feature);
+std::vector<OutlineEdge> WholeCurve(const Feature& feature);
 
 /// Path units.
 inline constexpr double kFlatness = 0.05;

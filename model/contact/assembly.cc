@@ -113,7 +113,7 @@ class Assembler {
     const Body& body2 = system_.bodies[Body2(i)];
     const ClosestPoints closest = FindClosestPoints({constraint.feature1, body1.x, rotation_[Body1(i)], body1.theta},
                                                     {constraint.feature2, body2.x, rotation_[Body2(i)], body2.theta},
-                                                    {constraint.s1, constraint.s2, constraint.nominal_gap}, required);
+                                                    StartOf(constraint), required);
     const ContactRow row = ComputeContactRow(closest, body1, body2);
     AddRow({static_cast<int>(i), 'n', constraint.type != ConstraintType::kContact, body1.x + closest.R1,
             body2.x + closest.R2, closest.n, closest.d, row.d_dot, row.gamma},

@@ -301,7 +301,7 @@ struct Foot {
 // Newton's method from `start`; `foot` gives the Foot at places.
 template <std::size_t count, class Evaluate, class FootAt>
 void Finish(const std::array<const SmoothCurve*, count>& curves, const CurvePlaces<count>& start,
-            const Evaluate& evaluate, const FootAt& foot_at, StationaryPoints* found) {
+            const Evaluate& evaluate, const FootAt& foot_at, bool beyond_ends, StationaryPoints* found) {
   constexpr double kNearlySingular = 1e-6;
   const NewtonEnding<count> ending = SafeguardedNewton<count>(curves, start, evaluate);
   Foot foot = foot_at(ending.places);
@@ -316,7 +316,7 @@ void Finish(const std::array<const SmoothCurve*, count>& curves, const CurvePlac
     return;
   }
   for (std::size_t k = 0; k < count; ++k) {
-    if (curves[k]->Holds(ending.places[k])) continue;
+    if (beyond_ends || curves[k]->Holds(ending.places[k])) continue;
     found->is_beyond_end = true;
     found->failure = "the closest point lies beyond the end of the Bezier curve (s = " +
                      std::to_string(curves[k]->Parameter(ending.places[k])) + ", expected 0 <= s <= 1)";
@@ -352,7 +352,7 @@ double NarrowedSignChange(double low, double high, const Function& f) {
 }
 
 // A vertex or arc on body 1 and a curve on body 2.
-StationaryPoints SearchRoundAndCurve(const PlacedFeature& round1, const PlacedFeature& curve2, std::optional<double> s2,
+StationaryPoints SearchRoundAndCurve(const PlacedFeature& round1, const PlacedFeature& curve2, const SearchStart& start,
                                      Angles angles) {
   const Round<Wide> round = PlaceRound<Wide>(round1, angles);
   const SmoothCurve curve(curve2, angles);
@@ -370,9 +370,11 @@ StationaryPoints SearchRoundAndCurve(const PlacedFeature& round1, const PlacedFe
     return Foot{Join(n, Dot(n, q - jet.c) - Wide(round.rho), EndOf(round, -n, n), EndOf(curve, at[0], jet, n))};
   };
   StationaryPoints found;
-  const auto finish_from = [&](const Place& start) { Finish<1>({&curve}, {start}, equations, foot, &found); };
-  if (s2) {
-    finish_from(curve.FromParameter(*s2));
+  const auto finish_from = [&](const Place& place) {
+    Finish<1>({&curve}, {place}, equations, foot, start.beyond_ends, &found);
+  };
+  if (start.s2) {
+    finish_from(curve.FromParameter(*start.s2));
     return found;
   }
   const auto residual = [&](double tau) {
@@ -409,7 +411,7 @@ StationaryPoints SearchCurveAndLine(const PlacedFeature& curve1, const PlacedFea
     return Foot{Join(n, d, EndOf(curve, at[0], jet, n), EndOf(line, p1 - d * n, n)), AreOpposite(jet.N, n)};
   };
   StationaryPoints found;
-  const auto finish_from = [&](const Place& start) { Finish<1>({&curve}, {start}, equations, foot, &found); };
+  const auto finish_from = [&](const Place& start) { Finish<1>({&curve}, {start}, equations, foot, false, &found); };
   if (s1) {
     finish_from(curve.FromParameter(*s1));
   } else {
@@ -495,7 +497,7 @@ StationaryPoints SearchCurveAndCurve(const PlacedFeature& feature1, const Placed
   };
   StationaryPoints found;
   const auto finish_from = [&](const Place& place1, const Place& place2) {
-    Finish<2>({&curve1, &curve2}, {place1, place2}, equations, foot, &found);
+    Finish<2>({&curve1, &curve2}, {place1, place2}, equations, foot, false, &found);
   };
   if (start.s1 && start.s2) {
     finish_from(curve1.FromParameter(*start.s1), curve2.FromParameter(*start.s2));
@@ -535,7 +537,7 @@ bool IsInOrder(const PlacedFeature& feature1, const PlacedFeature& feature2) {
 StationaryPoints SearchInOrder(const PlacedFeature& feature1, const PlacedFeature& feature2, const SearchStart& start,
                                Angles angles) {
   if (!IsSearched(feature2.feature)) return SearchCurveAndLine(feature1, feature2, start.s1, angles);
-  if (!IsSearched(feature1.feature)) return SearchRoundAndCurve(feature1, feature2, start.s2, angles);
+  if (!IsSearched(feature1.feature)) return SearchRoundAndCurve(feature1, feature2, start, angles);
   return SearchCurveAndCurve(feature1, feature2, start, angles);
 }
 
@@ -555,7 +557,7 @@ ClosestPoints SolveBySearch(const Pair& pair, const SearchStart& start, Regulari
 ClosestPoints SolveBySearch(const Pair& pair, const SearchStart& start, Regularity required) {
   const ClosestPoints c = SolveBySearch(pair, start, required, Angles::kRounded);
   if (!DependsStronglyOnAngles(c) || !IsRegular(c, required)) return c;
-  return SolveBySearch(pair, {c.s1, c.s2, c.d}, required, Angles::kExact);
+  return SolveBySearch(pair, {c.s1, c.s2, c.d, start.beyond_ends}, required, Angles::kExact);
 }
 
 }  // namespace
@@ -580,7 +582,7 @@ StationaryPoints SearchStationaryPoints(const PlacedFeature& feature1, const Pla
   if (IsInOrder(feature1, feature2)) {
     found = SearchInOrder(feature1, feature2, start, angles);
   } else {
-    found = SearchInOrder(feature2, feature1, {start.s2, start.s1, start.nominal_gap}, angles);
+    found = SearchInOrder(feature2, feature1, {start.s2, start.s1, start.nominal_gap, start.beyond_ends}, angles);
     for (ClosestPoints& c : found.points) c = Swapped(c);
   }
   if (found.points.empty() && found.failure.empty()) {

@@ -18,6 +18,8 @@ struct SearchStart {
   std::optional<double> s1;
   std::optional<double> s2;
   double nominal_gap = 0;  ///< [m]
+  /// From a start value, also up to SmoothCurve::kBezierMargin beyond the ends of a Bezier curve, on its continuation.
+  bool beyond_ends = false;
 };
 
 /// The closest points of two features. World frame; 1 and 2 are the bodies.

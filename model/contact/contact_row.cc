@@ -7,12 +7,16 @@
 
 namespace lcpbench {
 
+SearchStart StartOf(const Constraint& constraint) {
+  return {constraint.s1, constraint.s2, constraint.nominal_gap, !constraint.path.empty()};
+}
+
 ClosestPoints FindClosestPoints(const Constraint& constraint, std::span<const Body> bodies, Regularity required) {
   const Body& body1 = bodies[static_cast<std::size_t>(constraint.body1)];
   const Body& body2 = bodies[static_cast<std::size_t>(constraint.body2)];
   return FindClosestPoints({constraint.feature1, body1.x, SinCos(body1.theta), body1.theta},
-                           {constraint.feature2, body2.x, SinCos(body2.theta), body2.theta},
-                           {constraint.s1, constraint.s2, constraint.nominal_gap}, required);
+                           {constraint.feature2, body2.x, SinCos(body2.theta), body2.theta}, StartOf(constraint),
+                           required);
 }
 
 ContactRow ComputeContactRow(const ClosestPoints& closest, const Body& body1, const Body& body2) {

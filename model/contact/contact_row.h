@@ -9,6 +9,10 @@
 
 namespace lcpbench {
 
+/// Which closest points a contact or path joint means. A point passes the end of a piece before its motion goes on
+/// along the next one, so on paths places beyond ends count.
+SearchStart StartOf(const Constraint& constraint);
+
 /// The closest points of a contact or path joint between bodies where they are now.
 /// @throws InputError as FindClosestPoints of features
 ClosestPoints FindClosestPoints(const Constraint& constraint, std::span<const Body> bodies,

@@ -1,5 +1,6 @@
 #include "model/contact/world.h"
 
+#include "model/contact/path.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -36,6 +37,7 @@ void RequireValid(const World& world) {
     if (joint.type == ConstraintType::kContact) throw InputError(name + ": contacts are found, not listed");
     const bool known = joint.body1 >= 0 && joint.body1 < count && joint.body2 >= 0 && joint.body2 < count;
     if (!known || joint.body1 == joint.body2) throw InputError(name + ": expected the indices of two different bodies");
+    if (const std::string why = WhyInvalidPath(joint); !why.empty()) throw InputError(name + ": " + why);
   }
   // The loads check themselves, with their own names.
   std::vector<Body> bodies = world.bodies;

@@ -36,7 +36,7 @@ World WorldOf(const ContactSystem& system);
 ContactSystem InstantOf(const World& world, std::vector<Constraint> contacts);
 
 /// @throws InputError naming the world and the body, joint or load: a mass or inertia that is not > 0, numbers that are
-///         not finite, indices that are not those of two different bodies, a contact among the joints
+///         not finite, indices that are not those of two different bodies, a contact among the joints, an invalid path
 void RequireValid(const World& world);
 
 }  // namespace lcpbench

@@ -30,6 +30,7 @@ struct ArcEdge {
     const Rotation u = SinCos(s);
     return {-u.sin, u.cos};
   }
+  double AngleAt(Vec2 p) const { return AngleOf(p - center); }
   SpanPoint AtNormal(Vec2 n, const TurnedPiece& /*piece*/) const {
     return {center + (SignOf(side) * radius) * n, {1, SignOf(side) / radius}, {}};
   }

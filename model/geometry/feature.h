@@ -37,6 +37,7 @@ struct Vertex {
 ///   Reach            the lengths that its points are computed from [m]: their rounding errors are a few epsilon of it
 ///   Point, Direction at s: the point; a vector in the direction of dp/ds of unspecified length > 0, 0 where a Bezier
 ///                    curve's derivative vanishes. The same bits everywhere
+///   AngleAt          of kIsAngle: the s of a point of the curve, by AngleOf
 ///   AtNormal         of a piece turned into the world's axes: the point with outward normal n, its curvature and place
 ///   NormalCuts       of kSearched: values of s that cut a piece into parts that turn one way and by at most a quarter
 ///                    turn, in the sense of travel, with both ends

@@ -20,6 +20,11 @@ struct OvalShape {
 
   std::string WhyInvalid() const;
   double Reach(double angle) const;
+  /// A point in the frame of the oval's axes.
+  Vec2 InAxes(Vec2 p) const {
+    const Rotation r = SinCos(phi);
+    return Rotate({r.cos, -r.sin}, p - center);
+  }
   /// Between its axes an oval's curvature rises or falls in one way, but for the superellipse's blunt corners.
   static std::vector<double> NormalCuts(double s_begin, double s_end);
   SpanPoint AtNormal(Vec2 n, const TurnedPiece& piece) const;
@@ -54,6 +59,10 @@ struct EllipseEdge {
 
   Vec2 Point(double s) const;
   Vec2 Direction(double s) const;
+  double AngleAt(Vec2 p) const {
+    const Vec2 q = Shape().InAxes(p);
+    return AngleOf({q.x / a, q.y / b});
+  }
   SpanPoint AtNormal(Vec2 n, const TurnedPiece& piece) const { return Shape().AtNormal(n, piece); }
   std::vector<double> NormalCuts(double s_begin, double s_end) const { return OvalShape::NormalCuts(s_begin, s_end); }
   void AppendMoments(double s_begin, double s_end, Vec2 begin, std::vector<Segment>* segments) const {
@@ -86,6 +95,7 @@ struct SuperellipseEdge {
   Vec2 Point(double s) const;
   /// From the gradient of the implicit equation, which keeps all digits at any aspect ratio.
   Vec2 Direction(double s) const;
+  double AngleAt(Vec2 p) const { return AngleOf(Shape().InAxes(p)); }
   SpanPoint AtNormal(Vec2 n, const TurnedPiece& piece) const { return Shape().AtNormal(n, piece); }
   std::vector<double> NormalCuts(double s_begin, double s_end) const { return OvalShape::NormalCuts(s_begin, s_end); }
   /// Adaptive Gauss-Kronrod quadrature to a relative 1e-14, in the slope of the polar ray, in which the integrand is

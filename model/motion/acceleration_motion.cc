@@ -19,6 +19,7 @@
 #include "model/contact/body.h"
 #include "model/contact/contact_row.h"
 #include "model/contact/loads.h"
+#include "model/contact/path.h"
 #include "model/contact/system.h"
 #include "model/contact/world.h"
 #include "model/detection/detection.h"
@@ -359,6 +360,8 @@ constexpr double kDepthFraction = 0.01;
 constexpr double kShortestCut = 1e-13;
 /// Gaps that start below the event depth are met this fraction of it deeper.
 constexpr double kLower = 1e-3;
+/// Rates of what is known by values only are differences over this fraction of a step.
+constexpr double kRateFraction = 1e-5;
 /// Forces and accelerations below this fraction of the largest are zero to a solver.
 constexpr double kNegligible = 1e-8;
 
@@ -473,7 +476,7 @@ class StepEvents {
     constexpr int kMostCuts = 8;
     for (int cut = 0; cut < kMostCuts; ++cut) {
       events.clear();
-      if (AddApproaches(&end, &events)) break;
+      if (AddApproaches(&end, &events) && AddPathEnds(&end, &events)) break;
     }
     AddPassages(end, &events);
     if (!AddReleases(end, &events)) return std::nullopt;
@@ -614,9 +617,49 @@ class StepEvents {
       } catch (const InputError&) {
         continue;
       }
-      inner.found = watch_.Find(BodiesAt(time, inner.state));
-      *end = std::move(inner);
-      between_.reset();
+      CutAt(std::move(inner), end);
+      return false;
+    }
+    return true;
+  }
+
+  void CutAt(StepEnd inner, StepEnd* end) {
+    inner.found = watch_.Find(BodiesAt(inner.step, inner.state));
+    *end = std::move(inner);
+    between_.reset();
+  }
+
+  // Points that pass the ends of pieces of their paths. Cuts the end where one left its piece and came back.
+  bool AddPathEnds(StepEnd* end, std::vector<Event>* events) {
+    for (const Constraint& joint : flow_->held()) {
+      if (joint.path.empty()) continue;
+      const auto left = [joint](std::span<const Body> bodies) { return LeftOnPiece(FindPlaceOnPiece(joint, bodies)); };
+      Event event;
+      event.smooth = true;
+      event.begin_value = left(begin_.bodies);
+      if (event.begin_value <= 0) continue;
+      event.value = [this, left](double step, const MotionState& state) { return left(BodiesAt(step, state)); };
+      const std::vector<Body> bodies = BodiesAt(end->step, end->state);
+      if (left(bodies) <= 0) {
+        events->push_back(std::move(event));
+        continue;
+      }
+      // Whether it moves away from both ends of its piece, by the bodies' velocities.
+      const auto returns = [left, h = kRateFraction * end->step](std::vector<Body> at) {
+        const double before = left(at);
+        for (Body& body : at) {
+          body.x = body.x + h * body.v;
+          body.theta += h * body.omega;
+        }
+        return left(at) > before;
+      };
+      if (returns(begin_.bodies) || !returns(bodies)) continue;
+      const StepInterpolant& between = Between(*end);
+      const double time = Bisect(0, end->step, kRateFraction * end->step,
+                                 [&](double step) { return returns(BodiesAt(step, between.At(step))); });
+      StepEnd inner{time, StateAfter(time), {}, {}, false};
+      if (event.value(time, inner.state) > 0) continue;
+      CutAt(std::move(inner), end);
       return false;
     }
     return true;

@@ -40,9 +40,9 @@ struct AccelerationOptions {
 /// evaluation; events located; impacts simultaneous. [docs/model.md sections 8, 9]
 ///
 /// A step ends early at the first event: the approach of a gap outside the held set to 0 (less 1e-4 eps_d), the release
-/// of a held contact whose f falls to 0, or the passage of a contact's foot from its edge to the next. An impact is due
-/// when a touching row (d <= 0) approaches faster than eps_v. docs/motion.md: how events are found and drift is
-/// corrected, and why nothing tunnels.
+/// of a held contact whose f falls to 0, or the passage of a contact's foot, or of a point on a path, from its edge to
+/// the next. An impact is due when a touching row (d <= 0) approaches faster than eps_v. docs/motion.md: how events
+/// are found and drift is corrected, and why nothing tunnels.
 ///
 /// A solver that fails is asked for its best point, with which the motion goes on; forces that are not finite end it as
 /// kSolverFailed. Observers are called where there is an LCP: not for steps without any row.

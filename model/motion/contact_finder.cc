@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "model/contact/contact_row.h"
+#include "model/contact/path.h"
 
 namespace lcpbench {
 namespace {
@@ -56,6 +57,10 @@ double LeastWidth(const World& world, std::span<const Extent> extents) {
 void FollowPathJoints(std::span<const Body> bodies, std::span<Constraint> constraints) {
   for (Constraint& joint : constraints) {
     if (joint.type != ConstraintType::kPathJoint) continue;
+    if (!joint.path.empty()) {
+      FollowPath(bodies, &joint);
+      continue;
+    }
     const bool curve1 = IsSearched(joint.feature1);
     const bool curve2 = IsSearched(joint.feature2);
     if (!curve1 && !curve2) continue;

@@ -45,8 +45,9 @@ double LeastWidth(const World& world, std::span<const Extent> extents);
 
 /// Moves the start values s1, s2 of path joints on general curves to where the joints are at the bodies' present
 /// positions, so that the next search begins there: a search without a start value looks through the whole curve, and
-/// may find another of its stationary points. Other constraints are left as they are.
-/// @throws InputError as FindClosestPoints
+/// may find another of its stationary points. Those on paths are followed along them (FollowPath). Other constraints
+/// are left as they are.
+/// @throws InputError as FindClosestPoints, PathEnd
 void FollowPathJoints(std::span<const Body> bodies, std::span<Constraint> constraints);
 
 /// Recognises the rows of one instant in the next: the same constraint type and axis between the same features of the

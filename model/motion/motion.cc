@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <variant>
 
+#include "model/contact/path.h"
 #include "support/clock.h"
 #include "support/input_error.h"
 #include "support/number_text.h"
@@ -32,6 +34,13 @@ void CountedSolver::Solve(const LcpProblem& problem, const Eigen::VectorXd* init
 Motion::Motion(World world, const LcpOptions& lcp, LcpSolver& solver)
     : world_(std::move(world)), solver_(solver, lcp, &statistics_, check_) {
   RequireValid(world_);
+  for (Constraint& joint : world_.joints) {
+    if (joint.type != ConstraintType::kPathJoint || !joint.path.empty()) continue;
+    for (const Feature& feature : {joint.feature1, joint.feature2}) {
+      // The one curve with ends of its own.
+      if (const auto* bezier = std::get_if<BezierEdge>(&feature)) joint.path = {{*bezier, 0, 1}};
+    }
+  }
 }
 
 void Motion::Advance(double duration) {
@@ -43,6 +52,9 @@ void Motion::Advance(double duration) {
   } catch (const NoFinitePoint& failure) {
     status_ = MotionStatus::kSolverFailed;
     detail_ = failure.detail;
+  } catch (const PathEnd& end) {
+    status_ = MotionStatus::kPathEnd;
+    detail_ = end.what();
   }
 }
 

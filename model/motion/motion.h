@@ -41,6 +41,7 @@ using MotionObserver = std::function<void(const MotionProblem&)>;
 enum class MotionStatus {
   kMoving,
   kSolverFailed,  ///< no finite forces or impulses to go on with
+  kPathEnd,       ///< a point came to an end of its path, or to a kink of it (path.h)
   kStalled,       ///< cannot advance: steps or bodies' displacements below the spacing of doubles, too many events
 };
 
@@ -92,7 +93,7 @@ class Motion {
   /// @throws InputError for a duration that is not, and where geometry is singular (assembly.h, detection.h)
   void Advance(double duration);
 
-  /// Now. Path joints on general curves have as s1, s2 where they are, or were a step ago.
+  /// Now. Path joints on general curves and on paths have as s1, s2 where they are.
   const World& world() const { return world_; }
   double time() const { return time_; }  ///< [s] from the start
   MotionStatus status() const { return status_; }

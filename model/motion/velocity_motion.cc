@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "model/contact/loads.h"
+#include "model/contact/path.h"
 #include "model/motion/contact_finder.h"
 #include "support/input_error.h"
 
@@ -82,6 +83,7 @@ class VelocityMotion final : public Motion {
     RequireInRange(options_);
     for (const Body& body : world_.bodies) extents_.push_back(ExtentOf(NormalSpans(OutlineOf(body), Rotation{})));
     if (const double least = LeastWidth(world_, extents_); least > 0) size_ = least;
+    FollowPathJoints(world_.bodies, world_.joints);
   }
 
  private:
@@ -220,8 +222,19 @@ class VelocityMotion final : public Motion {
     }
   }
 
+  // A step that would pass the end of a path is not made.
+  // @param before  the bodies at its beginning
+  void FollowJoints(std::vector<Body> before) {
+    try {
+      FollowPathJoints(world_.bodies, world_.joints);
+    } catch (const PathEnd&) {
+      world_.bodies = std::move(before);
+      FollowPathJoints(world_.bodies, world_.joints);
+      throw;
+    }
+  }
+
   void Step(double h) {
-    FollowPathJoints(world_.bodies, world_.joints);
     SetLoads(world_.loads, world_.bodies);
     const Eigen::VectorXd v_free = FreeVelocity(h);
     const double range = options_.reach * 2 * h * LargestSpeed(v_free) + options_.contact_gap * size_;
@@ -238,6 +251,7 @@ class VelocityMotion final : public Motion {
     const LcpResult result = Solve(system, lcp, v_free, h);
     impulses_ = result.f;
     MoveBodies(AfterImpulses(lcp.problem, result.f, v_free), h);
+    if (status_ == MotionStatus::kMoving) FollowJoints(system.bodies);
     RequireAdvance(system.bodies, h, options_.contact_gap * size_);
     time_ += h;
     ++statistics_.steps;

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "model/contact/path.h"
 #include "model/scene_file/fields.h"
 #include "model/scene_file/scene_file.h"
 #include "model/scene_file/shape_reader.h"
@@ -175,18 +176,38 @@ SceneBodies ReadBodies(const JsonField& field, const NamedShapes& shapes, std::s
   return result;
 }
 
-// An edge of the body's shape by its number, or one of the joint's own.
-Feature ReadJointEdge(const JsonField& edge, int body, const SceneBodies& bodies) {
-  if (!edge.IsObject()) {
+// Edges of the body's shape by their numbers, or edges of the joint's own, in the body's frame.
+std::vector<OutlineEdge> ReadJointPath(const JsonField& field, int body, const SceneBodies& bodies) {
+  const auto numbered = [&](const JsonField& number) {
     const std::vector<OutlineEdge>& outline = bodies[body].outline;
-    if (outline.empty()) edge.Mismatch("an edge as an object: the body has no shape");
-    return ToFeature(outline[static_cast<std::size_t>(edge.IndexBelow(outline.size()))].edge);
+    if (outline.empty()) number.Mismatch("an edge as an object: the body has no shape");
+    return outline[static_cast<std::size_t>(number.IndexBelow(outline.size()))];
+  };
+  std::vector<OutlineEdge> path;
+  if (field.IsArray() && field.Size() > 0 && field.Item(0).IsNumber()) {
+    for (const JsonField& number : field.Items()) path.push_back(numbered(number));
+    return path;
   }
+  if (!field.IsArray() && !field.IsObject()) return {numbered(field)};
+  path = field.IsArray() ? ReadPath(field) : std::vector{ReadEdge(field, std::nullopt).piece};
   const Vec2 origin = bodies.origins[static_cast<std::size_t>(body)];
-  OutlinePiece piece = ReadEdge(edge, std::nullopt).piece;
-  if (!IsZero(origin)) piece = Transformed(piece, 0, -origin);
-  if (!(Reach(piece) <= kLargestNumber)) edge.Fail("lengths must lie below 1e30");
-  return ToFeature(piece.edge);
+  for (OutlineEdge& piece : path) {
+    if (!IsZero(origin)) piece = Transformed(piece, 0, -origin);
+    if (!(Reach(piece) <= kLargestNumber)) field.Fail("lengths must lie below 1e30");
+  }
+  return path;
+}
+
+// An edge has the ends that its shape or its own numbers give it; one that states no range stands for the whole curve.
+bool HasEnds(const JsonField& field, const std::vector<OutlineEdge>& path) {
+  if (path.size() > 1 || field.IsArray()) return true;
+  if (field.IsObject()) {
+    const JsonField form = field.Members().front().second;
+    return form.Has("s_begin") || form.Has("s_end");
+  }
+  // A closed curve runs on into itself.
+  const bool is_angle = std::visit([](const auto& curve) { return curve.kIsAngle; }, path[0].edge);
+  return !(is_angle && IsClosed(path));
 }
 
 // Stated, or else the distance of the two points.
@@ -202,40 +223,52 @@ double ReadLength(const JsonField& field, const Constraint& joint, const SceneBo
   return length;
 }
 
+// The features of a path joint, with its path where that has ends.
+void ReadPathJoint(const JsonField& field, const SceneBodies& bodies, Constraint* joint) {
+  field.RequireOnlyKeys({"type", "body1", "body2", "point1", "point2", "edge1", "edge2", "s1", "s2", "nominal_gap"});
+  const bool edge_on_1 = field.Has("edge1");
+  if (edge_on_1 == field.Has("edge2") || edge_on_1 == field.Has("point1") || !edge_on_1 == field.Has("point2")) {
+    field.Fail("expected point1 and edge2, or edge1 and point2");
+  }
+  const JsonField edge = field[edge_on_1 ? "edge1" : "edge2"];
+  std::vector<OutlineEdge> path = ReadJointPath(edge, edge_on_1 ? joint->body1 : joint->body2, bodies);
+  (edge_on_1 ? joint->feature1 : joint->feature2) = ToFeature(path[0].edge);
+  (edge_on_1 ? joint->feature2 : joint->feature1) = Vertex{edge_on_1 ? bodies.ReadPoint(field["point2"], joint->body2)
+                                                                     : bodies.ReadPoint(field["point1"], joint->body1)};
+  if (field.Has("s1")) joint->s1 = ReadNumber(field["s1"]);
+  if (field.Has("s2")) joint->s2 = ReadNumber(field["s2"]);
+  joint->nominal_gap = ReadNumber(field, "nominal_gap", 0);
+  if (!HasEnds(edge, path)) return;
+  joint->path = std::move(path);
+  if (const std::string why = WhyInvalidPath(*joint); !why.empty()) edge.Fail(why);
+  PutOnPath(bodies.bodies, joint);
+}
+
 Constraint ReadJoint(const JsonField& field, const SceneBodies& bodies) {
   Constraint joint;
   joint.type = field["type"].Choice(kJointTypes);
   joint.body1 = bodies.Find(field["body1"]);
   joint.body2 = bodies.Find(field["body2"]);
   if (joint.body1 == joint.body2) field["body2"].Fail("expected another body than body1");
-  const bool is_path = joint.type == ConstraintType::kPathJoint;
+  if (joint.type == ConstraintType::kPathJoint) {
+    ReadPathJoint(field, bodies, &joint);
+    return joint;
+  }
   const bool is_pin = joint.type == ConstraintType::kPin;
   const bool at_place = is_pin && field.Has("at");
   if (at_place) {
     field.RequireOnlyKeys({"type", "body1", "body2", "at"});
   } else if (is_pin) {
     field.RequireOnlyKeys({"type", "body1", "body2", "point1", "point2", "at"});
-  } else if (is_path) {
-    field.RequireOnlyKeys({"type", "body1", "body2", "point1", "point2", "edge1", "edge2", "s1", "s2", "nominal_gap"});
-    const bool edge_on_1 = field.Has("edge1");
-    if (edge_on_1 == field.Has("edge2") || edge_on_1 == field.Has("point1") || !edge_on_1 == field.Has("point2")) {
-      field.Fail("expected point1 and edge2, or edge1 and point2");
-    }
   } else {
     field.RequireOnlyKeys({"type", "body1", "body2", "point1", "point2", "length"});
   }
-  const auto read_end = [&](int body, const char* point, const char* edge) -> Feature {
-    if (at_place) return Vertex{bodies.ReadPlace(field["at"], body)};
-    if (is_path && field.Has(edge)) return ReadJointEdge(field[edge], body, bodies);
-    return Vertex{bodies.ReadPoint(field[point], body)};
+  const auto read_end = [&](int body, const char* point) -> Feature {
+    return Vertex{at_place ? bodies.ReadPlace(field["at"], body) : bodies.ReadPoint(field[point], body)};
   };
-  joint.feature1 = read_end(joint.body1, "point1", "edge1");
-  joint.feature2 = read_end(joint.body2, "point2", "edge2");
-  if (!is_path && !is_pin) joint.length = ReadLength(field, joint, bodies);
-  if (!is_path) return joint;
-  if (field.Has("s1")) joint.s1 = ReadNumber(field["s1"]);
-  if (field.Has("s2")) joint.s2 = ReadNumber(field["s2"]);
-  joint.nominal_gap = ReadNumber(field, "nominal_gap", 0);
+  joint.feature1 = read_end(joint.body1, "point1");
+  joint.feature2 = read_end(joint.body2, "point2");
+  if (!is_pin) joint.length = ReadLength(field, joint, bodies);
   return joint;
 }
 

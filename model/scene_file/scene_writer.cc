@@ -167,6 +167,7 @@ class Writer {
       if (joint.s1) json["s1"] = *joint.s1;
       if (joint.s2) json["s2"] = *joint.s2;
       Add(&json, "nominal_gap", joint.nominal_gap);
+      if (!joint.path.empty()) json[IsVertex(joint.feature1) ? "edge2" : "edge1"] = ToJson(joint.path);
     }
     return json;
   }

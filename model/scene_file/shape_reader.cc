@@ -147,13 +147,6 @@ DrawnEdge ReadArc(const JsonField& arc, std::optional<Vec2> begin) {
   return Whole({ArcEdge{center, radius, range.side}, range.begin, range.end});
 }
 
-// A point in the frame of an ellipse's axes.
-template <class Oval>
-Vec2 InAxes(const Oval& oval, Vec2 p) {
-  const Rotation r = SinCos(oval.phi);
-  return Rotate({r.cos, -r.sin}, p - oval.center);
-}
-
 Vec2 Scaled(const EllipseEdge& e, Vec2 in_axes) { return {in_axes.x / e.a, in_axes.y / e.b}; }
 
 // How many times as large the oval through a point is, given in the frame of its axes.
@@ -168,14 +161,12 @@ double SizeAt(const SuperellipseEdge& e, Vec2 q) {
 // The parameter of a point that lies on the curve.
 template <class Oval>
 double ParameterAt(const Oval& oval, Vec2 p, const JsonField& edge) {
-  const Vec2 q = InAxes(oval, p);
-  const double size = SizeAt(oval, q);
+  const double size = SizeAt(oval, oval.Shape().InAxes(p));
   if (!(std::abs(size - 1) <= kOnCurve)) {
     edge.Fail("the point " + Text(p) + " is not on the " + oval.kName + ", but on one " + Text(size) +
               " times as large");
   }
-  if constexpr (std::is_same_v<Oval, EllipseEdge>) return AngleOf(Scaled(oval, q));
-  return AngleOf(q);
+  return oval.AngleAt(p);
 }
 
 // What ellipse and superellipse share: all of the curve stated, with a range of parameters or the points it joins.
@@ -209,8 +200,8 @@ DrawnEdge ReadEllipse(const JsonField& edge, std::optional<Vec2> begin) {
   const Turn turn = ReadTurn(edge);
   e.side = SideOf(turn);
   // On the unit circle that the ellipse is the image of.
-  const Vec2 u = Scaled(e, InAxes(e, p));
-  const Vec2 v = Scaled(e, InAxes(e, q));
+  const Vec2 u = Scaled(e, e.Shape().InAxes(p));
+  const Vec2 v = Scaled(e, e.Shape().InAxes(q));
   const Vec2 middle = CenterThrough(edge, u, v, 1, turn, ReadLong(edge));
   e.center = Rotate(SinCos(e.phi), {e.a * middle.x, e.b * middle.y});
   return {Swept(e, AngleOf(u - middle), AngleOf(v - middle), turn), q};
@@ -266,14 +257,14 @@ constexpr double kJoined = 1e-9;
 // More would be circles for all purposes, and a short file should not ask for much memory.
 constexpr int kMostTeeth = 1000;
 
-struct Path {
+struct DrawnPath {
   OutlineLoop edges;
   Vec2 begin;
   Vec2 end;
 };
 
-Path ReadPath(const JsonField& field) {
-  Path path;
+DrawnPath ReadDrawnPath(const JsonField& field) {
+  DrawnPath path;
   std::optional<Vec2> pen;
   for (const JsonField& item : field.Items()) {
     if (item.IsArray()) {
@@ -303,7 +294,7 @@ Path ReadPath(const JsonField& field) {
 }
 
 OutlineLoop ReadClosedPath(const JsonField& field) {
-  Path path = ReadPath(field);
+  DrawnPath path = ReadDrawnPath(field);
   double reach = 0;
   for (const OutlinePiece& piece : path.edges) reach = std::max(reach, Reach(piece));
   if (!(Norm(path.end - path.begin) <= kJoined * reach)) {
@@ -365,7 +356,7 @@ Outline ReadReadyMade(const std::string& kind, const JsonField& field) {
 Outline ReadChains(const JsonField& field) {
   field.RequireOnlyKeys({"chains"});
   Outline outline;
-  for (const JsonField& chain : field["chains"].Items()) outline.loops.push_back(ReadPath(chain).edges);
+  for (const JsonField& chain : field["chains"].Items()) outline.loops.push_back(ReadPath(chain));
   return outline;
 }
 
@@ -380,6 +371,8 @@ Outline ReadDrawn(const JsonField& field) {
 }
 
 }  // namespace
+
+OutlineLoop ReadPath(const JsonField& field) { return ReadDrawnPath(field).edges; }
 
 SceneShape ReadShape(const JsonField& field, const std::string& name) {
   SceneShape shape;

@@ -24,6 +24,9 @@ struct DrawnEdge {
 /// @throws InputError naming the JSON path
 DrawnEdge ReadEdge(const JsonField& edge, std::optional<Vec2> begin);
 
+/// Reads a list of points and edges, open or closed, that join.  @throws InputError naming the JSON path
+OutlineLoop ReadPath(const JsonField& field);
+
 /// What a body of a scene file looks like, in the frame it is drawn in.
 struct SceneShape {
   Outline outline;

@@ -18,7 +18,11 @@ _SCENE = {
         {"name": "ball", "shape": "disc", "density": 1, "position": [0, 1]},
         {"name": "drop", "shape": {"path": [[0, 0], {"arc": {"to": [1, 0], "bulge": 1}}, [0, 0]]}, "mass": 2},
     ],
-    "joints": [{"type": "rod", "body1": "ball", "point1": [0, 0], "body2": "floor", "point2": [0, 0]}],
+    "joints": [
+        {"type": "rod", "body1": "ball", "point1": [0, 0], "body2": "floor", "point2": [0, 0]},
+        {"type": "path", "body1": "ball", "point1": [0, 0], "body2": "floor", "edge2": [[0, 1], [1, 1]]},
+        {"type": "path", "body1": "floor", "edge1": [0, 0], "body2": "drop", "point2": [0, 0]},
+    ],
     "loads": {
         "springs": [{"body1": "ball", "body2": "floor", "point2": [1, 1], "stiffness": 1, "rest_length": 0}],
         "attraction": {"strength": 1},
@@ -60,6 +64,9 @@ _MALFORMED = [
     (("joints", 0, "type"), "weld"),
     (("joints", 0, "length"), 0),
     (("joints", 0, "point1"), REMOVED),
+    (("joints", 1, "edge2"), []),
+    (("joints", 1, "edge2"), [[0, 1], 0]),
+    (("joints", 2, "edge1"), -1),
     (("loads", "springs", 0, "stiffness"), -1),
     (("loads", "springs", 0, "body1"), 0),
     (("loads", "attraction", "strength"), None),

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "model/contact/assembly.h"
+#include "model/contact/path.h"
 #include "model/motion/contact_finder.h"
 #include "model/scene_file/scene_file.h"
 #include "model/scenes/random.h"
@@ -154,6 +155,12 @@ World RandomWorld(std::uint64_t seed) {
     Constraint path{ConstraintType::kPathJoint, 3, last - 1, Vertex{point()}, {}, {}, number(), number(), 0};
     std::visit([&path](const auto& e) { path.feature2 = e; }, edge.edge);
     world.joints.push_back(path);
+    Constraint with_ends = path;
+    with_ends.path = {edge};
+    if (edge == fixed.outline[0])
+      with_ends.path.push_back({StraightEdge{CurvePoint(edge.edge, edge.s_end), point()}, 0, 1});
+    PutOnPath(world.bodies, &with_ends);
+    world.joints.push_back(with_ends);
     std::swap(path.body1, path.body2);
     std::swap(path.feature1, path.feature2);
     std::swap(path.s1, path.s2);

@@ -511,6 +511,19 @@ TEST(SceneFileErrors, JointsNameWhatDoesNotFit) {
       {"an edge that needs a point",
        WithJoint(R"({"type": "path", )" + ends + R"("point1": [0, 0], "edge2": {"line": {"to": [0, 0]}}})"),
        "/joints/0/edge2/line: ", "a point to begin at"},
+      {"an empty path", WithJoint(R"({"type": "path", )" + ends + R"("point1": [0, 0], "edge2": []})"),
+       "/joints/0/edge2: ", "expected a path"},
+      {"a path that tears",
+       WithJoint(R"({"type": "path", )" + ends +
+                 R"("point1": [0, 0], "edge2": [[0, 0], [1, 0], {"line": {"from": [2, 0], "to": [3, 0]}}]})"),
+       "/joints/0/edge2/2: ", "the edge begins at (2, 0)"},
+      {"edges that do not join",
+       Scene(
+           R"({"name": "a", "density": 1, "shape": {"box": {"width": 1, "height": 1}}}, {"name": "b", "fixed": true})",
+           R"(, "joints": [{"type": "path", "body1": "a", "body2": "b", "edge1": [0, 2], "point2": [0, 0]}])"),
+       "/joints/0/edge1: ", "edge 1 of its path does not begin where the one before ends"},
+      {"a number and a point", WithJoint(R"({"type": "path", )" + ends + R"("edge1": [0, [1, 0]], "point2": [0, 0]})"),
+       "/joints/0/edge1/1: ", "an integer in [0, 1)"},
   });
 }
 
