@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "benchmarks/drawing/drawn_scene.h"
+#include "model/contact/contact_row.h"
 #include "model/motion/contact_finder.h"
 #include "model/scene_file/scene_file.h"
 #include "model/scenes/scene.h"
@@ -38,7 +39,12 @@ ContactSystem LoadInstant(const std::string& name_or_file, int size, std::uint64
 ContactSystem InstantWithContacts(const World& world) {
   const double median = MedianExtent(world.bodies, BoundsOf(world.bodies));
   const double size = median > 0 ? median : 1;
-  return InstantOf(world, ContactFinder(world).Find(world.bodies, kFoundGap * size, kFoundDepth * size));
+  ContactSystem system =
+      InstantOf(world, ContactFinder(world).Find(world.bodies, kFoundGap * size, kFoundDepth * size));
+  std::erase_if(system.constraints, [&](const Constraint& joint) {
+    return joint.type == ConstraintType::kRope && joint.length - DistanceOfEnds(joint, world.bodies) > kFoundGap * size;
+  });
+  return system;
 }
 
 std::unique_ptr<Motion> StartMotion(const MovingScene& scene, const LcpOptions& lcp, LcpSolver& solver) {

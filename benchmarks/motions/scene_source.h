@@ -36,7 +36,8 @@ MovingScene LoadScene(const std::string& name_or_file, int size, std::uint64_t s
 /// @throws InputError as LoadScene, DetectContacts
 ContactSystem LoadInstant(const std::string& name_or_file, int size, std::uint64_t seed);
 
-/// One instant of a world: its joints, and the contacts found between its outlines within kFoundGap.
+/// One instant of a world: its joints without slack ropes, and the contacts found between its outlines, both within
+/// kFoundGap.
 /// @throws InputError as DetectContacts
 ContactSystem InstantWithContacts(const World& world);
 

@@ -19,6 +19,19 @@ ClosestPoints FindClosestPoints(const Constraint& constraint, std::span<const Bo
                            required);
 }
 
+double DistanceOfEnds(const Constraint& connector, std::span<const Body> bodies) {
+  const Body& body1 = bodies[static_cast<std::size_t>(connector.body1)];
+  const Body& body2 = bodies[static_cast<std::size_t>(connector.body2)];
+  const Vec2 R1 = Rotate(SinCos(body1.theta), std::get<Vertex>(connector.feature1).p);
+  const Vec2 R2 = Rotate(SinCos(body2.theta), std::get<Vertex>(connector.feature2).p);
+  return Norm((body1.x - body2.x) + (R1 - R2));
+}
+
+bool HasNoDirection(const Constraint& rope, std::span<const Body> bodies) {
+  return IsVertex(rope.feature1) && IsVertex(rope.feature2) && rope.length > 0 && std::isfinite(rope.length) &&
+         DistanceOfEnds(rope, bodies) <= kSingularD * rope.length;
+}
+
 ContactRow ComputeContactRow(const ClosestPoints& closest, const Body& body1, const Body& body2) {
   const Vec2 n = closest.n;
   const Vec2 t = Perp(n);

@@ -63,6 +63,12 @@ struct ConnectorRow {
   ContactRow row;        ///< d' = J v, d'' = J a + gamma
 };
 
+/// |p1 - p2| of the ends of a rod or rope [m].
+double DistanceOfEnds(const Constraint& connector, std::span<const Body> bodies);
+/// Whether the ends of a rope coincide, for ComputeConnectorRow: it has no direction then, and needs none, for it is
+/// slack. False for a length that is not finite and > 0.
+bool HasNoDirection(const Constraint& rope, std::span<const Body> bodies);
+
 /// The vertex/vertex row: (r, s) = (0, 1) on both sides of the formula of ComputeContactRow, u the slip, so that
 ///     J = [n, R1 x n, -n, -R2 x n],   gamma = -omega1^2 n.R1 + omega2^2 n.R2 + u^2/d.   [docs/model.md sections 4, 6]
 /// O(1). A rod is w = 0 on d - L; a rope is unilateral on L - d, with J and gamma negated (assembly.h).

@@ -1,5 +1,6 @@
 #include "model/contact/world.h"
 
+#include "model/contact/contact_row.h"
 #include "model/contact/path.h"
 #include "support/input_error.h"
 
@@ -21,6 +22,9 @@ World WorldOf(const ContactSystem& system) {
 
 ContactSystem InstantOf(const World& world, std::vector<Constraint> contacts) {
   ContactSystem system{world.name, world.bodies, world.joints};
+  std::erase_if(system.constraints, [&world](const Constraint& joint) {
+    return joint.type == ConstraintType::kRope && HasNoDirection(joint, world.bodies);
+  });
   SetLoads(world.loads, system.bodies);
   system.constraints.insert(system.constraints.end(), std::make_move_iterator(contacts.begin()),
                             std::make_move_iterator(contacts.end()));

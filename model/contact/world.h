@@ -32,7 +32,8 @@ struct World {
 /// forces and torques on its movable bodies, constant in the world's directions.
 World WorldOf(const ContactSystem& system);
 
-/// One instant of `world`: its bodies under its loads, its joints, and the given contacts after them.
+/// One instant of `world`: its bodies under its loads, its joints, and the given contacts after them. Ropes whose ends
+/// coincide are left out.
 ContactSystem InstantOf(const World& world, std::vector<Constraint> contacts);
 
 /// @throws InputError naming the world and the body, joint or load: a mass or inertia that is not > 0, numbers that are

@@ -68,11 +68,20 @@ bool IsSameContact(const Constraint& a, const TouchPoint& at_a, const Constraint
 
 const Body& At(std::span<const Body> bodies, int index) { return bodies[static_cast<std::size_t>(index)]; }
 
-TouchPoint EvaluateRope(const Constraint& rope, const Body& body1, const Body& body2) {
+TouchPoint EvaluateRope(const Constraint& rope, std::span<const Body> bodies) {
+  const Body& body1 = At(bodies, rope.body1);
+  const Body& body2 = At(bodies, rope.body2);
   const Vec2 vertex1 = std::get<Vertex>(rope.feature1).p;
   const Vec2 vertex2 = std::get<Vertex>(rope.feature2).p;
-  const auto [points, row] =
-      ComputeConnectorRow(vertex1, SinCos(body1.theta), body1, vertex2, SinCos(body2.theta), body2, rope.length);
+  const Rotation rotation1 = SinCos(body1.theta);
+  const Rotation rotation2 = SinCos(body2.theta);
+  if (HasNoDirection(rope, bodies)) {
+    // From no distance at all the ends can only part, in the direction of their velocity.
+    const Vec2 R1 = Rotate(rotation1, vertex1);
+    const Vec2 R2 = Rotate(rotation2, vertex2);
+    return {{}, R1, R2, rope.length, -Norm((body1.v - body2.v) + (body1.omega * Perp(R1) - body2.omega * Perp(R2)))};
+  }
+  const auto [points, row] = ComputeConnectorRow(vertex1, rotation1, body1, vertex2, rotation2, body2, rope.length);
   return {-points.n, points.R1, points.R2, rope.length - points.d, -row.d_dot};
 }
 
@@ -110,14 +119,13 @@ class ContactWatch {
   // The closest points of a constraint's features; general curves from its start values, which are moved to the points
   // found.  @throws InputError where they are singular or not found
   static TouchPoint Evaluate(std::span<const Body> bodies, Constraint* constraint) {
-    const Body& body1 = At(bodies, constraint->body1);
-    const Body& body2 = At(bodies, constraint->body2);
-    if (constraint->type == ConstraintType::kRope) return EvaluateRope(*constraint, body1, body2);
+    if (constraint->type == ConstraintType::kRope) return EvaluateRope(*constraint, bodies);
     const ClosestPoints closest = FindClosestPoints(*constraint, bodies);
     if (constraint->s1) constraint->s1 = closest.s1;
     if (constraint->s2) constraint->s2 = closest.s2;
     constraint->nominal_gap = closest.d;
-    return {closest.n, closest.R1, closest.R2, closest.d, ComputeContactRow(closest, body1, body2).d_dot};
+    const ContactRow row = ComputeContactRow(closest, At(bodies, constraint->body1), At(bodies, constraint->body2));
+    return {closest.n, closest.R1, closest.R2, closest.d, row.d_dot};
   }
 
   // Whether the closest points lie on the outlines: feet on their edges, normals in their corners' cones.
@@ -873,6 +881,7 @@ class AccelerationMotion final : public Motion {
       try {
         const TouchPoint touch = ContactWatch::Evaluate(world_.bodies, &constraint);
         if (!(touch.d <= options_.contact_tolerance && touch.d >= -deepest)) return;
+        if (constraint.type == ConstraintType::kRope && HasNoDirection(constraint, world_.bodies)) return;
         if (must_lie_on && !watch_.LiesOn(world_.bodies, constraint, touch)) return;
         for (std::size_t k = 0; k < contacts.size(); ++k) {
           if (IsSameContact(constraint, touch, contacts[k], points[k])) return;

@@ -238,10 +238,12 @@ class VelocityMotion final : public Motion {
     SetLoads(world_.loads, world_.bodies);
     const Eigen::VectorXd v_free = FreeVelocity(h);
     const double range = options_.reach * 2 * h * LargestSpeed(v_free) + options_.contact_gap * size_;
-    ContactSystem system = InstantOf(world_, finder_.Find(world_.bodies, range, options_.max_depth * size_));
+    std::vector<Constraint> found = finder_.Find(world_.bodies, range, options_.max_depth * size_);
+    const std::size_t count = found.size();
+    ContactSystem system = InstantOf(world_, std::move(found));
     AssembledLcp lcp = AssembleContactLcp(system);
     std::vector<Constraint> contacts = WithoutGhosts(system, lcp.rows);
-    if (world_.joints.size() + contacts.size() < system.constraints.size()) {
+    if (contacts.size() < count) {
       system = InstantOf(world_, std::move(contacts));
       lcp = AssembleContactLcp(system);
     }

@@ -147,5 +147,16 @@ TEST(LoadInstant, IsTheFamilysProblemAndAFilesContacts) {
             FormatLcpRecord(AssembleContactLcp(GenerateScene("rockers", 12, 5)).problem, false));
 }
 
+/// The first rope of a file: with the length that it has, and one that leaves it slack.
+TEST(LoadInstant, LeavesOutSlackRopes) {
+  const std::string file = LCPBENCH_SOURCE_DIR "/tests/data/reports/rope-of-no-length.json";
+  World world = LoadScene(file, 1, 1).world;
+  EXPECT_EQ(AssembleContactLcp(LoadInstant(file, 1, 1)).problem.size(), 0);
+  for (const double y : {5.0, 4.9, 4.5, 4.01, 4.0}) {
+    world.bodies[1].x.y = y;
+    EXPECT_EQ(AssembleContactLcp(InstantWithContacts(world)).problem.size(), y == 4 ? 1 : 0) << y;
+  }
+}
+
 }  // namespace
 }  // namespace lcpbench

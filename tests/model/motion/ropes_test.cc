@@ -1,0 +1,104 @@
+// A rope whose ends coincide has no direction, and needs none: it is slack.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "model/contact/contact_row.h"
+#include "model/motion/make_motion.h"
+#include "model/scene_file/scene_file.h"
+#include "model/scenes/random.h"
+#include "model/shape/shapes.h"
+#include "solvers/registry.h"
+#include "support/input_error.h"
+#include "tests/model/acceleration_mover.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr MotionLevel kLevels[] = {MotionLevel::kVelocity, MotionLevel::kAcceleration};
+
+TEST(Ropes, ABallThatStartsAtItsHookFallsFreelyAndIsCaught) {
+  const World world = ReadSceneFile(LCPBENCH_SOURCE_DIR "/tests/data/reports/rope-of-no-length.json").world;
+  const double fall = std::sqrt(2 / kG);
+  for (const MotionLevel level : kLevels) {
+    SCOPED_TRACE(ToString(level));
+    const auto solver = MakeSolver("dantzig");
+    const auto motion = MakeMotion(level, world, {}, *solver);
+    const double tolerance = level == MotionLevel::kVelocity ? 1e-2 : 1e-6;
+    motion->Advance(0.9 * fall);
+    EXPECT_NEAR(motion->world().bodies[1].x.y, 5 - 0.81, tolerance);
+    EXPECT_NEAR(motion->world().bodies[1].v.y, -0.9 * kG * fall, tolerance);
+    motion->Advance(0.6 * fall);
+    EXPECT_EQ(motion->status(), MotionStatus::kMoving) << motion->detail();
+    EXPECT_NEAR(motion->world().bodies[1].x.y, 4, 1e-5);
+    EXPECT_NEAR(motion->world().bodies[1].v.y, 0, 1e-6);
+    EXPECT_LE(motion->statistics().worst_penetration, 1e-5);
+  }
+}
+
+// Two discs on a rope between points off their centres that coincide, parting in any direction: the rope also shorter
+// than a step's way or the range in which contacts are looked for.
+TEST(Ropes, EndsThatPartAreCaughtAtTheRopesLength) {
+  Random random(42);
+  for (int k = 0; k < 60; ++k) {
+    SCOPED_TRACE(k);
+    const double length = std::pow(10, random.Uniform(k % 5 == 0 ? -7 : -3, 0.5));
+    const double speed = std::pow(10, random.Uniform(-0.5, 0.7));
+    const double way = random.Uniform(-kPi, kPi);
+    const Vec2 place{random.Uniform(-1, 1), random.Uniform(-1, 1)};
+    Body first = Movable(Disc(random.Uniform(0.1, 1)), {});
+    Body second = Movable(Disc(random.Uniform(0.1, 1)), {});
+    first.x = place;
+    second.x = place;
+    const Rotation u = SinCos(way);
+    first.v = {0.3, -0.2};
+    second.v = first.v + speed * Vec2{u.cos, u.sin};
+    World world = WorldWith("parting", {first, second}, {});
+    world.joints = {Joint(ConstraintType::kRope, 0, {}, 1, {}, length)};
+    for (const MotionLevel level : kLevels) {
+      SCOPED_TRACE(ToString(level));
+      const auto solver = MakeSolver("dantzig");
+      const auto motion = MakeMotion(level, world, {}, *solver);
+      motion->Advance(0.5 * length / speed);
+      const double step_way = level == MotionLevel::kVelocity ? 1e-3 * speed : 0;
+      EXPECT_NEAR(DistanceOfEnds(world.joints[0], motion->world().bodies), std::min(0.5 * length, length),
+                  1e-6 + step_way);
+      motion->Advance(1.5 * length / speed + 0.01);
+      EXPECT_EQ(motion->status(), MotionStatus::kMoving) << motion->detail();
+      EXPECT_NEAR(DistanceOfEnds(world.joints[0], motion->world().bodies), length, 1e-5 + step_way);
+      // Without restitution the two go on together.
+      const Vec2 together = (1 / (first.mass + second.mass)) * (first.mass * first.v + second.mass * second.v);
+      for (const Body& body : motion->world().bodies) EXPECT_LE(Norm(body.v - together), 1e-5 * speed);
+    }
+  }
+}
+
+TEST(Ropes, HaveNoRowWhereTheirEndsCoincideAndRodsAreRefused) {
+  for (const double apart : {0.0, 1e-13, 1e-11}) {
+    World world = WorldWith("ends", {Anchor(), Movable(Disc(0.1), {apart, 5}), Movable(Disc(0.1), {1, 5})});
+    world.bodies[0].x = {0, 5};
+    world.joints = {Joint(ConstraintType::kRope, 1, {}, 0, {}, 0.5), Joint(ConstraintType::kRod, 2, {}, 0, {}, 1)};
+    const AssembledLcp lcp = AssembleContactLcp(InstantOf(world, {}));
+    ASSERT_EQ(lcp.rows.size(), 1U);
+    EXPECT_EQ(lcp.rows[0].constraint, 0);
+    EXPECT_NEAR(lcp.problem.DiagonalA()[0], 1 / world.bodies[2].mass, 1e-12);
+    world.joints[0].type = ConstraintType::kRod;
+    EXPECT_THROW(AssembleContactLcp(InstantOf(world, {})), InputError);
+    for (const MotionLevel level : kLevels) {
+      const auto solver = MakeSolver("dantzig");
+      EXPECT_THROW(MakeMotion(level, world, {}, *solver)->Advance(0.1), InputError);
+    }
+    for (const double length : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+      world.joints[0] = Joint(ConstraintType::kRope, 1, {}, 0, {}, length);
+      EXPECT_THROW(AssembleContactLcp(InstantOf(world, {})), InputError) << length;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
