@@ -1,5 +1,6 @@
 #include "benchmarks/motions/scene_source.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -28,6 +29,8 @@ MovingScene LoadScene(const std::string& name_or_file, int size, std::uint64_t s
   scene.level = file.level.value_or(scene.level);
   scene.step = file.step.value_or(scene.step);
   scene.restitution = file.restitution.value_or(scene.restitution);
+  scene.impact_law = file.impact_law;
+  scene.resting_speed = file.resting_speed;
   return scene;
 }
 
@@ -50,20 +53,26 @@ ContactSystem InstantWithContacts(const World& world) {
 std::unique_ptr<Motion> StartMotion(const MovingScene& scene, const LcpOptions& lcp, LcpSolver& solver) {
   MotionOptions options;
   options.velocity.step = scene.step;
-  options.velocity.restitution = scene.restitution;
   options.velocity.lcp = lcp;
   ImpactOptions& impact = options.acceleration.impact;
-  impact.restitution = scene.restitution;
+  options.velocity.restitution = impact.restitution = scene.restitution;
+  options.velocity.impact_law = impact.law = scene.impact_law.value_or(ImpactLaw::kNewton);
+  if (scene.resting_speed) options.velocity.resting_speed = impact.resting_speed = *scene.resting_speed;
   // Where nothing bounces, a body that is stopped by one contact leaves others slowly and falls back onto them a few
   // microseconds later, which leaves others again: one collision of a chain becomes a cascade of tiny impacts. Contacts
   // that are slower than what counts as rest anyway need no impact.
-  if (scene.restitution == 0) options.acceleration.velocity_tolerance = impact.resting_speed;
+  double& at_rest = options.acceleration.velocity_tolerance;
+  if (scene.restitution == 0) {
+    at_rest = ImpactOptions().resting_speed;
+  } else if (impact.resting_speed > 0) {
+    at_rest = std::min(at_rest, impact.resting_speed);
+  }
   options.acceleration.lcp = lcp;
   return MakeMotion(scene.level, scene.world, options, solver);
 }
 
 std::string FormatMovingScene(const MovingScene& scene) {
-  return FormatScene({scene.world, scene.level, scene.step, scene.restitution});
+  return FormatScene({scene.world, scene.level, scene.step, scene.restitution, scene.impact_law, scene.resting_speed});
 }
 
 }  // namespace lcpbench

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "model/contact/system.h"
@@ -24,6 +25,8 @@ struct MovingScene {
   MotionLevel level = MotionLevel::kVelocity;  ///< copes with any scene
   double step = 1e-3;      ///< time between two problems of its sequence, and the velocity level's time step [s]
   double restitution = 0;  ///< of impacts, in [0, 1]
+  std::optional<ImpactLaw> impact_law = {};  ///< Newton's if none
+  std::optional<double> resting_speed = {};  ///< [m/s]; each level has its own default
 };
 
 /// The sequence form of a family, or a scene file with what it wishes for.

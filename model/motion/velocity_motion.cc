@@ -25,6 +25,7 @@ void RequireInRange(const VelocityOptions& options) {
   const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
   Require(positive(options.step), "step", "a finite time > 0");
   Require(options.restitution >= 0 && options.restitution <= 1, "restitution", "a number in [0, 1]");
+  Require(std::isfinite(options.resting_speed) && options.resting_speed >= 0, "resting_speed", "a finite number >= 0");
   Require(std::isfinite(options.reach) && options.reach >= 1, "reach", "a finite number >= 1");
   Require(positive(options.contact_gap), "contact_gap", "a finite number > 0");
   Require(positive(options.max_depth), "max_depth", "a finite number > 0");
@@ -148,9 +149,47 @@ class VelocityMotion final : public Motion {
     const double clamp = options_.depth_clamp * size_;
     if (row.bilateral) return options_.stabilisation * std::clamp(row.d, -clamp, clamp) / h;
     double c = row.d >= 0 ? row.d / h : options_.stabilisation * std::max(row.d, -clamp) / h;
-    const bool closes = row.d_dot < 0 && row.d + h * row.d_dot <= 0;
-    if (contact && options_.restitution > 0 && closes) c = std::min(c, options_.restitution * row.d_dot);
+    const bool bounces = options_.restitution > 0 && options_.impact_law == ImpactLaw::kNewton;
+    if (contact && bounces && Closes(row, h)) c = std::min(c, options_.restitution * row.d_dot);
     return c;
+  }
+
+  // Faster than what counts as rest.
+  bool Closes(const RowInfo& row, double h) const {
+    return row.d_dot < 0 && -row.d_dot >= options_.resting_speed && row.d + h * row.d_dot <= 0;
+  }
+
+  // An impact of the constraints that touch or close within the step, by Poisson's law; false where none is due.
+  bool ResolveImpacts(const std::vector<RowInfo>& rows, double h, ContactSystem* system) {
+    ImpactOptions impact;
+    impact.law = ImpactLaw::kPoisson;
+    impact.restitution = options_.restitution;
+    impact.resting_speed = options_.resting_speed;
+    bool due = false;
+    std::vector<bool> touches(system->constraints.size(), false);
+    for (const RowInfo& row : rows) {
+      const bool closes = !row.bilateral && Closes(row, h);
+      due = due || (closes && -row.d_dot > impact.velocity_tolerance);
+      if (row.bilateral || closes || row.d <= options_.contact_gap * size_) {
+        touches[static_cast<std::size_t>(row.constraint)] = true;
+      }
+    }
+    if (!due) return false;
+    ++statistics_.impacts;
+    ContactSystem touching{system->name, system->bodies, {}};
+    for (std::size_t k = 0; k < touches.size(); ++k) {
+      if (touches[k]) touching.constraints.push_back(system->constraints[k]);
+    }
+    const ImpulseSolver solve = [this](const ContactSystem& met, const std::vector<RowInfo>& met_rows,
+                                       const LcpProblem& problem, LcpResult* result) {
+      solver_.Solve(problem, nullptr, result);
+      RequireFinite(problem, *result);
+      Observe(MotionProblemKind::kImpact, met, met_rows, problem, *result);
+    };
+    ResolveImpact(impact, solve, &touching);
+    CopyVelocities(touching.bodies, system->bodies);
+    CopyVelocities(touching.bodies, world_.bodies);
+    return true;
   }
 
   void GuessImpulses(const ContactSystem& system, const std::vector<RowInfo>& rows) {
@@ -236,7 +275,7 @@ class VelocityMotion final : public Motion {
 
   void Step(double h) {
     SetLoads(world_.loads, world_.bodies);
-    const Eigen::VectorXd v_free = FreeVelocity(h);
+    Eigen::VectorXd v_free = FreeVelocity(h);
     const double range = options_.reach * 2 * h * LargestSpeed(v_free) + options_.contact_gap * size_;
     std::vector<Constraint> found = finder_.Find(world_.bodies, range, options_.max_depth * size_);
     const std::size_t count = found.size();
@@ -248,6 +287,11 @@ class VelocityMotion final : public Motion {
       lcp = AssembleContactLcp(system);
     }
     NoteGaps(lcp.rows);
+    if (options_.restitution > 0 && options_.impact_law == ImpactLaw::kPoisson &&
+        ResolveImpacts(lcp.rows, h, &system)) {
+      v_free = FreeVelocity(h);
+      lcp = AssembleContactLcp(system);
+    }
     GuessImpulses(system, lcp.rows);
 
     const LcpResult result = Solve(system, lcp, v_free, h);

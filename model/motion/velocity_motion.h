@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "model/motion/impact.h"
 #include "model/motion/motion.h"
 
 namespace lcpbench {
@@ -13,6 +14,10 @@ struct VelocityOptions {
   /// Newton's e, one for all contacts, in [0, 1]. A contact that approaches fast enough to close within the step leaves
   /// with e times its speed, where impulses on other contacts do not make it faster.
   double restitution = 0;
+  /// Poisson's law resolves an impact (impact.h) of what closes within a step before that step, with c = d / h in it.
+  ImpactLaw impact_law = ImpactLaw::kNewton;
+  /// Approach slower than this [m/s], >= 0, leaves with none of its speed; Poisson's law takes 1e-6 at least.
+  double resting_speed = 0;
   /// Contacts enter up to the gap reach * 2 h V + contact_gap, V the largest speed of any point of a body at its free
   /// velocity v^; >= 1, more than 1 because impulses make bodies faster than that.
   double reach = 1.5;
@@ -40,7 +45,8 @@ struct VelocityOptions {
 /// with J, the gaps d and the forces F at the step's beginning, p impulses [N s], w velocities [m/s], and
 ///     c = d / h                                   of contacts and ropes with d >= 0,
 ///     c = stabilisation max(d, -delta) / h        of those with d < 0; joints: d clamped to [-delta, delta],
-///     c = min(c, e d')                            of contacts that close within the step at d' = J v < 0, if e > 0.
+///     c = min(c, e d')                            of contacts that close within the step at d' = J v < 0, if e > 0 in
+///                                                 Newton's law.
 /// Order 1 in h. Kinematic bodies follow their prescribed acceleration exactly; J v^ has their mean velocity.
 ///
 /// Where the solver says kInfeasible, the observer gets that problem with its ray, statistics().unsolvable counts it,

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "model/contact/system.h"
+#include "model/motion/impact.h"
 #include "support/input_error.h"
 #include "support/json_field.h"
 
@@ -22,6 +23,9 @@ inline constexpr std::initializer_list<std::pair<const char*, ConstraintType>> k
     {"path", ConstraintType::kPathJoint},
     {"rod", ConstraintType::kRod},
     {"rope", ConstraintType::kRope}};
+/// A motion's "impact_law".
+inline constexpr std::initializer_list<std::pair<const char*, ImpactLaw>> kImpactLaws = {
+    {"newton", ImpactLaw::kNewton}, {"poisson", ImpactLaw::kPoisson}};
 
 double ReadNumber(const JsonField& field);
 double ReadPositive(const JsonField& field);

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "model/contact/world.h"
+#include "model/motion/impact.h"
 #include "model/motion/motion.h"
 
 namespace lcpbench {
@@ -22,6 +23,8 @@ struct SceneFile {
   std::optional<MotionLevel> level;
   std::optional<double> step;         ///< [s] > 0
   std::optional<double> restitution;  ///< 0..1
+  std::optional<ImpactLaw> impact_law;
+  std::optional<double> resting_speed;  ///< [m/s] >= 0
 };
 
 /// @param where  what errors call the text, such as the file's name

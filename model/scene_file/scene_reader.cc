@@ -319,7 +319,7 @@ constexpr std::size_t kBytesPerEdge = 8;
 constexpr std::size_t kFreeEdges = 100000;
 
 void ReadMotion(const JsonField& field, SceneFile* scene) {
-  field.RequireOnlyKeys({"level", "step", "restitution"});
+  field.RequireOnlyKeys({"level", "step", "restitution", "impact_law", "resting_speed"});
   if (field.Has("level")) {
     scene->level = field["level"].Choice<MotionLevel>(
         {{"acceleration", MotionLevel::kAcceleration}, {"velocity", MotionLevel::kVelocity}});
@@ -330,6 +330,8 @@ void ReadMotion(const JsonField& field, SceneFile* scene) {
     if (!(restitution >= 0 && restitution <= 1)) field["restitution"].Mismatch("a number in 0..1");
     scene->restitution = restitution;
   }
+  if (field.Has("impact_law")) scene->impact_law = field["impact_law"].Choice(kImpactLaws);
+  if (field.Has("resting_speed")) scene->resting_speed = ReadNonNegative(field["resting_speed"]);
 }
 
 NamedShapes ReadShapes(const JsonField& field) {

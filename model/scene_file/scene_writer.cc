@@ -95,6 +95,10 @@ class Writer {
     if (scene_.level) file["motion"]["level"] = ToString(*scene_.level);
     if (scene_.step) file["motion"]["step"] = *scene_.step;
     if (scene_.restitution) file["motion"]["restitution"] = *scene_.restitution;
+    for (const auto& [name, law] : kImpactLaws) {
+      if (scene_.impact_law == law) file["motion"]["impact_law"] = name;
+    }
+    if (scene_.resting_speed) file["motion"]["resting_speed"] = *scene_.resting_speed;
     file["bodies"] = Json::array();
     for (std::size_t i = 0; i < world_.bodies.size(); ++i) file["bodies"].push_back(BodyAt(i));
     for (const Constraint& joint : world_.joints) file["joints"].push_back(Joint(joint));

@@ -11,7 +11,7 @@ _SCENES = Path(__file__).resolve().parents[2] / "data" / "scenes"
 _SCENE = {
     "lcpbench_scene": 1,
     "gravity": [0, -9.81],
-    "motion": {"level": "velocity", "step": 0.01, "restitution": 0.5},
+    "motion": {"level": "velocity", "step": 0.01, "restitution": 0.5, "impact_law": "poisson", "resting_speed": 0},
     "shapes": {"disc": {"disc": {"radius": 1}}},
     "bodies": [
         {"name": "floor", "fixed": True, "shape": {"chains": [[[1, 0], [0, 0]]]}, "angular_acceleration": 1},
@@ -42,6 +42,8 @@ _MALFORMED = [
     (("motion", "level"), "position"),
     (("motion", "step"), 0),
     (("motion", "restitution"), 1.5),
+    (("motion", "impact_law"), "Newton"),
+    (("motion", "resting_speed"), -1),
     (("shapes", "disc", "disc", "radius"), -1),
     (("shapes", "disc", "disc", "radius"), "1"),
     (("shapes", "disc", "disc", "diameter"), 2),

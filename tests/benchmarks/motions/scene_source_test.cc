@@ -115,6 +115,68 @@ TEST(StartMotion, PassesRestitutionToBothLevels) {
   }
 }
 
+/// Two balls that touch the floor and come down at two speeds, under the file's words on impacts.
+MovingScene TwoBalls(MotionLevel level, double fast, double slow, const std::string& impacts) {
+  const std::string path = (std::filesystem::path(::testing::TempDir()) / "two_balls.json").string();
+  std::ofstream(path) << R"({"lcpbench_scene": 1, "motion": {"level": ")" << ToString(level) << R"(", "step": 0.001, )"
+                      << impacts << R"(}, "bodies": [
+      {"name": "floor", "fixed": true, "shape": {"chains": [[[4, 0], [-4, 0]]]}},
+      {"name": "fast", "density": 1, "shape": {"disc": {"radius": 0.1}}, "position": [0, 0.1], "velocity": [0, )"
+                      << -fast << R"(]},
+      {"name": "slow", "density": 1, "shape": {"disc": {"radius": 0.1}}, "position": [1, 0.1], "velocity": [0, )"
+                      << -slow << "]}]}";
+  MovingScene scene = WrittenAndRead(LoadScene(path, 1, 1), "two_balls_again.json");
+  std::filesystem::remove(path);
+  return scene;
+}
+
+std::vector<double> SpeedsAfter(const MovingScene& scene) {
+  const auto solver = MakeSolver("dantzig");
+  const auto motion = StartMotion(scene, {}, *solver);
+  motion->Advance(0.01);
+  return {motion->world().bodies[1].v.y, motion->world().bodies[2].v.y};
+}
+
+TEST(StartMotion, PassesTheRestingSpeedToBothLevels) {
+  for (const double e : {0.3, 0.8, 1.0}) {
+    for (const double v : {1e-2, 5e-5, 1e-5, 1e-6}) {
+      SCOPED_TRACE(v);
+      const std::string restitution = "\"restitution\": " + std::to_string(e);
+      const auto speed = [&](MotionLevel level, const std::string& more) {
+        return SpeedsAfter(TwoBalls(level, v, v, restitution + more)).front();
+      };
+      EXPECT_NEAR(speed(MotionLevel::kAcceleration, ""), v < 1e-4 ? 0 : e * v, 1e-3 * v) << "the default, 1e-4 m/s";
+      for (const MotionLevel level : {MotionLevel::kAcceleration, MotionLevel::kVelocity}) {
+        EXPECT_NEAR(speed(level, ", \"resting_speed\": 1e-7"), e * v, 1e-3 * v) << ToString(level);
+        EXPECT_NEAR(speed(level, ", \"resting_speed\": 0.1"), 0, 1e-3 * v) << ToString(level);
+      }
+    }
+  }
+}
+
+// In one impact Newton's law has one e, that of the fastest approach; Poisson's has one for each contact.
+TEST(StartMotion, PassesTheImpactLawToBothLevels) {
+  const std::string impacts = R"("restitution": 0.5, "resting_speed": 0.1, "impact_law": )";
+  const auto speeds = [&](MotionLevel level, const std::string& law) {
+    return SpeedsAfter(TwoBalls(level, 2, 0.05, impacts + law));
+  };
+  const std::vector<double> newton = speeds(MotionLevel::kAcceleration, R"("newton")");
+  EXPECT_NEAR(newton[0], 1, 1e-9);
+  EXPECT_NEAR(newton[1], 0.025, 1e-9);
+  for (const MotionLevel level : {MotionLevel::kAcceleration, MotionLevel::kVelocity}) {
+    const std::vector<double> poisson = speeds(level, R"("poisson")");
+    EXPECT_NEAR(poisson[0], 1, 1e-9) << ToString(level);
+    EXPECT_NEAR(poisson[1], 0, 1e-9) << ToString(level);
+    int impacts_met = 0;
+    const auto solver = MakeSolver("dantzig");
+    const auto motion = StartMotion(TwoBalls(level, 2, 0.05, impacts + R"("poisson")"), {}, *solver);
+    motion->set_observer(
+        [&](const MotionProblem& met) { impacts_met += met.kind == MotionProblemKind::kImpact ? 1 : 0; });
+    motion->Advance(0.01);
+    EXPECT_EQ(impacts_met, 2) << "compression, and once more after the restitution";
+  }
+}
+
 /// Answers like dantzig, and remembers what it was asked for.
 class Listening final : public LcpSolver {
  public:

@@ -36,6 +36,8 @@ void ExpectSameAfterRoundTrip(const SceneFile& scene) {
   EXPECT_EQ(read.level, scene.level);
   EXPECT_EQ(read.step, scene.step);
   EXPECT_EQ(read.restitution, scene.restitution);
+  EXPECT_EQ(read.impact_law, scene.impact_law);
+  EXPECT_EQ(read.resting_speed, scene.resting_speed);
   EXPECT_EQ(FormatScene(read), text);
 }
 
@@ -182,6 +184,8 @@ TEST(SceneFileRoundTrip, RandomWorldsOfEverythingKeepEveryBit) {
     SceneFile scene;
     scene.world = RandomWorld(seed);
     scene.restitution = static_cast<double>(seed) / 128;
+    scene.resting_speed = static_cast<double>(seed % 3) / 7;
+    if (seed % 4 != 0) scene.impact_law = seed % 4 == 1 ? ImpactLaw::kNewton : ImpactLaw::kPoisson;
     ExpectSameAfterRoundTrip(scene);
     EXPECT_NE(FormatScene(scene).find("-0.0"), std::string::npos) << "the sign of a zero is kept";
   }

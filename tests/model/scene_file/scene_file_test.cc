@@ -235,7 +235,8 @@ TEST(SceneFile, EverySettingAndLoadArrives) {
   const SceneFile scene = Parse(Scene(
       R"({"name": "a", "mass": 1, "inertia": 1}, {"name": "b", "fixed": true, "mass": 4, "position": [3, 0],
          "velocity": [1, 2], "angular_velocity": 3, "acceleration": [4, 5], "angular_acceleration": 6})",
-      R"(, "name": "all", "gravity": [1, -2], "motion": {"level": "velocity", "step": 0.25, "restitution": 0.5},
+      R"(, "name": "all", "gravity": [1, -2], "motion": {"level": "velocity", "step": 0.25, "restitution": 0.5,
+          "impact_law": "poisson", "resting_speed": 1e-6},
           "loads": {"springs": [{"body1": "a", "body2": "b", "stiffness": 2, "rest_length": 1}],
                     "dampers": [{"body1": "a", "body2": "b", "point1": [0, 1], "coefficient": 3}],
                     "thrusters": [{"body": "a", "force": [4, 5]}],
@@ -244,6 +245,8 @@ TEST(SceneFile, EverySettingAndLoadArrives) {
   EXPECT_EQ(scene.level, MotionLevel::kVelocity);
   EXPECT_EQ(scene.step, 0.25);
   EXPECT_EQ(scene.restitution, 0.5);
+  EXPECT_EQ(scene.impact_law, ImpactLaw::kPoisson);
+  EXPECT_EQ(scene.resting_speed, 1e-6);
   const Loads& loads = scene.world.loads;
   ExpectNear(loads.gravity, {1, -2}, 0);
   EXPECT_EQ(loads.springs.at(0).stiffness, 2);
@@ -345,6 +348,11 @@ TEST(SceneFileErrors, WrongAndMissingFieldsAreNamed) {
       {"unknown level", Scene("", R"(, "motion": {"level": "position"})"),
        "/motion/level: ", "expected one of acceleration, velocity"},
       {"restitution above 1", Scene("", R"(, "motion": {"restitution": 2})"), "/motion/restitution: ", "0..1"},
+      {"resting speed below 0", Scene("", R"(, "motion": {"resting_speed": -1})"), "/motion/resting_speed: ", ">= 0"},
+      {"resting speed in words", Scene("", R"(, "motion": {"resting_speed": "low"})"),
+       "/motion/resting_speed: ", "a number"},
+      {"unknown law", Scene("", R"(, "motion": {"impact_law": "Newton"})"),
+       "/motion/impact_law: ", "one of newton, poisson"},
       {"step 0", Scene("", R"(, "motion": {"step": 0})"), "/motion/step: ", "expected a number > 0"},
       {"a body without a name", Scene(R"({"fixed": true})"), "/bodies/0/name: ", "missing field"},
       {"a body without letters", Scene(R"({"name": ""})"), "/bodies/0/name: ", "expected a name"},
