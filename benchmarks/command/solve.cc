@@ -1,9 +1,14 @@
 #include <iostream>
+#include <optional>
+#include <string>
+#include <utility>
 
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
 #include "benchmarks/measure/reference_solves.h"
+#include "solvers/answers/least_norm.h"
+#include "solvers/exact/unique_forces.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/peers/protocol/external_solver.h"
@@ -16,6 +21,7 @@ struct Solve {
   std::string key;
   LcpOptions options;
   bool relative_to_floor = false;
+  bool least_norm = false;
   std::vector<std::string> settings;
   NamedSolvers named;
   std::vector<std::string> files;
@@ -29,6 +35,9 @@ struct Solve {
         ->check(AtLeast(0));
     app.add_flag("--floor", relative_to_floor,
                  "Judge by the larger of tolerance and the problem's rounding floor, which a reference solve finds");
+    app.add_flag("--least-norm", least_norm,
+                 "Of all solutions the one of least norm, where the solver's answer passes; up to " +
+                     std::to_string(kMostRowsOfLeastNorm) + " rows");
     AddSettingsOption(app, &settings);
     app.add_option(
            "FILE", files,
@@ -55,9 +64,26 @@ struct Solve {
       if (relative_to_floor) {
         reference.floor = FindReferenceFloor(record.problem, options.tolerance, options.time_limit_s);
       }
+      SolveNotes notes{.setup_s = prepared - start, .time_s = solve_s};
+      if (least_norm) notes.least_norm = TakeLeastNorm(record.problem, &result);
       const Verdict verdict = Verify(record.problem, result, options.tolerance, &reference);
-      std::cout << FormatSolveRecord(record, key, result, verdict, prepared - start, solve_s) << std::endl;
+      if (verdict.passes) notes.f_unique = UniqueForces(record.problem, result.f);
+      std::cout << FormatSolveRecord(record, key, result, verdict, notes) << std::endl;
     });
+  }
+
+ private:
+  // The result's f becomes the one of least norm, or its detail says why not.
+  std::optional<SolveNotes::LeastNorm> TakeLeastNorm(const LcpProblem& problem, LcpResult* result) const {
+    if (result->status != LcpStatus::kSolved) return std::nullopt;
+    LeastNormForces found =
+        FindLeastNormForces(problem, result->f, {.tolerance = options.tolerance, .time_limit_s = options.time_limit_s});
+    if (found.status != LcpStatus::kSolved) {
+      result->detail += (result->detail.empty() ? "" : "; ") + ("not of least norm: " + found.detail);
+      return std::nullopt;
+    }
+    result->f = std::move(found.f);
+    return SolveNotes::LeastNorm{found.nullity, found.rank_tolerance};
   }
 };
 

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "solvers/answers/least_norm.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
@@ -567,6 +568,27 @@ const char* lcpbench_status_key(lcpbench_status status) {
 }
 
 void lcpbench_result_free(lcpbench_result* result) { delete result; }
+
+lcpbench_error lcpbench_result_least_norm(const lcpbench_problem* problem, lcpbench_result* result, double tolerance,
+                                          double rank_tolerance, int64_t* nullity) {
+  return Guard(__func__, [&] {
+    Require(problem);
+    RequireOutput(result, "result");
+    RequireOutput(nullity, "nullity");
+    if (!(tolerance > 0 && tolerance < 1)) Refuse("tolerance", tolerance, "a number in (0, 1)");
+    if (!(rank_tolerance > 0 && rank_tolerance < 1)) Refuse("rank_tolerance", rank_tolerance, "a number in (0, 1)");
+    if (result->result.status != LcpStatus::kSolved) throw InputError("result is not solved, expected one that is");
+    LeastNormForces found = FindLeastNormForces(problem->problem, result->result.f,
+                                                {.tolerance = tolerance, .rank_tolerance = rank_tolerance});
+    const bool is_found = found.status == LcpStatus::kSolved;
+    *nullity = is_found ? found.nullity : -1;
+    if (is_found) {
+      result->result.f = std::move(found.f);
+    } else {
+      result->result.detail = "not of least norm: " + found.detail;
+    }
+  });
+}
 
 lcpbench_error lcpbench_verify_result(const lcpbench_problem* problem, const lcpbench_result* result, double tolerance,
                                       lcpbench_verdict* verdict, size_t size, double* w) {

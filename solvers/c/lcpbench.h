@@ -299,6 +299,18 @@ LCPBENCH_API lcpbench_error lcpbench_result_detail(const lcpbench_result* result
 /// @param n       entries of the ray, 0 where there is none
 LCPBENCH_API lcpbench_error lcpbench_result_farkas_ray(const lcpbench_result* result, const double** ray, int64_t* n);
 
+/// Replaces the forces of a solved result by the solution of least Euclidean norm |f|_2, in the units given, which is
+/// unique where f is not (redundant contacts). Judged as a solver's own check. For symmetric positive semidefinite A
+/// of up to 1000 rows.  O(n^3)
+/// @param problem         the one that was solved
+/// @param result          not NULL, of status LCPBENCH_SOLVED; its f is replaced, or left as it was where nullity is -1
+/// @param tolerance       the tier that the answer must pass, in (0, 1)
+/// @param rank_tolerance  eigenvalues of D^-1/2 A D^-1/2 on the rows with w = 0 up to this part of the largest count as
+///                        0, in (0, 1); 1e-10 where in doubt
+/// @param nullity         free directions of the forces; -1 where no such f was found: detail of the result says why
+LCPBENCH_API lcpbench_error lcpbench_result_least_norm(const lcpbench_problem* problem, lcpbench_result* result,
+                                                       double tolerance, double rank_tolerance, int64_t* nullity);
+
 /// The key of a status as files have it: "solved", "iteration_limit", ... Lives as long as the library.
 /// @param status  any value; "unknown" for one that is none of the enumerators
 LCPBENCH_API const char* lcpbench_status_key(lcpbench_status status);

@@ -285,9 +285,10 @@ std::vector<LcpRecord> ReadLcpFile(const std::string& path) {
   return records;
 }
 
-std::string FormatLcpRecord(const LcpProblem& problem, bool with_matrix, std::optional<double> symmetrized) {
+std::string FormatLcpRecord(const LcpProblem& problem, bool with_matrix, std::optional<double> symmetrized,
+                            const std::optional<std::string>& id) {
   nlohmann::ordered_json record;
-  record["id"] = problem.id();
+  record["id"] = id.value_or(problem.id());
   record["n"] = problem.size();
   if (problem.has_factors()) {
     record["invM"] = ToJson(problem.inverse_mass());
@@ -302,17 +303,22 @@ std::string FormatLcpRecord(const LcpProblem& problem, bool with_matrix, std::op
 }
 
 std::string FormatSolveRecord(const LcpRecord& of, std::string_view solver, const LcpResult& result,
-                              const Verdict& verdict, double setup_s, double time_s) {
+                              const Verdict& verdict, const SolveNotes& notes) {
   nlohmann::ordered_json record;
   record["id"] = of.problem.id();
   if (of.symmetrized) record["symmetrized"] = *of.symmetrized;
   record["solver"] = solver;
   record["status"] = ToString(result.status);
   record["f"] = ToJson(result.f);
+  record["f_unique"] = notes.f_unique ? Json(*notes.f_unique) : Json(nullptr);
+  if (notes.least_norm) {
+    record["least_norm"] = {{"nullity", notes.least_norm->nullity},
+                            {"rank_tolerance", notes.least_norm->rank_tolerance}};
+  }
   record["w"] = ToJson(verdict.metrics.w);
   record["iterations"] = result.iterations;
-  record["setup_s"] = setup_s;
-  record["time_s"] = time_s;
+  record["setup_s"] = notes.setup_s;
+  record["time_s"] = notes.time_s;
   nlohmann::ordered_json metrics;
   for (const MetricEntry& metric : AllMetrics()) {
     const double value = verdict.metrics.*metric.value;

@@ -49,12 +49,28 @@ std::vector<LcpRecord> ReadLcpFile(const std::string& path);
 /// One line that ParseLcpRecord reads back bit for bit: the given form, b, bilateral rows.
 /// @param with_matrix  also writes A (as coordinates) where the problem is given by factors
 /// @param symmetrized  of LcpRecord
+/// @param id           instead of the problem's
 std::string FormatLcpRecord(const LcpProblem& problem, bool with_matrix = false,
-                            std::optional<double> symmetrized = std::nullopt);
+                            std::optional<double> symmetrized = std::nullopt,
+                            const std::optional<std::string>& id = std::nullopt);
 
-/// One line for a solve: id, solver, status, f, w, iterations, setup_s, time_s, metrics, verdict, detail, and where
-/// there are such the ray and what LcpRecord calls symmetrized. Numbers that are not finite become null.
+/// What a solve record says besides the answer.
+struct SolveNotes {
+  double setup_s = 0;
+  double time_s = 0;
+  std::optional<bool> f_unique;  ///< nothing: not known
+  /// Where f is the solution of least norm: of how many free directions of the forces, by which rank tolerance.
+  struct LeastNorm {
+    Index nullity;
+    double rank_tolerance;
+  };
+  std::optional<LeastNorm> least_norm;
+};
+
+/// One line for a solve: id, solver, status, f, f_unique, w, iterations, setup_s, time_s, metrics, verdict, detail, and
+/// where there are such least_norm, the ray and what LcpRecord calls symmetrized. Numbers that are not finite become
+/// null.
 std::string FormatSolveRecord(const LcpRecord& record, std::string_view solver, const LcpResult& result,
-                              const Verdict& verdict, double setup_s, double time_s);
+                              const Verdict& verdict, const SolveNotes& notes);
 
 }  // namespace lcpbench

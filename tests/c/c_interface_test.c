@@ -81,6 +81,24 @@ static void SolvesAKnownProblem(void) {
   lcpbench_problem_free(problem);
 }
 
+/* Two rows that share one load in any way: equal shares have the least norm. */
+static void LeastNormSharesEqually(void) {
+  const double A[4] = {1, 1, 1, 1}, b[2] = {-2, -2};
+  lcpbench_problem* problem = Dense(2, A, b, NULL, LCPBENCH_SYMMETRIC | LCPBENCH_POSITIVE_SEMIDEFINITE);
+  double w[2];
+  Answer answer = Solve("dantzig", problem, NULL, w);
+  int64_t nullity = -2, n = 0;
+  const double* f = NULL;
+  CHECK_OK(lcpbench_result_least_norm(problem, answer.result, 1e-9, 1e-10, &nullity));
+  CHECK_OK(lcpbench_result_f(answer.result, &f, &n));
+  CHECK(nullity == 1 && n == 2 && fabs(f[0] - 1) < 1e-12 && fabs(f[1] - 1) < 1e-12);
+  CHECK_REFUSED(lcpbench_result_least_norm(problem, answer.result, 1e-9, 2, &nullity), "rank_tolerance");
+  CHECK_REFUSED(lcpbench_result_least_norm(problem, answer.result, 0, 1e-10, &nullity), "tolerance");
+  CHECK_REFUSED(lcpbench_result_least_norm(NULL, answer.result, 1e-9, 1e-10, &nullity), "problem is NULL");
+  Free(&answer);
+  lcpbench_problem_free(problem);
+}
+
 /* A nonsymmetric A tells rows from columns: w = A f + b at f = (1, 2). */
 static void LayoutsAndFormsAgree(void) {
   const double by_columns[4] = {4, 3, -1, 5}, by_rows[4] = {4, -1, 3, 5};
@@ -535,6 +553,7 @@ int main(void) {
   CHECK(lcpbench_last_error()[0] == '\0');
   CHECK(strcmp(lcpbench_version(), LCPBENCH_EXPECTED_VERSION) == 0);
   SolvesAKnownProblem();
+  LeastNormSharesEqually();
   LayoutsAndFormsAgree();
   FactorsAreTheirProduct();
   AnInfeasibleProblemHasARay();

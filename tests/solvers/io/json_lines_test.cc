@@ -159,7 +159,7 @@ TEST(JsonLines, SolveRecordsStayValidJsonWhateverTheSolverLeft) {
   result.status = LcpStatus::kSolved;
   result.f = Eigen::VectorXd::Constant(1, std::numeric_limits<double>::quiet_NaN());
   result.detail = "bytes \xff \" \n";
-  const std::string line = FormatSolveRecord({problem, {}, ""}, "k", result, Verify(problem, result, 1e-9), 0, 0);
+  const std::string line = FormatSolveRecord({problem, {}, ""}, "k", result, Verify(problem, result, 1e-9), {});
   const nlohmann::json record = nlohmann::json::parse(line);
   EXPECT_EQ(record["status"], "solved");
   EXPECT_TRUE(record["f"][0].is_null());

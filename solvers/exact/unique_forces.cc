@@ -1,0 +1,78 @@
+#include "solvers/exact/unique_forces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "solvers/exact/sparse_rank.h"
+#include "solvers/lcp/verify.h"
+
+namespace lcpbench {
+namespace {
+
+// The tier that f must pass, and the part of the largest force or gap that is more than its error.
+constexpr double kTier = 1e-6;
+constexpr double kClear = 1e-6;
+
+// Rows `rows` of J on the columns that can move; of a matrix also the columns `rows`.
+SparseMatrix PartOf(const LcpProblem& problem, const std::vector<Index>& rows) {
+  const SparseMatrix& given = problem.has_factors() ? problem.J() : problem.SparseA();
+  std::vector<Index> place(static_cast<size_t>(given.cols()), -1);
+  if (problem.has_factors()) {
+    for (Index k = 0; k < given.cols(); ++k) {
+      if (problem.inverse_mass()[k] > 0) place[static_cast<size_t>(k)] = k;
+    }
+  } else {
+    for (size_t k = 0; k < rows.size(); ++k) place[static_cast<size_t>(rows[k])] = static_cast<Index>(k);
+  }
+  std::vector<Eigen::Triplet<double, int>> entries;
+  for (size_t k = 0; k < rows.size(); ++k) {
+    for (SparseMatrix::InnerIterator it(given, rows[k]); it; ++it) {
+      const Index column = place[static_cast<size_t>(it.col())];
+      if (column >= 0) entries.emplace_back(static_cast<int>(k), static_cast<int>(column), it.value());
+    }
+  }
+  SparseMatrix part(static_cast<Index>(rows.size()),
+                    problem.has_factors() ? given.cols() : static_cast<Index>(rows.size()));
+  part.setFromTriplets(entries.begin(), entries.end());
+  return part;
+}
+
+// Matrices with few entries a row fill in little.
+bool IsTooFull(const LcpProblem& problem) {
+  constexpr Index kFewEntries = 16;
+  const SparseMatrix& given = problem.has_factors() ? problem.J() : problem.SparseA();
+  const auto rows = static_cast<double>(given.rows());
+  return given.nonZeros() > kFewEntries * given.rows() &&
+         rows * rows * static_cast<double>(given.cols()) > kMostWorkOfUniqueForces;
+}
+
+bool AreIndependent(const LcpProblem& problem, const std::vector<Index>& rows) {
+  return SparseRank(PartOf(problem, rows)) == static_cast<Index>(rows.size());
+}
+
+}  // namespace
+
+std::optional<bool> UniqueForces(const LcpProblem& problem, const Eigen::VectorXd& f) {
+  const MatrixFacts& facts = problem.facts();
+  const Index n = problem.size();
+  if (!facts.symmetric || !facts.positive_semidefinite || f.size() != n) return std::nullopt;
+  if (n > kMostRowsOfUniqueForces || IsTooFull(problem)) return std::nullopt;
+  const Metrics metrics = ComputeMetrics(problem, f);
+  if (!PassesTier(metrics, kTier)) return std::nullopt;
+  const Eigen::VectorXd root = problem.DiagonalA().unaryExpr([](double d) { return d > 0 ? std::sqrt(d) : 1.0; });
+  const Eigen::VectorXd force = root.cwiseProduct(f);
+  const Eigen::VectorXd gap = metrics.w.cwiseQuotient(root);
+  const double clear = kClear * std::max(force.lpNorm<Eigen::Infinity>(), gap.lpNorm<Eigen::Infinity>());
+  std::vector<Index> loaded;
+  std::vector<Index> not_open;
+  for (Index i = 0; i < n; ++i) {
+    if (problem.is_bilateral(i) || force[i] > clear) loaded.push_back(i);
+    if (problem.is_bilateral(i) || !(gap[i] > clear)) not_open.push_back(i);
+  }
+  if (!AreIndependent(problem, loaded)) return false;
+  if (loaded.size() == not_open.size() || AreIndependent(problem, not_open)) return true;
+  return std::nullopt;
+}
+
+}  // namespace lcpbench
