@@ -1,7 +1,6 @@
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
 #include "model/contact/assembly.h"
-#include "model/scenes/scene.h"
 #include "solvers/io/json_lines.h"
 #include "support/text_file.h"
 
@@ -14,14 +13,15 @@ struct Generate {
   std::string output = "-";
 
   void Declare(CLI::App& app) {
-    app.add_option("SCENE", start.scene, "Scene key (lcpbench list scenes)")->required();
+    app.add_option("SCENE", start.scene, "Scene key (lcpbench list scenes) or scene file, whose contacts are found")
+        ->required();
     start.AddSizeAndSeed(app);
     app.add_flag("--with-matrix", with_matrix, "Also write A = J M^-1 J^T");
     app.add_option("-o,--output", output, "File, or - for standard output");
   }
 
   int Run() const {
-    const ContactSystem system = GenerateScene(start.scene, start.size, start.seed);
+    const ContactSystem system = LoadInstant(start.scene, start.size, start.seed);
     WriteTextFile(output, FormatLcpRecord(AssembleContactLcp(system).problem, with_matrix) + "\n");
     return 0;
   }

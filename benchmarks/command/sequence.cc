@@ -39,7 +39,7 @@ struct Sequence {
   std::string solver = kDrivingSolver;
   LcpOptions lcp;
   std::vector<std::string> settings;
-  bool with_matrix = false;
+  SequenceWriter::Contents contents;
   std::string output = "-";
 
   void Declare(CLI::App& app) {
@@ -53,7 +53,8 @@ struct Sequence {
     AddToleranceOption(app, &lcp.tolerance);
     AddTimeLimitOption(app, &lcp.time_limit_s);
     AddSettingsOption(app, &settings);
-    app.add_flag("--with-matrix", with_matrix, "Also write A = J M^-1 J^T");
+    app.add_flag("--with-matrix", contents.with_matrix, "Also write A = J M^-1 J^T");
+    app.add_flag("--forces", contents.with_forces, "Also write f and w of the solver that drives the motion");
     app.add_option("-o,--output", output, "File, or - for standard output");
     app.footer("Exit status 1 when the motion came to an end early; what was written until then is kept.");
   }
@@ -65,7 +66,7 @@ struct Sequence {
     limits.time_limit_s = std::min(lcp.time_limit_s, start.budget_s);
     const std::unique_ptr<Motion> motion = StartMotion(scene, limits, *made);
     TextOutput file(output);
-    SequenceWriter writer(file.stream(), solver, lcp.tolerance, with_matrix);
+    SequenceWriter writer(file.stream(), solver, lcp.tolerance, contents);
     const BudgetClock budget(start.budget_s);
     // One step of many events can take long.
     motion->set_check([&budget] {

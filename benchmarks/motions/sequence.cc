@@ -1,6 +1,8 @@
 #include "benchmarks/motions/sequence.h"
 
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "solvers/io/json_lines.h"
@@ -12,6 +14,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json FiniteOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json FiniteOrNull(const Eigen::VectorXd& values) {
+  Json numbers = Json::array();
+  for (const double value : values) numbers.push_back(FiniteOrNull(value));
+  return numbers;
+}
 
 Json Describe(const Verdict& verdict) {
   Json judged;
@@ -62,12 +70,13 @@ ActiveSetChange ActiveSetHistory::Follow(const LcpProblem& problem, const std::v
   return change;
 }
 
-SequenceWriter::SequenceWriter(std::ostream& out, std::string solver, double tolerance, bool with_matrix)
-    : out_(out), solver_(std::move(solver)), tolerance_(tolerance), with_matrix_(with_matrix) {}
+SequenceWriter::SequenceWriter(std::ostream& out, std::string solver, double tolerance, Contents contents)
+    : out_(out), solver_(std::move(solver)), tolerance_(tolerance), contents_(contents) {}
 
 void SequenceWriter::BeginStep(int step) {
   step_ = step;
   acceleration_written_ = false;
+  written_of_step_ = 0;
 }
 
 void SequenceWriter::Write(const MotionProblem& met) {
@@ -98,7 +107,14 @@ void SequenceWriter::Write(const MotionProblem& met) {
   motion["verdict"] = Describe(verdict);
   motion["detail"] = met.result.detail;
 
-  std::string line = FormatLcpRecord(met.problem, with_matrix_);
+  if (contents_.with_forces) {
+    motion["f"] = FiniteOrNull(met.result.f);
+    motion["w"] = FiniteOrNull(verdict.metrics.w);
+  }
+
+  std::string id = met.problem.id() + "-step" + std::to_string(step_);
+  if (++written_of_step_ > 1) id += "-" + std::to_string(written_of_step_);
+  std::string line = FormatLcpRecord(met.problem, contents_.with_matrix, std::nullopt, id);
   line.pop_back();  // the closing brace
   // A library's message may hold any bytes; the line must stay valid JSON.
   line += ",\"motion\":" + motion.dump(-1, ' ', false, Json::error_handler_t::replace) + "}";

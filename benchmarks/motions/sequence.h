@@ -43,11 +43,17 @@ struct SequenceCounts {
 };
 
 /// Writes the LCPs of a motion as JSON lines: FormatLcpRecord, and a member "motion" that readers of problems pass
-/// over (fields in RESULTS.md). Flushed after every line.
+/// over (fields in RESULTS.md). The id is the problem's with the step, `-step12`; of further problems of a step also
+/// their number, `-step12-2`. Flushed after every line.
 class SequenceWriter {
  public:
+  /// What lines have besides.
+  struct Contents {
+    bool with_matrix = false;  ///< A of problems by factors
+    bool with_forces = false;  ///< f and w of the answer that drove the motion
+  };
   /// @param out        not owned; must outlive the writer
-  SequenceWriter(std::ostream& out, std::string solver, double tolerance, bool with_matrix);
+  SequenceWriter(std::ostream& out, std::string solver, double tolerance, Contents contents);
 
   /// The sequence's next step begins. Of the acceleration problems until the next call the first one is written: how
   /// many steps the integrator takes in between is its own matter. Impacts and time steps are written all.
@@ -63,8 +69,9 @@ class SequenceWriter {
   std::ostream& out_;
   std::string solver_;
   double tolerance_;
-  bool with_matrix_;
+  Contents contents_;
   int step_ = 0;
+  int written_of_step_ = 0;
   bool acceleration_written_ = false;
   RowMatching matching_;
   ActiveSetHistory history_;

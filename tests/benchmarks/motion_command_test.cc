@@ -4,11 +4,15 @@
 
 #include <csignal>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "benchmarks/motions/scene_source.h"
+#include "model/contact/assembly.h"
 #include "solvers/io/json_lines.h"
+#include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "tests/benchmarks/command_fixture.h"
 #include "tests/solvers_under_test.h"
@@ -41,6 +45,45 @@ TEST_F(SequenceCommand, WritesOneVerifiedProblemPerTimeStepWithItsChanges) {
   EXPECT_GT(changes, 0u);
   EXPECT_NE(outcome.error.find("120 problems"), std::string::npos) << outcome.error;
   EXPECT_NE(outcome.error.find("worst penetration"), std::string::npos) << outcome.error;
+}
+
+// Every line has an id of its own, that tells the step; with --forces the answer that drove the motion.
+TEST_F(SequenceCommand, TellsForcesAndSteps) {
+  const std::string file = std::string(LCPBENCH_SOURCE_DIR) + "/data/scenes/newtons_cradle.json";
+  for (const char* level : {"velocity", "acceleration"}) {
+    std::set<std::string> ids;
+    const CommandOutcome outcome = Succeed("sequence " + file + " --forces --steps 40 --level " + level);
+    const std::vector<Json> records = Records(outcome.out);
+    for (const Json& record : records) {
+      const Json& motion = record.at("motion");
+      const auto id = record.at("id").get<std::string>();
+      EXPECT_NE(id.find("-step" + std::to_string(motion.at("step").get<int>())), std::string::npos) << id;
+      ids.insert(id);
+      const LcpProblem problem = ParseLcpRecord(record.dump(), "line").problem;
+      const auto f = motion.at("f").get<std::vector<double>>();
+      const auto w = motion.at("w").get<std::vector<double>>();
+      LcpResult answer;
+      answer.status = LcpStatus::kSolved;
+      answer.f = Eigen::Map<const Eigen::VectorXd>(f.data(), static_cast<Index>(f.size()));
+      const Verdict verdict = Verify(problem, answer, 1e-9);
+      EXPECT_TRUE(verdict.passes) << id;
+      EXPECT_EQ(verdict.metrics.w, Eigen::Map<const Eigen::VectorXd>(w.data(), static_cast<Index>(w.size())));
+    }
+    EXPECT_EQ(ids.size(), records.size());
+  }
+  EXPECT_FALSE(Records(Succeed("sequence disc-pile --size 12 --steps 2").out).front().at("motion").contains("f"));
+}
+
+// The LCP of a scene file is the one that its picture shows, and the first of its motion at the acceleration level.
+TEST_F(SequenceCommand, AProblemIsGeneratedOfASceneFile) {
+  const std::string file = std::string(LCPBENCH_SOURCE_DIR) + "/data/scenes/newtons_cradle.json";
+  const LcpProblem problem = ParseLcpRecord(Succeed("generate " + file).out, "line").problem;
+  EXPECT_EQ(FormatLcpRecord(problem) + "\n",
+            FormatLcpRecord(AssembleContactLcp(LoadInstant(file, 1, 1)).problem) + "\n");
+  const LcpRecord first =
+      ParseLcpRecord(Lines(Succeed("sequence " + file + " --level acceleration --steps 1").out)[0], "l");
+  EXPECT_EQ(problem.size(), first.problem.size());
+  ExpectMistake("generate missing.json", "missing.json");
 }
 
 TEST_F(SequenceCommand, IsReadBackBitForBitAndSolvedByTheSolveCommand) {
