@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/collection/each_line.h"
+#include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
 #include "benchmarks/measure/reference_solves.h"
@@ -30,6 +30,7 @@ struct Certify {
   Index most_exact_rows = 400;
   bool rounded = false;
   std::vector<std::string> files;
+  ReadingOptions reading;
 
   void Declare(CLI::App& app) {
     app.add_option("--time-limit", time_limit_s, "Seconds per problem, between exact solves")->check(PositiveSeconds());
@@ -40,18 +41,25 @@ struct Certify {
                    "Rows up to which the answer is exact; larger problems get one in some 60 digits with proved bounds")
         ->check(AtLeast(0));
     app.add_flag("--rounded", rounded, "Only doubles, no fractions");
-    app.add_option("FILE", files, "JSON lines; - for standard input")->required();
+    AddReadingOptions(app, &reading);
+    app.add_option("FILE", files, "As of lcpbench solve; - for JSON lines on standard input")->required();
   }
 
   int Run() const {
-    return ForEachLine(files, [&](const std::string& line, const std::string& where) {
-      const LcpRecord record = ParseLcpRecord(line, where);
+    const auto certify = [&](const LcpRecord& record, const std::string& where, const std::string& line) {
       const bool exact = record.problem.size() <= most_exact_rows;
       if (!exact && HasFractions(line)) {
         throw InputError(where + ": expected doubles beyond --exact-up-to rows, found fractions");
       }
-      std::cout << (exact ? Solve(ParseExactLcp(line, where)) : Bound(record.problem)).dump() << std::endl;
-    });
+      // A line may have fractions, which its problem rounds.
+      const bool as_written = !line.empty() && !record.symmetrized;
+      std::cout << (!exact       ? Bound(record.problem)
+                    : as_written ? Solve(ParseExactLcp(line, where))
+                                 : Solve(ExactFrom(record.problem)))
+                       .dump()
+                << std::endl;
+    };
+    return ForEachProblem(files, reading, certify);
   }
 
  private:

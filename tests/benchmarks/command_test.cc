@@ -383,6 +383,40 @@ TEST_F(Command, CertifyAnswersInFractions) {
   EXPECT_EQ(rounded["w"], Json({0.0, 0.0}));
 }
 
+TEST_F(Command, CertifyTakesEveryFormatThatSolveDoes) {
+  const std::string problem = Run("generate disc-pile --size 12 --seed 3").out;
+  const Json expected = Json::parse(Succeed("certify -", problem).out);
+  EXPECT_EQ(expected["certified"], true);
+  for (const char* name : {"p.mtx", "p.hdf5", "p.h5", "p.dat", "p.jsonl"}) {
+    Succeed("convert - -o " + Path(name), problem);
+    const Json answer = Json::parse(Succeed("certify " + Path(name)).out);
+    EXPECT_EQ(answer["certified"], true) << name;
+    // Some formats hold A, which is rounded, in place of J and the masses.
+    ASSERT_EQ(answer["w"].size(), 12u);
+    for (std::size_t i = 0; i < 12; ++i) EXPECT_NEAR(answer["w"][i], expected["w"][i], 1e-9) << name;
+  }
+  const std::string nearly = R"({"id":"p","A":[[2,1],[1.00000001,2]],"b":[-1,-1]})";
+  ExpectMistake("certify -", "symmetric", nearly);
+  EXPECT_EQ(Json::parse(Run("certify --symmetrize 1e-6 -", nearly).out)["certified"], true);
+}
+
+// A plank on four legs: f is one of many, and the one of least norm shares equally.
+TEST_F(Command, SolveTellsWhetherForcesAreUniqueAndFindsTheLeast) {
+  const std::string plank =
+      R"({"id":"plank","J":[[0,1,-1.5],[0,1,-0.5],[0,1,0.5],[0,1,1.5]],"invM":[0.1,0.1,0.25],"b":[-9.81,-9.81,-9.81,-9.81]})";
+  const Json any = Json::parse(Succeed("solve --solver auto -", plank).out);
+  EXPECT_EQ(any["f_unique"], false);
+  EXPECT_FALSE(any.contains("least_norm"));
+  const Json least = Json::parse(Succeed("solve --solver auto --least-norm -", plank).out);
+  EXPECT_EQ(least["least_norm"]["nullity"], 2);
+  EXPECT_GT(least["least_norm"]["rank_tolerance"], 0);
+  EXPECT_TRUE(least["verdict"]["passes"].get<bool>());
+  for (const Json& force : least["f"]) EXPECT_NEAR(force.get<double>(), 98.1 / 4, 1e-9);
+  const Json single =
+      Json::parse(Succeed("solve --solver auto -", R"({"id":"s","J":[[0,1,0]],"invM":[1,1,1],"b":[-1]})").out);
+  EXPECT_EQ(single["f_unique"], true);
+}
+
 TEST_F(Command, CertifyBoundsWhatIsTooLargeToBeExact) {
   const std::string problems =
       Run("generate disc-pile --size 40 --seed 1").out + Run("generate roller-bearing --size 60 --seed 1").out;
