@@ -12,6 +12,7 @@ struct FileEnding {
   std::string format;    ///< ".mtx"; "" where there is none
   bool is_gzip = false;  ///< whether it ends in .gz
 };
+/// Takes a path apart.
 FileEnding EndingOf(const std::string& path);
 
 /// The id of a problem whose file says none: its name without folders and ending.

@@ -36,8 +36,8 @@ class LineReader {
   /// The next line without its end; false at the end of the file. @throws as TextInput
   bool Next(std::string* line);
 
-  const std::string& name() const { return name_; }
-  std::size_t number() const { return number_; }  ///< of the last line, from 1
+  const std::string& name() const { return name_; }  ///< the path, "<stdin>" for -
+  std::size_t number() const { return number_; }     ///< of the last line, from 1
 
  private:
   std::string name_;
@@ -53,14 +53,14 @@ class TextOrGzipOutput {
   explicit TextOrGzipOutput(const std::string& path);
   ~TextOrGzipOutput();
 
-  std::ostream& stream();
+  std::ostream& stream();  ///< as TextOutput
   /// Writes; flushes what is not compressed.
   void Write(const std::string& text);
   /// All is written. What Close() does then is to give the file its name.
   void Finish();
   /// As TextOutput, of what is finished.
   void Synchronise() { file_.Synchronise(); }
-  void Close();
+  void Close();  ///< as TextOutput
 
  private:
   class Deflation;
