@@ -89,8 +89,8 @@ struct SceneCommand {
       throw InputError("--output: expected a file that ends in .svg or .json, found '" + output + "'");
     }
     const MovingScene scene = LoadAndMove();
-    const ContactSystem system =
-        time > 0 ? InstantWithContacts(scene.world) : LoadInstant(start.scene, start.size, start.seed);
+    const ContactSystem system = time > 0 ? InstantWithContacts(scene.world, scene.level)
+                                          : LoadInstant(start.scene, start.size, start.seed, scene.level);
     const AssembledLcp lcp = AssembleContactLcp(system);
     const std::optional<PictureSolution> solution = SolveForPicture(lcp.problem, solver, start.budget_s);
     PictureExtras extras;

@@ -34,20 +34,28 @@ MovingScene LoadScene(const std::string& name_or_file, int size, std::uint64_t s
   return scene;
 }
 
-ContactSystem LoadInstant(const std::string& name_or_file, int size, std::uint64_t seed) {
+ContactSystem LoadInstant(const std::string& name_or_file, int size, std::uint64_t seed,
+                          std::optional<MotionLevel> level) {
   if (!IsPath(name_or_file)) return GenerateScene(name_or_file, size, seed);
-  return InstantWithContacts(ReadSceneFile(name_or_file).world);
+  const MovingScene scene = LoadScene(name_or_file, size, seed);
+  return InstantWithContacts(scene.world, level.value_or(scene.level));
 }
 
-ContactSystem InstantWithContacts(const World& world) {
+ContactSystem InstantWithContacts(const World& world, MotionLevel level) {
   const double median = MedianExtent(world.bodies, BoundsOf(world.bodies));
   const double size = median > 0 ? median : 1;
-  ContactSystem system =
-      InstantOf(world, ContactFinder(world).Find(world.bodies, kFoundGap * size, kFoundDepth * size));
-  std::erase_if(system.constraints, [&](const Constraint& joint) {
+  const ContactFinder finder(world);
+  const MotionOptions options;
+  const double width = finder.least_width() > 0 ? finder.least_width() : 1;
+  const double treated = TreatedDepth(level, options, width);
+  finder.RequireShallow(world, ToString(level), treated);
+  ContactSystem instant = InstantOf(world, finder.Find(world.bodies, kFoundGap * size, treated));
+  const AssembledLcp lcp = AssembleContactLcp(instant);
+  instant = InstantOf(world, WithoutGhosts(instant, lcp.rows, options.velocity.doubtful_depth * width));
+  std::erase_if(instant.constraints, [&](const Constraint& joint) {
     return joint.type == ConstraintType::kRope && joint.length - DistanceOfEnds(joint, world.bodies) > kFoundGap * size;
   });
-  return system;
+  return instant;
 }
 
 std::unique_ptr<Motion> StartMotion(const MovingScene& scene, const LcpOptions& lcp, LcpSolver& solver) {

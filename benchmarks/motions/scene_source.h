@@ -36,13 +36,15 @@ MovingScene LoadScene(const std::string& name_or_file, int size, std::uint64_t s
 
 /// One instant: a family's problem as the benchmark solves it, its contacts listed; of a file its joints and the
 /// contacts found (InstantWithContacts).
-/// @throws InputError as LoadScene, DetectContacts
-ContactSystem LoadInstant(const std::string& name_or_file, int size, std::uint64_t seed);
+/// @param level  of files; their own where none is given
+/// @throws InputError as LoadScene, InstantWithContacts
+ContactSystem LoadInstant(const std::string& name_or_file, int size, std::uint64_t seed,
+                          std::optional<MotionLevel> level = {});
 
-/// One instant of a world: its joints without slack ropes, and the contacts found between its outlines, both within
-/// kFoundGap.
-/// @throws InputError as DetectContacts
-ContactSystem InstantWithContacts(const World& world);
+/// One instant of a world: its joints without slack ropes, and the contacts found between its outlines, within
+/// kFoundGap and down to the depth that a motion at `level` treats.
+/// @throws InputError as DetectContacts, and where a motion at `level` would refuse bodies that overlap
+ContactSystem InstantWithContacts(const World& world, MotionLevel level);
 
 /// The scene's world, ready to move as the scene says under `solver`, which must outlive it.
 /// @throws InputError as MakeMotion
@@ -52,9 +54,7 @@ std::unique_ptr<Motion> StartMotion(const MovingScene& scene, const LcpOptions& 
 /// @throws InputError as FormatScene
 std::string FormatMovingScene(const MovingScene& scene);
 
-// In units of the median extent of the movable bodies: what counts as touching, and the deepest overlap that a motion
-// may have left.
+/// What counts as touching, in units of the median extent of the movable bodies.
 inline constexpr double kFoundGap = 1e-5;
-inline constexpr double kFoundDepth = 0.02;
 
 }  // namespace lcpbench

@@ -46,11 +46,9 @@ struct TouchPoint {
   double d_dot = 0;  // [m/s]
 };
 
-// The search range, as a part of the thinnest movable body.
+// The search range: a part of the thinnest movable body, or at least so many contact tolerances.
 constexpr double kThinnestPart = 0.25;
-// Contacts that are found this many contact tolerances deep are contacts still; deeper overlaps that were not followed
-// from outside are errors of the start positions, or corners seen from the side.
-constexpr double kDeepest = 10;
+constexpr double kLeastTolerances = 10;
 constexpr double kSamePlace = 1e-7;
 constexpr double kApart = 1e-3;
 
@@ -90,18 +88,15 @@ TouchPoint EvaluateRope(const Constraint& rope, std::span<const Body> bodies) {
 // is smooth in time. Whether the bodies really are closest there is another question, which LiesOn answers.
 class ContactWatch {
  public:
-  // @param world  its bodies' outlines are kept, positions are given later
-  // @param check  called in searches
-  ContactWatch(const World& world, const AccelerationOptions& options, const StopCheck* check) : finder_(world, check) {
-    for (const Body& body : world.bodies) {
-      spans_.push_back(NormalSpans(OutlineOf(body), Rotation{}));
-      extents_.push_back(ExtentOf(spans_.back()));
-    }
-    thinnest_ = LeastWidth(world, extents_);
+  // @param world   its bodies' outlines are kept, positions are given later
+  // @param finder  of that world; must outlive this
+  ContactWatch(const World& world, const AccelerationOptions& options, const ContactFinder& finder)
+      : finder_(finder), extents_(finder.extents()), thinnest_(finder.least_width()) {
+    for (const Body& body : world.bodies) spans_.push_back(NormalSpans(OutlineOf(body), Rotation{}));
     range_ = options.search_range;
     // Without outlines there is nothing to find, but a rope.
     if (range_ == 0) {
-      range_ = thinnest_ > 0 ? std::max(kThinnestPart * thinnest_, kDeepest * options.contact_tolerance) : 1;
+      range_ = thinnest_ > 0 ? std::max(kThinnestPart * thinnest_, kLeastTolerances * options.contact_tolerance) : 1;
     }
     flush_angle_ = options.contact_tolerance / range_;
     const auto reach = [this](int body, const Feature& feature) {
@@ -196,7 +191,7 @@ class ContactWatch {
   }
 
  private:
-  ContactFinder finder_;
+  const ContactFinder& finder_;
   std::vector<std::vector<NormalSpan>> spans_;  // of every body, body frame
   std::vector<Extent> extents_;                 // with the ends of ropes
   std::vector<Constraint> ropes_;
@@ -850,11 +845,18 @@ class AccelerationMotion final : public Motion {
   AccelerationMotion(World world, const AccelerationOptions& options, LcpSolver& solver)
       : Motion(std::move(world), options.lcp, solver),
         options_(Valid(options)),
-        watch_(world_, options, &check_),
+        watch_(world_, options, finder_),
         flow_(world_, &solver_),
         next_step_(options.largest_step) {
+    if (finder_.least_width() > 0) treated_ = TreatedDepth(options_, finder_.least_width());
+    finder_.RequireShallow(world_, ToString(MotionLevel::kAcceleration), treated_);
     FollowJoints();
     UpdateContacts({}, watch_.Find(world_.bodies));
+    try {
+      CorrectPositions();
+    } catch (const NoFinitePoint&) {
+      // The first step meets it again, and ends the motion.
+    }
   }
 
  private:
@@ -895,15 +897,38 @@ class AccelerationMotion final : public Motion {
     };
     for (const Constraint& constraint : known) add(constraint, watch_.range(), true);
     for (const Constraint& constraint : found) {
-      if (std::abs(constraint.nominal_gap) > kDeepest * options_.contact_tolerance &&
-          constraint.type == ConstraintType::kContact) {
+      if (std::abs(constraint.nominal_gap) > treated_ && constraint.type == ConstraintType::kContact) {
         continue;
       }
-      add(constraint, kDeepest * options_.contact_tolerance, false);
+      add(constraint, treated_, false);
     }
     contacts_ = std::move(contacts);
+    EndAtUnfollowed(found, points);
     watched_ = contacts_;
     watched_.insert(watched_.end(), found.begin(), found.end());
+  }
+
+  // Ends the motion where bodies overlap at a contact that is none of theirs, deeper than at those that they have.
+  // @param points  of contacts_
+  void EndAtUnfollowed(const std::vector<Constraint>& found, const std::vector<TouchPoint>& points) {
+    for (Constraint constraint : found) {
+      if (constraint.type != ConstraintType::kContact || constraint.nominal_gap >= -treated_) continue;
+      double known = treated_;
+      for (std::size_t k = 0; k < contacts_.size(); ++k) {
+        const bool same_bodies = contacts_[k].body1 == constraint.body1 && contacts_[k].body2 == constraint.body2;
+        if (same_bodies) known = std::max(known, -points[k].d);
+      }
+      // The depths of one overlap differ by rounding.
+      constexpr double kRounding = 1e-3;
+      const TouchPoint touch = ContactWatch::Evaluate(world_.bodies, &constraint);
+      const Vec2 p1 = At(world_.bodies, constraint.body1).x + touch.R1;
+      const Vec2 p2 = At(world_.bodies, constraint.body2).x + touch.R2;
+      const double depth = finder_.DepthAt(world_.bodies, constraint, p1, p2, touch.d);
+      if (depth <= (1 + kRounding) * known) continue;
+      for (const BodyOverlap& overlap : finder_.FindOverlaps(world_.bodies, {&constraint, 1}, known)) {
+        if (overlap.body1 == constraint.body1 && overlap.body2 == constraint.body2) return End(overlap);
+      }
+    }
   }
 
   ContactSystem SystemOf(const std::vector<Constraint>& contacts) const {
@@ -935,7 +960,7 @@ class AccelerationMotion final : public Motion {
     const double threshold = options_.position_threshold * options_.contact_tolerance;
     ContactSystem system = SystemOf(contacts_);
     const AssembledLcp lcp = AssembleContactLcp(system);
-    NoteGaps(lcp.rows);
+    NoteGaps(system, lcp.rows);
     if (WorstViolation(lcp.rows) <= threshold) return;
     ProjectPositions(kCorrectionGoal * threshold, Impulses(false), &system);
     for (std::size_t i = 0; i < world_.bodies.size(); ++i) {
@@ -1094,11 +1119,13 @@ class AccelerationMotion final : public Motion {
     CountEvent(reached->at_event ? "a contact that opens, closes or passes on to another edge"
                                  : "a step that speeds or errors shorten");
     if (!reached->at_event) RequireAdvance(begin.bodies, reached->step, options_.contact_tolerance);
+    EndIfUntreatable(reached->step, std::max(watch_.range(), treated_));
   }
 
   AccelerationOptions options_;
   ContactWatch watch_;
   ConstrainedFlow flow_;
+  double treated_ = 0;  // the depth of overlaps that are contacts [m]
   std::vector<Constraint> bilateral_;
   std::vector<Constraint> contacts_;  // d <= eps_d, at the present positions
   std::vector<Constraint> watched_;   // within the range there

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 
 #include "model/motion/impact.h"
@@ -36,6 +37,15 @@ struct AccelerationOptions {
   int max_events = 10'000;
 };
 
+/// The deepest overlap that a motion takes [m]: it is projected out before the motion begins. Contacts found this deep
+/// are contacts still; what is deeper, and was not followed there from outside, is an error of the positions.
+/// @param width  the least of a movable body [m]
+inline double TreatedDepth(const AccelerationOptions& options, double width) {
+  constexpr double kTolerances = 10;
+  constexpr double kThinnestPart = 0.25;
+  return std::min(kTolerances * options.contact_tolerance, kThinnestPart * width);
+}
+
 /// Motion at the acceleration level: between events, Fehlberg 7(8) steps on accelerations from the contact LCP at every
 /// evaluation; events located; impacts simultaneous. [docs/model.md sections 8, 9]
 ///
@@ -44,11 +54,15 @@ struct AccelerationOptions {
 /// the next. An impact is due when a touching row (d <= 0) approaches faster than eps_v. docs/motion.md: how events
 /// are found and drift is corrected, and why nothing tunnels.
 ///
+/// Bodies that overlap by more than TreatedDepth, other than by a contact that was followed from outside, end the
+/// motion as kOverlap. Less is projected out at the start.
+///
 /// A solver that fails is asked for its best point, with which the motion goes on; forces that are not finite end it as
 /// kSolverFailed. Observers are called where there is an LCP: not for steps without any row.
 /// + - * / sqrt and correctly rounded functions only, so with a solver of that kind the same bits on every machine.
 /// @param solver  must outlive the motion
-/// @throws InputError for an invalid world, or options outside their ranges, naming them
+/// @throws InputError for an invalid world, options outside their ranges, or bodies that overlap by more than
+///         TreatedDepth, naming them
 std::unique_ptr<Motion> MakeAccelerationMotion(World world, const AccelerationOptions& options, LcpSolver& solver);
 
 }  // namespace lcpbench

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -9,12 +12,19 @@
 #include "model/contact/system.h"
 #include "model/contact/world.h"
 #include "model/detection/detection.h"
-#include "model/detection/normal_span.h"
+#include "model/detection/overlap.h"
 #include "model/shape/outline.h"
 
 namespace lcpbench {
 
-/// Finds the contacts of a world's bodies again and again as they move: keeps what does not change.
+/// How large a body is, from its outline's spans in its body frame; 0 without any.
+struct Extent {
+  double radius = 0;  ///< of the circle about the centre of mass that holds the box around them [m]
+  double width = 0;   ///< the smaller side of that box [m]
+};
+
+/// Finds the contacts of a world's bodies again and again as they move, and where they overlap: keeps what does not
+/// change.
 class ContactFinder {
  public:
   /// Chains every body's outline (OutlineOf) and excludes pairs that share a joint.  O(edges + joints log joints)
@@ -28,20 +38,45 @@ class ContactFinder {
   /// Whether bodies i < j share a joint.
   bool AreJoined(int i, int j) const;
 
+  /// Of every body.
+  const std::vector<Extent>& extents() const { return extents_; }
+  /// The least width > 0 of a movable body; 0 if no movable body has an outline.
+  double least_width() const { return least_width_; }
+
+  /// Every pair's overlap, as OverlapFinder::Find; without contacts only those deeper than a part of the least width.
+  std::vector<BodyOverlap> FindOverlaps(std::span<const Body> bodies, std::span<const Constraint> contacts,
+                                        double limit) const;
+  /// Those that contacts down to the depth `treated` [m] do not undo: deeper ones, and those without a contact that
+  /// parts the bodies there, as of coincident ones.
+  /// @param least  shallower overlaps need not be found [m]
+  std::vector<BodyOverlap> FindUntreatable(std::span<const Body> bodies, double least, double treated) const;
+  /// OverlapFinder::DepthAt of a contact's points, at most -d; where that is next to nothing, -d [m].
+  double DepthAt(std::span<const Body> bodies, const Constraint& contact, Vec2 p1, Vec2 p2, double d) const;
+
+  /// @param level  the motion's, by its name
+  /// @throws InputError naming bodies, edges and depth where two bodies overlap by more than `limit` [m], what a motion
+  ///         at that level can treat
+  void RequireShallow(const World& world, std::string_view level, double limit) const;
+
  private:
+  bool Undoes(std::span<const Body> bodies, const Constraint& contact, const BodyOverlap& overlap) const;
+
   std::vector<Outline> outlines_;
   std::vector<std::pair<int, int>> joined_;
+  std::vector<Extent> extents_;
+  double least_width_ = 0;
+  std::unique_ptr<const OverlapFinder> overlaps_;  // none where no movable body has an outline
   const StopCheck* check_;
 };
 
-/// How large a body is, from its outline's spans in its body frame; 0 without any.
-struct Extent {
-  double radius = 0;  ///< of the circle about the centre of mass that holds the box around them [m]
-  double width = 0;   ///< the smaller side of that box [m]
-};
-Extent ExtentOf(std::span<const NormalSpan> spans);
-/// The least width > 0 of a movable body; 0 if no movable body has an outline.
-double LeastWidth(const World& world, std::span<const Extent> extents);
+/// "bodies 'floor' (edge 0) and 'ball' (edge 2) overlap by 1.3e-05 m"
+std::string OverlapText(const World& world, const BodyOverlap& overlap);
+
+/// The contacts of an instant without ghosts: contacts deeper than `doubtful` [m] of two bodies that have a shallower
+/// one which lies behind both surfaces of the deeper and faces another way. A corner a little below a face may lie deep
+/// below the next one.
+/// @param rows  those of the assembled system, contacts after all other constraints
+std::vector<Constraint> WithoutGhosts(const ContactSystem& system, const std::vector<RowInfo>& rows, double doubtful);
 
 /// Moves the start values s1, s2 of path joints on general curves to where the joints are at the bodies' present
 /// positions, so that the next search begins there: a search without a start value looks through the whole curve, and

@@ -31,17 +31,24 @@ void CountedSolver::Solve(const LcpProblem& problem, const Eigen::VectorXd* init
   if (result->status != LcpStatus::kSolved) ++statistics_->failed_solves;
 }
 
-Motion::Motion(World world, const LcpOptions& lcp, LcpSolver& solver)
-    : world_(std::move(world)), solver_(solver, lcp, &statistics_, check_) {
-  RequireValid(world_);
-  for (Constraint& joint : world_.joints) {
+namespace {
+
+World Valid(World world) {
+  RequireValid(world);
+  for (Constraint& joint : world.joints) {
     if (joint.type != ConstraintType::kPathJoint || !joint.path.empty()) continue;
     for (const Feature& feature : {joint.feature1, joint.feature2}) {
       // The one curve with ends of its own.
       if (const auto* bezier = std::get_if<BezierEdge>(&feature)) joint.path = {{*bezier, 0, 1}};
     }
   }
+  return world;
 }
+
+}  // namespace
+
+Motion::Motion(World world, const LcpOptions& lcp, LcpSolver& solver)
+    : world_(Valid(std::move(world))), solver_(solver, lcp, &statistics_, check_), finder_(world_, &check_) {}
 
 void Motion::Advance(double duration) {
   if (!(std::isfinite(duration) && duration > 0)) {
@@ -58,11 +65,48 @@ void Motion::Advance(double duration) {
   }
 }
 
-void Motion::NoteGaps(const std::vector<RowInfo>& rows) {
+void Motion::NoteGaps(const ContactSystem& system, const std::vector<RowInfo>& rows) {
+  double& worst = statistics_.worst_penetration;
+  const auto constraint = [&](const RowInfo* row) -> const Constraint& {
+    return system.constraints[static_cast<std::size_t>(row->constraint)];
+  };
+  std::vector<const RowInfo*> deep;
   for (const RowInfo& row : rows) {
-    double& worst = row.bilateral ? statistics_.worst_joint_error : statistics_.worst_penetration;
-    worst = std::max(worst, row.bilateral ? std::abs(row.d) : -row.d);
+    if (row.bilateral) {
+      statistics_.worst_joint_error = std::max(statistics_.worst_joint_error, std::abs(row.d));
+    } else if (constraint(&row).type != ConstraintType::kContact) {
+      worst = std::max(worst, -row.d);
+    } else if (-row.d > worst) {
+      deep.push_back(&row);
+    }
   }
+  // The deepest first, which mostly is what its gap says, so that no other needs a look.
+  std::sort(deep.begin(), deep.end(), [](const RowInfo* a, const RowInfo* b) { return a->d < b->d; });
+  for (const RowInfo* row : deep) {
+    if (-row->d <= worst) break;
+    worst = std::max(worst, finder_.DepthAt(system.bodies, constraint(row), row->p1, row->p2, row->d));
+  }
+}
+
+void Motion::End(const BodyOverlap& overlap) {
+  statistics_.worst_penetration = std::max(statistics_.worst_penetration, overlap.depth);
+  status_ = MotionStatus::kOverlap;
+  detail_ = OverlapText(world_, overlap) + " at t = " + NumberText(time_) +
+            " s, too deep or not met from outside: the motion cannot undo that";
+}
+
+void Motion::EndIfUntreatable(double step, double treated) {
+  constexpr double kPart = 0.25;
+  double fastest = 0;
+  for (std::size_t i = 0; i < world_.bodies.size(); ++i) {
+    const Body& body = world_.bodies[i];
+    const double radius = finder_.extents()[i].radius;
+    if (radius > 0) fastest = std::max(fastest, Norm(body.v) + std::abs(body.omega) * radius);
+  }
+  approached_ += 2 * step * fastest;
+  if (status_ != MotionStatus::kMoving || approached_ < kPart * treated) return;
+  approached_ = 0;
+  for (const BodyOverlap& overlap : finder_.FindUntreatable(world_.bodies, treated, treated)) End(overlap);
 }
 
 void Motion::Stall(const std::string& why) {

@@ -10,7 +10,7 @@
 #include "model/contact/assembly.h"
 #include "model/contact/system.h"
 #include "model/contact/world.h"
-#include "model/detection/detection.h"
+#include "model/motion/contact_finder.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 
@@ -42,6 +42,7 @@ enum class MotionStatus {
   kMoving,
   kSolverFailed,  ///< no finite forces or impulses to go on with
   kPathEnd,       ///< a point came to an end of its path, or to a kink of it (path.h)
+  kOverlap,       ///< bodies overlap deeper than the level can treat, and not by a contact that it followed
   kStalled,       ///< cannot advance: steps or bodies' displacements below the spacing of doubles, too many events
 };
 
@@ -52,7 +53,7 @@ struct MotionStatistics {
   std::int64_t failed_solves = 0;  ///< of these, not answered by kSolved: the motion went on with the best point given
   std::int64_t unsolvable = 0;     ///< of these, answered by kInfeasible
   std::int64_t impacts = 0;
-  double worst_penetration = 0;  ///< deepest -d of a contact row met [m], >= 0
+  double worst_penetration = 0;  ///< deepest overlap of bodies met (overlap.h) [m], >= 0
   double worst_joint_error = 0;  ///< largest |d| of a bilateral row met [m]
   double solve_time_s = 0;       ///< wall clock inside LcpSolver::Prepare and Solve
 };
@@ -110,8 +111,15 @@ class Motion {
 
   /// @throws NoFinitePoint, which ends the motion as kSolverFailed
   virtual void Move(double duration) = 0;
-  /// Notes the worst gaps of an instant in the statistics.
-  void NoteGaps(const std::vector<RowInfo>& rows);
+  /// Notes the worst gaps of an instant in the statistics: of contacts how deep the outlines overlap there.
+  void NoteGaps(const ContactSystem& system, const std::vector<RowInfo>& rows);
+  /// Ends the motion as kOverlap.
+  void End(const BodyOverlap& overlap);
+  /// The same where bodies overlap untreatably (ContactFinder::FindUntreatable). Looks for it as often as bodies may
+  /// have gone deeper by a part of what is treated.
+  /// @param step     bodies moved for so long at velocities of up to their present ones [s]
+  /// @param treated  the depth to which contacts are found [m]
+  void EndIfUntreatable(double step, double treated);
   /// Ends the motion as kStalled.
   void Stall(const std::string& why);
   /// The same, and false, where steps of that length are below the spacing of doubles before `duration` is over.
@@ -131,7 +139,11 @@ class Motion {
   MotionStatistics statistics_;
   StopCheck check_ = [] {};
   CountedSolver solver_;
+  ContactFinder finder_;
   MotionObserver observer_;
+
+ private:
+  double approached_ = 0;  // since overlaps were looked for [m]
 };
 
 /// "acceleration" or "velocity".

@@ -34,15 +34,6 @@ void RequireInRange(const VelocityOptions& options) {
   Require(options.stabilisation >= 0 && options.stabilisation <= 1, "stabilisation", "a number in [0, 1]");
 }
 
-// Whether parting at `shallow` parts `deep` as well: see VelocityOptions::doubtful_depth.
-bool IsGhostBeside(const RowInfo& deep, const RowInfo& shallow) {
-  constexpr double kSameWay = 0.9;  // cosine of the angle between normals
-  // A corner's contact lies on both faces that meet there: behind them but for rounding.
-  const double slack = 0.1 * -deep.d;
-  return shallow.d > deep.d && Dot(deep.n, shallow.n) < kSameWay && Dot(shallow.p2 - deep.p2, deep.n) <= slack &&
-         Dot(shallow.p1 - deep.p1, deep.n) >= -slack;
-}
-
 // y = J x, terms in the order of the columns.
 Eigen::VectorXd Times(const SparseMatrix& J, const Eigen::VectorXd& x) {
   Eigen::VectorXd y(J.rows());
@@ -80,10 +71,10 @@ Eigen::VectorXd AfterImpulses(const LcpProblem& problem, const Eigen::VectorXd& 
 class VelocityMotion final : public Motion {
  public:
   VelocityMotion(World world, const VelocityOptions& options, LcpSolver& solver)
-      : Motion(std::move(world), options.lcp, solver), options_(options), finder_(world_, &check_) {
+      : Motion(std::move(world), options.lcp, solver), options_(options) {
     RequireInRange(options_);
-    for (const Body& body : world_.bodies) extents_.push_back(ExtentOf(NormalSpans(OutlineOf(body), Rotation{})));
-    if (const double least = LeastWidth(world_, extents_); least > 0) size_ = least;
+    if (finder_.least_width() > 0) size_ = finder_.least_width();
+    finder_.RequireShallow(world_, ToString(MotionLevel::kVelocity), TreatedDepth(options_, size_));
     FollowPathJoints(world_.bodies, world_.joints);
   }
 
@@ -114,35 +105,13 @@ class VelocityMotion final : public Motion {
 
   double LargestSpeed(const Eigen::VectorXd& v_free) const {
     double largest = 0;
-    for (BodyIndex i = 0; i < extents_.size(); ++i) {
-      const double radius = extents_[i].radius;
+    for (BodyIndex i = 0; i < world_.bodies.size(); ++i) {
+      const double radius = finder_.extents()[i].radius;
       if (radius == 0) continue;
       const Vec2 v{v_free[Column(i)], v_free[Column(i) + 1]};
       largest = std::max(largest, Norm(v) + std::abs(v_free[Column(i) + 2]) * radius);
     }
     return largest;
-  }
-
-  std::vector<Constraint> WithoutGhosts(const ContactSystem& system, const std::vector<RowInfo>& rows) const {
-    const auto constraint = [&](const RowInfo& row) -> const Constraint& {
-      return system.constraints[static_cast<std::size_t>(row.constraint)];
-    };
-    const auto first = std::find_if(
-        rows.begin(), rows.end(), [&](const RowInfo& row) { return constraint(row).type == ConstraintType::kContact; });
-    std::vector<Constraint> contacts;
-    // Contacts come after the joints, one row each, and those of one pair of bodies follow each other.
-    for (auto begin = first; begin != rows.end();) {
-      const auto end = std::find_if(begin, rows.end(), [&](const RowInfo& row) {
-        return constraint(row).body1 != constraint(*begin).body1 || constraint(row).body2 != constraint(*begin).body2;
-      });
-      for (auto row = begin; row != end; ++row) {
-        const bool ghost = row->d < -options_.doubtful_depth * size_ &&
-                           std::any_of(begin, end, [&](const RowInfo& other) { return IsGhostBeside(*row, other); });
-        if (!ghost) contacts.push_back(constraint(*row));
-      }
-      begin = end;
-    }
-    return contacts;
   }
 
   double DepthTerm(const RowInfo& row, bool contact, double h) const {
@@ -277,16 +246,16 @@ class VelocityMotion final : public Motion {
     SetLoads(world_.loads, world_.bodies);
     Eigen::VectorXd v_free = FreeVelocity(h);
     const double range = options_.reach * 2 * h * LargestSpeed(v_free) + options_.contact_gap * size_;
-    std::vector<Constraint> found = finder_.Find(world_.bodies, range, options_.max_depth * size_);
+    std::vector<Constraint> found = finder_.Find(world_.bodies, range, TreatedDepth(options_, size_));
     const std::size_t count = found.size();
     ContactSystem system = InstantOf(world_, std::move(found));
     AssembledLcp lcp = AssembleContactLcp(system);
-    std::vector<Constraint> contacts = WithoutGhosts(system, lcp.rows);
+    NoteGaps(system, lcp.rows);
+    std::vector<Constraint> contacts = WithoutGhosts(system, lcp.rows, options_.doubtful_depth * size_);
     if (contacts.size() < count) {
       system = InstantOf(world_, std::move(contacts));
       lcp = AssembleContactLcp(system);
     }
-    NoteGaps(lcp.rows);
     if (options_.restitution > 0 && options_.impact_law == ImpactLaw::kPoisson &&
         ResolveImpacts(lcp.rows, h, &system)) {
       v_free = FreeVelocity(h);
@@ -301,12 +270,11 @@ class VelocityMotion final : public Motion {
     RequireAdvance(system.bodies, h, options_.contact_gap * size_);
     time_ += h;
     ++statistics_.steps;
+    EndIfUntreatable(h, TreatedDepth(options_, size_));
   }
 
   VelocityOptions options_;
-  ContactFinder finder_;
   RowMatching matching_;
-  std::vector<Extent> extents_;  // of the bodies
   double size_ = 1;
   Eigen::VectorXd impulses_;  // of the step before
   Eigen::VectorXd guess_;

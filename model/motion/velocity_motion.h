@@ -23,10 +23,9 @@ struct VelocityOptions {
   double reach = 1.5;
   /// [sizes], > 0: above the rounding of gaps, where everything is at rest.
   double contact_gap = 1e-6;
-  /// Deeper overlaps are not seen as contacts [sizes], > 0.
+  /// Deeper overlaps are refused at the start, and end the motion (MotionStatus::kOverlap) [sizes], > 0.
   double max_depth = 0.25;
-  /// Contacts deeper than this [sizes], > 0, count only if the two bodies have no shallower one that lies behind both
-  /// surfaces of the deeper and faces another way: a corner a little below a face may lie deep below the next one.
+  /// Contacts deeper than this [sizes], > 0, may be ghosts: WithoutGhosts.
   double doubtful_depth = 0.02;
   /// delta [sizes], > 0: no more than this depth (or joint error) is undone in one step.
   double depth_clamp = 0.01;
@@ -37,6 +36,10 @@ struct VelocityOptions {
   /// Tolerance and limits of every solve; initial_f is not read.
   LcpOptions lcp;
 };
+
+/// The deepest overlap that a motion takes [m].
+/// @param size  the unit of "sizes" [m]
+inline double TreatedDepth(const VelocityOptions& options, double size) { return options.max_depth * size; }
 
 /// The time stepping of Anitescu and Potra (1997) and Stewart and Trinkle (1996) without friction [docs/model.md
 /// section 9]:
@@ -54,7 +57,8 @@ struct VelocityOptions {
 /// finite: kSolverFailed. docs/motion.md: energy, and what an unsolvable step is repeated with.
 /// O(contacts) per step beside the broad phase and the solve.
 /// @param solver  not owned; must outlive the motion
-/// @throws InputError for an invalid world (RequireValid) or options outside their ranges
+/// @throws InputError for an invalid world (RequireValid), options outside their ranges, or bodies that overlap by more
+///         than TreatedDepth, naming them
 std::unique_ptr<Motion> MakeVelocityMotion(World world, const VelocityOptions& options, LcpSolver& solver);
 
 }  // namespace lcpbench

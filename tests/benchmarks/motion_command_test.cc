@@ -237,6 +237,27 @@ TEST_F(SceneCommand, ReadsSceneFilesAndFindsTheirContacts) {
   EXPECT_NE(outcome.out.find(">30.8 N<"), std::string::npos);
 }
 
+// The picture and the motion have one notion of depth.
+TEST_F(SceneCommand, BodiesThatOverlapDeeperThanTheirMotionTakesAreRefusedByName) {
+  const std::string file = std::string(LCPBENCH_SOURCE_DIR) + "/tests/data/reports/overlap-at-start.json";
+  const std::string why = "bodies 'floor' (edge 0) and 'ball' (edge 0) overlap by 1.3e-05 m";
+  ExpectMistake("sequence " + file, why);
+  ExpectMistake("scene " + file, why);
+  ExpectMistake("scene " + file + " --animate " + Path("x.html"), why);
+  const CommandOutcome taken = Succeed("sequence " + file + " --level velocity --steps 10");
+  EXPECT_NE(taken.error.find("worst penetration 1.3e-05 m"), std::string::npos) << taken.error;
+  Succeed("scene " + file + " --level velocity");
+
+  Write("same.json", R"({"lcpbench_scene": 1, "bodies": [
+      {"name": "this", "density": 1, "shape": {"disc": {"radius": 1}}},
+      {"name": "that", "density": 1, "shape": {"disc": {"radius": 1}}}]})");
+  for (const char* level : {"acceleration", "velocity"}) {
+    const std::string options = Path("same.json") + " --level " + level;
+    ExpectMistake("sequence " + options, "bodies 'this' (edge 0) and 'that' (edge 0) overlap by");
+    ExpectMistake("scene " + options, "bodies 'this' (edge 0) and 'that' (edge 0) overlap by");
+  }
+}
+
 TEST_F(SceneCommand, WritesASceneFileOfWhatMovesFromThenOn) {
   Succeed("scene rockers --size 12 --seed 3 --time 0.05 -o " + Path("x.json"));
   const std::string all = Run("sequence rockers --size 12 --seed 3 --steps 53").out;
