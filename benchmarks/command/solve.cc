@@ -64,7 +64,9 @@ struct Solve {
       if (relative_to_floor) {
         reference.floor = FindReferenceFloor(record.problem, options.tolerance, options.time_limit_s);
       }
-      SolveNotes notes{.setup_s = prepared - start, .time_s = solve_s};
+      SolveNotes notes;
+      notes.setup_s = prepared - start;
+      notes.time_s = solve_s;
       if (least_norm) notes.least_norm = TakeLeastNorm(record.problem, &result);
       const Verdict verdict = Verify(record.problem, result, options.tolerance, &reference);
       if (verdict.passes) notes.f_unique = UniqueForces(record.problem, result.f);
