@@ -19,9 +19,9 @@ function leagueRows(view) {
 }
 
 const LEAGUE = [
-  ["solver", "solver", (value) => value], ["verified", "verified", percent], ["unasked", "not asked", String], ["lies", "false claims", String], ["below", "below the tier", String],
+  ["solver", "solver", (value) => value], ["verified", "verified", percent], ["lies", "false claims", String], ["below", "below the tier", String],
   ["mean", "mean fresh time of the verified", seconds], ["ratio", "median time / best shown", times], ["rho", "median ρ", residual],
-  ["error", "99 % of w errors", residual],
+  ["error", "99 % of w errors", residual], ["unasked", "not asked", String],
 ];
 const leagueOrder = {by: "verified", down: true};
 
