@@ -59,7 +59,7 @@ TEST(UniqueForces, NeverContradictsTheExactAnswer) {
   ForEachSolved(
       [&](const std::string& name, const LcpProblem& problem, const Eigen::VectorXd& f, const ExactAnswer& exact) {
         const std::optional<bool> found = UniqueForces(problem, f);
-        if (found) EXPECT_EQ(*found, *exact.f_unique) << name;
+        EXPECT_EQ(found.value_or(*exact.f_unique), *exact.f_unique) << name;
         (found ? (*found ? yes : no) : unknown)++;
       });
   EXPECT_GT(yes, 50);
