@@ -24,6 +24,9 @@ constexpr double kSearchedDepth = 0.25;
 constexpr double kUnseen = 1e-3;
 // and what counts as touching.
 constexpr double kTouching = 1e-9;
+// Contacts that are shallower than this are as deep as their gap says: whether a corner is beside an edge or on it is
+// no matter then.
+constexpr double kNoMatter = 1e-5;
 // A contact undoes an overlap if it is as deep as this part of it, or leaves no more of it.
 constexpr double kAsDeep = 0.5;
 
@@ -93,7 +96,7 @@ std::vector<BodyOverlap> ContactFinder::FindOverlaps(std::span<const Body> bodie
 
 double ContactFinder::DepthAt(std::span<const Body> bodies, const Constraint& contact, Vec2 p1, Vec2 p2,
                               double d) const {
-  if (-d <= kTouching * least_width_) return -d;
+  if (-d <= kNoMatter * least_width_) return -d;
   return overlaps_->DepthAt(bodies, contact.body1, p1, contact.body2, p2, -d);
 }
 

@@ -96,7 +96,7 @@ void Motion::End(const BodyOverlap& overlap) {
 }
 
 void Motion::EndIfUntreatable(double step, double treated) {
-  constexpr double kPart = 0.25;
+  constexpr double kPart = 0.5;
   double fastest = 0;
   for (std::size_t i = 0; i < world_.bodies.size(); ++i) {
     const Body& body = world_.bodies[i];

@@ -124,7 +124,7 @@ TEST(Advance, ACheckEndsAMotionWithinAStep) {
   struct Over {};
   GearShape gear;
   gear.teeth = 60;
-  World gears = WorldWith("gears", {Movable(Gear(gear), {}), Movable(Gear(gear), {1.9, 0})}, {});
+  World gears = WorldWith("gears", {Movable(Gear(gear), {}), Movable(Gear(gear), {1.5, 1.5})}, {});
   for (const MotionLevel level : kLevels) {
     for (const World& world : {WithOneBody({0, 3}, {1, 0}), gears}) {
       int left = 0;
