@@ -7,11 +7,11 @@
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
 #include "benchmarks/measure/reference_solves.h"
-#include "solvers/answers/least_norm.h"
 #include "solvers/exact/unique_forces.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/peers/protocol/external_solver.h"
+#include "solvers/pivoting/least_norm.h"
 #include "solvers/registry.h"
 
 namespace lcpbench {

@@ -71,7 +71,8 @@ void PassOn(std::span<const Body> bodies, bool forward, Constraint* joint) {
                   ", at (" + NumberText(place.x) + ", " + NumberText(place.y) + ") m");
   };
   if (is_last && !IsClosed(path)) fail("the end");
-  const std::size_t next = is_last ? last - joint->piece : joint->piece + (forward ? 1 : -1);
+  const std::size_t neighbour = forward ? joint->piece + 1 : joint->piece - 1;
+  const std::size_t next = is_last ? last - joint->piece : neighbour;
   const double kink = forward ? KinkBetween(piece, path[next]) : KinkBetween(path[next], piece);
   if (!(kink <= kSmoothJoin)) fail("a kink of " + NumberText(kink) + " rad");
   PutOnPiece(next, forward ? path[next].s_begin : path[next].s_end, joint);

@@ -33,7 +33,7 @@ std::optional<Eigen::VectorXd> AcceptedRay(const LcpProblem& problem, const Eige
   }
   if (verdict.proved) return ray;
   for (const double multiple : kMultiples) {
-    const Eigen::VectorXd short_ray = ray.unaryExpr([&](double y) { return WithFewBits(multiple * y); });
+    Eigen::VectorXd short_ray = ray.unaryExpr([&](double y) { return WithFewBits(multiple * y); });
     if (VerifyFarkasRay(problem, short_ray).proved) return short_ray;
   }
   return ray;

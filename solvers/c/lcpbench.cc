@@ -18,12 +18,12 @@
 #include <utility>
 #include <vector>
 
-#include "solvers/answers/least_norm.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/library_threads.h"
+#include "solvers/pivoting/least_norm.h"
 #include "solvers/registry.h"
 #include "solvers/step/step_solver.h"
 #include "support/input_error.h"

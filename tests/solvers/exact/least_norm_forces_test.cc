@@ -4,10 +4,10 @@
 
 #include <string>
 
-#include "solvers/answers/least_norm.h"
 #include "solvers/exact/exact_lcp.h"
 #include "solvers/exact/exact_solver.h"
 #include "solvers/exact/unique_forces.h"
+#include "solvers/pivoting/least_norm.h"
 #include "support/input_error.h"
 #include "tests/solvers/exact_problems.h"
 #include "tests/solvers/solve_with.h"

@@ -1,4 +1,4 @@
-#include "solvers/answers/least_norm.h"
+#include "solvers/pivoting/least_norm.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
