@@ -56,15 +56,15 @@ std::string FormatLcpRecord(const LcpProblem& problem, bool with_matrix = false,
 
 /// What a solve record says besides the answer.
 struct SolveNotes {
-  double setup_s = 0;
-  double time_s = 0;
-  std::optional<bool> f_unique;  ///< nothing: not known
-  /// Where f is the solution of least norm: of how many free directions of the forces, by which rank tolerance.
+  double setup_s = 0;            ///< of Prepare [s]
+  double time_s = 0;             ///< of Solve [s]
+  std::optional<bool> f_unique;  ///< whether f is the only solution; nothing: not known
+  /// How the solution of least norm was found.
   struct LeastNorm {
-    Index nullity;
-    double rank_tolerance;
+    Index nullity;          ///< free directions of the forces
+    double rank_tolerance;  ///< by which they were found
   };
-  std::optional<LeastNorm> least_norm;
+  std::optional<LeastNorm> least_norm;  ///< where f is the solution of least norm
 };
 
 /// One line for a solve: id, solver, status, f, f_unique, w, iterations, setup_s, time_s, metrics, verdict, detail, and
