@@ -43,8 +43,9 @@ bool ScaledRows::NumberBodies(const StepRows& all, std::span<const std::int32_t>
   bodies_ = 0;
   bool all_move = true;
   for (Index i = 0; i < n_ && all_move; ++i) {
-    std::int32_t first = number(all.body[2 * part[At(i)]]);
-    std::int32_t second = number(all.body[2 * part[At(i)] + 1]);
+    const Index row = part[At(i)];
+    std::int32_t first = number(all.body[2 * row]);
+    std::int32_t second = number(all.body[2 * row + 1]);
     if (first < 0) std::swap(first, second);
     if (second == first) second = -1;
     part_first_[At(i)] = first;
