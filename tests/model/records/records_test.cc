@@ -366,7 +366,7 @@ TEST(Records, ModelErrorsComeWithTheId) {
 
 TEST(Records, LinesThatAreNoRecordAreRefusedNamingPlaceExpectedAndFound) {
   EXPECT_EQ(InputErrorOf("{\"id\": 1,"), "file.jsonl:7: not valid JSON, at byte 10");
-  EXPECT_EQ(InputErrorOf("[1, 2]"), "file.jsonl:7: /: expected an object, found an array of 2");
+  EXPECT_EQ(InputErrorOf("[1, 2]"), "file.jsonl:7: expected an object, found array");
   EXPECT_EQ(InputErrorOf("{}"), "file.jsonl:7: /id: missing field, expected a string");
   EXPECT_EQ(InputErrorOf("{\"id\": 1e999}"), "file.jsonl:7: /id: a number beyond the range of double");
 
