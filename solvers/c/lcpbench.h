@@ -306,7 +306,7 @@ LCPBENCH_API lcpbench_error lcpbench_result_farkas_ray(const lcpbench_result* re
 /// @param result          not NULL, of status LCPBENCH_SOLVED; its f is replaced, or left as it was where nullity is -1
 /// @param tolerance       the tier that the answer must pass, in (0, 1)
 /// @param rank_tolerance  eigenvalues of D^-1/2 A D^-1/2 on the rows with w = 0 up to this part of the largest count as
-///                        0, in (0, 1); 1e-10 where in doubt
+///                        0, in (0, 1); 1e-12 where in doubt
 /// @param nullity         free directions of the forces; -1 where no such f was found: detail of the result says why
 LCPBENCH_API lcpbench_error lcpbench_result_least_norm(const lcpbench_problem* problem, lcpbench_result* result,
                                                        double tolerance, double rank_tolerance, int64_t* nullity);

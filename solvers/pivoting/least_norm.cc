@@ -14,9 +14,10 @@
 namespace lcpbench {
 namespace {
 
-// Rows with w = 0 to the accuracy of the answer: |D_ii^-1/2 w_i| up to this part of |D^-1/2 b|_2 beyond the
-// tolerance's.
-constexpr double kPartOfTolerance = 10;
+// Rows with w = 0 to the accuracy of the answer: all of them together may take this part of the tolerance.
+constexpr double kPartOfTolerance = 0.1;
+// Of the largest force, what counts as none.
+constexpr double kPartOfSlack = 1e-12;
 
 // D^-1/2 A D^-1/2, root = D^1/2.
 Eigen::MatrixXd Scaled(const Eigen::MatrixXd& A, const Eigen::VectorXd& root) {
@@ -36,7 +37,8 @@ bool IsSemidefinite(const LcpProblem& problem, const Eigen::VectorXd& root, doub
 // The rows that may carry force.
 std::vector<Index> ClosedRows(const LcpProblem& problem, const Metrics& metrics, const Eigen::VectorXd& f,
                               const Eigen::VectorXd& root, double tolerance) {
-  const double limit = kPartOfTolerance * tolerance * problem.b().cwiseQuotient(root).norm();
+  const double limit = kPartOfTolerance * tolerance * problem.b().cwiseQuotient(root).norm() /
+                       std::sqrt(static_cast<double>(std::max<Index>(problem.size(), 1)));
   std::vector<Index> closed;
   for (Index i = 0; i < problem.size(); ++i) {
     const bool is_closed = problem.is_bilateral(i) || f[i] > 0 || metrics.w[i] / root[i] <= limit;
@@ -45,29 +47,25 @@ std::vector<Index> ClosedRows(const LcpProblem& problem, const Metrics& metrics,
   return closed;
 }
 
-// Of A on the closed rows: an orthonormal basis of the forces that move nothing, and the forces of least norm with
-// A q = -b, whatever their signs.
+// Of A on the closed rows: an orthonormal basis of the forces that move nothing, and what is left of given forces
+// without their part in it.
 struct FreeForces {
-  FreeForces(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, const Eigen::VectorXd& root, double rank_tolerance) {
+  FreeForces(const Eigen::MatrixXd& A, const Eigen::VectorXd& f, const Eigen::VectorXd& root, double rank_tolerance)
+      : across(f) {
     const Index n = A.rows();
     if (n == 0) return;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Scaled(A, root));
     const double least = rank_tolerance * eigen.eigenvalues()[n - 1];
     const Index nullity = (eigen.eigenvalues().array() <= least).count();
-    const Eigen::MatrixXd moving = eigen.eigenvectors().rightCols(n - nullity);
-    const Eigen::VectorXd values = eigen.eigenvalues().tail(n - nullity);
-    Eigen::VectorXd any = moving * (moving.transpose() * b.cwiseQuotient(root)).cwiseQuotient(-values);
-    any = any.cwiseQuotient(root);
     basis.resize(n, nullity);
-    if (nullity > 0) {
-      const Eigen::MatrixXd spanning = root.cwiseInverse().asDiagonal() * eigen.eigenvectors().leftCols(nullity);
-      const Eigen::HouseholderQR<Eigen::MatrixXd> qr(spanning);
-      basis = qr.householderQ() * Eigen::MatrixXd::Identity(n, nullity);
-    }
-    least_norm = any - basis * (basis.transpose() * any);
+    if (nullity == 0) return;
+    const Eigen::MatrixXd spanning = root.cwiseInverse().asDiagonal() * eigen.eigenvectors().leftCols(nullity);
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(spanning);
+    basis = qr.householderQ() * Eigen::MatrixXd::Identity(n, nullity);
+    across -= basis * (basis.transpose() * f);
   }
   Eigen::MatrixXd basis;
-  Eigen::VectorXd least_norm;
+  Eigen::VectorXd across;
 };
 
 }  // namespace
@@ -101,9 +99,9 @@ LeastNormForces FindLeastNormForces(const LcpProblem& problem, const Eigen::Vect
     return refuse(LcpStatus::kNumericalFailure, "the given f does not pass " + NumberText(options.tolerance));
   }
   const std::vector<Index> closed = ClosedRows(problem, metrics, f, root, options.tolerance);
-  const FreeForces free(problem.DenseA()(closed, closed), problem.b()(closed), root(closed), options.rank_tolerance);
+  const FreeForces free(problem.DenseA()(closed, closed), f(closed), root(closed), options.rank_tolerance);
   answer.nullity = free.basis.cols();
-  Eigen::VectorXd g = free.least_norm;
+  Eigen::VectorXd g = free.across;
 
   std::vector<Index> contacts;  // among the closed rows
   for (size_t k = 0; k < closed.size(); ++k) {
@@ -113,8 +111,10 @@ LeastNormForces FindLeastNormForces(const LcpProblem& problem, const Eigen::Vect
     const Eigen::MatrixXd basis = free.basis(contacts, Eigen::all);
     MatrixFacts psd;
     psd.symmetric = psd.positive_semidefinite = true;
-    const LcpProblem signs =
-        LcpProblem::FromDense(problem.id(), basis * basis.transpose(), Eigen::VectorXd(g(contacts)), {}, psd);
+    // Forces may be negative by as much as rounding: a set without an inner point would have none in doubles.
+    const double slack = kPartOfSlack * f.lpNorm<Eigen::Infinity>();
+    const LcpProblem signs = LcpProblem::FromDense(problem.id(), basis * basis.transpose(),
+                                                   Eigen::VectorXd(g(contacts).array() + slack), {}, psd);
     LcpOptions limits{.tolerance = options.tolerance, .time_limit_s = options.time_limit_s};
     LcpResult result;
     DantzigSolver().Solve(signs, limits, &result);
@@ -124,9 +124,11 @@ LeastNormForces FindLeastNormForces(const LcpProblem& problem, const Eigen::Vect
     g += free.basis * (basis.transpose() * result.f);
   }
   Eigen::VectorXd least = Eigen::VectorXd::Zero(n);
+  const double none = n > 0 ? 10 * kPartOfSlack * f.lpNorm<Eigen::Infinity>() : 0;
   for (size_t k = 0; k < closed.size(); ++k) {
     const double force = g[static_cast<Index>(k)];
-    least[closed[k]] = problem.is_bilateral(closed[k]) ? force : std::max(force, 0.0);
+    // What is no more than the slack counts as none: a row without any force around it has no other scale.
+    least[closed[k]] = problem.is_bilateral(closed[k]) || force > none ? force : 0.0;
   }
   if (!PassesTier(ComputeMetrics(problem, least), options.tolerance)) {
     return refuse(LcpStatus::kNumericalFailure,

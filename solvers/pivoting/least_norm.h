@@ -14,7 +14,7 @@ struct LeastNormOptions {
   double tolerance = 1e-9;  ///< tier that the answer must pass, in (0, 1)
   /// Eigenvalues of D^-1/2 A D^-1/2 on the active rows up to this part of the largest are 0, > 0: they say which forces
   /// are free. Inexact geometry makes the zeros of redundant contacts small numbers.
-  double rank_tolerance = 1e-10;
+  double rank_tolerance = 1e-12;
   double time_limit_s = std::numeric_limits<double>::infinity();  ///< of the inner LCP [s], > 0
 };
 
@@ -33,7 +33,7 @@ inline constexpr Index kMostRowsOfLeastNorm = 1000;
 /// Of all solutions of a PSD problem the one of least Euclidean norm |f|_2 in the units given, which is unique
 /// [docs/model.md section 8, property 5]. From any solution f, with w = A f + b and P the rows with w = 0:
 ///     min |g|_2   over   A_PP g_P = -b_P,   g_C >= 0,   g = 0 elsewhere.
-/// With N an orthonormal basis of null(A_PP) and q the solution of least norm without signs, g_P = q + N N^T s, where s
+/// With N an orthonormal basis of null(A_PP) and q = f_P - N N^T f_P, g_P = q + N N^T s, where s
 /// solves the LCP  g = N N^T s + q, 0 <= s _|_ g >= 0  on the unilateral rows of P, by Dantzig's
 /// method. The answer is judged by the given form at `tolerance`. Where A is not known to be PSD, its eigenvalues say.
 /// @param f  a solution: n numbers that pass the tolerance
