@@ -48,14 +48,8 @@ struct SceneCommand {
   }
 
  private:
-  // What moves the scene: the first of this build where none is named.
-  std::string MovingSolver() const {
-    if (!solver.empty()) return solver;
-    for (const SolverEntry& entry : AllSolvers()) {
-      if (entry.available) return entry.key;
-    }
-    throw InputError("this build has no solver");
-  }
+  // What moves the scene, as it moves sequences.
+  std::string MovingSolver() const { return solver.empty() ? "auto" : solver; }
 
   LcpOptions SolverLimits() const {
     LcpOptions options;
