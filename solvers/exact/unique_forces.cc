@@ -56,6 +56,7 @@ bool AreIndependent(const LcpProblem& problem, const std::vector<Index>& rows) {
 std::optional<bool> UniqueForces(const LcpProblem& problem, const Eigen::VectorXd& f) {
   const MatrixFacts& facts = problem.facts();
   const Index n = problem.size();
+  if (n == 0) return true;
   if (!facts.symmetric || !facts.positive_semidefinite || f.size() != n) return std::nullopt;
   if (n > kMostRowsOfUniqueForces || IsTooFull(problem)) return std::nullopt;
   const Metrics metrics = ComputeMetrics(problem, f);
