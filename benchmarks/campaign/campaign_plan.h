@@ -134,8 +134,8 @@ std::string PassName(const Task& pass);
 std::vector<std::size_t> ShuffleGroups(const std::vector<std::size_t>& group_of_cell, std::uint64_t seed, int round);
 
 /// The order of a round: tasks of one solver about the same together, these groups shuffled by the seed and the round.
-/// Of sequences, which are made before their first use, round 0 goes from one to the next, from the least work to the
-/// most: the first solve waits for one that is made quickly.
+/// Round 0 takes the sequences one after the other, from the least work to the most: a sequence is made before its
+/// first use, and so the first solve waits for one that is made quickly.
 std::vector<std::size_t> OrderOfRound(const std::vector<Task>& tasks, std::uint64_t seed, int round);
 
 /// Tasks of shard k of n (k from 1): by a hash of what they are about and the solver, so that shards do not depend on

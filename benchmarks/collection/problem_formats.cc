@@ -107,7 +107,7 @@ class Taker {
   }
   void TakeFile(const std::string& path) { Take({ReadProblemFile(path, options_), {}, ""}, path, ""); }
 
-  // Of the file that was read last, in one line on standard error, as the other.
+  // Names the unknown members of the file that was read last, in one line on standard error.
   void TellUnknownMembers(const std::string& path) {
     if (unknown_.empty()) return;
     std::string names;

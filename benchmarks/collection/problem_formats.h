@@ -22,7 +22,7 @@ struct ReadingOptions {
 /// A file format of problems: json_lines.h, matrix_market.h, fclib_file.h, siconos_text.h, qps_text.h or npz_file.h.
 struct ProblemFormat {
   const char* name;  ///< "jsonl", "mtx", "hdf5", "dat", "qps", "npz"
-  /// Of its files, in small letters (EndingOf); JSON lines have any other, and - for standard input.
+  /// Endings of its files, in small letters (EndingOf). Files with any other ending, and -, are JSON lines.
   std::vector<std::string_view> endings;
   bool is_text;  ///< may be compressed by gzip, with .gz after the ending
   /// The problem of a file; null of JSON lines, where a file has many, and where files are written only.

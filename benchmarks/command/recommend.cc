@@ -138,7 +138,7 @@ struct Recommend {
     if (tried_.insert(entry.key).second) plan.solvers.push_back(entry.key);
   }
 
-  // Of others than ours only their workers know.
+  // What a peer takes, only its worker knows.
   static bool Takes(const SolverEntry& entry, const LcpProblem& problem) {
     if (!entry.available) return false;
     return entry.origin != SolverOrigin::kOwn || entry.make({})->WhyUnsupported(problem).empty();

@@ -62,7 +62,7 @@ struct MotionOutcome : WorstFigures {
   std::string stopped;               ///< why the motion ended before its time; empty otherwise
 };
 
-/// Of the reference motion: the same scene at the same level and step, driven by kDrivingSolver, so that the
+/// Tolerance of the reference motion, which has the same scene, level and step and is driven by kDrivingSolver: so the
 /// differences are the solver's and not those of the discretisation.
 inline constexpr double kReferenceTolerance = 1e-12;
 

@@ -14,7 +14,7 @@
 namespace lcpbench {
 namespace {
 
-// Of a path joint: its edge's side of everything.
+// The side of a path joint that has the edge.
 struct EdgeSide {
   int body;
   Feature& feature;

@@ -33,9 +33,9 @@ struct Constraint {
   double nominal_gap = 0;
   /// Of a rod or rope [m], > 0; ignored by all others.
   double length = 0;
-  /// Of a path joint whose path has ends: pieces of edges of the body that owns the path, each beginning where the one
-  /// before ends (path.h). Motions go on from piece to piece where they join smoothly. Empty: the edge stands for all
-  /// of its line, circle or curve.
+  /// The path of a path joint, where it has ends: pieces of edges of the body that owns it, each beginning where the
+  /// one before ends (path.h). Motions go on from piece to piece where they join smoothly. Empty: the edge stands for
+  /// all of its line, circle or curve.
   std::vector<OutlineEdge> path = {};
   std::size_t piece = 0;  ///< of `path`, on which the joint is now: its edge is that piece's curve
   bool operator==(const Constraint&) const = default;

@@ -16,7 +16,7 @@ namespace {
 
 // Rows with w = 0 to the accuracy of the answer: all of them together may take this part of the tolerance.
 constexpr double kPartOfTolerance = 0.1;
-// Of the largest force, what counts as none.
+// Forces up to this part of the largest one count as rounding.
 constexpr double kPartOfSlack = 1e-12;
 
 // D^-1/2 A D^-1/2, root = D^1/2.
