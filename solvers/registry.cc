@@ -58,8 +58,17 @@ std::string NoBoundOnBlocks(const LcpProblem& /*problem*/, double /*tolerance*/)
   return "blocks may cycle, and single exchanges have no polynomial bound";
 }
 
+std::string LeavesHardOnes(const LcpProblem& /*problem*/, double /*tolerance*/) {
+  return "what it finds hard it leaves to the methods that auto asks next";
+}
+
 std::string NcpLocal(const LcpProblem& /*problem*/, double /*tolerance*/) {
   return "a nonconvex formulation: local convergence only";
+}
+
+template <AutoMethod method>
+std::unique_ptr<LcpSolver> MakeMethodOfAuto(const Settings& settings) {
+  return std::make_unique<AutoSolver>(AutoOptions::Only(method, settings));
 }
 
 #ifdef LCPBENCH_WITH_IPOPT
@@ -96,6 +105,30 @@ std::vector<SolverEntry> OwnSolvers() {
        .uses_tolerance = true,
        .why_not_guaranteed = &AnyPsd,
        .make = &Make<AutoSolver>},
+      {.key = "fixed-size-bpp",
+       .method = "block principal pivoting in registers, islands of up to 6 rows; a method of auto alone",
+       .source = "Judice, Pires 1994; Keller 1973",
+       .uses_tolerance = true,
+       .why_not_guaranteed = &LeavesHardOnes,
+       .make = &MakeMethodOfAuto<AutoMethod::kFixedSizeBpp>},
+      {.key = "principal-pivoting",
+       .method = "principal pivoting on a dense tableau, islands of up to 128 rows; a method of auto alone",
+       .source = "Tucker 1963; Keller 1973; Murty 1974",
+       .uses_tolerance = true,
+       .why_not_guaranteed = &LeavesHardOnes,
+       .make = &MakeMethodOfAuto<AutoMethod::kPrincipalPivoting>},
+      {.key = "profile-pivoting",
+       .method = "conjugate gradients, then block pivoting on a profile factor; a method of auto alone",
+       .source = "Silcowitz, Niebe, Erleben 2010; Judice, Pires 1994; Jennings 1966",
+       .uses_tolerance = true,
+       .why_not_guaranteed = &LeavesHardOnes,
+       .make = &MakeMethodOfAuto<AutoMethod::kProfilePivoting>},
+      {.key = "band-pivoting",
+       .method = "sweeps, then block pivoting on a banded factor of a given A; a method of auto alone",
+       .source = "Kostreva 1978; Portugal, Judice, Vicente 1994",
+       .uses_tolerance = true,
+       .why_not_guaranteed = &LeavesHardOnes,
+       .make = &MakeMethodOfAuto<AutoMethod::kBandPivoting>},
       {.key = "semismooth-newton",
        .method = "proximal semismooth Newton with exact line search on a sparse factor",
        .source = "Rockafellar 1976; Qi, Sun 1999",

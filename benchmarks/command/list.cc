@@ -5,6 +5,7 @@
 #include "benchmarks/command/commands.h"
 #include "build_info.h"
 #include "model/scenes/scene.h"
+#include "solvers/auto/auto_rules.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 
@@ -38,6 +39,8 @@ void PrintMetrics() {
 
 void PrintPeers() { std::cout << PeerFactsJson().dump(1) << '\n'; }
 
+void PrintRules() { std::cout << AutoRulesAsMarkdown(); }
+
 struct ListFields {
   bool as_json = false;
   bool as_schema = false;
@@ -58,8 +61,8 @@ struct ListFields {
 }  // namespace
 
 void AddListCommand(CLI::App& app, CommandRun& run) {
-  CLI::App* list = app.add_subcommand(
-      "list", "Lists solvers, scenes, metrics, peers or fields of result files, the key first on each line");
+  CLI::App* list =
+      app.add_subcommand("list", "Lists solvers, scenes, metrics, the rules of auto, peers or fields of result files");
   list->require_subcommand(1);
   const auto add = [list, &run](const char* name, const char* description, void (*print)()) {
     list->add_subcommand(name, description)->callback([print, &run] { run = [print] { return print(), 0; }; });
@@ -67,6 +70,7 @@ void AddListCommand(CLI::App& app, CommandRun& run) {
   add("solvers", "Backends: key, method, source", PrintSolvers);
   add("scenes", "Scene families: key, title, purpose", PrintScenes);
   add("metrics", "Metrics of the verdict: key, formula", PrintMetrics);
+  add("rules", "How auto decides, as docs/solvers/auto.md shows it", PrintRules);
   add("peers", "Facts of the peers and of solvers that are left out, as one JSON object, which report/ reads",
       PrintPeers);
   AddCommand<ListFields>(*list, run, "fields", "Fields of a campaign's lines as Markdown: name, type, unit, meaning");

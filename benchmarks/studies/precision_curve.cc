@@ -6,7 +6,7 @@
 
 #include "benchmarks/measure/quantile.h"
 #include "solvers/lcp/verify.h"
-#include "solvers/rows/row_solver.h"
+#include "solvers/rows/two_body_copy.h"
 #include "solvers/step/step_solver.h"
 #include "support/clock.h"
 

@@ -6,48 +6,25 @@
 #include <utility>
 #include <vector>
 
-#include "solvers/auto/band_pivoting.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/linear_algebra/cost_model.h"
 #include "solvers/linear_algebra/islands.h"
-#include "solvers/linear_algebra/kept_order.h"
 
 namespace lcpbench {
 namespace {
 
-// What nncg may cost before the others take over, in factorizations: about what block pivoting needs where it does
-// well, and half of what the Newton method needs on redundant rows.
-constexpr double kFactorizationsOfBpp = 6;
-constexpr double kFactorizationsOfNewton = 12;
-// The same for psor, which is asked only where it is the cheapest; and its sweep, in nncg iterations.
-constexpr double kFactorizationsForPsor = 4;
-constexpr double kPsorTime = 0.5;
-// nncg goes before block pivoting if a factorization costs as much as so many of its iterations.
-constexpr double kProbeRatio = 6;
-constexpr std::int64_t kLeastNncgIterations = 16;
-// Block pivoting that needs more than this has met cycles, which cost it more than the Newton method.
-constexpr std::int64_t kMostFactorizationsOfBpp = 24;
-
-// Of large problems: up to here a factor has so little fill that block pivoting is the fastest; above, sweeps arrive
-// before block pivoting would be set up. The scene families lie below 0.13 or above 0.5.
+// Cycles per body in the graph of bodies. Up to here a factor has so little fill that block pivoting is the fastest;
+// above, sweeps arrive before block pivoting would be set up. The scene families lie below 0.13 or above 0.5.
 constexpr double kFewCycles = 0.25;
-// Of a sparse A that is given: nncg iterations before block pivoting is set up, for the root of the number of rows, in
-// proportion to which they grow on grids; and how many pass before their rate is looked at, because it rises once the
-// active set is nearly found.
-constexpr double kSweepsPerRootOfRows = 8;
-constexpr std::int64_t kHopefulSweepsOfGiven = 48;
 // Below, block pivoting is set up in so short a time that it pays where the same rows are solved again and again.
-constexpr Index kLeastRowsOfSweepsAlone = 5000;
-// A dense A of 0.2 GB, and minutes.
-constexpr Index kMostRowsOfDantzig = 5000;
+constexpr Index kLeastRowsOfPacking = 5000;
+// Iterations before the rate of nncg on a sparse A is looked at: it rises once the active set is nearly found.
+constexpr std::int64_t kPatience = 48;
 
 #ifdef LCPBENCH_WITH_SUITESPARSE
 constexpr bool kHasHybrid = true;
-// What the sweeps of large packings may take: before hybrid as within it.
-constexpr std::int64_t kSweepsOfLarge = HybridOptions{}.most_iterations;
 #else
 constexpr bool kHasHybrid = false;
-constexpr std::int64_t kSweepsOfLarge = 0;
 #endif
 
 // More rows than columns of J that can move anything: A = J M^-1 J^T is singular. False where that is not known.
@@ -91,7 +68,7 @@ bool IsNarrow(const LcpProblem& problem) {
   const SparseMatrix& A = problem.SparseA();
   for (Index i = 0; i < A.rows(); ++i) {
     const Index last = A.innerIndexPtr()[A.outerIndexPtr()[i + 1] - 1];  // the diagonal is always stored
-    if (!BandPivoting::IsNarrow(last - i)) return false;
+    if (!AutoFacts::IsNarrow(last - i)) return false;
   }
   return true;
 }
@@ -105,7 +82,7 @@ AutoPortfolio::AutoPortfolio(std::int64_t newton_factorizations, bool self_check
              .end_when_hopeless = true,
              .self_check = self_check}),
       nncg_({.end_when_hopeless = true, .self_check = self_check}),
-      nncg_of_given_({.end_when_hopeless = true, .least_iterations = kHopefulSweepsOfGiven, .self_check = self_check}),
+      patient_nncg_({.end_when_hopeless = true, .least_iterations = kPatience, .self_check = self_check}),
       bpp_({.end_when_singular = true, .self_check = self_check}),
       newton_({.self_check = self_check}),
 #ifdef LCPBENCH_WITH_SUITESPARSE
@@ -118,11 +95,6 @@ AutoPortfolio::AutoPortfolio(std::int64_t newton_factorizations, bool self_check
       }()) {
 }
 
-// Up to which number of iterations nncg may go for the price of so many factorizations.
-std::int64_t AutoPortfolio::NncgLimit(double factorizations, double step_time) const {
-  return std::max(kLeastNncgIterations, static_cast<std::int64_t>(factorizations * step_time / nncg_time_));
-}
-
 bool AutoPortfolio::PrepareBpp(const LcpProblem& problem) {
   try {
     bpp_.Prepare(problem);
@@ -133,51 +105,44 @@ bool AutoPortfolio::PrepareBpp(const LcpProblem& problem) {
   return has_bpp_;
 }
 
-bool AutoPortfolio::IsLarge(const LcpProblem& problem) {
-  return kHasHybrid && problem.size() > kSmallRows && problem.given_form() != MatrixForm::kDense;
-}
-
 void AutoPortfolio::Classify(const LcpProblem& problem) {
-  is_redundant_ = RowsOutnumberDegreesOfFreedom(problem);
-  is_large_ = IsLarge(problem);
-  suits_tableau_ = is_redundant_;
+  facts_ = {.rows = problem.size()};
+  has_bpp_ = false;
+  facts_.is_redundant = RowsOutnumberDegreesOfFreedom(problem);
+  facts_.is_large = kHasHybrid && problem.size() > AutoFacts::kSmallRows && problem.given_form() != MatrixForm::kDense;
+  start_.setZero(problem.size());
 }
 
 void AutoPortfolio::Prepare(const LcpProblem& problem) {
   Classify(problem);
-  nncg_time_ = CostModel::Sweep(problem);
-  nncg_limit_ = 0;
-  psor_limit_ = 0;
-  has_bpp_ = false;
-  sweeps_alone_ = is_large_ && !is_redundant_ && problem.given_form() == MatrixForm::kSparse && !IsNarrow(problem);
-  if (sweeps_alone_) {
-    const auto rows = static_cast<double>(problem.size());
-    nncg_limit_ = static_cast<std::int64_t>(kSweepsPerRootOfRows * std::sqrt(rows));
-  } else if (is_redundant_ && is_large_) {
-    // Sweeps and their limits are hybrid's own.
-  } else if (is_large_ && problem.size() >= kLeastRowsOfSweepsAlone && problem.has_factors() &&
-             problem.has_two_body_rows() && CyclesPerBody(problem) > kFewCycles) {
-    nncg_limit_ = kSweepsOfLarge;
-  } else if (is_redundant_) {
+  facts_.iteration_time = CostModel::Sweep(problem);
+  const bool is_sound = facts_.is_large && !facts_.is_redundant;
+  facts_.is_wide_sparse = is_sound && problem.given_form() == MatrixForm::kSparse && !IsNarrow(problem);
+  facts_.is_packing = is_sound && problem.size() >= kLeastRowsOfPacking && problem.has_factors() &&
+                      problem.has_two_body_rows() && CyclesPerBody(problem) > kFewCycles;
+  if (facts_.is_wide_sparse) return patient_nncg_.Prepare(problem);
+  if (facts_.is_packing) return nncg_.Prepare(problem);
+  if (facts_.is_redundant && !facts_.is_large) {
     newton_.Prepare(problem);
-    nncg_limit_ = NncgLimit(kFactorizationsOfNewton, newton_.StepTime());
-  } else if (PrepareBpp(problem)) {
-    suits_tableau_ = bpp_.is_dense();
-    if (bpp_.StepTime() > kProbeRatio * nncg_time_) {
-      nncg_limit_ = NncgLimit(kFactorizationsOfBpp, bpp_.StepTime());
-      psor_limit_ = static_cast<std::int64_t>(kFactorizationsForPsor * bpp_.StepTime() / (kPsorTime * nncg_time_));
-      psor_.Prepare(problem);
-    }
+    facts_.factor_time = newton_.StepTime();
+  } else if (!facts_.is_redundant && PrepareBpp(problem)) {
+    facts_.has_dense_factor = bpp_.is_dense();
+    facts_.factor_time = bpp_.StepTime();
   }
-  if (nncg_limit_ > 0) (sweeps_alone_ ? nncg_of_given_ : nncg_).Prepare(problem);
-  start_.setZero(problem.size());
+  bool sweeps = false;
+  for (const AutoRule& rule : AutoRulesOf(AutoStage::kBackends)) {
+    if (rule.grants(facts_) == 0) continue;
+    if (rule.method == AutoMethod::kPsor) psor_.Prepare(problem);
+    sweeps = sweeps || rule.method == AutoMethod::kNncg;
+  }
+  if (sweeps) nncg_.Prepare(problem);
 }
 
 // True if there is nothing left to try: solved and passed, proved infeasible, or out of time.
 bool AutoPortfolio::Try(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result) {
   LcpOptions rest = *options_;
   rest.time_limit_s = deadline_->Remaining();
-  if (limit > 0) rest.max_iterations = rest.max_iterations > 0 ? std::min(rest.max_iterations, limit) : limit;
+  if (limit != kOwnLimit) rest.max_iterations = rest.max_iterations > 0 ? std::min(rest.max_iterations, limit) : limit;
   if (has_start_) rest.initial_f = &start_;
   if (!(rest.time_limit_s > 0)) {
     result->status = LcpStatus::kTimeLimit;
@@ -203,7 +168,7 @@ void AutoPortfolio::Remember(const Eigen::VectorXd& f) {
   reached_[reached_count_++] = f;
 }
 
-// Residuals are taken here and not where points are remembered: mostly the next backend arrives.
+// Residuals are taken here and not where points are remembered: mostly the next method arrives.
 void AutoPortfolio::TakeTheBest(LcpResult* result) {
   test_.Reset(*problem_, GivenFormTest::Rows::kGivenWhenNeeded);
   long double least = test_.Rho(result->f);
@@ -215,70 +180,74 @@ void AutoPortfolio::TakeTheBest(LcpResult* result) {
   }
 }
 
-// Psor or nncg. What they leave is where the next ones start.
-bool AutoPortfolio::TrySweeps(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result) {
-  if (Try(solver, name, limit, result)) return true;
-  if (result->f.allFinite()) {
-    start_ = result->f;
-    has_start_ = true;
-  }
+// Where the next method starts: at f, or cold.
+void AutoPortfolio::StartAt(const Eigen::VectorXd* f) {
+  has_start_ = f != nullptr;
+  if (has_start_) start_ = *f;
+}
+
+// What sweeps leave is where the next ones start.
+bool AutoPortfolio::AskSweeps(LcpSolver* solver, std::string_view name, std::int64_t granted, LcpResult* result) {
+  if (Try(solver, name, granted, result)) return true;
+  if (result->f.allFinite()) StartAt(&result->f);
   return false;
 }
 
-bool AutoPortfolio::TryBpp(LcpResult* result) {
-  if (Try(&bpp_, "bpp", kMostFactorizationsOfBpp, result)) return true;
+bool AutoPortfolio::AskBpp(std::int64_t granted, LcpResult* result) {
+  if (!has_bpp_ && !PrepareBpp(*problem_)) return false;
+  if (Try(&bpp_, "bpp", granted, result)) return true;
   // What it has when it runs out of factorizations is mostly right but for a few rows.
-  if (is_large_ && result->iterations > 1 && result->f.allFinite()) {
-    start_ = result->f;
-    has_start_ = true;
-  }
-  const bool is_singular = result->iterations == 1 && result->status == LcpStatus::kNumericalFailure;
-  // A sweep over a dense A costs too much of its factorization; hybrid has sweeps of its own.
-  if (!is_singular || nncg_limit_ > 0 || bpp_.is_dense() || is_large_) return false;
-  return TrySweeps(&nncg_, "nncg", NncgLimit(kFactorizationsOfNewton, bpp_.StepTime()), result);
+  if (facts_.is_large && result->iterations > 1 && result->f.allFinite()) StartAt(&result->f);
+  facts_.has_dependent_rows = result->iterations == 1 && result->status == LcpStatus::kNumericalFailure;
+  return false;
 }
 
-void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, Choice choice, const Deadline& deadline,
+// By a method after which the next one starts anew.
+bool AutoPortfolio::AskFromStart(LcpSolver* solver, std::string_view name, std::int64_t granted, LcpResult* result) {
+  if (Try(solver, name, granted, result)) return true;
+  StartAt(options_->initial_f);
+  return false;
+}
+
+bool AutoPortfolio::Ask(AutoMethod method, std::int64_t granted, LcpResult* result) {
+  const std::string_view name = KeyOf(method);
+  switch (method) {
+    case AutoMethod::kPsor:
+      return AskSweeps(&psor_, name, granted, result);
+    case AutoMethod::kNncg:
+    case AutoMethod::kPatientNncg:
+      facts_.has_swept = true;
+      return AskSweeps(method == AutoMethod::kNncg ? &nncg_ : &patient_nncg_, name, granted, result);
+    case AutoMethod::kBpp:
+      return AskBpp(granted, result);
+    case AutoMethod::kSemismoothNewton:
+      return AskFromStart(&newton_, name, newton_factorizations_, result);
+    case AutoMethod::kHybrid:
+#ifdef LCPBENCH_WITH_SUITESPARSE
+      return AskFromStart(&hybrid_, name, granted, result);
+#else
+      return false;
+#endif
+    default:
+      return Try(&dantzig_, name, granted, result);
+  }
+}
+
+void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline,
                           LcpResult* result) {
   problem_ = &problem;
   options_ = &options;
   deadline_ = &deadline;
-  has_start_ = options.initial_f != nullptr;
-  if (has_start_) start_ = *options.initial_f;
+  facts_.has_swept = facts_.has_dependent_rows = false;
+  StartAt(options.initial_f);
   reached_count_ = 0;
   if (!result->f.isZero(0)) Remember(result->f);
-  AskAll(choice, result);
+  for (const AutoRule& rule : AutoRulesOf(AutoStage::kBackends)) {
+    const std::int64_t granted = rule.grants(facts_);
+    if (granted > 0 && Ask(rule.method, granted, result)) break;
+  }
   const bool arrived = result->status == LcpStatus::kSolved || result->status == LcpStatus::kInfeasible;
   if (!arrived && reached_count_ > 0) TakeTheBest(result);
-}
-
-void AutoPortfolio::AskAll(Choice choice, LcpResult* result) {
-  if (choice == Choice::kByCost) {
-    if (psor_limit_ > 0 && TrySweeps(&psor_, "psor", psor_limit_, result)) return;
-    NncgSolver& nncg = sweeps_alone_ ? nncg_of_given_ : nncg_;
-    if (nncg_limit_ > 0 && TrySweeps(&nncg, "nncg", nncg_limit_, result)) return;
-    if (sweeps_alone_ && !has_bpp_) PrepareBpp(*problem_);
-    if (has_bpp_ && TryBpp(result)) return;
-  }
-  const bool begins_with_hybrid = choice == Choice::kByCost && is_large_;
-  if (begins_with_hybrid ? TryHybrid(result) : TryNewton(result)) return;
-  has_start_ = options_->initial_f != nullptr;
-  if (has_start_) start_ = *options_->initial_f;
-  if (begins_with_hybrid ? TryNewton(result) : TryHybrid(result)) return;
-  if (problem_->size() <= kMostRowsOfDantzig) Try(&dantzig_, "dantzig", 0, result);
-}
-
-bool AutoPortfolio::TryNewton(LcpResult* result) {
-  return Try(&newton_, "semismooth-newton", newton_factorizations_, result);
-}
-
-bool AutoPortfolio::TryHybrid(LcpResult* result) {
-#ifdef LCPBENCH_WITH_SUITESPARSE
-  return Try(&hybrid_, "hybrid", 0, result);
-#else
-  static_cast<void>(result);
-  return false;
-#endif
 }
 
 }  // namespace lcpbench

@@ -11,33 +11,24 @@
 #include "solvers/auto/auto_portfolio.h"
 #include "solvers/auto/band_pivoting.h"
 #include "solvers/auto/matrix_arrays.h"
+#include "solvers/auto/row_solver.h"
 #include "solvers/lcp/residual.h"
+#include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/islands.h"
 #include "solvers/pivoting/small_pivoting.h"
 #include "solvers/pivoting/tableau_rules.h"
-#include "solvers/rows/row_solver.h"
+#include "solvers/rows/two_body_copy.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
 
-// Where the rows that remain are more than this part of all, the whole problem is as cheap, and is set up already.
-constexpr double kWorthDividing = 0.75;
+using Judgement = SmallPivoting::Answer::Judgement;
+
 // Fewer idle rows than one in so many are not likely to cut an island into pieces of a tableau's size: the longest
 // piece of a chain cut at random is some ln(cuts) times the mean one.
 constexpr Index kRowsPerCut = 16;
-
-// Larger steps have islands that RowSolver leaves open anyway, and cost more to look at.
-constexpr Index kMostStepRows = 20000;
-
-// What is known of a tableau's answer in double.
-enum class Known { kRight, kUnclear, kWrong };
-
-Known Judge(const SmallPivoting::Answer& answer, double tolerance) {
-  if (!(answer.rho <= tableau::kMostRho && answer.rho <= tolerance && answer.rows_meet)) return Known::kWrong;
-  return answer.rho + answer.rounding <= tolerance ? Known::kRight : Known::kUnclear;
-}
 
 }  // namespace
 
@@ -57,65 +48,80 @@ AutoOptions AutoOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
+AutoOptions AutoOptions::Only(AutoMethod method, const Settings& settings) {
+  SettingsReader(KeyOf(method), settings).Finish();
+  AutoOptions options;
+  options.only = method;
+  options.tableau_rows = options.hard_tableau_rows = SmallPivoting::kMaxRows;
+  return options;
+}
+
 class AutoEngine {
  public:
-  explicit AutoEngine(const AutoOptions& options)
-      : options_(options), whole_(options.newton_factorizations, options.self_check) {
-    if (options.newton_factorizations < 1) throw InputError("auto: newton_factorizations must be >= 1");
-    for (const Index rows : {options.tableau_rows, options.hard_tableau_rows}) {
-      if (rows < 0 || rows > SmallPivoting::kMaxRows) {
-        throw InputError("auto: rows for a tableau must be in [0, " + std::to_string(SmallPivoting::kMaxRows) + "]");
-      }
-    }
-  }
+  explicit AutoEngine(const AutoOptions& options);
 
-  std::string WhyUnsupported(const LcpProblem& problem) const { return WhyNotSymmetric(problem); }
+  std::string WhyUnsupported(const LcpProblem& problem) const;
   void Reserve(Index max_rows) { tableau_.Reserve(std::min(max_rows, options_.tableau_rows)); }
   void Prepare(const LcpProblem& problem);
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
   bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
 
  private:
-  // Whether RowSolver may be asked; max_iterations is in the unit of a backend.
-  bool MayAskRows(Index rows) const {
-    return options_.self_check && options_.tableau_rows > 0 && rows <= kMostStepRows;
-  }
-  bool TryRows(const StepRows& rows, const LcpOptions& options, LcpResult* result);
-  void PrepareLongWay(const LcpProblem& problem);
+  // What is read in place: rows on two bodies, or a matrix.
+  enum class Taken { kNothing, kRows, kMatrix };
+  bool IsReadInPlace(MatrixForm form, Index rows) const;
+  Taken Take(const ProblemArrays& arrays);
+  bool SolveInPlace(const StepRows& rows, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
+  bool SolveRows(const StepRows& rows, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
+  bool SolveMatrix(const LcpOptions& options, const Deadline* deadline, LcpResult* result);
+  bool TryTableauOfMatrix(const LcpOptions& options, const Deadline* deadline, LcpResult* result);
+
+  void PrepareProblem(const LcpProblem& problem);
+  void PrepareDividing(const LcpProblem& problem, bool islands_are_known);
   void PrepareWhole(const LcpProblem& problem) {
     whole_.Prepare(problem);
     whole_is_ready_ = true;
   }
+  void SolveProblem(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
+  bool TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
+  bool TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
+  void SolveRest(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
+
   SmallPivoting::Request RequestFor(const LcpOptions& options, const Deadline* deadline) const {
     const double* initial_f = options.initial_f == nullptr ? nullptr : options.initial_f->data();
     return {tableau::kMargin * std::sqrt(options.tolerance), initial_f, deadline, options_.self_check};
   }
-  bool TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
-  bool TryTableauOfArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
-  bool SolveMatrix(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
-  bool TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
-  void SolveRest(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
+  static void Refuse(const char* why, LcpResult* result) {
+    result->status = LcpStatus::kUnsupported;
+    result->detail = why;
+  }
+  // A limit of iterations is in the unit of a backend; the methods of the other stages are bounded by themselves.
+  bool MayChoose(const LcpOptions& options) const { return options.max_iterations == 0 || options_.only.has_value(); }
+  bool Allows(AutoMethod method) const { return options_.only.value_or(method) == method; }
 
   const AutoOptions options_;
-  Index tableau_rows_ = 0;  // of the prepared problem
   SmallPivoting tableau_;
-  AutoPortfolio whole_;  // for all rows
-  bool whole_is_ready_ = false;
-  bool divides_ = false;  // whether islands are looked for at all
 
-  GivenFormTest test_;  // of problems of one tableau
-
-  // Of arrays, and of problems by factors.
-  ProblemArrays given_;  // of the prepared problem, which step_ reads
+  // Rows or a matrix, read in place: the caller's arrays, or of the prepared problem.
+  ProblemArrays given_;
+  Taken taken_ = Taken::kNothing;
+  bool asked_in_place_ = false;      // what SolveArrays was given, in vain
+  bool was_asked_in_place_ = false;  // the prepared problem
   TwoBodyCopy step_;
-  bool has_step_ = false;           // of the prepared problem
-  bool long_way_is_ready_ = false;  // for what RowSolver leaves open
   RowSolver rows_;
   Eigen::VectorXd gaps_;
   MatrixArrays matrix_;
   BandPivoting band_;
 
-  // Of problems that are too large for one tableau.
+  // The prepared problem.
+  bool problem_is_ready_ = false;
+  bool whole_is_ready_ = false;
+  AutoPortfolio whole_;  // for all rows
+  Index tableau_rows_ = 0;
+  GivenFormTest test_;  // of what one tableau solves
+
+  // Where it is too large for one tableau.
+  bool may_divide_ = false;
   IdleRows idle_rows_;
   Islands islands_;
   bool has_islands_ = false;  // even with all rows
@@ -125,11 +131,117 @@ class AutoEngine {
   AnswerJudge judge_;
 };
 
-bool AutoEngine::TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline,
+AutoEngine::AutoEngine(const AutoOptions& options)
+    : options_(options), rows_(options.only), whole_(options.newton_factorizations, options.self_check) {
+  if (options.newton_factorizations < 1) throw InputError("auto: newton_factorizations must be >= 1");
+  for (const Index rows : {options.tableau_rows, options.hard_tableau_rows}) {
+    if (rows < 0 || rows > SmallPivoting::kMaxRows) {
+      throw InputError("auto: rows for a tableau must be in [0, " + std::to_string(SmallPivoting::kMaxRows) + "]");
+    }
+  }
+}
+
+std::string AutoEngine::WhyUnsupported(const LcpProblem& problem) const {
+  std::string why = WhyNotSymmetric(problem);
+  if (!why.empty() || !options_.only.has_value()) return why;
+  const bool has_rows = problem.has_factors() && problem.has_two_body_rows();
+  const Index most = has_rows ? AutoFacts::kMostStepRows : SmallPivoting::kMaxRows;
+  switch (*options_.only) {
+    case AutoMethod::kBandPivoting:
+      return problem.has_factors() ? "it takes A given as a matrix" : "";
+    case AutoMethod::kPrincipalPivoting:
+      return problem.size() > most ? "it takes up to " + std::to_string(most) + " rows of this form" : "";
+    default:
+      return has_rows ? "" : "it takes rows on at most two bodies each, given by J and M";
+  }
+}
+
+bool AutoEngine::IsReadInPlace(MatrixForm form, Index rows) const {
+  const Index most = form == MatrixForm::kDense ? AutoFacts::kMostDenseRows : AutoFacts::kMostStepRows;
+  return options_.self_check && options_.reads_in_place && rows <= most;
+}
+
+// What is refused becomes an LcpProblem.
+AutoEngine::Taken AutoEngine::Take(const ProblemArrays& arrays) {
+  if (!IsReadInPlace(arrays.form, arrays.rows)) return Taken::kNothing;
+  if (arrays.form != MatrixForm::kFactors) return matrix_.Take(arrays) ? Taken::kMatrix : Taken::kNothing;
+  return step_.Take(arrays) ? Taken::kRows : Taken::kNothing;
+}
+
+// True where that is the end of it.
+bool AutoEngine::SolveInPlace(const StepRows& rows, const LcpOptions& options, const Deadline* deadline,
+                              LcpResult* result) {
+  if (taken_ == Taken::kRows ? SolveRows(rows, options, deadline, result) : SolveMatrix(options, deadline, result))
+    return true;
+  if (!options_.only.has_value() || !result->f.allFinite()) result->f.setZero();
+  if (!options_.only.has_value()) return false;
+  const bool is_late = result->status != LcpStatus::kUnsupported && deadline != nullptr && deadline->Expired();
+  if (is_late) result->status = LcpStatus::kTimeLimit;
+  return true;
+}
+
+// AutoStage::kRows: nothing is made of A but what RowSolver assembles.
+bool AutoEngine::SolveRows(const StepRows& rows, const LcpOptions& options, const Deadline* deadline,
+                           LcpResult* result) {
+  rows_.Reserve(rows.rows, rows.bodies);
+  if (gaps_.size() < rows.rows) gaps_.resize(rows.rows);
+  const double* const initial_f = options.initial_f == nullptr ? nullptr : options.initial_f->data();
+  const RowAnswer answer = rows_.Solve(rows, options.tolerance, deadline, initial_f, result->f.data(), gaps_.data());
+  if (!answer.fits && options_.only.has_value()) Refuse("an island has more rows than it takes", result);
+  if (!answer.solved) return false;
+  result->status = LcpStatus::kSolved;
+  result->iterations = answer.iterations;
+  result->detail = "rows";
+  return true;
+}
+
+// AutoStage::kMatrix. The band comes second where forces of very different size lie side by side, of which a tableau
+// takes the small ones for rounding.
+bool AutoEngine::SolveMatrix(const LcpOptions& options, const Deadline* deadline, LcpResult* result) {
+  const bool is_full = 2 * matrix_.bandwidth() >= matrix_.size();
+  const AutoFacts facts{
+      .rows = matrix_.size(),
+      .tableau_rows = is_full ? std::max(options_.tableau_rows, options_.hard_tableau_rows) : options_.tableau_rows,
+      .is_dense = matrix_.is_dense(),
+      .is_exactly_symmetric = matrix_.is_exactly_symmetric(),
+      .bandwidth = matrix_.bandwidth()};
+  bool is_for_one = false;
+  for (const AutoRule& rule : AutoRulesOf(AutoStage::kMatrix)) {
+    if (rule.grants(facts) == 0 || !Allows(rule.method)) continue;
+    is_for_one = true;
+    const bool is_over = rule.method == AutoMethod::kPrincipalPivoting ? TryTableauOfMatrix(options, deadline, result)
+                                                                       : band_.Solve(matrix_, options, result);
+    if (is_over) return true;
+  }
+  if (!is_for_one && options_.only.has_value())
+    Refuse("the matrix has more rows or a wider band than it takes", result);
+  return false;
+}
+
+bool AutoEngine::TryTableauOfMatrix(const LcpOptions& options, const Deadline* deadline, LcpResult* result) {
+  const ProblemArrays& arrays = matrix_.arrays();
+  tableau_.Reserve(arrays.rows);
+  const Judgement judgement =
+      tableau_.SolveArrays(arrays, matrix_.diagonal().data(), RequestFor(options, deadline), result->f.data())
+          .Judge(options.tolerance);
+  if (judgement == Judgement::kWrong) return false;
+  if (judgement == Judgement::kUnclear || !matrix_.is_exactly_symmetric()) {
+    const LcpProblem problem = LcpProblem::FromArrays(arrays);
+    test_.Reset(problem, GivenFormTest::Rows::kGivenWhenNeeded);
+    if (!test_.Meets(options.tolerance, result->f)) return false;
+  }
+  result->status = LcpStatus::kSolved;
+  result->iterations = tableau_.pivots();
+  result->detail = "tableau";
+  return true;
+}
+
+bool AutoEngine::TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline,
                             LcpResult* result) {
-  const Known known = Judge(tableau_.Solve(problem, RequestFor(options, deadline), &result->f), options.tolerance);
-  if (known == Known::kWrong) return false;
-  if (known == Known::kUnclear) {
+  const Judgement judgement =
+      tableau_.Solve(problem, RequestFor(options, &deadline), &result->f).Judge(options.tolerance);
+  if (judgement == Judgement::kWrong) return false;
+  if (judgement == Judgement::kUnclear) {
     test_.SetB(problem);
     if (!test_.Meets(options.tolerance, result->f)) return false;
   }
@@ -142,11 +254,10 @@ bool AutoEngine::TryTableau(const LcpProblem& problem, const LcpOptions& options
 // Small islands by tableau, the rest by a portfolio of its own. False if dividing does not pay or led to nothing.
 bool AutoEngine::TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline,
                             LcpResult* result) {
-  if (!divides_) return false;
   const Index idle = idle_rows_.Find(problem);
   if (idle < few_idle_rows_ && !has_islands_) return false;
   islands_.Find(problem.SparseA(), idle_rows_.keep());
-  const double worth = kWorthDividing * static_cast<double>(problem.size());
+  const double worth = AutoFacts::kMostRowsInOneIsland * static_cast<double>(problem.size());
   Index large_rows = 0;
   for (Index k = 0; k < islands_.count(); ++k) {
     const auto rows = static_cast<Index>(islands_.rows(k).size());
@@ -157,9 +268,10 @@ bool AutoEngine::TryIslands(const LcpProblem& problem, const LcpOptions& options
   std::int64_t pivots = 0;
   for (Index k = 0; k < islands_.count(); ++k) {
     const std::span<const Index> rows = islands_.rows(k);
-    const bool solved = static_cast<Index>(rows.size()) <= tableau_rows_ &&
-                        Judge(tableau_.SolvePart(problem, rows, RequestFor(options, &deadline), &result->f),
-                              options.tolerance) != Known::kWrong;  // what is unclear is judged with the whole
+    const bool solved =
+        static_cast<Index>(rows.size()) <= tableau_rows_ &&
+        tableau_.SolvePart(problem, rows, RequestFor(options, &deadline), &result->f).Judge(options.tolerance) !=
+            Judgement::kWrong;  // what is unclear is judged with the whole
     if (solved) {
       pivots += tableau_.pivots();
     } else {
@@ -202,7 +314,7 @@ void AutoEngine::SolveRest(const LcpProblem& problem, const LcpOptions& options,
   portfolio.Prepare(part);
   LcpResult answer;
   answer.f.setZero(m);
-  portfolio.Solve(part, part_options, AutoPortfolio::Choice::kByCost, deadline, &answer);
+  portfolio.Solve(part, part_options, deadline, &answer);
   result->status = answer.status;
   result->iterations += answer.iterations;
   result->detail += "; " + answer.detail;
@@ -217,134 +329,106 @@ void AutoEngine::SolveRest(const LcpProblem& problem, const LcpOptions& options,
   }
 }
 
-// As from arrays: nothing else is prepared before RowSolver leaves something open.
 void AutoEngine::Prepare(const LcpProblem& problem) {
-  has_step_ = false;
-  if (problem.has_factors() && MayAskRows(problem.size())) {
+  problem_is_ready_ = false;
+  taken_ = Taken::kNothing;
+  was_asked_in_place_ = std::exchange(asked_in_place_, false);
+  if (!was_asked_in_place_ && IsReadInPlace(problem.given_form(), problem.size())) {
     given_ = ProblemArrays::Of(problem);
     std::fill(given_.b.begin(), given_.b.end(), 0.0);  // that of Solve's problem takes its place
-    has_step_ = step_.Take(given_);
-    if (has_step_) rows_.Reserve(step_.rows().rows, step_.rows().bodies);
+    taken_ = Take(given_);
+    if (taken_ == Taken::kRows) rows_.Reserve(step_.rows().rows, step_.rows().bodies);
   }
-  long_way_is_ready_ = !has_step_;
-  if (!has_step_) PrepareLongWay(problem);
+  if (taken_ == Taken::kNothing) PrepareProblem(problem);
 }
 
-void AutoEngine::PrepareLongWay(const LcpProblem& problem) {
+// Large problems by factors are looked at by columns of J first: A is not formed where one island has most rows.
+void AutoEngine::PrepareProblem(const LcpProblem& problem) {
+  problem_is_ready_ = true;
+  if (options_.only.has_value() && *options_.only != AutoMethod::kPrincipalPivoting) return;
   const Index n = problem.size();
   tableau_rows_ = options_.tableau_rows;
   whole_is_ready_ = false;
-  divides_ = n > options_.tableau_rows;
-  const bool looks_first = AutoPortfolio::IsLarge(problem) && problem.has_factors();
-  if (n > options_.tableau_rows) {
-    if (looks_first) {
-      islands_.FindByColumns(problem.J(), problem.inverse_mass());
-      divides_ = static_cast<double>(islands_.largest()) <= kWorthDividing * static_cast<double>(n);
-    }
-    if (looks_first && divides_) {
-      whole_.Classify(problem);  // set up only if the islands turn out to be too large
-    } else {
-      PrepareWhole(problem);
-    }
-    if (whole_.suits_tableau()) {
-      tableau_rows_ = std::max(tableau_rows_, options_.hard_tableau_rows);
-    }
+  may_divide_ = n > tableau_rows_;
+  whole_.Classify(problem);
+  const bool looks_first = may_divide_ && whole_.facts().is_large && problem.has_factors();
+  if (looks_first) {
+    islands_.FindByColumns(problem.J(), problem.inverse_mass());
+    may_divide_ = static_cast<double>(islands_.largest()) <= AutoFacts::kMostRowsInOneIsland * static_cast<double>(n);
+  }
+  if (n > tableau_rows_) {
+    // Where large problems may be divided, the whole is set up only if the islands turn out to be too large.
+    if (!looks_first || !may_divide_) PrepareWhole(problem);
+    const AutoFacts& facts = whole_.facts();
+    const bool is_hard = facts.is_redundant || facts.has_dense_factor;
+    if (is_hard) tableau_rows_ = std::max(tableau_rows_, options_.hard_tableau_rows);
   }
   if (n <= tableau_rows_) {
     problem.DenseA();
     tableau_.Reserve(n);
     test_.Reset(problem, GivenFormTest::Rows::kGivenWhenNeeded);
-    return;
+  } else if (may_divide_) {
+    PrepareDividing(problem, looks_first);
   }
-  if (!divides_) return;
+}
+
+void AutoEngine::PrepareDividing(const LcpProblem& problem, bool islands_are_known) {
+  const Index n = problem.size();
   tableau_.Reserve(tableau_rows_, n);
   idle_rows_.Prepare(problem);
   rest_.reserve(static_cast<size_t>(n));
   judge_.Reset(problem, false);
   islands_.Reserve(n);
-  if (!looks_first) islands_.Find(problem.SparseA(), idle_rows_.keep());
-  has_islands_ = static_cast<double>(islands_.largest()) <= kWorthDividing * static_cast<double>(n);
+  if (!islands_are_known) islands_.Find(problem.SparseA(), idle_rows_.keep());
+  has_islands_ = static_cast<double>(islands_.largest()) <= AutoFacts::kMostRowsInOneIsland * static_cast<double>(n);
   few_idle_rows_ = n / kRowsPerCut;
 }
 
 void AutoEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  const bool may_choose = options.max_iterations == 0;  // the unit of a limit is the backend's
   // Reading the clock costs a tenth of the smallest problems, which a tableau ends in no time.
   std::optional<Deadline> limit;
   if (std::isfinite(options.time_limit_s) && problem.size() > SmallPivoting::kRowsWithoutClock) limit.emplace(options);
-  if (has_step_ && may_choose) {
+  const bool is_taken = taken_ != Taken::kNothing && MayChoose(options);
+  if (is_taken) {
     StepRows rows = step_.rows();
     rows.b = problem.b().data();
-    if (TryRows(rows, options, result)) return;
+    given_.b.assign(problem.b().begin(), problem.b().end());
+    if (SolveInPlace(rows, options, limit.has_value() ? &*limit : nullptr, result)) return;
   }
-  if (!long_way_is_ready_) PrepareLongWay(problem);
-  long_way_is_ready_ = true;
-  auto choice = AutoPortfolio::Choice::kByCost;
-  if (problem.size() <= tableau_rows_) {
-    if (may_choose && TryTableau(problem, options, limit.has_value() ? &*limit : nullptr, result)) return;
-    choice = AutoPortfolio::Choice::kRobust;
-  }
-  const Deadline deadline = limit.value_or(Deadline(options));
-  if (problem.size() > tableau_rows_ && may_choose && TryIslands(problem, options, deadline, result)) return;
-  if (!whole_is_ready_ && choice == AutoPortfolio::Choice::kByCost) PrepareWhole(problem);
-  whole_.Solve(problem, options, choice, deadline, result);
+  if (!problem_is_ready_) PrepareProblem(problem);
+  whole_.facts().tableau_failed = (is_taken || was_asked_in_place_) && problem.size() <= tableau_rows_;
+  SolveProblem(problem, options, limit.value_or(Deadline(options)), result);
 }
 
-bool AutoEngine::TryTableauOfArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
+// AutoStage::kProblem, and then kBackends.
+void AutoEngine::SolveProblem(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline,
+                              LcpResult* result) {
+  AutoFacts& facts = whole_.facts();
+  facts.tableau_rows = tableau_rows_;
+  facts.may_divide = may_divide_;
+  for (const AutoRule& rule : AutoRulesOf(AutoStage::kProblem)) {
+    if (rule.grants(facts) == 0 || !Allows(rule.method) || !MayChoose(options)) continue;
+    const bool is_over = rule.method == AutoMethod::kIslands ? TryIslands(problem, options, deadline, result)
+                                                             : TryTableau(problem, options, deadline, result);
+    if (is_over) return;
+  }
+  if (options_.only.has_value()) return;
+  facts.tableau_failed = problem.size() <= tableau_rows_;
+  if (!whole_is_ready_ && !facts.tableau_failed) PrepareWhole(problem);
+  whole_.Solve(problem, options, deadline, result);
+}
+
+// What is left open goes on as an LcpProblem, by Prepare and Solve, which come next then.
+bool AutoEngine::SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
+  asked_in_place_ = false;
+  if (!MayChoose(options)) return false;
+  taken_ = Take(arrays);
+  if (taken_ == Taken::kNothing) return false;
   std::optional<Deadline> limit;
   if (std::isfinite(options.time_limit_s) && arrays.rows > SmallPivoting::kRowsWithoutClock) limit.emplace(options);
-  tableau_.Reserve(arrays.rows);
-  const SmallPivoting::Request request = RequestFor(options, limit.has_value() ? &*limit : nullptr);
-  const double* const diagonal = matrix_.diagonal().data();
-  const Known known = Judge(tableau_.SolveArrays(arrays, diagonal, request, result->f.data()), options.tolerance);
-  if (known == Known::kWrong) return false;
-  if (known == Known::kUnclear || !matrix_.is_exactly_symmetric()) {
-    const LcpProblem problem = LcpProblem::FromArrays(arrays);
-    test_.Reset(problem, GivenFormTest::Rows::kGivenWhenNeeded);
-    if (!test_.Meets(options.tolerance, result->f)) return false;
-  }
-  result->status = LcpStatus::kSolved;
-  result->iterations = tableau_.pivots();
-  result->detail = "tableau";
-  return true;
-}
-
-// A given as a matrix: a tableau or a band straight from the arrays. What they leave open goes the long way. The band
-// comes second where forces of very different size lie side by side, of which a tableau takes the small ones for
-// rounding.
-bool AutoEngine::SolveMatrix(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
-  if (!matrix_.Take(arrays)) return false;
-  const bool is_wide = 2 * matrix_.bandwidth() >= arrays.rows;
-  const Index tableau_rows =
-      is_wide ? std::max(options_.tableau_rows, options_.hard_tableau_rows) : options_.tableau_rows;
-  if (arrays.rows <= tableau_rows && TryTableauOfArrays(arrays, options, result)) return true;
-  return BandPivoting::Suits(matrix_) && band_.Solve(matrix_, options, result);
-}
-
-// A step's rows: nothing is made of A but what RowSolver assembles. What it leaves open goes the long way.
-bool AutoEngine::SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
-  if (options.max_iterations != 0 || !MayAskRows(arrays.rows)) return false;
-  if (arrays.form != MatrixForm::kFactors) {
-    if (SolveMatrix(arrays, options, result)) return true;
-    result->f.setZero();
-    return false;
-  }
-  return step_.Take(arrays) && TryRows(step_.rows(), options, result);
-}
-
-bool AutoEngine::TryRows(const StepRows& rows, const LcpOptions& options, LcpResult* result) {
-  rows_.Reserve(rows.rows, rows.bodies);
-  if (gaps_.size() < rows.rows) gaps_.resize(rows.rows);
-  const double* const initial_f = options.initial_f == nullptr ? nullptr : options.initial_f->data();
-  const RowAnswer answer = rows_.Solve(rows, options, initial_f, result->f.data(), gaps_.data());
-  if (!answer.solved) {
-    result->f.setZero();
-    return false;
-  }
-  result->status = LcpStatus::kSolved;
-  result->iterations = answer.iterations;
-  result->detail = "rows";
-  return true;
+  const bool is_over = SolveInPlace(step_.rows(), options, limit.has_value() ? &*limit : nullptr, result);
+  asked_in_place_ = !is_over;
+  return is_over;
 }
 
 template class EngineSolver<AutoOptions, AutoEngine>;

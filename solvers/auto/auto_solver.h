@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
+#include "solvers/auto/auto_rules.h"
 #include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
@@ -10,39 +12,40 @@ namespace lcpbench {
 struct AutoOptions {
   /// Up to this many rows a dense tableau is tried first; in [0, SmallPivoting::kMaxRows].
   Index tableau_rows = 64;
-  /// The same where rows outnumber the degrees of freedom of the bodies, or A is nearly full: other backends find that
+  /// The same where rows outnumber the degrees of freedom of the bodies, or A is nearly full: other methods find that
   /// harder.
   Index hard_tableau_rows = 128;
   /// Factorizations that the semismooth Newton method is granted, >= 1; problems up to 10^3 rows need 10 to 70.
   std::int64_t newton_factorizations = 150;
-  /// SettingsReader::SelfCheck, of the backends too; without it a tableau's answer is taken as it is.
+  /// SettingsReader::SelfCheck, of the methods too. Without it nothing is read in place, and a tableau's answer is
+  /// taken as it is.
   bool self_check = true;
+  /// Whether rows on two bodies, and matrices, are solved as they are given (AutoStage::kRows and kMatrix) first.
+  bool reads_in_place = true;
+  /// One method of AutoStage::kRows or kMatrix that is asked and no other; empty: all.
+  std::optional<AutoMethod> only = {};
 
   /// Keys `tableau_rows`, `hard_tableau_rows`, `newton_factorizations` and `self_check`. @throws InputError for others
   static AutoOptions FromSettings(const Settings& settings);
+  /// Of the solver that is that method of `auto` alone. @throws InputError for any setting
+  static AutoOptions Only(AutoMethod method, const Settings& settings);
 };
 
-/// Divides the problem, chooses among our own backends, checks the answer, and asks the next one where it is not right.
+/// Divides the problem, chooses among our own methods, checks the answer, and asks the next one where it is not right.
+/// Which method comes when is a table of rules (auto_rules.h, docs/solvers/auto.md), read from the top:
 ///
-/// Factors, from arrays or as an LcpProblem, with at most two moving bodies a row are taken by rows: RowSolver solves
-/// each island by active sets, a tableau or a profile factor, and no form of A is made.
-/// Arrays of a symmetric dense or sparse A go to a tableau or, above tableau_rows rows (hard_tableau_rows of a full A),
-/// to BandPivoting, without an LcpProblem. What they leave open, and other problems, go this way:
+/// 1. Factors with at most two moving bodies a row, and symmetric matrices, from arrays or as an LcpProblem, are read
+///    in place: rows by RowSolver, island by island; a matrix by a tableau or a banded factor.
+/// 2. Other problems, and what 1 leaves open: a tableau where it is small, else rows that cannot carry force are left
+///    out (IdleRows), and small islands of the others get a tableau each.
+/// 3. What remains goes to AutoPortfolio: other solvers, in the order of their predicted cost.
 ///
-/// 1. Up to tableau_rows rows: principal pivoting on a dense tableau (SmallPivoting); one and two rows in closed form.
-/// 2. Above that, rows that cannot carry force and repeated rows are left out (IdleRows), and what remains
-///    falls into islands that share no moving body. Islands of up to tableau_rows rows get a tableau each. Large
-///    problems by factors (AutoPortfolio::IsLarge) are looked at by columns of J first: one large island stays whole.
-/// 3. The rest goes to AutoPortfolio: nncg, bpp, semismooth-newton, hybrid and dantzig in the order that their
-///    predicted cost suggests.
-/// 4. Wherever an answer does not pass, the next backend is asked; a tableau that gave up sends its island to 3.
+/// kSolved is claimed only for an f that passed, by rho and backward error of the problem: in 1 and after a single
+/// tableau in double, with a bound of what rounding can hide, and in extended precision where that is too wide; after
+/// several tableaus by the given form; the solvers of 3 judge by it themselves. kInfeasible only with a ray that
+/// VerifyFarkasRay accepts.
 ///
-/// kSolved is claimed only for an f that passed, by rho and backward error of the problem: after a single tableau in
-/// double, with a bound of what rounding can hide, and in extended precision by the given form where that is too wide;
-/// after several tableaus by the given form; the backends of 3 judge by it themselves or are judged so. kInfeasible
-/// only with a ray that VerifyFarkasRay accepts.
-///
-/// LcpResult::detail says what was done: islands, rows left out, which backend answered, and which ones failed before
+/// LcpResult::detail says what was done: islands, rows left out, which method answered, and which ones failed before
 /// it. `iterations` are those of the backend that answered, in its unit; with islands the sum of pivots, then the
 /// iterations of the backend of the rest. Guaranteed class: symmetric positive semidefinite A of any rank, as its
 /// backends; nonsymmetric A is refused. A failure leaves the last backend's f and status.

@@ -20,18 +20,10 @@ constexpr double kNoise = 3e-14;
 // Exchanges in a row that may fail to lower the least number of violated rows, and in all.
 constexpr int kPatience = 3;
 constexpr int kMostRounds = 24;
-// Of a dense one every sweep reads all of A; larger factors want a blocked method.
-constexpr Index kMostDenseRows = 1000;
-constexpr Index kMostRows = 20000;
 
 Index InRegisters(Index count) { return (count + kRegister - 1) / kRegister; }
 
 }  // namespace
-
-bool BandPivoting::Suits(const MatrixArrays& A) {
-  if (A.is_dense()) return A.size() <= kMostDenseRows && A.is_exactly_symmetric();
-  return A.size() <= kMostRows && IsNarrow(A.bandwidth());
-}
 
 void BandPivoting::Reserve(Index n) {
   if (f_.size() >= n) return;

@@ -21,19 +21,11 @@ namespace lcpbench {
 /// Cost: n (bandwidth)^2 / 2 multiply-adds a factorization at most. Memory: a band of F, kept for the next problem.
 class BandPivoting {
  public:
-  /// Whether a factorization takes so few operations that sweeps are not cheaper.
-  static bool Suits(const MatrixArrays& A);
-  /// The same of a sparse A, by its bandwidth alone.
-  static bool IsNarrow(Index bandwidth) { return bandwidth * bandwidth <= kMostWorkPerRow; }
-
   /// True with result->status kSolved and an f that passes in sums with a bound of their rounding, or kTimeLimit.
   /// False, with f anything, where the exchanges do not get ahead, rows depend on others, or f does not pass.
   bool Solve(const MatrixArrays& A, const LcpOptions& options, LcpResult* result);
 
  private:
-  // Of a sparse A a factorization may take so many multiply-adds by row; more, and sweeps arrive before.
-  static constexpr Index kMostWorkPerRow = 2048;
-
   void Reserve(Index n);
   void GuessActiveRows(const Eigen::VectorXd* initial_f);
   bool SweepRow(Index i);

@@ -123,6 +123,7 @@ void LcpSolver::SolveArrays(const ProblemArrays& arrays, const LcpOptions& optio
   if (arrays.rows > 0) {
     StartResult(arrays.rows, result);
     result->status = LcpStatus::kNumericalFailure;
+    prepared_.reset();  // DoSolveArrays may use what was prepared for other arrays
     try {
       if (DoSolveArrays(arrays, options, result)) return;
     } catch (const InputError&) {

@@ -68,6 +68,11 @@ constexpr Index kMostColumnsPerBody = 6;
 
 }  // namespace
 
+SmallPivoting::Answer::Judgement SmallPivoting::Answer::Judge(double tolerance) const {
+  if (!(rho - rounding <= std::min(tableau::kMostRho, tolerance) && rows_meet)) return Judgement::kWrong;
+  return rho + rounding <= tolerance ? Judgement::kRight : Judgement::kUnclear;
+}
+
 void SmallPivoting::Reserve(Index max_rows, Index problem_rows) {
   if (static_cast<Index>(local_.size()) < problem_rows) local_.resize(At(problem_rows), 0);
   const Index stride = (max_rows + kRegister - 1) / kRegister * kRegister;

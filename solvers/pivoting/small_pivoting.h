@@ -66,6 +66,13 @@ class SmallPivoting {
     /// |D^1/2 f|_1, also where A_ij is a rounded sum, because (|J| M^-1 |J|^T)_ij <= (A_ii A_jj)^1/2.
     double rounding;
     bool rows_meet;  ///< row_limit, in double
+
+    enum class Judgement {
+      kRight,
+      kUnclear,  ///< the given form decides
+      kWrong,
+    };
+    Judgement Judge(double tolerance) const;
   };
 
   /// Writes the basic point's forces, refined once against A where that helps, to `f` (n entries, in the problem's

@@ -1,16 +1,18 @@
 #include "solvers/step/step_solver.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "solvers/auto/auto_solver.h"
+#include "solvers/auto/row_solver.h"
 #include "solvers/batch/row_batch.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/rows/check_rows.h"
-#include "solvers/rows/row_solver.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -123,7 +125,13 @@ struct StepSolver::Implementation {
     if (is_in_range) {
       rows.Reserve(of.rows, of.bodies);
       if (w == nullptr && unwanted_w.size() < of.rows) unwanted_w.resize(of.rows);
-      const RowAnswer answer = rows.Solve(of, SolveOptions(), start, f, w == nullptr ? unwanted_w.data() : w);
+      std::optional<Deadline> limit;
+      if (of.rows > SmallPivoting::kRowsWithoutClock && std::isfinite(options.time_limit_s)) {
+        limit.emplace(SolveOptions());
+      }
+      const Deadline* const deadline = limit.has_value() ? &*limit : nullptr;
+      double* const gaps_of_rows = w == nullptr ? unwanted_w.data() : w;
+      const RowAnswer answer = rows.Solve(of, options.tolerance, deadline, start, f, gaps_of_rows);
       if (answer.solved) return {LcpStatus::kSolved, answer.iterations, answer.rho};
     }
     return Ask(has_own_bodies ? of : own_bodies.Take(of), start, f, w);
@@ -132,7 +140,7 @@ struct StepSolver::Implementation {
   // What RowSolver leaves open. `f` holds what it reached.
   StepAnswer Ask(const StepRows& of, const double* start, double* f, double* w) {
     ++fallbacks;
-    if (others == nullptr) others = std::make_unique<AutoSolver>();
+    if (others == nullptr) others = std::make_unique<AutoSolver>(AutoOptions{.reads_in_place = false});
     const LcpProblem problem = LcpProblem::FromArrays(ToArrays(of));
     LcpOptions solve = SolveOptions();
     if (start != nullptr) {

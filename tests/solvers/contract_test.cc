@@ -97,8 +97,11 @@ TEST_P(SolverContract, NearlyParallelRowsMayFailButMayNotLie) {
   }
   for (unsigned seed = 0; seed < 100; ++seed) problems.push_back(NearlyParallelRows(seed));
   std::vector<LcpSolver*> solvers = {solver_.get()};
-  const auto unchecked = GetParam().make({{"self_check", "no"}});
-  if (GetParam().key == "bpp" || GetParam().key == "active-set") solvers.push_back(unchecked.get());
+  std::unique_ptr<LcpSolver> unchecked;
+  if (GetParam().key == "bpp" || GetParam().key == "active-set") {
+    unchecked = GetParam().make({{"self_check", "no"}});
+    solvers.push_back(unchecked.get());
+  }
   for (const LcpProblem& problem : problems) {
     for (const double tolerance : kTiers) {
       const LcpOptions options{.tolerance = tolerance, .time_limit_s = kShortTime};
@@ -195,6 +198,10 @@ TEST_P(SolverContract, DiagonalAHasClosedForm) {
     }
     const LcpProblem problem = LcpProblem::FromDense("diagonal", d.asDiagonal(), b, {}, SymmetricPsd());
     const LcpResult result = Solve(problem, 1e-6);
+    if (result.status == LcpStatus::kUnsupported) {
+      EXPECT_FALSE(result.detail.empty());
+      continue;
+    }
     ASSERT_EQ(result.status, LcpStatus::kSolved) << result.detail;
     const double b_scaled = std::max(1e-300, b.cwiseQuotient(d.cwiseSqrt()).norm());
     for (Index i = 0; i < n; ++i) {
@@ -303,11 +310,16 @@ TEST_P(SolverContract, WarmStartsAreSafe) {
 }
 
 TEST_P(SolverContract, LimitsEndASolveHonestly) {
-  const TestProblem test = PlantedProblem(60, 30, 4, 0, 0);
+  const LcpProblem given = PlantedProblem(60, 30, 4, 0, 0).problem;
+  LcpProblem problem = given;
+  for (const LcpProblem& form : {InForm(given, MatrixForm::kDense), DiscPile(60, 1)}) {
+    if (!solver_->WhyUnsupported(problem).empty()) problem = form;
+  }
   LcpOptions options{.tolerance = 1e-9};
   options.max_iterations = 1;
-  const LcpResult limited = Solve(test.problem, options);
-  EXPECT_FALSE(Verify(test.problem, limited, 1e-9).false_success);
+  const LcpResult limited = Solve(problem, options);
+  if (limited.status == LcpStatus::kUnsupported) return;  // fewer rows than a clock is read for are all that it takes
+  EXPECT_FALSE(Verify(problem, limited, 1e-9).false_success);
   EXPECT_TRUE(limited.status == LcpStatus::kIterationLimit || limited.status == LcpStatus::kSolved)
       << ToString(limited.status);
 
@@ -316,7 +328,7 @@ TEST_P(SolverContract, LimitsEndASolveHonestly) {
   now = 0;
   options = {.tolerance = 1e-9, .time_limit_s = 1e-3};
   options.now = [] { return now += 1.0; };
-  const LcpResult late = Solve(test.problem, options);
+  const LcpResult late = Solve(problem, options);
   EXPECT_EQ(late.status, LcpStatus::kTimeLimit) << late.detail;
   EXPECT_EQ(late.f.size(), 60);
   EXPECT_TRUE(late.f.allFinite());

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -37,6 +39,34 @@ LcpProblem Archipelago(unsigned seed) {
   return InForm(Compose(parts, seed), MatrixForm::kSparse);
 }
 
+TEST(AutoRules, TheDocumentShowsTheTableThatRuns) {
+  std::ifstream file(LCPBENCH_SOURCE_DIR "/docs/solvers/auto.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_NE(page.find(AutoRulesAsMarkdown()), std::string::npos) << "expected what `lcpbench list rules` prints";
+}
+
+// Whatever the facts are, one method or another is asked of a problem, and limits are granted.
+TEST(AutoRules, SomeBackendIsAlwaysAsked) {
+  for (unsigned bits = 0; bits < 512; ++bits) {
+    const AutoFacts facts{.rows = 950,
+                          .tableau_failed = (bits & 1U) != 0,
+                          .is_redundant = (bits & 2U) != 0,
+                          .is_large = (bits & 4U) != 0,
+                          .is_wide_sparse = (bits & 8U) != 0,
+                          .is_packing = (bits & 16U) != 0,
+                          .has_dense_factor = (bits & 32U) != 0,
+                          .has_dependent_rows = (bits & 64U) != 0,
+                          .has_swept = (bits & 128U) != 0,
+                          .factor_time = (bits & 256U) != 0 ? 100.0 : 1.0};
+    int asked = 0;
+    for (const AutoRule& rule : AutoRulesOf(AutoStage::kBackends)) {
+      EXPECT_GE(rule.grants(facts), 0);
+      asked += rule.grants(facts) == kOwnLimit ? 1 : 0;
+    }
+    EXPECT_GE(asked, 2);
+  }
+}
+
 TEST(AutoSolver, SolvesIslandsOneByOne) {
   int divided = 0;
   int with_rest = 0;
@@ -54,7 +84,7 @@ TEST(AutoSolver, SolvesIslandsOneByOne) {
   EXPECT_GT(with_rest, 10);
 }
 
-// Above AutoPortfolio::kSmallRows: one island or one that dominates stays whole, many are taken one by one, and a few
+// Above AutoFacts::kSmallRows: one island or one that dominates stays whole, many are taken one by one, and a few
 // large ones go to the portfolio together. Without its own check auto asks RowSolver for nothing.
 TEST(AutoSolver, DividesLargeProblemsWhereTheirColumnsDo) {
   const auto check = [](const LcpProblem& problem, bool divides) {
@@ -90,6 +120,24 @@ TEST(AutoSolver, TakesAProblemByFactorsByItsRows) {
       AutoSolver().SolveArrays(ProblemArrays::Of(other), {}, &from_arrays);
       EXPECT_EQ(result.f, from_arrays.f);
     }
+  }
+}
+
+// What arrays of another problem leave behind is not what was prepared.
+TEST(AutoSolver, ArraysOfAnotherProblemDoNotSpoilWhatWasPrepared) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const LcpProblem problem = DiscPile(20 + static_cast<Index>(seed), seed);
+    AutoSolver solver;
+    LcpResult result;
+    solver.Solve(problem, {}, &result);
+    {
+      const ProblemArrays others = ProblemArrays::Of(DiscPile(40, seed + 100));
+      LcpResult other;
+      solver.SolveArrays(others, {}, &other);
+    }
+    const LcpProblem with_b = problem.WithB(2 * problem.b());
+    solver.Solve(with_b, {}, &result);
+    ExpectSolved(with_b, result);
   }
 }
 

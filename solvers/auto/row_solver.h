@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "solvers/auto/auto_rules.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
 #include "solvers/pivoting/small_pivoting.h"
@@ -15,23 +17,21 @@ namespace lcpbench {
 /// How RowSolver ended.
 struct RowAnswer {
   bool solved = false;          ///< f passed; else it is left to other solvers, and f is where they may begin
+  bool fits = true;             ///< every island was for a method
   std::int64_t iterations = 0;  ///< pivots, and iterations of what solved large islands
   double rho = 0;               ///< natural residual of f, in double
 };
 
 /// From a step's rows to forces: what AutoSolver and StepSolver ask first.
 ///
-/// 1. Rows fall into islands that share no moving body (RowIslands), each one solved by itself.
-/// 2. Up to 6 rows: one active set after the other (TinyRows).
-/// 3. Up to 128 rows: principal pivoting on a dense tableau, into which A is assembled (SmallPivoting).
-/// 4. Above, and where the tableau gave up: ProfilePivoting.
-///
-/// An island counts as solved only if its f passes by rho and backward errors of the given rows, in double and with a
-/// bound of what rounding can hide. What does not is left to the caller, as is an island of more than kMostIslandRows.
-/// Only Reserve allocates.
+/// Rows fall into islands that share no moving body (RowIslands). Each one is solved by itself, by the methods that the
+/// rules of AutoStage::kRows name for its size, until an f passes by rho and backward errors of the given rows, in
+/// double and with a bound of what rounding can hide. What does not pass is left to the caller, as is a step with an
+/// island of more than AutoFacts::kMostIslandRows. Only Reserve allocates.
 class RowSolver {
  public:
-  static constexpr Index kMostIslandRows = 2000;
+  /// @param only  asks no other method
+  explicit RowSolver(std::optional<AutoMethod> only = {}) : only_(only) {}
 
   /// Workspace for up to `max_rows` rows and `max_bodies` bodies.
   void Reserve(Index max_rows, Index max_bodies);
@@ -39,54 +39,45 @@ class RowSolver {
   /// @param initial_f  n numbers, finite, or nullptr
   /// @param f          n, written, also where it is not solved
   /// @param w          n, written where solved: A f + b in double
-  RowAnswer Solve(const StepRows& rows, const LcpOptions& options, const double* initial_f, double* f, double* w);
+  /// @param deadline   or nullptr for none; not looked at before the first island is solved
+  RowAnswer Solve(const StepRows& rows, double tolerance, const Deadline* deadline, const double* initial_f, double* f,
+                  double* w);
 
  private:
   struct Request {
     const StepRows& rows;
-    const LcpOptions& options;
-    const double* initial_f;
+    double tolerance;
     const Deadline* deadline;  // or nullptr
+    const double* initial_f;
     double* f;
     double* w;
   };
-  enum class DenseEnd {
+  using Part = std::span<const std::int32_t>;
+  enum class PartEnd {
     kSolved,
     kInexact,  // f is finite, and misses the tolerance
     kGaveUp,   // f is not to be used
+    kNoRule,   // no method is for such a part
   };
-  DenseEnd SolveDense(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer);
-  void SolvePart(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer);
+  PartEnd SolvePart(const Request& request, Part part, const AutoFacts& facts, RowAnswer* answer);
+  static PartEnd SolveIdleRow(const Request& request, std::int32_t row);
+  PartEnd Ask(AutoMethod method, const Request& request, Part part, RowAnswer* answer);
+  PartEnd AskFixedSizeBpp(const Request& request, Part part, RowAnswer* answer);
+  PartEnd AskPrincipalPivoting(const Request& request, Part part, RowAnswer* answer);
+  PartEnd AskProfilePivoting(const Request& request, Part part, RowAnswer* answer);
   bool JudgePart(const Request& request, std::span<const std::int32_t> part, double* rho);
   enum class Known { kRight, kUnclear, kWrong };
   template <Index p, typename Real, typename Sum>
   Known Judge(const StepRows& rows, const Real* J, std::span<const std::int32_t> part, double tolerance,
               const double* f, double* w, double* rho, Sum* v);
 
+  const std::optional<AutoMethod> only_;
   RowIslands islands_;
   ProfilePivoting profile_;
   std::vector<double> velocity_, size_;  // by body, 0 between calls
   std::vector<long double> extended_velocity_;
   SmallPivoting tableau_;
   std::vector<std::int32_t> all_;  // 0, 1, 2, ...
-};
-
-/// Arrays in compressed rows, as two-body rows: the entries of J on bodies that move, copied to their places, and all
-/// numbers checked on the way.
-class TwoBodyCopy {
- public:
-  /// False if a row acts on more than two bodies that can move, a number is extreme, or the arrays are wrong, which
-  /// LcpProblem::FromArrays tells with its words.  O(entries); allocates where it has met no problem as large
-  bool Take(const ProblemArrays& arrays);
-  const StepRows& rows() const { return rows_; }
-
- private:
-  template <Index p>
-  bool TakeRows(const ProblemArrays& arrays);
-  StepRows rows_;
-  std::vector<std::int32_t> body_;
-  std::vector<double> J_;
-  std::vector<unsigned char> moves_;  // by body
 };
 
 }  // namespace lcpbench

@@ -1,0 +1,186 @@
+#include "solvers/auto/auto_rules.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "solvers/pivoting/small_pivoting.h"
+#include "solvers/rows/tiny_rows.h"
+#ifdef LCPBENCH_WITH_SUITESPARSE
+#include "solvers/interior_point/hybrid.h"
+#endif
+
+namespace lcpbench {
+namespace {
+
+using Facts = AutoFacts;
+
+// A factorization that costs so many nncg iterations is put off.
+constexpr double kDearFactor = 6;
+// What nncg may cost before others take over, in factorizations: about what block pivoting needs where it does well,
+// and half of what the Newton method needs on redundant rows. psor is asked only where it is the cheapest.
+constexpr double kFactorizationsOfBpp = 6;
+constexpr double kFactorizationsOfNewton = 12;
+constexpr double kFactorizationsForPsor = 4;
+constexpr double kPsorTime = 0.5;  // of a sweep, in nncg iterations
+constexpr std::int64_t kLeastNncgIterations = 16;
+// On grids the iterations of nncg grow with the root of the number of rows.
+constexpr double kSweepsPerRootOfRows = 8;
+// Block pivoting that needs more than this has met cycles, which cost it more than the Newton method.
+constexpr std::int64_t kMostFactorizationsOfBpp = 24;
+// A dense A of 0.2 GB, and minutes.
+constexpr Index kMostRowsOfDantzig = 5000;
+#ifdef LCPBENCH_WITH_SUITESPARSE
+constexpr std::int64_t kSweepsOfPacking = HybridOptions{}.most_iterations;
+#else
+constexpr std::int64_t kSweepsOfPacking = 0;
+#endif
+
+std::int64_t If(bool holds) { return holds ? kOwnLimit : 0; }
+
+// For the price of so many factorizations.
+std::int64_t NncgIterations(const Facts& facts, double factorizations) {
+  const double iterations = factorizations * facts.factor_time / facts.iteration_time;
+  return std::max(kLeastNncgIterations, static_cast<std::int64_t>(iterations));
+}
+
+bool HasFullRank(const Facts& facts) { return !facts.tableau_failed && !facts.is_redundant; }
+bool HasDearFactor(const Facts& facts) {
+  return HasFullRank(facts) && facts.factor_time > kDearFactor * facts.iteration_time;
+}
+
+using enum AutoStage;
+using enum AutoMethod;
+constexpr std::array kRules = {
+    AutoRule{kRows, "up to 6 rows", kFixedSizeBpp,
+             [](const Facts& facts) { return If(facts.rows <= TinyRows::kMostRows); }},
+    AutoRule{kRows, "up to 128 rows", kPrincipalPivoting,
+             [](const Facts& facts) { return If(facts.rows <= SmallPivoting::kMaxRows); }},
+    AutoRule{kRows, "up to 2000 rows, from forces that the method before has reached", kProfilePivoting,
+             [](const Facts& facts) { return If(!facts.is_undivided && facts.rows <= Facts::kMostIslandRows); }},
+
+    AutoRule{kMatrix, "up to `tableau_rows` rows; `hard_tableau_rows` where the band is half of A", kPrincipalPivoting,
+             [](const Facts& facts) { return If(facts.rows <= facts.tableau_rows); }},
+    AutoRule{kMatrix, "dense up to 1000 rows", kBandPivoting,
+             [](const Facts& facts) {
+               return If(facts.is_dense && facts.is_exactly_symmetric && facts.rows <= Facts::kMostDenseRows);
+             }},
+    AutoRule{kMatrix, "sparse, bandwidth up to 45", kBandPivoting,
+             [](const Facts& facts) { return If(!facts.is_dense && Facts::IsNarrow(facts.bandwidth)); }},
+
+    AutoRule{kProblem, "up to `tableau_rows` rows; `hard_tableau_rows` where rows are redundant or the factor is dense",
+             kPrincipalPivoting,
+             [](const Facts& facts) { return If(!facts.tableau_failed && facts.rows <= facts.tableau_rows); }},
+    AutoRule{kProblem, "more rows, of which at most 75 % lie in islands larger than that", kIslands,
+             [](const Facts& facts) { return If(facts.rows > facts.tableau_rows && facts.may_divide); }},
+
+    AutoRule{kBackends, "full rank, and a factorization costs more than 6 iterations of `nncg`", kPsor,
+             [](const Facts& facts) {
+               const double iterations = kFactorizationsForPsor * facts.factor_time / facts.iteration_time;
+               return HasDearFactor(facts) ? static_cast<std::int64_t>(iterations / kPsorTime) : 0;
+             },
+             "4 factorizations"},
+    AutoRule{kBackends, "the same", kNncg,
+             [](const Facts& facts) { return HasDearFactor(facts) ? NncgIterations(facts, kFactorizationsOfBpp) : 0; },
+             "6 factorizations"},
+    AutoRule{kBackends, "full rank, more than 900 rows, A given sparse with a bandwidth above 45", kPatientNncg,
+             [](const Facts& facts) {
+               const double iterations = kSweepsPerRootOfRows * std::sqrt(static_cast<double>(facts.rows));
+               return facts.is_wide_sparse ? static_cast<std::int64_t>(iterations) : 0;
+             },
+             "8 √n iterations"},
+    AutoRule{kBackends, "full rank, from 5000 rows on, J given, more than 0.25 cycles per body", kNncg,
+             [](const Facts& facts) { return facts.is_packing ? kSweepsOfPacking : 0; }, "600 iterations"},
+    AutoRule{kBackends, "redundant rows, not more than 900", kNncg,
+             [](const Facts& facts) {
+               const bool holds = facts.is_redundant && !facts.is_large && !facts.tableau_failed;
+               return holds ? NncgIterations(facts, kFactorizationsOfNewton) : 0;
+             },
+             "12 factorizations"},
+    AutoRule{kBackends, "full rank, and no packing as above", kBpp,
+             [](const Facts& facts) { return HasFullRank(facts) && !facts.is_packing ? kMostFactorizationsOfBpp : 0; },
+             "24 factorizations"},
+    AutoRule{kBackends, "`bpp` has met dependent rows, and neither its factor is dense nor `nncg` was asked", kNncg,
+             [](const Facts& facts) {
+               const bool holds = facts.has_dependent_rows && !facts.has_dense_factor && !facts.has_swept;
+               return holds && !facts.is_large ? NncgIterations(facts, kFactorizationsOfNewton) : 0;
+             },
+             "12 factorizations"},
+    AutoRule{kBackends, "up to 900 rows, or A given dense", kSemismoothNewton,
+             [](const Facts& facts) { return If(!facts.is_large); }},
+    AutoRule{kBackends, "always", kHybrid, [](const Facts& /*facts*/) { return kOwnLimit; }},
+    AutoRule{kBackends, "more than 900 rows", kSemismoothNewton, [](const Facts& facts) { return If(facts.is_large); }},
+    AutoRule{kBackends, "up to 5000 rows", kDantzig,
+             [](const Facts& facts) { return If(facts.rows <= kMostRowsOfDantzig); }},
+};
+
+// A stage's rules stand together.
+constexpr std::span<const AutoRule> Find(AutoStage stage) {
+  const auto is_of_stage = [stage](const AutoRule& rule) { return rule.stage == stage; };
+  const auto first = std::find_if(kRules.begin(), kRules.end(), is_of_stage);
+  return {first, std::find_if_not(first, kRules.end(), is_of_stage)};
+}
+constexpr std::array kRulesOfStages = {Find(kRows), Find(kMatrix), Find(kProblem), Find(kBackends)};
+
+constexpr std::string_view TitleOf(AutoStage stage) {
+  switch (stage) {
+    case kRows:
+      return "Island by island, of steps with rows on at most two moving bodies each";
+    case kMatrix:
+      return "A given as a matrix";
+    case kProblem:
+      return "Other problems, and what is left open";
+    case kBackends:
+      return "The same, by backends";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string_view KeyOf(AutoMethod method) {
+  switch (method) {
+    case kFixedSizeBpp:
+      return "fixed-size-bpp";
+    case kPrincipalPivoting:
+      return "principal-pivoting";
+    case kProfilePivoting:
+      return "profile-pivoting";
+    case kBandPivoting:
+      return "band-pivoting";
+    case kIslands:
+      return "islands";
+    case kPsor:
+      return "psor";
+    case kNncg:
+    case kPatientNncg:
+      return "nncg";
+    case kBpp:
+      return "bpp";
+    case kSemismoothNewton:
+      return "semismooth-newton";
+    case kHybrid:
+      return "hybrid";
+    case kDantzig:
+      return "dantzig";
+  }
+  return {};
+}
+
+std::span<const AutoRule> AutoRulesOf(AutoStage stage) { return kRulesOfStages[static_cast<std::size_t>(stage)]; }
+
+std::string AutoRulesAsMarkdown() {
+  std::string text = "| rows and form | method | at most |\n| --- | --- | --- |\n";
+  const auto* before = kRules.end();
+  for (const AutoRule* rule = kRules.begin(); rule != kRules.end(); before = rule++) {
+    if (before == kRules.end() || before->stage != rule->stage) {
+      text.append("| **").append(TitleOf(rule->stage)).append("** | | |\n");
+    }
+    const bool is_solver = rule->method != kIslands;
+    text.append("| ").append(rule->when).append(" | ").append(is_solver ? "`" : "").append(KeyOf(rule->method));
+    text.append(is_solver ? "` | " : " | ").append(rule->limit).append(" |\n");
+  }
+  return text;
+}
+
+}  // namespace lcpbench

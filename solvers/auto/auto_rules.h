@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "solvers/lcp/problem.h"
+
+/// How `auto` decides: one table, read from the top. Every rule whose condition holds is asked in turn until one of the
+/// methods gives an answer that passes; nothing else chooses a method. docs/solvers/auto.md shows the table as
+/// `lcpbench list rules` prints it. Internal to solvers/.
+namespace lcpbench {
+
+/// What `auto` asks. All but kIslands are solvers of the registry.
+enum class AutoMethod : std::uint8_t {
+  kFixedSizeBpp,       ///< FixedSizeBpp
+  kPrincipalPivoting,  ///< SmallPivoting
+  kProfilePivoting,    ///< ProfilePivoting
+  kBandPivoting,       ///< BandPivoting
+  kIslands,            ///< rows that carry no force left out, each small island by SmallPivoting, the rest by backends
+  kPsor,               ///< PgsSolver
+  kNncg,               ///< NncgSolver
+  kPatientNncg,        ///< the same, whose rate is looked at later
+  kBpp,                ///< BppSolver
+  kSemismoothNewton,   ///< SemismoothNewtonSolver
+  kHybrid,             ///< HybridSolver
+  kDantzig,            ///< DantzigSolver
+};
+
+/// The registry's key; "islands" for kIslands.
+std::string_view KeyOf(AutoMethod method);
+
+/// Which rules apply. A problem passes the stages in this order, from the first one that takes it on.
+enum class AutoStage : std::uint8_t {
+  kRows,      ///< one island of rows on at most two moving bodies each, read in place
+  kMatrix,    ///< a symmetric dense or sparse A, read in place
+  kProblem,   ///< an LcpProblem: what the stages before do not take or leave open
+  kBackends,  ///< an LcpProblem, or the islands that kProblem leaves open
+};
+
+/// What rules look at. Each stage fills in what its rules need.
+struct AutoFacts {
+  // Limits of the first two stages.
+  static constexpr Index kMostStepRows = 20000;    ///< of a step; larger ones have islands that are left open anyway
+  static constexpr Index kMostDenseRows = 1000;    ///< of a dense A; above, a blocked factor pays
+  static constexpr Index kMostIslandRows = 2000;   ///< a step with a larger island is left to kProblem
+  static constexpr Index kMostUndividedRows = 16;  ///< a step of so many rows is tried before islands are looked for
+  static constexpr double kMostRowsInOneIsland = 0.75;  ///< of all: where one has more, dividing does not pay
+
+  /// Above, `hybrid` is faster than the semismooth Newton method on every redundant family (1e-9, one thread).
+  static constexpr Index kSmallRows = 900;
+  /// Whether a factor within the band of a sparse A takes so few operations that sweeps are not cheaper.
+  static constexpr bool IsNarrow(Index bandwidth) { return bandwidth * bandwidth <= 2048; }
+
+  Index rows = 0;             ///< n, or of the island
+  bool is_undivided = false;  ///< kRows: a small step, islands not looked for
+  Index tableau_rows = 0;     ///< AutoOptions::tableau_rows, or hard_tableau_rows of redundant or full problems
+  // kMatrix.
+  bool is_dense = false;              ///< A is given as a dense matrix
+  bool is_exactly_symmetric = false;  ///< in all bits
+  Index bandwidth = 0;                ///< max |i - j| over entries
+  // kProblem and kBackends.
+  bool tableau_failed = false;      ///< a tableau has left the problem open
+  bool may_divide = false;          ///< islands have not been found to be too large
+  bool is_redundant = false;        ///< rows outnumber degrees of freedom, so that A is singular
+  bool is_large = false;            ///< more than kSmallRows, not given as a dense matrix, and `hybrid` in this build
+  bool is_wide_sparse = false;      ///< large, not redundant, A given sparse with a band too wide for a factor
+  bool is_packing = false;          ///< large, not redundant, by factors, with many cycles in the graph of bodies
+  bool has_dense_factor = false;    ///< block pivoting's
+  bool has_dependent_rows = false;  ///< block pivoting has met them
+  bool has_swept = false;           ///< nncg has been asked
+  double iteration_time = 1;        ///< of nncg [ns], predicted
+  double factor_time = 0;           ///< of a factorization of what follows nncg [ns], predicted; 0: not known
+};
+
+/// One line of the table.
+struct AutoRule {
+  AutoStage stage;
+  std::string_view when;  ///< the condition, in words
+  AutoMethod method;
+  /// Iterations that the method is granted, in its own unit; 0 where the rule does not hold.
+  std::int64_t (*grants)(const AutoFacts& facts);
+  std::string_view limit = {};  ///< of the iterations, in words
+};
+
+/// AutoRule::grants of a method that keeps to its own limit.
+inline constexpr std::int64_t kOwnLimit = std::numeric_limits<std::int64_t>::max();
+
+/// The rules of a stage, in the order in which they are asked.
+std::span<const AutoRule> AutoRulesOf(AutoStage stage);
+
+/// The table for docs/solvers/auto.md, as `lcpbench list rules` prints it.
+std::string AutoRulesAsMarkdown();
+
+}  // namespace lcpbench

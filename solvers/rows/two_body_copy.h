@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "solvers/lcp/step_rows.h"
+
+namespace lcpbench {
+
+/// Arrays in compressed rows, as two-body rows: the entries of J on bodies that move, copied to their places, and all
+/// numbers checked on the way.
+class TwoBodyCopy {
+ public:
+  /// False if a row acts on more than two bodies that can move, a number is extreme, or the arrays are wrong, which
+  /// LcpProblem::FromArrays tells with its words.  O(entries); allocates where it has met no problem as large
+  bool Take(const ProblemArrays& arrays);
+  const StepRows& rows() const { return rows_; }
+
+ private:
+  template <Index p>
+  bool TakeRows(const ProblemArrays& arrays);
+  StepRows rows_;
+  std::vector<std::int32_t> body_;
+  std::vector<double> J_;
+  std::vector<unsigned char> moves_;  // by body
+};
+
+}  // namespace lcpbench
