@@ -10,6 +10,7 @@
 #include "solvers/active_set/active_set_solver.h"
 #include "solvers/active_set/bpp.h"
 #include "solvers/active_set/semismooth_newton.h"
+#include "solvers/auto/auto_rules.h"
 #include "solvers/auto/auto_solver.h"
 #include "solvers/first_order/apgd.h"
 #include "solvers/first_order/nncg.h"

@@ -131,7 +131,7 @@ void AutoPortfolio::Prepare(const LcpProblem& problem) {
   }
   bool sweeps = false;
   for (const AutoRule& rule : AutoRulesOf(AutoStage::kBackends)) {
-    if (rule.grants(facts_) == 0) continue;
+    if (rule.Grants(facts_) == 0) continue;
     if (rule.method == AutoMethod::kPsor) psor_.Prepare(problem);
     sweeps = sweeps || rule.method == AutoMethod::kNncg;
   }
@@ -243,7 +243,7 @@ void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, 
   reached_count_ = 0;
   if (!result->f.isZero(0)) Remember(result->f);
   for (const AutoRule& rule : AutoRulesOf(AutoStage::kBackends)) {
-    const std::int64_t granted = rule.grants(facts_);
+    const std::int64_t granted = rule.Grants(facts_);
     if (granted > 0 && Ask(rule.method, granted, result)) break;
   }
   const bool arrived = result->status == LcpStatus::kSolved || result->status == LcpStatus::kInfeasible;

@@ -52,66 +52,65 @@ bool HasDearFactor(const Facts& facts) {
 using enum AutoStage;
 using enum AutoMethod;
 constexpr std::array kRules = {
-    AutoRule{kRows, "up to 6 rows", kFixedSizeBpp,
-             [](const Facts& facts) { return If(facts.rows <= TinyRows::kMostRows); }},
-    AutoRule{kRows, "up to 128 rows", kPrincipalPivoting,
-             [](const Facts& facts) { return If(facts.rows <= SmallPivoting::kMaxRows); }},
-    AutoRule{kRows, "up to 2000 rows, from forces that the method before has reached", kProfilePivoting,
-             [](const Facts& facts) { return If(!facts.is_undivided && facts.rows <= Facts::kMostIslandRows); }},
+    AutoRule{kRows, TinyRows::kMostRows, "", kFixedSizeBpp},
+    AutoRule{kRows, SmallPivoting::kMaxRows, "", kPrincipalPivoting},
+    AutoRule{kRows, Facts::kMostIslandRows, "", kProfilePivoting,
+             [](const Facts& facts) { return If(!facts.is_undivided); }},
 
-    AutoRule{kMatrix, "up to `tableau_rows` rows; `hard_tableau_rows` where the band is half of A", kPrincipalPivoting,
-             [](const Facts& facts) { return If(facts.rows <= facts.tableau_rows); }},
-    AutoRule{kMatrix, "dense up to 1000 rows", kBandPivoting,
-             [](const Facts& facts) {
-               return If(facts.is_dense && facts.is_exactly_symmetric && facts.rows <= Facts::kMostDenseRows);
-             }},
-    AutoRule{kMatrix, "sparse, bandwidth up to 45", kBandPivoting,
+    AutoRule{kMatrix, SmallPivoting::kMaxRows, "up to `tableau_rows`; `hard_tableau_rows` where the band is half of A",
+             kPrincipalPivoting, [](const Facts& facts) { return If(facts.rows <= facts.tableau_rows); }},
+    AutoRule{kMatrix, Facts::kMostDenseRows, "A given dense", kBandPivoting,
+             [](const Facts& facts) { return If(facts.is_dense && facts.is_exactly_symmetric); }},
+    AutoRule{kMatrix, Facts::kMostStepRows, "A given sparse, bandwidth up to 45", kBandPivoting,
              [](const Facts& facts) { return If(!facts.is_dense && Facts::IsNarrow(facts.bandwidth)); }},
 
-    AutoRule{kProblem, "up to `tableau_rows` rows; `hard_tableau_rows` where rows are redundant or the factor is dense",
+    AutoRule{kProblem, SmallPivoting::kMaxRows,
+             "up to `tableau_rows`; `hard_tableau_rows` where rows are redundant or the factor is dense",
              kPrincipalPivoting,
              [](const Facts& facts) { return If(!facts.tableau_failed && facts.rows <= facts.tableau_rows); }},
-    AutoRule{kProblem, "more rows, of which at most 75 % lie in islands larger than that", kIslands,
+    AutoRule{kProblem, kAnyRows, "more than that, and at most 75 % of the rows lie in islands of more", kIslands,
              [](const Facts& facts) { return If(facts.rows > facts.tableau_rows && facts.may_divide); }},
 
-    AutoRule{kBackends, "full rank, and a factorization costs more than 6 iterations of `nncg`", kPsor,
+    AutoRule{kBackends, kAnyRows, "full rank, and a factorization costs more than 6 iterations of `nncg`", kPsor,
              [](const Facts& facts) {
                const double iterations = kFactorizationsForPsor * facts.factor_time / facts.iteration_time;
                return HasDearFactor(facts) ? static_cast<std::int64_t>(iterations / kPsorTime) : 0;
              },
              "4 factorizations"},
-    AutoRule{kBackends, "the same", kNncg,
+    AutoRule{kBackends, kAnyRows, "the same", kNncg,
              [](const Facts& facts) { return HasDearFactor(facts) ? NncgIterations(facts, kFactorizationsOfBpp) : 0; },
              "6 factorizations"},
-    AutoRule{kBackends, "full rank, more than 900 rows, A given sparse with a bandwidth above 45", kPatientNncg,
+    AutoRule{kBackends, kAnyRows, "full rank, more than 900 rows, A given sparse with a bandwidth above 45",
+             kPatientNncg,
              [](const Facts& facts) {
                const double iterations = kSweepsPerRootOfRows * std::sqrt(static_cast<double>(facts.rows));
                return facts.is_wide_sparse ? static_cast<std::int64_t>(iterations) : 0;
              },
              "8 √n iterations"},
-    AutoRule{kBackends, "full rank, from 5000 rows on, J given, more than 0.25 cycles per body", kNncg,
+    AutoRule{kBackends, kAnyRows, "full rank, from 5000 rows on, J given, more than 0.25 cycles per body", kNncg,
              [](const Facts& facts) { return facts.is_packing ? kSweepsOfPacking : 0; }, "600 iterations"},
-    AutoRule{kBackends, "redundant rows, not more than 900", kNncg,
+    AutoRule{kBackends, Facts::kSmallRows, "redundant rows", kNncg,
              [](const Facts& facts) {
-               const bool holds = facts.is_redundant && !facts.is_large && !facts.tableau_failed;
+               const bool holds = facts.is_redundant && !facts.tableau_failed;
                return holds ? NncgIterations(facts, kFactorizationsOfNewton) : 0;
              },
              "12 factorizations"},
-    AutoRule{kBackends, "full rank, and no packing as above", kBpp,
+    AutoRule{kBackends, kAnyRows, "full rank, and no packing as above", kBpp,
              [](const Facts& facts) { return HasFullRank(facts) && !facts.is_packing ? kMostFactorizationsOfBpp : 0; },
              "24 factorizations"},
-    AutoRule{kBackends, "`bpp` has met dependent rows, and neither its factor is dense nor `nncg` was asked", kNncg,
+    AutoRule{kBackends, Facts::kSmallRows,
+             "`bpp` has met dependent rows, its factor is not dense, and `nncg` was not asked", kNncg,
              [](const Facts& facts) {
                const bool holds = facts.has_dependent_rows && !facts.has_dense_factor && !facts.has_swept;
-               return holds && !facts.is_large ? NncgIterations(facts, kFactorizationsOfNewton) : 0;
+               return holds ? NncgIterations(facts, kFactorizationsOfNewton) : 0;
              },
              "12 factorizations"},
-    AutoRule{kBackends, "up to 900 rows, or A given dense", kSemismoothNewton,
+    AutoRule{kBackends, kAnyRows, "up to 900 rows, or A given dense", kSemismoothNewton,
              [](const Facts& facts) { return If(!facts.is_large); }},
-    AutoRule{kBackends, "always", kHybrid, [](const Facts& /*facts*/) { return kOwnLimit; }},
-    AutoRule{kBackends, "more than 900 rows", kSemismoothNewton, [](const Facts& facts) { return If(facts.is_large); }},
-    AutoRule{kBackends, "up to 5000 rows", kDantzig,
-             [](const Facts& facts) { return If(facts.rows <= kMostRowsOfDantzig); }},
+    AutoRule{kBackends, kAnyRows, "", kHybrid},
+    AutoRule{kBackends, kAnyRows, "more than 900 rows", kSemismoothNewton,
+             [](const Facts& facts) { return If(facts.is_large); }},
+    AutoRule{kBackends, kMostRowsOfDantzig, "", kDantzig},
 };
 
 // A stage's rules stand together.
@@ -170,15 +169,16 @@ std::string_view KeyOf(AutoMethod method) {
 std::span<const AutoRule> AutoRulesOf(AutoStage stage) { return kRulesOfStages[static_cast<std::size_t>(stage)]; }
 
 std::string AutoRulesAsMarkdown() {
-  std::string text = "| rows and form | method | at most |\n| --- | --- | --- |\n";
+  std::string text = "| rows | condition | method | at most |\n| ---: | --- | --- | --- |\n";
   const auto* before = kRules.end();
   for (const AutoRule* rule = kRules.begin(); rule != kRules.end(); before = rule++) {
     if (before == kRules.end() || before->stage != rule->stage) {
-      text.append("| **").append(TitleOf(rule->stage)).append("** | | |\n");
+      text.append("| | **").append(TitleOf(rule->stage)).append("** | | |\n");
     }
-    const bool is_solver = rule->method != kIslands;
-    text.append("| ").append(rule->when).append(" | ").append(is_solver ? "`" : "").append(KeyOf(rule->method));
-    text.append(is_solver ? "` | " : " | ").append(rule->limit).append(" |\n");
+    const std::string_view quote = rule->method == kIslands ? "" : "`";
+    text.append("| ").append(rule->most_rows == kAnyRows ? "any" : "≤ " + std::to_string(rule->most_rows));
+    text.append(" | ").append(rule->when).append(" | ").append(quote).append(KeyOf(rule->method)).append(quote);
+    text.append(" | ").append(rule->limit).append(" |\n");
   }
   return text;
 }

@@ -75,18 +75,27 @@ struct AutoFacts {
   double factor_time = 0;           ///< of a factorization of what follows nncg [ns], predicted; 0: not known
 };
 
+/// AutoRule::grants of a method that keeps to its own limit.
+inline constexpr std::int64_t kOwnLimit = std::numeric_limits<std::int64_t>::max();
+/// AutoRule::most_rows of a rule for any number.
+inline constexpr Index kAnyRows = std::numeric_limits<Index>::max();
+
 /// One line of the table.
 struct AutoRule {
   AutoStage stage;
-  std::string_view when;  ///< the condition, in words
+  Index most_rows;        ///< the rule holds up to so many rows
+  std::string_view when;  ///< what else must hold, in words
   AutoMethod method;
-  /// Iterations that the method is granted, in its own unit; 0 where the rule does not hold.
-  std::int64_t (*grants)(const AutoFacts& facts);
+  /// Iterations that the method is granted, in its own unit; 0 where the rule does not hold. nullptr: kOwnLimit.
+  std::int64_t (*grants)(const AutoFacts& facts) = nullptr;
   std::string_view limit = {};  ///< of the iterations, in words
-};
 
-/// AutoRule::grants of a method that keeps to its own limit.
-inline constexpr std::int64_t kOwnLimit = std::numeric_limits<std::int64_t>::max();
+  /// 0 where the rule does not hold.
+  std::int64_t Grants(const AutoFacts& facts) const {
+    if (facts.rows > most_rows) return 0;
+    return grants == nullptr ? kOwnLimit : grants(facts);
+  }
+};
 
 /// The rules of a stage, in the order in which they are asked.
 std::span<const AutoRule> AutoRulesOf(AutoStage stage);

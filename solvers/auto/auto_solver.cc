@@ -9,6 +9,7 @@
 
 #include "solvers/answers/answer_judge.h"
 #include "solvers/auto/auto_portfolio.h"
+#include "solvers/auto/auto_rules.h"
 #include "solvers/auto/band_pivoting.h"
 #include "solvers/auto/matrix_arrays.h"
 #include "solvers/auto/row_solver.h"
@@ -111,6 +112,7 @@ class AutoEngine {
   RowSolver rows_;
   Eigen::VectorXd gaps_;
   MatrixArrays matrix_;
+  AutoFacts matrix_facts_;
   BandPivoting band_;
 
   // The prepared problem.
@@ -199,15 +201,15 @@ bool AutoEngine::SolveRows(const StepRows& rows, const LcpOptions& options, cons
 // takes the small ones for rounding.
 bool AutoEngine::SolveMatrix(const LcpOptions& options, const Deadline* deadline, LcpResult* result) {
   const bool is_full = 2 * matrix_.bandwidth() >= matrix_.size();
-  const AutoFacts facts{
-      .rows = matrix_.size(),
-      .tableau_rows = is_full ? std::max(options_.tableau_rows, options_.hard_tableau_rows) : options_.tableau_rows,
-      .is_dense = matrix_.is_dense(),
-      .is_exactly_symmetric = matrix_.is_exactly_symmetric(),
-      .bandwidth = matrix_.bandwidth()};
+  AutoFacts& facts = matrix_facts_;
+  facts.rows = matrix_.size();
+  facts.tableau_rows = is_full ? std::max(options_.tableau_rows, options_.hard_tableau_rows) : options_.tableau_rows;
+  facts.is_dense = matrix_.is_dense();
+  facts.is_exactly_symmetric = matrix_.is_exactly_symmetric();
+  facts.bandwidth = matrix_.bandwidth();
   bool is_for_one = false;
   for (const AutoRule& rule : AutoRulesOf(AutoStage::kMatrix)) {
-    if (rule.grants(facts) == 0 || !Allows(rule.method)) continue;
+    if (rule.Grants(facts) == 0 || !Allows(rule.method)) continue;
     is_for_one = true;
     const bool is_over = rule.method == AutoMethod::kPrincipalPivoting ? TryTableauOfMatrix(options, deadline, result)
                                                                        : band_.Solve(matrix_, options, result);
@@ -407,7 +409,7 @@ void AutoEngine::SolveProblem(const LcpProblem& problem, const LcpOptions& optio
   facts.tableau_rows = tableau_rows_;
   facts.may_divide = may_divide_;
   for (const AutoRule& rule : AutoRulesOf(AutoStage::kProblem)) {
-    if (rule.grants(facts) == 0 || !Allows(rule.method) || !MayChoose(options)) continue;
+    if (rule.Grants(facts) == 0 || !Allows(rule.method) || !MayChoose(options)) continue;
     const bool is_over = rule.method == AutoMethod::kIslands ? TryIslands(problem, options, deadline, result)
                                                              : TryTableau(problem, options, deadline, result);
     if (is_over) return;

@@ -3,10 +3,11 @@
 #include <cstdint>
 #include <optional>
 
-#include "solvers/auto/auto_rules.h"
 #include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
+
+enum class AutoMethod : std::uint8_t;  // auto_rules.h
 
 /// Options of AutoSolver.
 struct AutoOptions {

@@ -131,10 +131,11 @@ RowAnswer RowSolver::Solve(const StepRows& rows, double tolerance, const Deadlin
   RowAnswer answer;
   const Request request{rows, tolerance, deadline, initial_f, f, w};
   if (rows.rows <= AutoFacts::kMostUndividedRows) {
-    const AutoFacts facts{.rows = rows.rows, .is_undivided = true};
-    answer.solved = SolvePart(request, {all_.data(), At(rows.rows)}, facts, &answer) == PartEnd::kSolved;
+    facts_.is_undivided = true;
+    answer.solved = SolvePart(request, {all_.data(), At(rows.rows)}, &answer) == PartEnd::kSolved;
     if (answer.solved) return answer;
   }
+  facts_.is_undivided = false;
   islands_.Find(rows);
   answer.solved = true;
   for (Index k = 0; k < islands_.count(); ++k) {
@@ -144,8 +145,7 @@ RowAnswer RowSolver::Solve(const StepRows& rows, double tolerance, const Deadlin
   for (Index k = 0; k < islands_.count() && answer.solved; ++k) {
     const Part part = islands_.rows(k);
     const bool is_idle = part.size() == 1 && DiagonalOf(rows, part.front()) == 0;
-    const PartEnd end =
-        is_idle ? SolveIdleRow(request, part.front()) : SolvePart(request, part, {.rows = std::ssize(part)}, &answer);
+    const PartEnd end = is_idle ? SolveIdleRow(request, part.front()) : SolvePart(request, part, &answer);
     answer.solved = end == PartEnd::kSolved;
     answer.fits = end != PartEnd::kNoRule;
     rows_since_clock += std::ssize(part);
@@ -165,23 +165,25 @@ RowSolver::PartEnd RowSolver::SolveIdleRow(const Request& request, std::int32_t 
   return (is_joint ? b == 0 : b >= 0) ? PartEnd::kSolved : PartEnd::kGaveUp;
 }
 
-RowSolver::PartEnd RowSolver::SolvePart(const Request& request, Part part, const AutoFacts& facts, RowAnswer* answer) {
-  Request with_start = request;
+RowSolver::PartEnd RowSolver::SolvePart(const Request& request, Part part, RowAnswer* answer) {
+  facts_.rows = std::ssize(part);
   PartEnd end = PartEnd::kNoRule;
-  for (const AutoRule& rule : AutoRulesOf(AutoStage::kRows)) {
-    if (rule.grants(facts) == 0 || rule.method != only_.value_or(rule.method)) continue;
+  for (const AutoRule& rule : rules_) {
+    if (rule.Grants(facts_) == 0 || rule.method != only_.value_or(rule.method)) continue;
     if (end != PartEnd::kNoRule && request.deadline != nullptr && request.deadline->Expired()) break;
-    end = Ask(rule.method, with_start, part, answer);
+    // Of inexact forces most of the active set is right.
+    const double* const initial_f = end == PartEnd::kInexact ? request.f : request.initial_f;
+    end = Ask(rule.method, request, part, initial_f, answer);
     if (end == PartEnd::kSolved) break;
-    if (end == PartEnd::kInexact) with_start.initial_f = request.f;  // most of the active set is right
   }
   return end;
 }
 
-RowSolver::PartEnd RowSolver::Ask(AutoMethod method, const Request& request, Part part, RowAnswer* answer) {
+RowSolver::PartEnd RowSolver::Ask(AutoMethod method, const Request& request, Part part, const double* initial_f,
+                                  RowAnswer* answer) {
   if (method == AutoMethod::kFixedSizeBpp) return AskFixedSizeBpp(request, part, answer);
-  if (method == AutoMethod::kPrincipalPivoting) return AskPrincipalPivoting(request, part, answer);
-  return AskProfilePivoting(request, part, answer);
+  if (method == AutoMethod::kPrincipalPivoting) return AskPrincipalPivoting(request, part, initial_f, answer);
+  return AskProfilePivoting(request, part, initial_f, answer);
 }
 
 RowSolver::PartEnd RowSolver::AskFixedSizeBpp(const Request& request, Part part, RowAnswer* answer) {
@@ -194,12 +196,13 @@ RowSolver::PartEnd RowSolver::AskFixedSizeBpp(const Request& request, Part part,
   return PartEnd::kSolved;
 }
 
-RowSolver::PartEnd RowSolver::AskPrincipalPivoting(const Request& request, Part part, RowAnswer* answer) {
+RowSolver::PartEnd RowSolver::AskPrincipalPivoting(const Request& request, Part part, const double* initial_f,
+                                                   RowAnswer* answer) {
   using Judgement = SmallPivoting::Answer::Judgement;
   const double tolerance = request.tolerance;
   const double row_limit = tableau::kMargin * std::sqrt(tolerance);
-  const SmallPivoting::Answer found = tableau_.SolveRows(
-      request.rows, part, {row_limit, request.initial_f, request.deadline, true}, request.f, request.w);
+  const SmallPivoting::Answer found =
+      tableau_.SolveRows(request.rows, part, {row_limit, initial_f, request.deadline, true}, request.f, request.w);
   answer->iterations += tableau_.pivots();
   const Judgement judgement = found.Judge(tolerance);
   double rho = found.rho;
@@ -210,8 +213,9 @@ RowSolver::PartEnd RowSolver::AskPrincipalPivoting(const Request& request, Part 
   return PartEnd::kSolved;
 }
 
-RowSolver::PartEnd RowSolver::AskProfilePivoting(const Request& request, Part part, RowAnswer* answer) {
-  profile_.Solve(request.rows, part, {request.tolerance / 2, request.initial_f, request.deadline}, request.f);
+RowSolver::PartEnd RowSolver::AskProfilePivoting(const Request& request, Part part, const double* initial_f,
+                                                 RowAnswer* answer) {
+  profile_.Solve(request.rows, part, {request.tolerance / 2, initial_f, request.deadline}, request.f);
   answer->iterations += profile_.iterations();
   double rho = 0;
   bool passes = JudgePart(request, part, &rho);

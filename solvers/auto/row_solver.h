@@ -31,7 +31,7 @@ struct RowAnswer {
 class RowSolver {
  public:
   /// @param only  asks no other method
-  explicit RowSolver(std::optional<AutoMethod> only = {}) : only_(only) {}
+  explicit RowSolver(std::optional<AutoMethod> only = {}) : only_(only), rules_(AutoRulesOf(AutoStage::kRows)) {}
 
   /// Workspace for up to `max_rows` rows and `max_bodies` bodies.
   void Reserve(Index max_rows, Index max_bodies);
@@ -59,12 +59,12 @@ class RowSolver {
     kGaveUp,   // f is not to be used
     kNoRule,   // no method is for such a part
   };
-  PartEnd SolvePart(const Request& request, Part part, const AutoFacts& facts, RowAnswer* answer);
+  PartEnd SolvePart(const Request& request, Part part, RowAnswer* answer);
   static PartEnd SolveIdleRow(const Request& request, std::int32_t row);
-  PartEnd Ask(AutoMethod method, const Request& request, Part part, RowAnswer* answer);
+  PartEnd Ask(AutoMethod method, const Request& request, Part part, const double* initial_f, RowAnswer* answer);
   PartEnd AskFixedSizeBpp(const Request& request, Part part, RowAnswer* answer);
-  PartEnd AskPrincipalPivoting(const Request& request, Part part, RowAnswer* answer);
-  PartEnd AskProfilePivoting(const Request& request, Part part, RowAnswer* answer);
+  PartEnd AskPrincipalPivoting(const Request& request, Part part, const double* initial_f, RowAnswer* answer);
+  PartEnd AskProfilePivoting(const Request& request, Part part, const double* initial_f, RowAnswer* answer);
   bool JudgePart(const Request& request, std::span<const std::int32_t> part, double* rho);
   enum class Known { kRight, kUnclear, kWrong };
   template <Index p, typename Real, typename Sum>
@@ -72,6 +72,8 @@ class RowSolver {
               const double* f, double* w, double* rho, Sum* v);
 
   const std::optional<AutoMethod> only_;
+  const std::span<const AutoRule> rules_;
+  AutoFacts facts_;  // of the part at hand
   RowIslands islands_;
   ProfilePivoting profile_;
   std::vector<double> velocity_, size_;  // by body, 0 between calls

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "solvers/active_set/semismooth_newton.h"
+#include "solvers/auto/auto_rules.h"
 #include "support/input_error.h"
 #include "tests/solvers/exact_problems.h"
 #include "tests/solvers/solve_with.h"
@@ -60,8 +61,8 @@ TEST(AutoRules, SomeBackendIsAlwaysAsked) {
                           .factor_time = (bits & 256U) != 0 ? 100.0 : 1.0};
     int asked = 0;
     for (const AutoRule& rule : AutoRulesOf(AutoStage::kBackends)) {
-      EXPECT_GE(rule.grants(facts), 0);
-      asked += rule.grants(facts) == kOwnLimit ? 1 : 0;
+      EXPECT_GE(rule.Grants(facts), 0);
+      asked += rule.Grants(facts) == kOwnLimit ? 1 : 0;
     }
     EXPECT_GE(asked, 2);
   }
