@@ -9,6 +9,7 @@
 #include "solvers/pivoting/small_pivoting.h"
 #include "solvers/rows/profile_pivoting.h"
 #include "solvers/rows/row_islands.h"
+#include "solvers/rows/row_judge.h"
 
 namespace lcpbench {
 
@@ -57,16 +58,10 @@ class RowSolver {
   };
   DenseEnd SolveDense(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer);
   void SolvePart(const Request& request, std::span<const std::int32_t> part, RowAnswer* answer);
-  bool JudgePart(const Request& request, std::span<const std::int32_t> part, double* rho);
-  enum class Known { kRight, kUnclear, kWrong };
-  template <Index p, typename Real, typename Sum>
-  Known Judge(const StepRows& rows, const Real* J, std::span<const std::int32_t> part, double tolerance,
-              const double* f, double* w, double* rho, Sum* v);
 
   RowIslands islands_;
   ProfilePivoting profile_;
-  std::vector<double> velocity_, size_;  // by body, 0 between calls
-  std::vector<long double> extended_velocity_;
+  RowJudge judge_;
   SmallPivoting tableau_;
   std::vector<std::int32_t> all_;  // 0, 1, 2, ...
 };
