@@ -112,7 +112,7 @@ void RowSolver::SolvePart(const Request& request, std::span<const std::int32_t> 
   bool passes = judge();
   for (const double rounding : kRoundingOfForces) {
     if (passes) break;
-    profile_.Polish(request.rows, rounding, request.f);
+    profile_.Polish(rounding, request.f);
     passes = judge();
   }
   answer->solved = answer->solved && passes;
