@@ -6,9 +6,9 @@
 
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
+#include "solvers/linear_algebra/islands.h"
 #include "solvers/pivoting/small_pivoting.h"
 #include "solvers/rows/profile_pivoting.h"
-#include "solvers/rows/row_islands.h"
 #include "solvers/rows/row_judge.h"
 
 namespace lcpbench {

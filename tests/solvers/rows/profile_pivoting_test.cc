@@ -13,10 +13,10 @@
 
 #include "benchmarks/studies/step_arrays.h"
 #include "solvers/first_order/sweeps/row_kernel.h"
+#include "solvers/linear_algebra/islands.h"
 #include "solvers/rows/body_order.h"
 #include "solvers/rows/central_path.h"
 #include "solvers/rows/profile_factor.h"
-#include "solvers/rows/row_islands.h"
 #include "tests/solvers/step/random_step.h"
 
 namespace lcpbench {
