@@ -206,24 +206,14 @@ void BandPivoting::ClipForces() {
   }
 }
 
-// rho and the backward error of each row, whatever rounding may hide of w: sums of up to n + 2 terms of epsilon each.
+// @param epsilon  of the sums w, of which each row has as many terms as the band is wide, and a few more
 template <typename Real>
-bool BandPivoting::MeetsIn(double tolerance, const Real* w, double epsilon) const {
-  const ProblemArrays& arrays = A_->arrays();
-  const double limit = std::sqrt(tolerance);
-  double squared = 0;
-  double b_squared = 0;
+ResidualSums<double>::Known BandPivoting::Judge(double tolerance, const Real* w, double epsilon) const {
+  ResidualSums<double> sums(tableau::kMargin * std::sqrt(tolerance));
   for (Index i = 0; i < n_; ++i) {
-    const double d = A_->diagonal()[At(i)];
-    const auto terms = static_cast<double>(A_->is_dense() ? n_ : arrays.row_start[At(i) + 1] - arrays.row_start[At(i)]);
-    const double rounding = (terms + 4) * epsilon * size_[i];
-    const auto gap = static_cast<double>(w[i]);
-    const double defect = std::abs(A_->is_joint(i) ? gap : std::min(gap, d * f_[i])) + rounding;
-    if (!(defect <= limit * (1 - 1e-9) * size_[i])) return false;
-    squared += defect * defect / d;
-    b_squared += arrays.b[At(i)] * arrays.b[At(i)] / d;
+    sums.Add(A_->diagonal()[At(i)], A_->arrays().b[At(i)], static_cast<double>(w[i]), f_[i], A_->is_joint(i), size_[i]);
   }
-  return std::sqrt(squared) <= tolerance * (1 - 1e-9) * (b_squared == 0 ? 1.0 : std::sqrt(b_squared));
+  return sums.Judge(tolerance, static_cast<double>(2 * A_->bandwidth() + 5) * epsilon);
 }
 
 bool BandPivoting::MeetsInExtended(double tolerance) {
@@ -239,15 +229,16 @@ bool BandPivoting::MeetsInExtended(double tolerance) {
     }
     extended_w_[At(i)] = sum;
   }
-  return MeetsIn(tolerance, extended_w_.data(), static_cast<double>(std::numeric_limits<long double>::epsilon()));
+  const auto epsilon = static_cast<double>(std::numeric_limits<long double>::epsilon());
+  return Judge(tolerance, extended_w_.data(), epsilon) == ResidualSums<double>::Known::kRight;
 }
 
 bool BandPivoting::Meets(double tolerance) {
+  using Known = ResidualSums<double>::Known;
   ClipForces();
   FindGaps();
-  if (MeetsIn(tolerance, w_.data(), std::numeric_limits<double>::epsilon())) return true;
-  if (!MeetsIn(tolerance, w_.data(), 0)) return false;
-  return MeetsInExtended(tolerance);
+  const Known known = Judge(tolerance, w_.data(), std::numeric_limits<double>::epsilon());
+  return known == Known::kRight || (known == Known::kUnclear && MeetsInExtended(tolerance));
 }
 
 bool BandPivoting::Solve(const MatrixArrays& A, const LcpOptions& options, LcpResult* result) {

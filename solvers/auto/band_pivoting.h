@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "solvers/auto/matrix_arrays.h"
+#include "solvers/lcp/residual_sums.h"
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {
@@ -38,7 +39,7 @@ class BandPivoting {
   bool Meets(double tolerance);
   bool MeetsInExtended(double tolerance);
   template <typename Real>
-  bool MeetsIn(double tolerance, const Real* w, double epsilon) const;
+  ResidualSums<double>::Known Judge(double tolerance, const Real* w, double epsilon) const;
 
   const MatrixArrays* A_ = nullptr;
   Index n_ = 0, active_count_ = 0, band_ = 0, stride_ = 0;

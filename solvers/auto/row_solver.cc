@@ -12,33 +12,8 @@ namespace lcpbench {
 namespace {
 
 std::size_t At(std::int64_t i) { return static_cast<std::size_t>(i); }
-// Rounding of a sum over a row's two bodies and the rows of each, in units of epsilon times the sum of absolute values.
-constexpr double kRoundings = 32;
 // Parts of the largest force of an island below which forces are taken for rounding, where a row's error asks for it.
 constexpr double kRoundingOfForces[] = {1e-13, 1e-11, 1e-9};
-// Of bodies in space.
-constexpr Index kMostColumns = 6;
-
-// (|A| |f|)_row over the rows `part`.  O(part)
-template <typename Real>
-double SizeOfGap(const StepRows& rows, const Real* J, std::span<const std::int32_t> part, const double* f, Index row) {
-  const Index p = rows.columns_per_body;
-  double size = 0;
-  for (const std::int32_t other : part) {
-    if (f[other] == 0) continue;
-    long double entry = 0;
-    for (Index s = 0; s < 4; ++s) {
-      const Index own = 2 * row + s / 2;
-      const Index its = 2 * Index{other} + s % 2;
-      if (rows.body[own] < 0 || rows.body[own] != rows.body[its]) continue;
-      for (Index c = 0; c < p; ++c) {
-        entry += static_cast<long double>(J[own * p + c]) * rows.inverse_mass[rows.body[own] * p + c] * J[its * p + c];
-      }
-    }
-    size += static_cast<double>(std::abs(entry * f[other]));
-  }
-  return size;
-}
 
 }  // namespace
 
@@ -46,84 +21,11 @@ void RowSolver::Reserve(Index max_rows, Index max_bodies) {
   islands_.Reserve(max_rows, max_bodies);
   tableau_.ReserveRows(std::min(max_rows, SmallPivoting::kMaxRows), max_bodies);
   profile_.Reserve(std::min(max_rows, AutoFacts::kMostIslandRows), max_bodies);
-  if (velocity_.size() < At(kMostColumns * max_bodies)) {
-    velocity_.resize(At(kMostColumns * max_bodies), 0.0);
-    size_.resize(At(kMostColumns * max_bodies), 0.0);
-    extended_velocity_.resize(At(kMostColumns * max_bodies), 0.0L);
-  }
+  judge_.Reserve(max_rows, max_bodies);
   const Index known = static_cast<Index>(all_.size());
   if (known >= max_rows) return;
   all_.resize(At(max_rows));
   std::iota(all_.begin() + known, all_.end(), static_cast<std::int32_t>(known));
-}
-
-// Whether f passes for the rows `part`, by the given numbers in sums of type Sum, with a bound of what their rounding
-// can hide. Writes w.
-template <Index p, typename Real, typename Sum>
-RowSolver::Known RowSolver::Judge(const StepRows& rows, const Real* J, std::span<const std::int32_t> part,
-                                  double tolerance, const double* f, double* w, double* rho, Sum* v) {
-  const auto for_sides = [&](Index row, auto&& visit) {
-    for (Index s = 0; s < 2; ++s) {
-      const std::int32_t body = rows.body[2 * row + s];
-      if (body >= 0) visit(J + (2 * row + s) * p, static_cast<Index>(body) * p);
-    }
-  };
-  double* const size = size_.data();
-  for (const std::int32_t row : part) {
-    if (f[row] == 0) continue;
-    for_sides(row, [&](const Real* j, Index at) {
-      for (int c = 0; c < p; ++c) {
-        const Sum change = rows.inverse_mass[at + c] * (static_cast<Sum>(j[c]) * f[row]);
-        v[at + c] += change;
-        size[at + c] += static_cast<double>(std::abs(change));
-      }
-    });
-  }
-  const double row_limit = tableau::kMargin * std::sqrt(tolerance);
-  double r_square = 0;
-  double b_square = 0;
-  double rounding_square = 0;
-  bool rows_meet = true;
-  for (const std::int32_t row : part) {
-    double d = 0;
-    Sum gap = rows.b[row];
-    double magnitude = std::abs(rows.b[row]);
-    for_sides(row, [&](const Real* jacobian, Index at) {
-      for (int c = 0; c < p; ++c) {
-        const auto j = static_cast<double>(jacobian[c]);
-        d += rows.inverse_mass[at + c] * (j * j);
-        gap += static_cast<Sum>(j) * v[at + c];
-        magnitude += std::abs(j) * size[at + c];
-      }
-    });
-    const std::int32_t* const bodies = rows.body + Index{2} * row;
-    if (bodies[0] == bodies[1]) d = DiagonalOf(rows, row);
-    const auto sum = static_cast<double>(gap);
-    w[row] = sum;
-    const bool is_joint = rows.bilateral != nullptr && rows.bilateral[row] != 0;
-    const double force = d * f[row];
-    const double defect = is_joint ? sum : std::min(sum, force);
-    const double inverse = d > 0 ? 1 / d : 1;
-    r_square += defect * defect * inverse;
-    b_square += rows.b[row] * rows.b[row] * inverse;
-    rounding_square += magnitude * magnitude * inverse;
-    // (|A| |f|)_i is at least both |A f|_i and |A_ii f_i|: most rows pass by that alone. `magnitude` is more than it.
-    const double least = std::abs(rows.b[row]) + std::max(std::abs(sum - rows.b[row]), std::abs(force));
-    rows_meet = rows_meet && (is_joint || f[row] >= 0) && std::abs(defect) <= row_limit * magnitude &&
-                (std::abs(defect) <= row_limit * least ||
-                 std::abs(defect) <= row_limit * (std::abs(rows.b[row]) + SizeOfGap(rows, J, part, f, row)));
-  }
-  for (const std::int32_t row : part) {
-    for_sides(row, [&](const Real*, Index at) {
-      for (int c = 0; c < p; ++c) v[at + c] = size[at + c] = 0;
-    });
-  }
-  const double norm = b_square > 0 ? std::sqrt(b_square) : 1;
-  *rho = std::sqrt(r_square) / norm;
-  const auto unit = static_cast<double>(std::numeric_limits<Sum>::epsilon());
-  const double rounding = kRoundings * unit * std::sqrt(rounding_square) / norm;
-  if (!(*rho <= tolerance && rows_meet)) return Known::kWrong;
-  return *rho + rounding <= tolerance ? Known::kRight : Known::kUnclear;
 }
 
 RowAnswer RowSolver::Solve(const StepRows& rows, double tolerance, const Deadline* deadline, const double* initial_f,
@@ -206,7 +108,7 @@ RowSolver::PartEnd RowSolver::AskPrincipalPivoting(const Request& request, Part 
   answer->iterations += tableau_.pivots();
   const Judgement judgement = found.Judge(tolerance);
   double rho = found.rho;
-  if (judgement == Judgement::kWrong || (judgement == Judgement::kUnclear && !JudgePart(request, part, &rho))) {
+  if (judgement == Judgement::kWrong || (judgement == Judgement::kUnclear && !Passes(request, part, &rho))) {
     return std::isfinite(found.rho) ? PartEnd::kInexact : PartEnd::kGaveUp;
   }
   answer->rho = std::max(answer->rho, rho);
@@ -218,26 +120,14 @@ RowSolver::PartEnd RowSolver::AskProfilePivoting(const Request& request, Part pa
   profile_.Solve(request.rows, part, {request.tolerance / 2, initial_f, request.deadline}, request.f);
   answer->iterations += profile_.iterations();
   double rho = 0;
-  bool passes = JudgePart(request, part, &rho);
+  bool passes = Passes(request, part, &rho);
   for (const double rounding : kRoundingOfForces) {
     if (passes) break;
-    profile_.Polish(request.rows, rounding, request.f);
-    passes = JudgePart(request, part, &rho);
+    profile_.Polish(rounding, request.f);
+    passes = Passes(request, part, &rho);
   }
   answer->rho = std::max(answer->rho, rho);
   return passes ? PartEnd::kSolved : PartEnd::kGaveUp;
-}
-
-// In double, and in extended precision where rounding may hide more than the tolerance, as with large ratios of masses.
-bool RowSolver::JudgePart(const Request& request, std::span<const std::int32_t> part, double* rho) {
-  const StepRows& rows = request.rows;
-  const auto by = [&](const auto* J, auto* v) {
-    return rows.columns_per_body == 3 ? Judge<3>(rows, J, part, request.tolerance, request.f, request.w, rho, v)
-                                      : Judge<6>(rows, J, part, request.tolerance, request.f, request.w, rho, v);
-  };
-  const auto in = [&](auto* v) { return rows.J != nullptr ? by(rows.J, v) : by(rows.J_single, v); };
-  const Known known = in(velocity_.data());
-  return known == Known::kRight || (known == Known::kUnclear && in(extended_velocity_.data()) == Known::kRight);
 }
 
 }  // namespace lcpbench

@@ -8,9 +8,10 @@
 #include "solvers/auto/auto_rules.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
+#include "solvers/linear_algebra/islands.h"
 #include "solvers/pivoting/small_pivoting.h"
 #include "solvers/rows/profile_pivoting.h"
-#include "solvers/rows/row_islands.h"
+#include "solvers/rows/row_judge.h"
 
 namespace lcpbench {
 
@@ -65,19 +66,16 @@ class RowSolver {
   PartEnd AskFixedSizeBpp(const Request& request, Part part, RowAnswer* answer);
   PartEnd AskPrincipalPivoting(const Request& request, Part part, const double* initial_f, RowAnswer* answer);
   PartEnd AskProfilePivoting(const Request& request, Part part, const double* initial_f, RowAnswer* answer);
-  bool JudgePart(const Request& request, std::span<const std::int32_t> part, double* rho);
-  enum class Known { kRight, kUnclear, kWrong };
-  template <Index p, typename Real, typename Sum>
-  Known Judge(const StepRows& rows, const Real* J, std::span<const std::int32_t> part, double tolerance,
-              const double* f, double* w, double* rho, Sum* v);
+  bool Passes(const Request& request, Part part, double* rho) {
+    return judge_.Passes(request.rows, part, request.tolerance, request.f, request.w, rho);
+  }
 
   const std::optional<AutoMethod> only_;
   const std::span<const AutoRule> rules_;
   AutoFacts facts_;  // of the part at hand
   RowIslands islands_;
   ProfilePivoting profile_;
-  std::vector<double> velocity_, size_;  // by body, 0 between calls
-  std::vector<long double> extended_velocity_;
+  RowJudge judge_;
   SmallPivoting tableau_;
   std::vector<std::int32_t> all_;  // 0, 1, 2, ...
 };

@@ -44,8 +44,8 @@ bool ApgdEngine::Step(double lipschitz, StepSums* sums) {
 
 // d.A d, d = next_ - y_
 double ApgdEngine::Curvature() const {
-  return rows_.rows->ImageIsRoot() ? DotOfDifferences(next_.image, y_.image, next_.image, y_.image)
-                                   : DotOfDifferences(next_.f, y_.f, next_.image, y_.image);
+  return rows_.rows->ImageIsRoot() ? DotOfDifferences(next_.image.size(), next_.image, y_.image, next_.image, y_.image)
+                                   : DotOfDifferences(next_.f.size(), next_.f, y_.f, next_.image, y_.image);
 }
 
 ApgdOptions ApgdOptions::FromSettings(const Settings& settings) {
@@ -88,7 +88,7 @@ void ApgdEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lcp
           std::min(trace, std::max(ApgdOptions::kGrowth * lipschitz, ApgdOptions::kMargin * curvature / sums.change));
     }
     // The step from y against the way of the iterates: the momentum points uphill.
-    const bool uphill = DotOfDifferences(y_.f, next_.f, next_.f, rows_.x.f) > 0;
+    const bool uphill = DotOfDifferences(y_.f.size(), y_.f, next_.f, next_.f, rows_.x.f) > 0;
     std::swap(before_, rows_.x);
     std::swap(rows_.x, next_);
     momentum = restart_ && uphill ? 0 : next_momentum;

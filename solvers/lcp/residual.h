@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "solvers/lcp/problem.h"
+#include "solvers/lcp/residual_sums.h"
 
 namespace lcpbench {
 
@@ -96,16 +96,9 @@ class Residual {
     const Eigen::VectorXd& D = problem_->DiagonalA();
     const Eigen::VectorXd& b = problem_->b();
     Joints joints(*problem_);
-    Real r_squared = 0;
-    Real b_squared = 0;
-    for (Index i = 0; i < f.size(); ++i) {
-      const Real root = D[i] == 0 ? Real{1} : std::sqrt(std::abs(static_cast<Real>(D[i])));
-      const Real gap = w[i] / root;
-      const Real r = joints.Has(i) ? gap : std::min(gap, root * f[i]);  // a gap that is NaN stays
-      r_squared += r * r;
-      b_squared += (b[i] / root) * (b[i] / root);
-    }
-    return std::sqrt(r_squared) / (b_squared == 0 ? Real{1} : std::sqrt(b_squared));
+    ResidualSums<Real> sums;
+    for (Index i = 0; i < f.size(); ++i) sums.Add(std::abs(D[i]), b[i], w[i], f[i], joints.Has(i));
+    return sums.rho();
   }
   /// rho at f.  O(nnz of the given form)
   Real Rho(const Eigen::VectorXd& f) {
@@ -124,7 +117,7 @@ class Residual {
     Real worst = 0;
     for (Index i = 0; i < f.size() && !std::isnan(worst); ++i) {
       const Real force = std::abs(static_cast<Real>(D[i])) * f[i];
-      const Real defect = std::abs(joints.Has(i) ? w[i] : std::min(w[i], force));
+      const Real defect = std::abs(ResidualSums<Real>::Defect(w[i], force, joints.Has(i)));
       if (defect == 0) continue;
       const Real error = defect / (std::abs(static_cast<Real>(b[i])) + Magnitude(i, f));
       if (!(error <= worst)) worst = error;
@@ -150,7 +143,7 @@ class Residual {
     const Real limit = std::sqrt(static_cast<Real>(tolerance));
     const Real b = problem_->b()[i];
     const Real force = std::abs(static_cast<Real>(problem_->DiagonalA()[i])) * f[i];
-    const Real defect = std::abs(problem_->is_bilateral(i) ? w_[i] : std::min(w_[i], force));
+    const Real defect = std::abs(ResidualSums<Real>::Defect(w_[i], force, problem_->is_bilateral(i)));
     // (|A| |f|)_i is at least both |A f|_i and |A_ii f_i|: most rows pass by that alone.
     const Real least = std::max(std::abs(w_[i] - b), std::abs(force));
     return defect <= limit * (least + std::abs(b)) || defect <= limit * (Magnitude(i, f) + std::abs(b));

@@ -76,7 +76,8 @@ Index IdleRows::Find(const LcpProblem& problem) {
 
 void DisjointSets::Reset(Index n) {
   parent_.resize(At(n));
-  std::iota(parent_.begin(), parent_.end(), Index{0});
+  std::iota(parent_.begin(), parent_.end(), 0);
+  sets_ = n;
 }
 
 Index DisjointSets::Root(Index i) {
@@ -90,16 +91,21 @@ Index DisjointSets::Root(Index i) {
 bool DisjointSets::Join(Index i, Index j) {
   const Index a = Root(i);
   const Index b = Root(j);
-  parent_[At(std::max(a, b))] = std::min(a, b);
+  parent_[At(std::max(a, b))] = static_cast<std::int32_t>(std::min(a, b));
+  sets_ -= a != b ? 1 : 0;
   return a != b;
 }
 
-void Islands::Reserve(Index max_rows) {
+template <typename Row>
+void BasicIslands<Row>::Reserve(Index max_rows, Index max_bodies) {
+  if (last_row_.size() < At(max_bodies)) last_row_.resize(At(max_bodies), -1);
+  if (island_.capacity() > At(max_rows)) return;
   joined_.Reset(max_rows);
-  for (std::vector<Index>* v : {&island_, &order_, &begin_, &filled_}) v->reserve(At(max_rows) + 1);
+  for (std::vector<Row>* v : {&island_, &order_, &begin_, &filled_}) v->reserve(At(max_rows) + 1);
 }
 
-void Islands::Find(const SparseMatrix& A, const std::vector<char>& keep) {
+template <typename Row>
+void BasicIslands<Row>::Find(const SparseMatrix& A, const std::vector<char>& keep) {
   const Index n = A.rows();
   joined_.Reset(n);
   for (Index i = 0; i < n; ++i) {
@@ -111,7 +117,8 @@ void Islands::Find(const SparseMatrix& A, const std::vector<char>& keep) {
   Collect(n, &keep);
 }
 
-void Islands::FindByColumns(const SparseMatrix& J, const Eigen::VectorXd& inverse_mass) {
+template <typename Row>
+void BasicIslands<Row>::FindByColumns(const SparseMatrix& J, const Eigen::VectorXd& inverse_mass) {
   const Index n = J.rows();
   joined_.Reset(n);
   std::vector<Index> last_row(At(J.cols()), -1);
@@ -126,11 +133,43 @@ void Islands::FindByColumns(const SparseMatrix& J, const Eigen::VectorXd& invers
   Collect(n, nullptr);
 }
 
+template <typename Row>
+void BasicIslands<Row>::Find(const StepRows& rows) {
+  const Index p = rows.columns_per_body;
+  const Index sides = 2 * rows.rows;
+  joined_.Reset(rows.rows);
+  for (Index side = 0; side < sides; ++side) {
+    const std::int32_t body = rows.body[side];
+    if (body < 0) continue;
+    const double* const mass = rows.inverse_mass + body * p;
+    double sum = 0;
+    for (Index c = 0; c < p; ++c) sum += mass[c];
+    if (!(sum > 0)) continue;
+    std::int32_t& last = last_row_[At(body)];
+    const auto row = static_cast<std::int32_t>(side / 2);
+    if (last >= 0 && last != row) joined_.Join(last, row);
+    last = row;
+  }
+  for (Index side = 0; side < sides; ++side) {
+    if (rows.body[side] >= 0) last_row_[At(rows.body[side])] = -1;
+  }
+  Collect(rows.rows, nullptr);
+}
+
 // Numbers the islands of the rows with (*keep)[i] != 0, and sorts their rows.
-void Islands::Collect(Index n, const std::vector<char>* keep) {
+template <typename Row>
+void BasicIslands<Row>::Collect(Index n, const std::vector<char>* keep) {
   const auto left_out = [keep](Index i) { return keep != nullptr && (*keep)[At(i)] == 0; };
+  if (keep == nullptr && joined_.sets() == 1) {  // as most scenes are
+    island_.assign(At(n), 0);
+    begin_.assign({0, static_cast<Row>(n)});
+    order_.resize(At(n));
+    std::iota(order_.begin(), order_.end(), Row{0});
+    largest_ = n;
+    return;
+  }
   island_.assign(At(n), -1);
-  Index count = 0;
+  Row count = 0;
   begin_.assign(1, 0);
   for (Index i = 0; i < n; ++i) {
     if (left_out(i)) continue;
@@ -142,22 +181,21 @@ void Islands::Collect(Index n, const std::vector<char>* keep) {
     island_[At(i)] = island_[At(root)];
     ++begin_[At(island_[At(i)]) + 1];
   }
-  largest_ = 0;
-  for (Index k = 0; k < count; ++k) {
-    largest_ = std::max(largest_, begin_[At(k) + 1]);
+  Row largest = 0;
+  for (Row k = 0; k < count; ++k) {
+    largest = std::max(largest, begin_[At(k) + 1]);
     begin_[At(k) + 1] += begin_[At(k)];
   }
+  largest_ = largest;
   order_.resize(At(begin_.back()));
   filled_.assign(begin_.begin(), begin_.end() - 1);
   for (Index i = 0; i < n; ++i) {
-    if (!left_out(i)) order_[At(filled_[At(island_[At(i)])]++)] = i;
+    if (!left_out(i)) order_[At(filled_[At(island_[At(i)])]++)] = static_cast<Row>(i);
   }
 }
 
-std::span<const Index> Islands::rows(Index island) const {
-  const size_t begin = At(begin_[At(island)]);
-  return std::span<const Index>(order_).subspan(begin, At(begin_[At(island) + 1]) - begin);
-}
+template class BasicIslands<Index>;
+template class BasicIslands<std::int32_t>;
 
 LcpProblem Subproblem(const LcpProblem& problem, std::span<const Index> rows) {
   const auto m = static_cast<Index>(rows.size());

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "solvers/lcp/problem.h"
+#include "solvers/lcp/step_rows.h"
 
 namespace lcpbench {
 
@@ -29,34 +31,45 @@ class IdleRows {
   std::vector<char> bilateral_, has_twin_, keep_;
 };
 
-/// A partition of 0, ..., n - 1 that only gets coarser. Only Reset allocates.
+/// A partition of 0, ..., n - 1 that only gets coarser. Only Reset to a larger n than before allocates.
 class DisjointSets {
  public:
+  /// Every member alone.
   void Reset(Index n);
+  Index sets() const { return sets_; }
   /// The least member of the set of i.
   Index Root(Index i);
   /// False if i and j were in one set already.
   bool Join(Index i, Index j);
 
  private:
-  std::vector<Index> parent_;
+  std::vector<std::int32_t> parent_;
+  Index sets_ = 0;
 };
 
-/// The parts of an LCP that no entry of A connects: each may be solved by itself.
-class Islands {
+/// The parts of an LCP that no entry of A connects: each may be solved by itself. In the order of their first rows.
+/// @tparam Row  what rows are named by
+template <typename Row>
+class BasicIslands {
  public:
-  void Reserve(Index max_rows);
-  /// Islands among the rows with keep[i] != 0, in the order of their first rows.  O(nnz A)
+  /// Finding allocates nothing up to there, but where it says so.
+  void Reserve(Index max_rows, Index max_bodies = 0);
+  /// Islands among the rows with keep[i] != 0.  O(nnz A)
   void Find(const SparseMatrix& A, const std::vector<char>& keep);
   /// Islands among all rows of a problem by factors, A not formed: rows that share a column of J which can move belong
   /// together, even where products of J cancel.  O(nnz J), allocates one number per column.
   void FindByColumns(const SparseMatrix& J, const Eigen::VectorXd& inverse_mass);
+  /// The same by the bodies of a step's rows: bodies that no row names are not looked at.  O(n)
+  void Find(const StepRows& rows);
 
   Index count() const { return static_cast<Index>(begin_.size()) - 1; }
   /// Which one a row that was kept belongs to.
   Index island(Index row) const { return island_[static_cast<size_t>(row)]; }
   /// Ascending.
-  std::span<const Index> rows(Index island) const;
+  std::span<const Row> rows(Index island) const {
+    const Row* const begin = begin_.data() + island;
+    return {order_.data() + begin[0], static_cast<size_t>(begin[1] - begin[0])};
+  }
   /// Rows of the largest one.
   Index largest() const { return largest_; }
 
@@ -64,9 +77,15 @@ class Islands {
   void Collect(Index n, const std::vector<char>* keep);
 
   DisjointSets joined_;
-  std::vector<Index> island_, order_, begin_, filled_;
+  std::vector<Row> island_, order_, begin_, filled_;
+  std::vector<std::int32_t> last_row_;  // by body of a step, -1 between calls
   Index largest_ = 0;
 };
+
+using Islands = BasicIslands<Index>;
+using RowIslands = BasicIslands<std::int32_t>;
+extern template class BasicIslands<Index>;
+extern template class BasicIslands<std::int32_t>;
 
 /// The LCP of some rows alone: in the given form, with the bodies that they touch.
 /// @param rows  ascending

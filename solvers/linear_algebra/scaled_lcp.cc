@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "solvers/lcp/residual_sums.h"
+
 namespace lcpbench {
 namespace {
 
@@ -27,12 +29,9 @@ void ScaledVectors::Reset(const LcpProblem& problem) {
 }
 
 double ScaledVectors::Rho(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const {
-  double sum = 0;
-  for (Eigen::Index i = 0; i < f.size(); ++i) {
-    const double r = b_unit[i] * (is_joint(i) ? w[i] : std::min(diagonal[i] * f[i], w[i]));
-    sum += r * r / diagonal[i];
-  }
-  return std::sqrt(sum) / b_norm;
+  ResidualSums<double> sums;
+  for (Eigen::Index i = 0; i < f.size(); ++i) sums.Add(diagonal[i], 0, b_unit[i] * w[i], b_unit[i] * f[i], is_joint(i));
+  return sums.defect_norm() / b_norm;
 }
 
 void ScaledVectors::Clip(const Eigen::VectorXd& given, Eigen::VectorXd* f) const {

@@ -56,7 +56,7 @@ bool ProfileFactor::FindProfile(const ScaledRows& rows) {
 }
 
 template <Index p>
-void ProfileFactor::Assemble(const ScaledRows& rows) {
+void ProfileFactor::AssembleOf(const ScaledRows& rows) {
   std::fill_n(A_.data(), begin_[At(n_) - 1] + (n_ - 1) / kRegister * kRegister + kRegister, 0.0);
   std::fill_n(sides_begin_.begin(), rows.bodies() + 1, 0);
   for (Index i = 0; i < n_; ++i) {
@@ -67,15 +67,18 @@ void ProfileFactor::Assemble(const ScaledRows& rows) {
     sides_begin_[At(k) + 1] += sides_begin_[At(k)];
     sides_end_[At(k)] = sides_begin_[At(k)];
   }
+  const auto block = [&](Index side) __attribute__((always_inline)) {
+    return BodyPart<p>(Load<BodyLanes<p>>(rows.row(0) + side * kBodyWidth<p>));
+  };
   for (Index i = 0; i < n_; ++i) {
     double* const row = A_.data() + begin_[At(i)];
     for (int s = 0; s < 2; ++s) {
       const std::int32_t body = s == 0 ? rows.first_body(i) : rows.second_body(i);
       if (body < 0) continue;
-      const BodyVector<p> own = BodyAt<p>(rows.G<p>(i), s);
+      const auto own = block(2 * i + s);
       for (std::int32_t e = sides_begin_[At(body)]; e < sides_end_[At(body)]; ++e) {
         const std::int32_t side = sides_[At(e)];
-        row[side / 2] += SumOf<p>(own * BodyAt<p>(rows.G<p>(side / 2), side % 2));
+        row[side / 2] += Sum(Folded(own * block(side)));
       }
       sides_[At(sides_end_[At(body)]++)] = static_cast<std::int32_t>(2 * i + s);
     }
@@ -83,8 +86,9 @@ void ProfileFactor::Assemble(const ScaledRows& rows) {
   }
 }
 
-template void ProfileFactor::Assemble<3>(const ScaledRows& rows);
-template void ProfileFactor::Assemble<6>(const ScaledRows& rows);
+void ProfileFactor::Assemble(const ScaledRows& rows) {
+  rows.columns_per_body() == 3 ? AssembleOf<3>(rows) : AssembleOf<6>(rows);
+}
 
 // Column by column, each one subtracted from the rows below at once.
 void ProfileFactor::Factorize(const unsigned char* is_active, const double* shift) {

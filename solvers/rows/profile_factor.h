@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "solvers/rows/scaled_rows.h"
+#include "solvers/first_order/sweeps/scaled_rows.h"
 
 namespace lcpbench {
 
@@ -17,6 +17,8 @@ class ProfileFactor {
  public:
   /// Numbers of the profile per row that room is made for, on average.
   static constexpr Index kMostProfile = 256;
+  /// A shift that holds a singular A_FF up and leaves little in w, in units of A_ii = 1.
+  static constexpr double kShift = 1e-9;
 
   /// For islands of up to `max_rows` rows.
   void Reserve(Index max_rows);
@@ -27,7 +29,6 @@ class ProfileFactor {
   double cost() const { return cost_; }
 
   /// A~ = G G^T, by the rows that bodies share. FindProfile comes before.
-  template <Index p>
   void Assemble(const ScaledRows& rows);
   /// @param is_active  n, 1 for the rows of F
   /// @param shift      n, added to the diagonal, >= 0
@@ -37,6 +38,8 @@ class ProfileFactor {
   void Solve(double* x) const;
 
  private:
+  template <Index p>
+  void AssembleOf(const ScaledRows& rows);
   bool is_in_factor(Index i) const { return active_first_[static_cast<std::size_t>(i)] < n_; }
 
   Index n_ = 0;
@@ -51,8 +54,5 @@ class ProfileFactor {
   // Of Assemble, by body: 2 row + side of the rows so far.
   std::vector<std::int32_t> sides_, sides_begin_, sides_end_;
 };
-
-extern template void ProfileFactor::Assemble<3>(const ScaledRows& rows);
-extern template void ProfileFactor::Assemble<6>(const ScaledRows& rows);
 
 }  // namespace lcpbench

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "solvers/lcp/residual_sums.h"
 #include "solvers/pivoting/tableau_rules.h"
 
 namespace lcpbench {
@@ -143,24 +144,15 @@ struct Tiny {
   }
 
   bool Passes(double tolerance, double row_limit, double* rho) const {
-    double r_square = 0;
-    double b_square = 0;
-    double rounding_square = 0;
-    bool rows_meet = true;
+    ResidualSums<double> sums(row_limit);
     for (int i = 0; i < n; ++i) {
       double size = std::abs(b[i]);
       for (int j = 0; j < n; ++j) size += std::abs(A[i][j] * f[j]);
-      const double weight = 1 / A[i][i];
-      const double defect = (joints >> i & 1U) != 0 ? w[i] : std::min(w[i], A[i][i] * f[i]);
-      r_square += defect * defect * weight;
-      b_square += b[i] * b[i] * weight;
-      rounding_square += size * size * weight;
-      rows_meet = rows_meet && std::abs(defect) <= row_limit * size;
+      sums.Add(A[i][i], b[i], w[i], f[i], (joints >> i & 1U) != 0, size);
     }
-    const double norm = b_square > 0 ? b_square : 1;
-    *rho = std::sqrt(r_square / norm);
-    const double rounding = kRoundings * std::numeric_limits<double>::epsilon() * std::sqrt(rounding_square / norm);
-    return *rho + rounding <= tolerance && rows_meet;
+    *rho = sums.rho();
+    constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+    return sums.Judge(tolerance, kRoundings * kEpsilon) == ResidualSums<double>::Known::kRight;
   }
 
   void Store(std::span<const std::int32_t> part, double* all_f, double* all_w) const {

@@ -106,9 +106,8 @@ bool FirstOrderEngine::EndOutOfTime() {
 bool FirstOrderEngine::Check() {
   const RowKernel& rows = *rows_.rows;
   const Index n = rows_.scaled.size;
-  rows.StartImage(&rows_.x.image);
-  rows.AddToImage(0, n, &rows_.x);
-  const double rho = std::sqrt(rows.ResidualSquares(0, n, rows_.x)) / rows_.scaled.b_norm;
+  rows.MakeImage(n, &rows_.x);
+  const double rho = std::sqrt(rows.ResidualSquares(0, n, rows_.x, nullptr)) / rows_.scaled.b_norm;
   if (!std::isfinite(rho)) {
     result_->status = LcpStatus::kNumericalFailure;
     result_->detail = "the iterates overflow";
@@ -126,7 +125,7 @@ bool FirstOrderEngine::Check() {
 
 bool FirstOrderEngine::Claim() {
   const Array& f = rows_.x.f;
-  rows_.scaled.ToGiven(f, &candidate_);
+  rows_.scaled.ToGiven(f, candidate_.data());
   if (!setup_.self_check || given_.Meets(tolerance_, candidate_)) return true;
   // Forces that are nothing but rounding of others fail the backward error of rows where the answer is 0 = 0.
   const double largest = f.cwiseAbs().maxCoeff();
@@ -140,7 +139,7 @@ void FirstOrderEngine::Finish() {
   if (claimed_) {
     result_->f = candidate_;
   } else {
-    rows_.scaled.ToGiven(best_, &result_->f);
+    rows_.scaled.ToGiven(best_, result_->f.data());
   }
 }
 

@@ -25,6 +25,7 @@ inline constexpr Eigen::Index kLanes = 4;
 using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
 using LaneMask = long long __attribute__((vector_size(kLanes * sizeof(double))));
 using WideLanes = double __attribute__((vector_size(2 * kLanes * sizeof(double))));
+using WideLaneMask = long long __attribute__((vector_size(2 * kLanes * sizeof(double))));
 
 // Forced, because a vector passed to a real function has no ABI where the machine lacks the registers; GCC warns all
 // the same.
@@ -46,8 +47,9 @@ LCPBENCH_ALWAYS_INLINE T Filled(double value) {
   return value - T{};
 }
 /// Bits of `lanes` where the mask's bits are set.
-LCPBENCH_ALWAYS_INLINE Lanes Masked(const Lanes& lanes, const LaneMask& mask) {
-  return reinterpret_cast<Lanes>(reinterpret_cast<LaneMask>(lanes) & mask);
+template <typename T, typename Mask>
+LCPBENCH_ALWAYS_INLINE T Masked(const T& lanes, const Mask& mask) {
+  return reinterpret_cast<T>(reinterpret_cast<Mask>(lanes) & mask);
 }
 /// max(value, floor), and a NaN that is a NaN. One number is treated as the first of two: the compiler would turn a
 /// comparison into a branch, which no processor foresees over 10^5 rows; eight are one instruction, which the compiler
@@ -63,6 +65,11 @@ LCPBENCH_ALWAYS_INLINE T AtLeast(const T& floor, const T& value) {
   return floor > value ? floor : value;
 }
 LCPBENCH_ALWAYS_INLINE double Sum(const Lanes& lanes) { return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]); }
+/// Lanes of the same sum.
+LCPBENCH_ALWAYS_INLINE const Lanes& Folded(const Lanes& lanes) { return lanes; }
+LCPBENCH_ALWAYS_INLINE Lanes Folded(const WideLanes& lanes) {
+  return __builtin_shufflevector(lanes, lanes, 0, 1, 2, 3) + __builtin_shufflevector(lanes, lanes, 4, 5, 6, 7);
+}
 
 /// Which lanes of eight a value of four lanes is; kNone where there are no eight.
 enum class HalfOfEight { kLow, kHigh, kNone };
@@ -106,15 +113,15 @@ LCPBENCH_ALWAYS_INLINE void ForEntries(Eigen::Index size, const Take& take) {
   for (; i + kLanes <= size; i += kLanes) take([i](const Array& x) { return Load(x.data() + i); });
   for (; i < size; ++i) take([i](const Array& x) { return x[i]; });
 }
-inline double Dot(const Array& a, const Array& b) {
+inline double Dot(Eigen::Index size, const Array& a, const Array& b) {
   ProductSum sum;
-  ForEntries(a.size(), [&](const auto& at) { sum.Add(at(a), at(b)); });
+  ForEntries(size, [&](const auto& at) { sum.Add(at(a), at(b)); });
   return sum.Total();
 }
 /// (a - a0).(b - b0)
-inline double DotOfDifferences(const Array& a, const Array& a0, const Array& b, const Array& b0) {
+inline double DotOfDifferences(Eigen::Index size, const Array& a, const Array& a0, const Array& b, const Array& b0) {
   ProductSum sum;
-  ForEntries(a.size(), [&](const auto& at) { sum.Add(at(a) - at(a0), at(b) - at(b0)); });
+  ForEntries(size, [&](const auto& at) { sum.Add(at(a) - at(a0), at(b) - at(b0)); });
   return sum.Total();
 }
 

@@ -10,6 +10,7 @@ enum class StepKind {
   kSweep,     ///< a Gauss-Seidel step in place; its value is the change of f
   kGradient,  ///< from one vector to another; its value is the new f
   kResidual,  ///< nothing moves
+  kGaps,      ///< nothing moves; w goes where f does otherwise
 };
 
 /// @tparam kMixed  ScaledProblem::mixed
@@ -34,7 +35,8 @@ class ProjectedStep {
       residual = floor != Filled<T>(0) ? w : residual;
     }
     residual_.template Add<kHalf>(residual, residual);
-    if constexpr (kind == StepKind::kResidual) return w;
+    if constexpr (kind == StepKind::kGaps) Store(to_ + row, w);
+    if constexpr (kind == StepKind::kGaps || kind == StepKind::kResidual) return w;
     const T moved = old - rate * w;
     const T next = AtLeast(floor, moved);
     Store(to_ + row, next);
@@ -64,21 +66,25 @@ class ProjectedStep {
 };
 
 /// The passes of a layout by its one function
-///     template <typename Step> void Visit(Index begin, Index end, bool backward, const Point& from, Point* to,
+///     template <typename Step> void Visit(Index begin, Index end, bool backward, const Point& from, Array* image,
 ///                                         Step* step) const;
-/// which calls step->Take for every row, and keeps to->image (StepKind::kResidual: `to` is nullptr).
+/// which calls step->Take for every row, and keeps the image of where f goes (nullptr where nothing moves).
 template <typename Layout>
 class LaidOutRows : public RowKernel {
  public:
   void Sweep(Index begin, Index end, bool backward, double omega, Point* x, StepSums* sums) const final {
-    Pass<StepKind::kSweep>(begin, end, backward, omega, *x, x, sums);
+    Pass<StepKind::kSweep>(begin, end, backward, omega, *x, x->f.data(), &x->image, sums);
   }
   void GradientStep(Index begin, Index end, double step, const Point& y, Point* next, StepSums* sums) const final {
-    Pass<StepKind::kGradient>(begin, end, false, step, y, next, sums);
+    Pass<StepKind::kGradient>(begin, end, false, step, y, next->f.data(), &next->image, sums);
   }
-  double ResidualSquares(Index begin, Index end, const Point& x) const final {
+  double ResidualSquares(Index begin, Index end, const Point& x, Array* w) const final {
     StepSums sums;
-    Pass<StepKind::kResidual>(begin, end, false, 0, x, nullptr, &sums);
+    if (w == nullptr) {
+      Pass<StepKind::kResidual>(begin, end, false, 0, x, nullptr, nullptr, &sums);
+    } else {
+      Pass<StepKind::kGaps>(begin, end, false, 0, x, w->data(), nullptr, &sums);
+    }
     return sums.residual;
   }
 
@@ -90,16 +96,16 @@ class LaidOutRows : public RowKernel {
   explicit LaidOutRows(const ScaledProblem& scaled) : scaled_(scaled) {}
 
   template <StepKind kKind>
-  void Pass(Index begin, Index end, bool backward, double rate, const Point& from, Point* to, StepSums* sums) const {
+  void Pass(Index begin, Index end, bool backward, double rate, const Point& from, double* to, Array* image,
+            StepSums* sums) const {
     const auto with = [&](auto step) {
-      static_cast<const Layout*>(this)->Visit(begin, end, backward, from, to, &step);
+      static_cast<const Layout*>(this)->Visit(begin, end, backward, from, image, &step);
       step.AddTo(sums);
     };
-    double* const out = to == nullptr ? nullptr : to->f.data();
     if (scaled_.mixed) {
-      with(ProjectedStep<true, kKind>(scaled_, rate, from.f.data(), out));
+      with(ProjectedStep<true, kKind>(scaled_, rate, from.f.data(), to));
     } else {
-      with(ProjectedStep<false, kKind>(scaled_, rate, from.f.data(), out));
+      with(ProjectedStep<false, kKind>(scaled_, rate, from.f.data(), to));
     }
   }
 };

@@ -6,42 +6,13 @@
 
 #include "solvers/first_order/sweeps/first_order_options.h"
 #include "solvers/first_order/sweeps/lanes.h"
+#include "solvers/first_order/sweeps/scaled_rows.h"
 #include "solvers/lcp/problem.h"
 
 /// Internal to solvers/: the passes over rows that all first-order solvers are made of.
 namespace lcpbench {
 
-/// An LCP in units in which diag A = 1 and 1 <= |b| < 2, so that no step divides and nothing depends on the units of
-/// the given problem. (b is scaled by a power of two, so that the iterates' bits do not depend on the rounding of |b|.)
-/// Row k here is row order[k] of the given problem; all arrays run over k.
-struct ScaledProblem {
-  Index size = 0;
-  std::vector<Index> order;  ///< empty: the given order
-  Array b;
-  double b_norm = 1;   ///< |b| here, 1 where b = 0: rho is the norm of the natural residual over this
-  Array unit;          ///< f_k of the given problem per f_k here
-  Array inverse_root;  ///< (A_kk)^-1/2 of the given problem, 1 where A_kk = 0
-  /// Rows that step differently: a bilateral row is not projected (floor -inf), a row without diagonal does not step
-  /// (gain 0; for PSD A the whole row is 0). Most problems have neither (`mixed` false): then nothing reads these.
-  bool mixed = false;
-  Array floor;  ///< 0 or -infinity
-  Array gain;   ///< 1 or 0
-
-  /// All but b and its units.  O(n) and the diagonal of A.
-  void Reset(const LcpProblem& problem, std::vector<Index> order);
-  /// b, b_norm and unit, of the problem that was given to Reset, or of one that shares its matrix.  O(n)
-  void SetB(const LcpProblem& problem);
-
-  Index Given(Index k) const { return order.empty() ? k : order[static_cast<size_t>(k)]; }
-  bool IsFree(Index k) const { return mixed && floor[k] != 0; }
-
-  /// The start of a solve: zero, or `given` clipped to the bounds.
-  void Start(const Eigen::VectorXd* given, Array* f) const;
-  /// @param given  of n entries already
-  void ToGiven(const Array& f, Eigen::VectorXd* given) const;
-};
-
-/// A vector over the rows and its image (RowKernel).
+/// A vector over the rows and its image (RowKernel), each of as many numbers as needed or more.
 struct Point {
   Array f;
   Array image;
@@ -74,11 +45,18 @@ class RowKernel {
   virtual bool ImageIsRoot() const = 0;
   /// Multiply-adds per row of a sweep, for pacing; >= 1.
   virtual Index EntriesPerRow() const = 0;
+  /// Numbers of an image.
+  virtual Index ImageSize() const = 0;
 
   /// image = that of f = 0. (Not all zeros: a layout may keep constants in it, which cancel in differences of images.)
   virtual void StartImage(Array* image) const = 0;
   /// After StartImage and AddToImage over all rows, x->image is that of x->f.
   virtual void AddToImage(Index begin, Index end, Point* x) const = 0;
+  /// x->image = that of x->f, of `size` rows.
+  void MakeImage(Index size, Point* x) const {
+    StartImage(&x->image);
+    AddToImage(0, size, x);
+  }
   /// image += change of the image when f_row grows by `df`; A must be symmetric.
   virtual void AddRowToImage(Index row, double df, Array* image) const = 0;
 
@@ -90,16 +68,19 @@ class RowKernel {
   /// (from StartImage on) becomes that of next->f.
   virtual void GradientStep(Index begin, Index end, double step, const Point& y, Point* next, StepSums* sums) const = 0;
   /// Sum of r_k^2; needs the image.
-  virtual double ResidualSquares(Index begin, Index end, const Point& x) const = 0;
+  /// @param w  nullptr, or where w_k goes
+  virtual double ResidualSquares(Index begin, Index end, const Point& x, Array* w) const = 0;
 };
 
 /// The layouts; `scaled` is not owned. The rows of D^-1/2 A D^-1/2: 12 bytes and one multiply-add per entry.
 std::unique_ptr<RowKernel> MakeAssembledRows(const LcpProblem& problem, const ScaledProblem& scaled);
 /// Rows on any number of bodies: S = D^-1/2 J M^-1/2, one copy for the product and the update.
 std::unique_ptr<RowKernel> MakeFactorRows(const LcpProblem& problem, const ScaledProblem& scaled);
-/// The same for rows on at most two bodies each (LcpProblem::has_two_body_rows) of three columns, a cache line a row,
-/// many at once.
-std::unique_ptr<RowKernel> MakeTwoBodyRows(const LcpProblem& problem, const ScaledProblem& scaled);
+/// Rows on at most two bodies each, of three or six columns.
+/// @param p        columns per body, of all rows that it will have
+/// @param in_sets  rows that follow each other and share no body are stepped many at once: found now, O(n)
+/// @param rows     not owned either; takes the scaled problem's b
+std::unique_ptr<RowKernel> MakeTwoBodyRows(const ScaledProblem& scaled, Index p, bool in_sets, ScaledRows* rows);
 
 /// Rows per block of a coloured order. Colours span a block and not the whole problem, so that the bodies that a block
 /// works on stay in the first-level cache from colour to colour. Measured: 512 to 4096 rows are alike, 128 make the
@@ -115,6 +96,7 @@ std::vector<Index> ColouredOrder(const LcpProblem& problem, bool by_bodies);
 /// What every first-order solver works on: the scaled problem, its rows in one layout, and the iterate.
 struct RowWork {
   ScaledProblem scaled;
+  ScaledRows two_body_rows;  ///< of the layout that has them
   std::unique_ptr<RowKernel> rows;
   Point x;
 

@@ -75,7 +75,8 @@ class AssembledRows final : public LaidOutRows<AssembledRows> {
 
   bool ImageIsRoot() const override { return false; }
   Index EntriesPerRow() const override { return 1 + MeanEntries(rows_); }
-  void StartImage(Array* image) const override { image->setZero(scaled_.size); }
+  Index ImageSize() const override { return scaled_.size; }
+  void StartImage(Array* image) const override { image->setZero(); }
   void AddToImage(Index begin, Index end, Point* x) const override {
     for (Index k = begin; k < end; ++k) x->image[k] = diagonal_[k] * x->f[k] + Product(rows_, k, x->f.data());
   }
@@ -87,7 +88,7 @@ class AssembledRows final : public LaidOutRows<AssembledRows> {
     return (scaled_.b[row] + diagonal_[row] * x.f[row]) + Product(rows_, row, x.f.data());
   }
   template <typename Step>
-  void Visit(Index begin, Index end, bool backward, const Point& from, Point* /*to*/, Step* step) const {
+  void Visit(Index begin, Index end, bool backward, const Point& from, Array* /*image*/, Step* step) const {
     ForRows(begin, end, backward, [&](Index k) {
       step->Take(k, Step::kKind == StepKind::kSweep ? W(k, from) : scaled_.b[k] + from.image[k]);
     });
@@ -116,17 +117,18 @@ class FactorRows final : public LaidOutRows<FactorRows> {
 
   bool ImageIsRoot() const override { return true; }
   Index EntriesPerRow() const override { return std::max<Index>(1, 2 * MeanEntries(S_)); }
-  void StartImage(Array* image) const override { image->setZero(S_.cols()); }
+  Index ImageSize() const override { return S_.cols(); }
+  void StartImage(Array* image) const override { image->setZero(); }
   void AddToImage(Index begin, Index end, Point* x) const override {
     for (Index k = begin; k < end; ++k) AddRow(S_, k, x->f[k], &x->image);
   }
   void AddRowToImage(Index row, double df, Array* image) const override { AddRow(S_, row, df, image); }
   double W(Index row, const Point& x) const override { return scaled_.b[row] + Product(S_, row, x.image.data()); }
   template <typename Step>
-  void Visit(Index begin, Index end, bool backward, const Point& from, Point* to, Step* step) const {
+  void Visit(Index begin, Index end, bool backward, const Point& from, Array* image, Step* step) const {
     ForRows(begin, end, backward, [&](Index k) {
       const double value = step->Take(k, W(k, from));
-      if constexpr (Step::kKind != StepKind::kResidual) AddRow(S_, k, value, &to->image);
+      if (image != nullptr) AddRow(S_, k, value, image);
     });
   }
 

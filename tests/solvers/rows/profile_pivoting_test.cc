@@ -5,13 +5,18 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <memory>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "benchmarks/studies/step_arrays.h"
+#include "solvers/first_order/sweeps/row_kernel.h"
+#include "solvers/linear_algebra/islands.h"
+#include "solvers/rows/body_order.h"
+#include "solvers/rows/central_path.h"
 #include "solvers/rows/profile_factor.h"
-#include "solvers/rows/row_islands.h"
-#include "solvers/rows/scaled_rows.h"
 #include "tests/solvers/step/random_step.h"
 
 namespace lcpbench {
@@ -50,83 +55,102 @@ void ForEachIsland(Visit&& visit) {
   }
 }
 
-// D^-1/2 A D^-1/2 of the rows in the order of `scaled`, from A as LcpProblem assembles it.
-Eigen::MatrixXd ScaledA(const StepRows& rows, const ScaledRows& scaled) {
-  const LcpProblem problem = ProblemOf(rows);
-  const Index n = scaled.size();
-  Eigen::MatrixXd A(n, n);
-  for (Index i = 0; i < n; ++i) {
-    for (Index j = 0; j < n; ++j) {
-      A(i, j) = problem.DenseA()(scaled.given(i), scaled.given(j)) * scaled.scale(i) * scaled.scale(j);
-    }
+// The scaled rows of one island.
+struct Island {
+  Island() {
+    order.Reserve(kMostRows, kMostRows);
+    scaled.Reserve(kMostRows);
+    form.Reserve(kMostRows, 2 * kMostRows);
+    in_plane = MakeTwoBodyRows(scaled, 3, false, &form);
+    in_space = MakeTwoBodyRows(scaled, 6, false, &form);
+    x.f.setZero(kMostRows + 8);
+    x.image.setZero(ScaledRows::MostImage(2 * kMostRows));
+    w.setZero(kMostRows + 8);
   }
-  return A;
-}
 
-template <Index p>
-Eigen::MatrixXd Product(const ScaledRows& scaled) {
-  const Index n = scaled.size();
-  Eigen::MatrixXd A(n, n);
-  Eigen::VectorXd y(scaled.bodies() * kBodyWidth<p>);
-  for (Index j = 0; j < n; ++j) {
-    const Eigen::VectorXd unit = Eigen::VectorXd::Unit(n, j);
-    scaled.ComputeMomenta<p>(unit.data(), y.data());
-    for (Index i = 0; i < n; ++i) A(i, j) = scaled.Gap<p>(i, y.data()) - scaled.b()[i];
+  bool Load(const StepRows& rows, std::span<const std::int32_t> part) {
+    if (!order.Find(rows, part, &scaled.order)) return false;
+    scaled.Take(rows);
+    if (!form.Take(rows, order.bodies(), order.number(), &scaled)) return false;
+    scaled.SetB(rows.b);
+    kernel = rows.columns_per_body == 3 ? in_plane.get() : in_space.get();
+    kernel->SetB();
+    return true;
   }
-  return A;
-}
+
+  // D^-1/2 A D^-1/2 in this order, from A as LcpProblem assembles it.
+  Eigen::MatrixXd ScaledA(const StepRows& rows) const {
+    const LcpProblem problem = ProblemOf(rows);
+    const Index n = scaled.size;
+    Eigen::MatrixXd A(n, n);
+    for (Index i = 0; i < n; ++i) {
+      for (Index j = 0; j < n; ++j) {
+        A(i, j) = problem.DenseA()(scaled.Given(i), scaled.Given(j)) * scaled.inverse_root[i] * scaled.inverse_root[j];
+      }
+    }
+    return A;
+  }
+
+  BodyOrder order;
+  ScaledProblem scaled;
+  ScaledRows form;
+  std::unique_ptr<RowKernel> in_plane, in_space;
+  RowKernel* kernel = nullptr;
+  Point x;
+  Array w;
+};
 
 TEST(ScaledRows, GGTIsTheScaledDelassusMatrix) {
-  ScaledRows scaled;
-  scaled.Reserve(kMostRows, kMostRows);
+  Island island;
+  const ScaledProblem& scaled = island.scaled;
   int islands = 0;
   ForEachIsland([&](const StepRows& rows, auto part) {
     ++islands;
-    ASSERT_TRUE(scaled.Load(rows, part));
-    std::vector<std::int32_t> given;
-    for (Index i = 0; i < scaled.size(); ++i) given.push_back(scaled.given(i));
-    EXPECT_TRUE(std::is_permutation(given.begin(), given.end(), part.begin(), part.end()));
-    const Eigen::MatrixXd A = rows.columns_per_body == 3 ? Product<3>(scaled) : Product<6>(scaled);
-    EXPECT_LT((A - ScaledA(rows, scaled)).cwiseAbs().maxCoeff(), 1e-12);
-    for (Index i = 0; i < scaled.size(); ++i) {
-      EXPECT_DOUBLE_EQ(scaled.b()[i], rows.b[scaled.given(i)] * scaled.scale(i));
-      EXPECT_EQ(scaled.is_joint(i), rows.bilateral != nullptr && rows.bilateral[scaled.given(i)] != 0);
+    ASSERT_TRUE(island.Load(rows, part));
+    EXPECT_TRUE(std::is_permutation(scaled.order.begin(), scaled.order.end(), part.begin(), part.end()));
+    const Index n = scaled.size;
+    Eigen::MatrixXd A(n, n);
+    for (Index j = 0; j < n; ++j) {
+      island.x.f.head(n) = Eigen::VectorXd::Unit(n, j);
+      island.kernel->MakeImage(n, &island.x);
+      island.kernel->ResidualSquares(0, n, island.x, &island.w);
+      A.col(j) = island.w.head(n) - scaled.b.head(n);
+    }
+    EXPECT_LT((A - island.ScaledA(rows)).cwiseAbs().maxCoeff(), 1e-12);
+    for (Index i = 0; i < n; ++i) {
+      const Index given = scaled.Given(i);
+      EXPECT_NEAR(scaled.b[i] * scaled.unit[i], rows.b[given] * scaled.inverse_root[i] * scaled.inverse_root[i], 1e-12);
+      EXPECT_EQ(scaled.IsFree(i), rows.bilateral != nullptr && rows.bilateral[given] != 0);
     }
   });
   EXPECT_GT(islands, 30);
 }
 
 TEST(ScaledRows, RefusesRowsThatMoveNothing) {
-  ScaledRows scaled;
-  scaled.Reserve(kMostRows, kMostRows);
+  Island island;
   StepArrays arrays;
   arrays.inverse_mass = {0, 0, 0, 1, 1, 1};
   arrays.Add(1, -1, {1, 0, 0, 0, 0, 0}, 1);
   arrays.Add(0, -1, {1, 0, 0, 0, 0, 0}, 1);
   const StepRows rows = arrays.View();
   const std::vector<std::int32_t> all{0, 1};
-  EXPECT_FALSE(scaled.Load(rows, all));
-  EXPECT_TRUE(scaled.Load(rows, std::span(all).first(1)));
+  EXPECT_FALSE(island.Load(rows, all));
+  EXPECT_TRUE(island.Load(rows, std::span<const std::int32_t>(all).first(1)));
 }
 
 TEST(ProfileFactor, SolvesAsEigenForEveryActiveSet) {
-  ScaledRows scaled;
+  Island island;
   ProfileFactor factor;
-  scaled.Reserve(kMostRows, kMostRows);
   factor.Reserve(kMostRows);
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-1, 1);
   int solves = 0;
   ForEachIsland([&](const StepRows& rows, auto part) {
-    ASSERT_TRUE(scaled.Load(rows, part));
-    ASSERT_TRUE(factor.FindProfile(scaled));
-    if (rows.columns_per_body == 3) {
-      factor.Assemble<3>(scaled);
-    } else {
-      factor.Assemble<6>(scaled);
-    }
-    const Index n = scaled.size();
-    const Eigen::MatrixXd A = ScaledA(rows, scaled);
+    ASSERT_TRUE(island.Load(rows, part));
+    ASSERT_TRUE(factor.FindProfile(island.form));
+    factor.Assemble(island.form);
+    const Index n = island.scaled.size;
+    const Eigen::MatrixXd A = island.ScaledA(rows);
     for (int round = 0; round < 3; ++round) {
       std::vector<unsigned char> is_active(static_cast<std::size_t>(n));
       Eigen::VectorXd shift(n);
@@ -152,6 +176,49 @@ TEST(ProfileFactor, SolvesAsEigenForEveryActiveSet) {
     }
   });
   EXPECT_GT(solves, 100);
+}
+
+// From no force at all: the fewer the residual may be, the more steps, and the gaps end at those of the solution.
+TEST(CentralPath, LeadsToTheSolution) {
+  Island island;
+  ProfileFactor factor;
+  factor.Reserve(kMostRows);
+  CentralPath path;
+  path.Reserve(kMostRows);
+  ProfilePivoting pivoting;
+  pivoting.Reserve(kMostRows, kMostRows);
+  int islands = 0;
+  ForEachIsland([&](const StepRows& rows, auto part) {
+    ASSERT_TRUE(island.Load(rows, part));
+    const ScaledProblem& scaled = island.scaled;
+    const Index n = scaled.size;
+    if (n < 20) return;
+    ++islands;
+    ASSERT_TRUE(factor.FindProfile(island.form));
+    factor.Assemble(island.form);
+    std::int64_t steps_before = 0;
+    double before = std::numeric_limits<double>::infinity();
+    for (const double rho : {1e-1, 1e-3, 1e-5, 1e-7, 1e-9}) {
+      island.x.f.setZero();
+      const std::int64_t steps = path.Follow(scaled, *island.kernel, rho * scaled.b_norm, nullptr, &factor, &island.x);
+      const double found = std::sqrt(island.kernel->ResidualSquares(0, n, island.x, &island.w)) / scaled.b_norm;
+      EXPECT_LE(found, rho);
+      EXPECT_LE(found, before);
+      EXPECT_GE(steps, steps_before);
+      EXPECT_LE(steps, 30);
+      for (Index i = 0; i < n; ++i) EXPECT_TRUE(scaled.IsFree(i) || island.x.f[i] > 0);
+      before = found;
+      steps_before = steps;
+    }
+    std::vector<double> f(static_cast<std::size_t>(rows.rows));
+    pivoting.Solve(rows, part, {1e-12, nullptr, nullptr}, f.data());
+    scaled.Start(f.data(), &island.x.f);
+    const Array gaps = island.w;
+    island.kernel->MakeImage(n, &island.x);
+    island.kernel->ResidualSquares(0, n, island.x, &island.w);
+    EXPECT_LT((gaps - island.w).head(n).norm(), 1e-4 * scaled.b_norm);
+  });
+  EXPECT_GT(islands, 15);
 }
 
 // A clock that stands still for so many looks, then is far ahead.
@@ -183,7 +250,7 @@ TEST(ProfilePivoting, LooksAtTheClockBeforeEveryFactorization) {
     looks_left = looks + 1;  // one when the deadline is made
     const Deadline deadline(options);
     solver.Solve(rows, part, {1e-14, nullptr, &deadline}, f.data());
-    solver.Polish(rows, 1e-13, f.data());
+    solver.Polish(1e-13, f.data());
     EXPECT_LE(solver.iterations() - before, kMostBetweenLooks) << looks;
     before = solver.iterations();
     most = std::max(most, before);

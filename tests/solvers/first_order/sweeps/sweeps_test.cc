@@ -140,7 +140,7 @@ TEST(Sweeps, CuttingAPassChangesNothing) {
 }
 
 // Rows on two of many bodies each, in sets of a few hundred that share none.
-LcpProblem Loose(Index n, int bilateral_every) {
+LcpProblem Loose(Index p, Index n, int bilateral_every) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> uniform(-1, 1);
   const Index bodies = n;
@@ -151,24 +151,28 @@ LcpProblem Loose(Index n, int bilateral_every) {
     if (bilateral_every > 0 && row % bilateral_every == 0) bilateral.push_back(row);
     const Index first = any(random);
     const Index second = any(random);
-    for (Index k = 0; k < 3; ++k) {
-      entries.emplace_back(static_cast<int>(row), static_cast<int>(3 * first + k), uniform(random));
+    for (Index k = 0; k < p; ++k) {
+      entries.emplace_back(static_cast<int>(row), static_cast<int>(p * first + k), uniform(random));
       if (row % 5 == 0 || second == first) continue;  // on one body
-      entries.emplace_back(static_cast<int>(row), static_cast<int>(3 * second + k), uniform(random));
+      entries.emplace_back(static_cast<int>(row), static_cast<int>(p * second + k), uniform(random));
     }
   }
   const auto draw = [&](Index) { return uniform(random); };
   const Eigen::VectorXd b = Eigen::VectorXd::NullaryExpr(n, draw);
-  const Eigen::VectorXd inverse_mass = Eigen::VectorXd::NullaryExpr(3 * bodies, draw).cwiseAbs();
-  return LcpProblem::FromFactors("loose", MatrixOf(n, 3 * bodies, entries), inverse_mass, b,
-                                 RowBounds::WithBilateralRows(n, bilateral));
+  const Eigen::VectorXd inverse_mass = Eigen::VectorXd::NullaryExpr(p * bodies, draw).cwiseAbs();
+  MatrixFacts facts;
+  facts.columns_per_body = static_cast<int>(p);
+  return LcpProblem::FromFactors("loose", MatrixOf(n, p * bodies, entries), inverse_mass, b,
+                                 RowBounds::WithBilateralRows(n, bilateral), facts);
 }
 
 // The last size is one that fetches rows ahead.
-TEST(Sweeps, RowsAloneAndTogetherGiveTheSameBits) {
+class InPlaneAndSpace : public ::testing::TestWithParam<int> {};
+
+TEST_P(InPlaneAndSpace, RowsAloneAndTogetherGiveTheSameBits) {
   for (const Index n : {Index{37}, Index{1000}, Index{70'000}}) {
     for (const int bilateral_every : {0, 9}) {
-      const LcpProblem problem = Loose(n, bilateral_every);
+      const LcpProblem problem = Loose(GetParam(), n, bilateral_every);
       RowWork together;
       RowWork alone;
       LayOut(problem, RowForm::kMatrixFree, true, {&together, &alone});
@@ -195,14 +199,16 @@ TEST(Sweeps, RowsAloneAndTogetherGiveTheSameBits) {
       double residual = 0;
       for (Index k = 0; k < n; ++k) {
         alone.rows->GradientStep(k, k + 1, 0.2, alone.x, &next_alone, &sums);
-        residual += alone.rows->ResidualSquares(k, k + 1, alone.x);
+        residual += alone.rows->ResidualSquares(k, k + 1, alone.x, nullptr);
       }
       EXPECT_EQ(next.f, next_alone.f) << n;
       EXPECT_EQ(next.image, next_alone.image) << n;
-      EXPECT_TRUE(near(together.rows->ResidualSquares(0, n, together.x), residual)) << n;
+      EXPECT_TRUE(near(together.rows->ResidualSquares(0, n, together.x, nullptr), residual)) << n;
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Sweeps, InPlaneAndSpace, ::testing::Values(3, 6));
 
 TEST(Sweeps, EnergyFallsByWhatTheSweepSays) {
   for (const RowForm form : {RowForm::kAssembled, RowForm::kMatrixFree}) {
@@ -220,7 +226,7 @@ TEST(Sweeps, EnergyFallsByWhatTheSweepSays) {
         StepSums sums;
         work.rows->Sweep(0, n, sweep % 3 == 2, omega, &work.x, &sums);
         EXPECT_LE(sums.energy, 0) << test.problem.id();
-        work.scaled.ToGiven(work.x.f, &f);
+        work.scaled.ToGiven(work.x.f, f.data());
         const double next = Energy(test.problem, f) / (unit * unit);
         lowest = std::min(lowest, next);
         EXPECT_NEAR(next - energy, sums.energy, 1e-12 * (1 + std::abs(lowest))) << test.problem.id();
@@ -242,7 +248,7 @@ TEST(Sweeps, ImagesGiveTheProductsOfA) {
       work.rows->StartImage(&work.x.image);
       work.rows->AddToImage(0, n, &work.x);
       Eigen::VectorXd given = Eigen::VectorXd::Zero(n);
-      work.scaled.ToGiven(work.x.f, &given);
+      work.scaled.ToGiven(work.x.f, given.data());
       Eigen::VectorXd w;
       test.problem.ComputeW(given, &w);
       // w_k of the given problem per w_k of the scaled one: scale of b over inverse_root.

@@ -1,0 +1,158 @@
+#include "solvers/first_order/sweeps/scaled_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+
+namespace lcpbench {
+namespace {
+
+size_t At(Index i) { return static_cast<size_t>(i); }
+
+void Grow(Index size, Array* array) {
+  if (array->size() < size) array->resize(size);
+}
+
+}  // namespace
+
+void ScaledProblem::Reserve(Index max_rows) {
+  order.reserve(At(max_rows));
+  for (Array* array : {&b, &unit, &inverse_root, &floor, &gain}) Grow(max_rows, array);
+}
+
+void ScaledProblem::Reset(const LcpProblem& problem, std::vector<Index> new_order) {
+  size = problem.size();
+  order = std::move(new_order);
+  const Eigen::VectorXd& D = problem.DiagonalA();
+  for (Array* array : {&b, &unit, &inverse_root}) Grow(size, array);
+  for (Index k = 0; k < size; ++k) inverse_root[k] = D[Given(k)] == 0 ? 1.0 : 1.0 / std::sqrt(D[Given(k)]);
+  mixed = !problem.bilateral_rows().empty() || (D.array() == 0).any();
+  if (!mixed) return;
+  for (Array* array : {&floor, &gain}) Grow(size, array);
+  for (Index k = 0; k < size; ++k) {
+    floor[k] = problem.is_bilateral(Given(k)) ? -std::numeric_limits<double>::infinity() : 0.0;
+    gain[k] = D[Given(k)] == 0 ? 0.0 : 1.0;
+  }
+}
+
+void ScaledProblem::Take(const StepRows& rows) {
+  size = static_cast<Index>(order.size());
+  mixed = false;
+  for (Index k = 0; k < size && rows.bilateral != nullptr; ++k) {
+    const bool is_joint = rows.bilateral[Given(k)] != 0;
+    floor[k] = is_joint ? -std::numeric_limits<double>::infinity() : 0.0;
+    gain[k] = 1;
+    mixed = mixed || is_joint;
+  }
+}
+
+void ScaledProblem::SetB(const double* given_b) {
+  long double b_squared = 0;  // its exponent range holds the square of every double
+  for (Index k = 0; k < size; ++k) {
+    b[k] = given_b[Given(k)] * inverse_root[k];
+    b_squared += static_cast<long double>(b[k]) * b[k];
+  }
+  const long double norm = std::sqrt(b_squared);
+  const double scale = norm > 0 ? std::ldexp(1.0, std::ilogb(norm)) : 1.0;
+  b_norm = norm > 0 ? static_cast<double>(norm / scale) : 1.0;
+  b.head(size) /= scale;
+  unit.head(size) = inverse_root.head(size) * scale;
+}
+
+void ScaledProblem::Start(const double* given, Array* f) const {
+  Grow(size, f);
+  f->head(size).setZero();
+  for (Index k = 0; k < size && given != nullptr; ++k) {
+    if (mixed && gain[k] == 0) continue;
+    const double start = given[Given(k)] / unit[k];
+    (*f)[k] = IsFree(k) ? start : std::max(start, 0.0);
+  }
+}
+
+void ScaledProblem::ToGiven(const Array& f, double* given) const {
+  for (Index k = 0; k < size; ++k) given[Given(k)] = f[k] * unit[k];
+}
+
+void ScaledRows::Reserve(Index max_rows, Index max_bodies) {
+  Grow(max_rows * 2 * kBodyWidth<6>, &rows_);
+  Grow(max_bodies * 6, &root_mass_);
+}
+
+void ScaledRows::Clear(Index p, Index size, Index bodies) {
+  p_ = p;
+  size_ = size;
+  bodies_ = bodies;
+  Grow(size * 2 * width(), &rows_);
+  rows_.head(size * 2 * width()).setZero();
+  Grow(bodies * p, &root_mass_);
+}
+
+// @param first, second  < 0: none
+void ScaledRows::PlaceBodies(Index k, Index first, Index second) {
+  if (first < 0) first = bodies_ + k % kSpares;
+  if (second < 0) second = bodies_ + (k + kSpares / 2) % kSpares;
+  const std::array<int, 2> offsets = {static_cast<int>(first * width()), static_cast<int>(second * width())};
+  std::memcpy(row(k) + width() + p_, &offsets, sizeof offsets);
+}
+
+void ScaledRows::Reset(const LcpProblem& problem, const ScaledProblem& scaled) {
+  const SparseMatrix& J = problem.J();
+  const Index p = problem.columns_per_body();
+  Clear(p, scaled.size, J.cols() / p);
+  for (Index k = 0; k < size_; ++k) {
+    std::array<Index, 2> body = {-1, -1};
+    for (SparseMatrix::InnerIterator it(J, scaled.Given(k)); it; ++it) {
+      const double m = problem.inverse_mass()[it.col()];
+      if (m == 0 || it.value() == 0) continue;
+      const Index block = it.col() / p;
+      const size_t side = body[0] < 0 || body[0] == block ? 0 : 1;
+      body[side] = block;
+      row(k)[width() * static_cast<Index>(side) + it.col() % p] = it.value() * std::sqrt(m) * scaled.inverse_root[k];
+    }
+    PlaceBodies(k, body[0], body[1]);
+  }
+}
+
+template <Index p, typename Real>
+bool ScaledRows::TakeOf(const StepRows& step, const Real* J, const std::int32_t* place, ScaledProblem* scaled) {
+  constexpr Index kWidth = kBodyWidth<p>;
+  for (Index k = 0; k < size_; ++k) {
+    const Index given = scaled->Given(k);
+    double* const s = rows_.data() + k * 2 * kWidth;
+    std::array<Index, 2> body = {-1, -1};
+    for (Index side = 2 * given; side < 2 * given + 2; ++side) {
+      const Index at = step.body[side] < 0 ? -1 : place[step.body[side]];
+      if (at < 0) continue;
+      const size_t block = body[0] < 0 || body[0] == at ? 0 : 1;
+      body[block] = at;
+      double* const to = s + kWidth * static_cast<Index>(block);
+      const double* const root = root_mass_.data() + at * p;
+      for (Index c = 0; c < p; ++c) to[c] += static_cast<double>(J[side * p + c]) * root[c];
+    }
+    double d = 0;
+    for (Index c = 0; c < 2 * kWidth; ++c) d += s[c] * s[c];
+    if (!(d > 0)) return false;
+    const double inverse = 1 / std::sqrt(d);
+    for (Index c = 0; c < 2 * kWidth; ++c) s[c] *= inverse;
+    scaled->inverse_root[k] = inverse;
+    PlaceBodies(k, body[0], body[1]);
+  }
+  return true;
+}
+
+bool ScaledRows::Take(const StepRows& step, std::span<const std::int32_t> given, const std::int32_t* place,
+                      ScaledProblem* scaled) {
+  const Index p = step.columns_per_body;
+  Clear(p, scaled->size, static_cast<Index>(given.size()));
+  for (Index k = 0; k < bodies_; ++k) {
+    for (Index c = 0; c < p; ++c) root_mass_[k * p + c] = std::sqrt(step.inverse_mass[Index{given[At(k)]} * p + c]);
+  }
+  const auto take = [&](const auto* J) {
+    return p == 3 ? TakeOf<3>(step, J, place, scaled) : TakeOf<6>(step, J, place, scaled);
+  };
+  return step.J != nullptr ? take(step.J) : take(step.J_single);
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,106 @@
+#include "solvers/rows/row_judge.h"
+
+#include <cmath>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include "solvers/pivoting/tableau_rules.h"
+#include "solvers/rows/row_sums.h"
+
+namespace lcpbench {
+namespace {
+
+// Of bodies in space.
+constexpr Index kMostColumns = 6;
+// Rounding of a sum over a row's two bodies and the rows of each, in units of epsilon times the sum of absolute values.
+constexpr double kRoundings = 32;
+
+}  // namespace
+
+void RowJudge::Reserve(Index max_rows, Index max_bodies) {
+  if (before_.size() < 2 * static_cast<std::size_t>(max_rows)) before_.resize(2 * static_cast<std::size_t>(max_rows));
+  if (last_.size() < static_cast<std::size_t>(max_bodies)) last_.resize(static_cast<std::size_t>(max_bodies), -1);
+  const auto size = static_cast<std::size_t>(kMostColumns * max_bodies);
+  if (velocity_.size() >= size) return;
+  velocity_.resize(size, 0.0);
+  size_.resize(size, 0.0);
+  extended_velocity_.resize(size, 0.0L);
+}
+
+void RowJudge::ListSides(const StepRows& rows, std::span<const std::int32_t> part) {
+  for (const std::int32_t row : part) {
+    for (std::int32_t side = 2 * row; side < 2 * row + 2; ++side) {
+      if (rows.body[side] < 0) continue;
+      std::int32_t& last = last_[static_cast<std::size_t>(rows.body[side])];
+      before_[static_cast<std::size_t>(side)] = last;
+      last = side;
+    }
+  }
+}
+
+// (|A| |f|)_row, A_ij as the verifier has it.  O(rows on its bodies)
+template <int p, typename Real>
+double RowJudge::SizeOfGap(const StepRows& rows, const Real* J, const double* f, std::int32_t row) const {
+  const std::int32_t* const own = rows.body + Index{2} * row;
+  double size = 0;
+  for (int s = 0; s < 2; ++s) {
+    if (own[s] < 0 || (s == 1 && own[1] == own[0])) continue;
+    for (std::int32_t side = last_[static_cast<std::size_t>(own[s])]; side >= 0;
+         side = before_[static_cast<std::size_t>(side)]) {
+      const std::int32_t other = side / 2;
+      const std::int32_t* const its = rows.body + Index{2} * other;
+      const bool was_met = (side % 2 == 1 && its[0] == its[1]) || (s == 1 && (its[0] == own[0] || its[1] == own[0]));
+      if (f[other] == 0 || (was_met && own[0] >= 0)) continue;
+      long double entry = 0;
+      for (int k = 0; k < 4; ++k) {
+        if (own[k / 2] < 0 || own[k / 2] != its[k % 2]) continue;
+        const double* const inverse_mass = rows.inverse_mass + static_cast<Index>(own[k / 2]) * p;
+        const Real* const mine = J + (Index{2} * row + k / 2) * p;
+        const Real* const others = J + (Index{2} * other + k % 2) * p;
+        for (int c = 0; c < p; ++c) entry += static_cast<long double>(mine[c]) * inverse_mass[c] * others[c];
+      }
+      size += static_cast<double>(std::abs(entry * f[other]));
+    }
+  }
+  return size;
+}
+
+bool RowJudge::Passes(const StepRows& rows, std::span<const std::int32_t> part, double tolerance, const double* f,
+                      double* w, double* rho) {
+  using Known = ResidualSums<double>::Known;
+  const double row_limit = tableau::kMargin * std::sqrt(tolerance);
+  bool has_sides = false;
+  const auto judge = [&](auto* velocity) {
+    using Sum = std::remove_pointer_t<decltype(velocity)>;
+    return WithNumbers(rows, [&](const auto* J, auto width) {
+      constexpr int p = width;
+      const auto slot = [&](Index side) { return static_cast<Index>(rows.body[side]) * p; };
+      const auto size_of_gap = [&](std::int32_t row) {
+        if (!std::exchange(has_sides, true)) ListSides(rows, part);
+        return SizeOfGap<p>(rows, J, f, row);
+      };
+      const ResidualSums<double> sums =
+          SumRows<p>(rows, J, part, row_limit, f, w, slot, size_of_gap, velocity, size_.data());
+      for (const std::int32_t row : part) {
+        for (Index side = Index{2} * row; side < Index{2} * row + 2; ++side) {
+          for (Index c = 0; c < p && rows.body[side] >= 0; ++c)
+            velocity[slot(side) + c] = size_[static_cast<std::size_t>(slot(side) + c)] = 0;
+        }
+      }
+      *rho = sums.rho();
+      return sums.Judge(tolerance, kRoundings * static_cast<double>(std::numeric_limits<Sum>::epsilon()));
+    });
+  };
+  const Known known = judge(velocity_.data());
+  const bool passes =
+      known == Known::kRight || (known == Known::kUnclear && judge(extended_velocity_.data()) == Known::kRight);
+  for (const std::int32_t row : part) {
+    for (Index side = Index{2} * row; has_sides && side < Index{2} * row + 2; ++side) {
+      if (rows.body[side] >= 0) last_[static_cast<std::size_t>(rows.body[side])] = -1;
+    }
+  }
+  return passes;
+}
+
+}  // namespace lcpbench
