@@ -29,7 +29,8 @@ struct Beyond {
   bool most = false;
 };
 
-Beyond RequireFinite(const std::string& id, const char* name, const Range& range, const double* values, Index count) {
+Beyond RequireFinite(const std::string& id, const char* name, const MagnitudeRange& range, const double* values,
+                     Index count) {
   NumberRange looked(range);
   looked.Look(values, count);
   if (!looked.has_large()) return {looked.has_small(), false};
@@ -79,19 +80,19 @@ void RequireCompressedRows(const ProblemArrays& arrays) {
   }
 }
 
-// Whether so many of J's entries are stored that products of whole rows cost less than lists do. Below, the lists of a
-// few rows stay in the caches.
-constexpr Index kLeastFullRows = 32;
-constexpr Index kPartOfFull = 4;
-bool IsFull(const Eigen::Ref<const SparseMatrix>& J) {
-  return J.rows() >= kLeastFullRows && kPartOfFull * J.outerIndexPtr()[J.rows()] >= J.rows() * J.cols();
+// Whether a quarter of J's entries or more are stored: products of whole rows then cost less than lists do. Below 32
+// rows lists stay in the caches.
+constexpr Index kLeastDenseRows = 32;
+constexpr Index kPartOfDense = 4;
+bool HasDenseRows(const Eigen::Ref<const SparseMatrix>& J) {
+  return J.rows() >= kLeastDenseRows && kPartOfDense * J.outerIndexPtr()[J.rows()] >= J.rows() * J.cols();
 }
 
 // The rows of J without the columns that cannot move, kTile rows side by side: column k of the rows from kTile t on
 // begins at kTile (t columns + k); zeros where there is no row.
 constexpr Index kTile = 8;
-struct FullRows {
-  FullRows(const Eigen::Ref<const SparseMatrix>& J, const double* inverse_mass) {
+struct DenseRows {
+  DenseRows(const Eigen::Ref<const SparseMatrix>& J, const double* inverse_mass) {
     std::vector<Index> place(static_cast<size_t>(J.cols()), -1);
     for (Index k = 0; k < J.cols(); ++k) {
       if (inverse_mass[k] == 0) continue;
@@ -130,8 +131,8 @@ void MultiplyTiles(const double* first, const double* second, const double* mass
 }
 
 // As Assemble: every entry is the same sum in the same order, so that it has the same bits.
-void AssembleFull(const Eigen::Ref<const SparseMatrix>& J, const double* inverse_mass, double* A, Index stride) {
-  const FullRows full(J, inverse_mass);
+void AssembleOfDenseRows(const Eigen::Ref<const SparseMatrix>& J, const double* inverse_mass, double* A, Index stride) {
+  const DenseRows full(J, inverse_mass);
   const Index n = J.rows();
   for (Index i = 0; i < n; ++i) std::fill(A + i * stride + n, A + (i + 1) * stride, 0.0);
   double sum[kTile * kTile];
@@ -156,7 +157,7 @@ void Assemble(const Eigen::Ref<const SparseMatrix>& J, const double* inverse_mas
     int row;
     double value;
   };
-  if (IsFull(J)) return AssembleFull(J, inverse_mass, A, stride);
+  if (HasDenseRows(J)) return AssembleOfDenseRows(J, inverse_mass, A, stride);
   std::fill_n(A, J.rows() * stride, 0.0);
   std::vector<int> last(static_cast<size_t>(J.cols()), -1);
   const int* const start = J.outerIndexPtr();
@@ -274,7 +275,7 @@ struct LcpProblem::Matrix {
 
   // Whether every row of J has more than half of the columns that can move; at most 2^31 - 1 pairs.
   bool EveryPairSharesAColumn() const {
-    if (!IsFull(sparse) || rows * rows > std::numeric_limits<int>::max()) return false;
+    if (!HasDenseRows(sparse) || rows * rows > std::numeric_limits<int>::max()) return false;
     const auto movable = static_cast<Index>((inverse_mass.array() != 0).count());
     for (Index i = 0; i < rows; ++i) {
       Index count = 0;

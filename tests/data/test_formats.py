@@ -50,7 +50,7 @@ _PROBLEM = {"id": "two", "n": 2, "A": [[2, 1], ["1", "2/1"]], "b": [-1, "1/2"], 
 def _line(name):
     """A line of a campaign of every kind, from the types of benchmarks/campaign/result_fields.h."""
     fields = json_of(_ROOT / "report/lcpbench_report/statistics/result_fields.json")
-    samples = {"name": "n", "text": "", "boolean": True, "count": 0, "number": -1.5, "time": 0.5, "positive": 0.5, "object": {}, "list": []}
+    samples = {"name": "n", "text": "", "boolean": True, "count": 0, "number": -1.5, "nonnegative": 0.5, "positive": 0.5, "object": {}, "list": []}
 
     def record(*names):
         line = {}
