@@ -11,7 +11,7 @@ std::string Found(const char* name, std::size_t k, int found, const std::string&
 
 }  // namespace
 
-std::string WhyNotStarts(std::span<const int> starts, Index end, const char* name, const char* end_name) {
+std::string WhyNotStarts(std::span<const int> starts, std::int64_t end, const char* name, const char* end_name) {
   if (starts.front() != 0) return Found(name, 0, starts.front(), "expected 0");
   for (std::size_t i = 1; i < starts.size(); ++i) {
     if (starts[i] >= starts[i - 1]) continue;
@@ -22,7 +22,8 @@ std::string WhyNotStarts(std::span<const int> starts, Index end, const char* nam
                std::string("expected ") + end_name + " = " + std::to_string(end));
 }
 
-std::string WhyNotColumns(std::span<const int> starts, std::span<const int> indices, Index columns, const char* name) {
+std::string WhyNotColumns(std::span<const int> starts, std::span<const int> indices, std::int64_t columns,
+                          const char* name) {
   for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
     int last = -1;
     for (auto k = static_cast<std::size_t>(starts[i]); k < static_cast<std::size_t>(starts[i + 1]); ++k) {

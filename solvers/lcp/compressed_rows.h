@@ -1,9 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
-
-#include "solvers/lcp/problem.h"
 
 namespace lcpbench {
 
@@ -12,11 +11,12 @@ namespace lcpbench {
 /// @param starts    one number more than there are rows
 /// @param name      of the array, for the message
 /// @param end_name  what `end` is: "entries"
-std::string WhyNotStarts(std::span<const int> starts, Index end, const char* name, const char* end_name);
+std::string WhyNotStarts(std::span<const int> starts, std::int64_t end, const char* name, const char* end_name);
 
 /// What is wrong with the columns of a compressed matrix, "indices[4] is 3, expected a column in [0, 3)"; "" where all
 /// are in [0, columns) and, within a row, ascend.  O(indices)
 /// @param starts  for which WhyNotStarts found nothing
-std::string WhyNotColumns(std::span<const int> starts, std::span<const int> indices, Index columns, const char* name);
+std::string WhyNotColumns(std::span<const int> starts, std::span<const int> indices, std::int64_t columns,
+                          const char* name);
 
 }  // namespace lcpbench
