@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """The rules of the source tree: which folders may include which, how many entries a folder has, that cited files exist,
-and that the drawing of the layers (docs/includes.svg) is up to date, and that every peer's package is installed."""
+and that the chart of the layers (docs/architecture.md) is up to date, and that every peer's package is installed."""
 
 import graphlib
 import os
@@ -267,18 +267,10 @@ class Citations(_Tree):
         self.assertNone([f"{path} names {name}" for path, name in cited if name not in tests], "no such test:")
 
 
-class Drawing(_Tree):
-    def test_the_drawing_shows_the_tree(self):
-        boxes, arrows = draw_includes.drawn(self.own_includes)
-        drawn_boxes, drawn_arrows = draw_includes.read_drawing(draw_includes.DRAWING.read_text(encoding="utf-8"))
-        wrong = [f"box {box}" for box in sorted(boxes ^ drawn_boxes)]
-        wrong += ["arrow {} -> {}".format(*arrow) for arrow in sorted(set(arrows) ^ drawn_arrows)]
-        self.assertNone(wrong, "docs/includes.svg lacks, or has needlessly; run docs/draw_includes.py:")
-
-    def test_drawing_is_deterministic(self):
-        boxes, arrows = draw_includes.drawn(self.own_includes)
-        again = draw_includes.drawn(reversed(self.own_includes))
-        self.assertEqual(draw_includes.drawing(boxes, arrows), draw_includes.drawing(*again))
+class Chart(_Tree):
+    def test_the_chart_shows_the_tree(self):
+        text = draw_includes.DOCUMENT.read_text(encoding="utf-8")
+        self.assertTrue(draw_includes.with_chart(text, self.own_includes) == text, "run docs/draw_includes.py")
 
 
 class Packages(unittest.TestCase):

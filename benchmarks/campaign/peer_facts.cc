@@ -18,7 +18,7 @@ std::string StopsBy(const PeerEntry& peer) {
   if (!peer.key.ends_with(kDefault)) return "the end of the method: an answer or a breakdown";
   const std::string_view tuned = peer.key.substr(0, peer.key.size() - kDefault.size());
   const auto found = std::ranges::find(AllPeers(), tuned, &PeerEntry::key);
-  return std::string(found->tiers->bounds);  // peer_table_test: it is there
+  return std::string(found->tiers->bounds);  // AllPeers made its -default of it
 }
 
 }  // namespace

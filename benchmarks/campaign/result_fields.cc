@@ -16,7 +16,7 @@ namespace lcpbench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Answer = JudgedAnswer;
+using Answer = MeasuredAnswer;
 using Described = DescribedProblem;
 
 // Negative: not known.
@@ -75,23 +75,23 @@ constexpr FieldOf<LineSource> kLine[] = {
 };
 
 constexpr FieldOf<Answer> kColumns[] = {
-    {{"rho", "[time?]", "", "`lcpbench list metrics`, as the four that follow; null: not known"},
+    {{"rho", "[nonnegative?]", "", "`lcpbench list metrics`, as the four that follow; null: not known"},
      Metric<&Metrics::rho>},
-    {{"backward_error", "[time?]", "", ""}, Metric<&Metrics::backward_error>},
+    {{"backward_error", "[nonnegative?]", "", ""}, Metric<&Metrics::backward_error>},
     {{"gap_rel", "[number?]", "", ""}, Metric<&Metrics::gap_rel>},
-    {{"w_error", "[time?]", "", ""}, Metric<&Metrics::w_error>},
-    {{"f_error", "[time?]", "", ""}, Metric<&Metrics::f_error>},
-    {{"best_tier", "[time?]", "", "the strictest that it passes; null: none"},
+    {{"w_error", "[nonnegative?]", "", ""}, Metric<&Metrics::w_error>},
+    {{"f_error", "[nonnegative?]", "", ""}, Metric<&Metrics::f_error>},
+    {{"best_tier", "[nonnegative?]", "", "the strictest that it passes; null: none"},
      [](const Answer& of) { return of.verdict.best_tier > 0 ? Json(of.verdict.best_tier) : Json(nullptr); }},
-    {{"iterations", "[time?]", "", "in the solver's own unit"},
+    {{"iterations", "[nonnegative?]", "", "in the solver's own unit"},
      [](const Answer& of) { return of.result.iterations < 0 ? Json(nullptr) : Json(of.result.iterations); }},
-    {{"first_s", "[time?]", "s", "fresh time of this one observed solve by a new solver object"},
+    {{"first_s", "[nonnegative?]", "s", "fresh time of this one observed solve by a new solver object"},
      SecondsOf<&Answer::first_s>},
-    {{"factor_share", "[time?]", "", "of it, in numeric factorizations; null: in another process"},
+    {{"factor_share", "[nonnegative?]", "", "of it, in numeric factorizations; null: in another process"},
      [](const Answer& of) {
        return KnownNumber(of.result.factor_s >= 0 && of.first_s > 0 ? of.result.factor_s / of.first_s : -1);
      }},
-    {{"allocations", "[time?]", "", "of it; null: in another process"}, OfAnswer<&Answer::allocations>},
+    {{"allocations", "[nonnegative?]", "", "of it; null: in another process"}, OfAnswer<&Answer::allocations>},
 };
 
 constexpr ResultField kPlace[] = {{"at", "count", "", "place in the lists"}};
@@ -113,7 +113,7 @@ constexpr FieldOf<Answer> kExceptions[] = {
     {{"infeasible_within_rounding", "boolean", "",
       "called infeasible, and the ray is accepted, but proves it within rounding only"},
      [](const Answer& of) { return Json(HasRay(of) && !of.verdict.farkas->proved); }},
-    {{"force_min", "time?", "",
+    {{"force_min", "nonnegative?", "",
       "least sum of |A_ii^1/2 f_i| of any solution, where called infeasible within rounding only; else null"},
      [](const Answer& of) {
        return HasRay(of) && !of.verdict.farkas->proved ? RoundedNumber(of.verdict.farkas->force_min) : Json(nullptr);
@@ -132,8 +132,8 @@ constexpr FieldOf<Answer> kExceptions[] = {
 };
 
 constexpr FieldOf<Answer> kOfTheLine[] = {
-    {{"peak_bytes", "time?", "B", "the most of any; null: in another process"}, OfAnswer<&Answer::peak_bytes>},
-    {{"formed_on_host_s", "[time?]", "s",
+    {{"peak_bytes", "nonnegative?", "B", "the most of any; null: in another process"}, OfAnswer<&Answer::peak_bytes>},
+    {{"formed_on_host_s", "[nonnegative?]", "s",
       "of first_s, forming A here; only of programs of protocol version 1, and nowhere else"},
      SecondsOf<&Answer::formed_on_host_s>},
 };
@@ -147,12 +147,12 @@ constexpr TimeField kTimes[] = {
     {{"fresh_s", "[positive?]", "s", "from the caller's arrays to f; null: not timed in this pass"},
      PassKind::kFresh,
      &PassEntry::seconds},
-    {{"problem_s", "[time?]", "s", "LcpProblem from the arrays"}, PassKind::kParts, &PassEntry::problem_s},
-    {{"prepare_s", "[time?]", "s", "LcpSolver::Prepare"}, PassKind::kParts, &PassEntry::prepare_s},
-    {{"convert_s", "[time?]", "s", "of foreign libraries: conversions inside the solve"},
+    {{"problem_s", "[nonnegative?]", "s", "LcpProblem from the arrays"}, PassKind::kParts, &PassEntry::problem_s},
+    {{"prepare_s", "[nonnegative?]", "s", "LcpSolver::Prepare"}, PassKind::kParts, &PassEntry::prepare_s},
+    {{"convert_s", "[nonnegative?]", "s", "of foreign libraries: conversions inside the solve"},
      PassKind::kParts,
      &PassEntry::convert_s},
-    {{"solve_s", "[time?]", "s", "the rest of the solve"}, PassKind::kParts, &PassEntry::solve_s},
+    {{"solve_s", "[nonnegative?]", "s", "the rest of the solve"}, PassKind::kParts, &PassEntry::solve_s},
     {{"again_s", "[positive?]", "s",
       "the same matrix with another b (benchmarks/collection/recipes/recipe.h), right after a solve with the given "
       "one"},
@@ -170,8 +170,8 @@ constexpr ResultField kTimed[] = {
 };
 
 constexpr ResultField kDisturbance[] = {
-    {"probe_s", "time", "s", "a fixed chain of operations: the inverse of the clock rate"},
-    {"cpu_share", "time", "", "processor time by wall-clock time"},
+    {"probe_s", "nonnegative", "s", "a fixed chain of operations: the inverse of the clock rate"},
+    {"cpu_share", "nonnegative", "", "processor time by wall-clock time"},
     {"switches", "count", "", "how often the thread lost the processor"},
     {"reruns", "count", "", "how often the pass was run again"},
     {"disturbed", "boolean", "", "and still was disturbed"},
@@ -205,12 +205,12 @@ constexpr ResultField kSteps[] = {
      "starts where this one did"},
     {"preempted", "list", "",
      "indices of steps in which the solver's thread lost the processor to something else; own solvers"},
-    {"latency_s", "[time?]", "s",
+    {"latency_s", "[nonnegative?]", "s",
      "one interval from the caller's arrays to f, set-up inside, for peers as for our own"},
-    {"iterations", "[time?]", "", "in the solver's own unit"},
-    {"rho", "[time?]", "", "null: late, or not finite"},
-    {"backward_error", "[time?]", "", "null: late, or not finite"},
-    {"w_error", "[time?]", "", "null: late, not finite, or w is not known"},
+    {"iterations", "[nonnegative?]", "", "in the solver's own unit"},
+    {"rho", "[nonnegative?]", "", "null: late, or not finite"},
+    {"backward_error", "[nonnegative?]", "", "null: late, or not finite"},
+    {"w_error", "[nonnegative?]", "", "null: late, not finite, or w is not known"},
     {"environment", "text", "", "hash, of campaign.json"},
 };
 
@@ -245,12 +245,12 @@ constexpr FieldOf<Described> kProblem[] = {
      [](const Described& of) { return Json(of.planned.size_class->key); }},
     {{"rows", "count", "", ""}, [](const Described& of) { return Json(of.problem.size()); }},
     {{"bilateral", "count", "", "rows"}, [](const Described& of) { return Json(of.problem.bilateral_rows().size()); }},
-    {{"redundancy", "time?", "", "as the manifest has it, like the three that follow; null: not known"},
+    {{"redundancy", "nonnegative?", "", "as the manifest has it, like the three that follow; null: not known"},
      Property<&ProblemProperties::redundancy>},
-    {{"condition", "time?", "", ""},
+    {{"condition", "nonnegative?", "", ""},
      [](const Described& of) { return OrNull(of.planned.entry->properties.condition.value); }},
-    {{"mass_ratio", "time?", "", ""}, Property<&ProblemProperties::mass_ratio>},
-    {{"fraction_active", "time?", "", ""},
+    {{"mass_ratio", "nonnegative?", "", ""}, Property<&ProblemProperties::mass_ratio>},
+    {{"fraction_active", "nonnegative?", "", ""},
      [](const Described& of) {
        const std::optional<AnswerProperties>& answer = of.planned.entry->answer;
        return answer ? Json(answer->fraction_active) : Json(nullptr);
@@ -260,7 +260,7 @@ constexpr FieldOf<Described> kProblem[] = {
     {{"counts", "boolean", "", "in means"}, [](const Described& of) { return Json(IsInMeans(of.set)); }},
     {{"oracle_s", "positive?", "s", "what an oracle pays (benchmarks/measure/oracle.h); null: not known"},
      [](const Described& of) { return OrNull(of.oracle_s); }},
-    {{"floor", "time?", "", "rounding floor that verdicts are relative to; null: not known"},
+    {{"floor", "nonnegative?", "", "rounding floor that verdicts are relative to; null: not known"},
      [](const Described& of) { return OrNull(of.floor); }},
 };
 
@@ -304,7 +304,7 @@ constexpr Kind kKinds[] = {
     {"count", [](const Value& v) { return v.is_number_unsigned(); }, "a whole number >= 0",
      R"({"type": "integer", "minimum": 0})"},
     {"number", [](const Value& v) { return v.is_number(); }, "a number", R"({"type": "number"})"},
-    {"time", [](const Value& v) { return v.is_number() && v >= 0; }, "a number >= 0",
+    {"nonnegative", [](const Value& v) { return v.is_number() && v >= 0; }, "a number >= 0",
      R"({"type": "number", "minimum": 0})"},
     {"positive", [](const Value& v) { return v.is_number() && v > 0; }, "a number > 0",
      R"({"type": "number", "exclusiveMinimum": 0})"},
@@ -432,14 +432,14 @@ Json ResultJsonSchema() {
 }
 
 std::span<const FieldOf<LineSource>> LineFields() { return kLine; }
-std::span<const FieldOf<JudgedAnswer>> ColumnFields() { return kColumns; }
-std::span<const FieldOf<JudgedAnswer>> ExceptionFields() { return kExceptions; }
+std::span<const FieldOf<MeasuredAnswer>> ColumnFields() { return kColumns; }
+std::span<const FieldOf<MeasuredAnswer>> ExceptionFields() { return kExceptions; }
 std::span<const TimeField> TimeFields() { return kTimes; }
 std::span<const FieldOf<PassSource>> PassFields() { return kPass; }
 std::span<const ResultField> StepFields() { return kSteps; }
 std::span<const FieldOf<DescribedProblem>> ProblemFields() { return kProblem; }
 
-nlohmann::json DescribeAnswer(const JudgedAnswer& answer) {
+nlohmann::json DescribeAnswer(const MeasuredAnswer& answer) {
   nlohmann::json record;
   for (const auto fields : {ColumnFields(), ExceptionFields(), std::span<const FieldOf<Answer>>(kOfTheLine)}) {
     for (const FieldOf<Answer>& field : fields) record[field.name] = field.value(answer);
@@ -480,7 +480,7 @@ std::string ResultSchemaMarkdown() {
       "# Fields of a campaign's lines\n\nWritten by `lcpbench list fields` (benchmarks/campaign/result_fields.h). "
       "[RESULTS.md](RESULTS.md) says what the files are for. Types: a name is a text that is not empty, a count a "
       "whole "
-      "number >= 0, a time a number >= 0; [time] is a list of these, and a question mark allows null.\n";
+      "number >= 0, nonnegative a number >= 0; [nonnegative] is a list of these, and a question mark allows null.\n";
   for (const RecordSchema& schema : ResultSchema()) {
     text += std::string("\n## ") + schema.record + "\n\n" + schema.meaning +
             ".\n\n| field | type | unit | meaning |\n| --- | --- | --- | --- |\n";

@@ -48,8 +48,8 @@ struct LineSource {
 };
 std::span<const FieldOf<LineSource>> LineFields();
 
-/// An answer, judged at one tier. What is negative is not known.
-struct JudgedAnswer {
+/// An answer, judged at one tier, with what it cost. What is negative is not known.
+struct MeasuredAnswer {
   const LcpResult& result;
   const Verdict& verdict;
   double first_s = -1;
@@ -58,11 +58,11 @@ struct JudgedAnswer {
   std::int64_t allocations = -1;
 };
 /// Of a judge line: a list each, with an entry for every problem that had its turn.
-std::span<const FieldOf<JudgedAnswer>> ColumnFields();
+std::span<const FieldOf<MeasuredAnswer>> ColumnFields();
 /// Of an entry of a judge line's `exceptions`, besides `at`.
-std::span<const FieldOf<JudgedAnswer>> ExceptionFields();
+std::span<const FieldOf<MeasuredAnswer>> ExceptionFields();
 /// Both, and what only the whole line has: what a worker tells of one problem at one tier.
-nlohmann::json DescribeAnswer(const JudgedAnswer& answer);
+nlohmann::json DescribeAnswer(const MeasuredAnswer& answer);
 
 /// The times of a pass, a list each over the problems of the task.
 struct TimeField : ResultField {

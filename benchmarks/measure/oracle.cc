@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "support/array_index.h"
 #include "support/clock.h"
 #ifdef LCPBENCH_WITH_SUITESPARSE
 #include "solvers/linear_algebra/cholmod_factor.h"
@@ -18,8 +19,6 @@ namespace {
 constexpr Index kPerBody = 3;
 
 using ColumnMatrix = BodySystem::ColumnMatrix;
-
-std::size_t At(Index i) { return static_cast<std::size_t>(i); }
 
 // chosen.size() x n, ones at (k, chosen[k]): from the left it picks rows, transposed from the right columns.
 ColumnMatrix Picking(const std::vector<Index>& chosen, Index n) {

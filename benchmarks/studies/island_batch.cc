@@ -8,11 +8,10 @@
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
 #include "solvers/lcp/verify.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
-
-std::size_t At(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 // Of each family and size.
 constexpr std::uint64_t kSceneSeeds = 40;

@@ -2,12 +2,9 @@
 
 #include <algorithm>
 
+#include "support/array_index.h"
+
 namespace lcpbench {
-namespace {
-
-std::size_t At(Index i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 StepArrays StepArrays::Of(const LcpProblem& problem) {
   StepArrays arrays;

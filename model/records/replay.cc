@@ -50,6 +50,19 @@ std::string Short(double value) {
   return text.str();
 }
 
+// Sets the path, and returns what the software leaves out of the row of its joint.
+// @param vt, dv  of the arms' ends, as in Rebuild
+double RebuildPath(const RecordedContact& contact, const Body& body1, const Body& body2, double vt, Vec2 dv,
+                   Feature* path) {
+  const double d = contact.distance;
+  // The software gives n' of a path, not its curvature: on a fixed body n' = kappa vt t. At vt = 0 any will do.
+  const double kappa = vt == 0 ? 0 : Dot(Perp(contact.n), contact.normal_dt) / vt;
+  // The point of the path below the vertex by n and d. The recorded one is off it along t, by up to 5e-7 m.
+  const Vec2 foot = (body1.x - body2.x) + contact.R1 - d * contact.n;
+  *path = kappa == 0 ? LineThrough(body2, foot, contact.n) : ArcAbout(body2, foot - (1 / kappa) * contact.n, 1 / kappa);
+  return kappa * vt * vt / (1 + kappa * d) - Dot(contact.normal_dt, dv);
+}
+
 }  // namespace
 
 RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& bodies) {
@@ -107,17 +120,10 @@ RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& 
       rebuilt.weight = {contact.n.x, contact.n.y};
       if (!contact.fixed_normal) add(Correction::kJointAxis, -2 * body2.omega * vt);
       break;
-    case RecordedKind::kPathJoint: {
+    case RecordedKind::kPathJoint:
       constraint.type = ConstraintType::kPathJoint;
-      // The software gives n' of a path, not its curvature: on a fixed body n' = kappa vt t. At vt = 0 any will do.
-      const double kappa = vt == 0 ? 0 : Dot(Perp(contact.n), contact.normal_dt) / vt;
-      // The point of the path below the vertex by n and d. The recorded one is off it along t, by up to 5e-7 m.
-      const Vec2 foot = (body1.x - body2.x) + contact.R1 - d * contact.n;
-      constraint.feature2 =
-          kappa == 0 ? LineThrough(body2, foot, contact.n) : ArcAbout(body2, foot - (1 / kappa) * contact.n, 1 / kappa);
-      add(Correction::kPathGap, kappa * vt * vt / (1 + kappa * d) - Dot(contact.normal_dt, dv));
+      add(Correction::kPathGap, RebuildPath(contact, body1, body2, vt, dv, &constraint.feature2));
       break;
-    }
     case RecordedKind::kRod: {
       constraint.type = ConstraintType::kRod;
       constraint.length = -contact.radius2;

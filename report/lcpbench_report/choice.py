@@ -12,7 +12,7 @@ from .solver_facts import library, method
 
 TIER = 1e-6  # that every solver here is meant for
 # Columns of tables that are not there.
-_ASKED_FOR = ["solver", "tier", "unit", "mean", "a", "answers", "reference", "problems", "metric"]
+_ASKED_FOR = ["solver", "tier", "mean", "a", "answers", "reference", "problems", "metric"]
 TIERS = (1e-3, 1e-6, 1e-9)  # of the collection; what has many more is a study of precision
 
 

@@ -9,7 +9,6 @@ import pandas as pd
 from lcpbench_report.statistics import means
 from lcpbench_report.statistics.coverage import coverage_table
 from lcpbench_report.statistics.intervals import share_interval
-from lcpbench_report.statistics.pairwise import pair_shares
 from lcpbench_report.statistics.distributions import TAUS, profile, profile_table
 from .synthetic_campaign import TIME_LIMIT, cells_of
 
@@ -45,12 +44,6 @@ class Profiles(unittest.TestCase):
         times = random_times(3)
         unit = pd.Series(np.exp(np.random.default_rng(4).normal(0, 5, len(times))))
         pd.testing.assert_frame_equal(profile(times), profile(times.mul(unit, axis=0)))
-
-    def test_a_pair_is_the_profile_without_the_others(self):
-        times = random_times(5)
-        joint = profile(times[["a", "b"]], taus=[1, 2, 10])
-        np.testing.assert_allclose(pair_shares(times["a"], times["b"]), joint["a"])
-        np.testing.assert_allclose(pair_shares(times["b"], times["a"]), joint["b"])
 
     def test_excluded_cells_are_failures_that_are_told_apart(self):
         cells = cells_of(EXAMPLE)
@@ -89,8 +82,7 @@ class Means(unittest.TestCase):
         self.assertTrue(math.isnan(means.shift_of(cells_of(pd.DataFrame({"a": [INF]})))))
 
     def test_failures_enter_with_the_limit(self):
-        table = means.mean_table(cells_of(EXAMPLE))
-        rows = table[table["unit"] == "s"].set_index("solver")
+        rows = means.mean_table(cells_of(EXAMPLE)).set_index("solver")
         shift = rows["shift"].iloc[0]
         self.assertEqual(shift, 0.1)  # the medians of what is finite are 3.5 and 3
         for solver, times in {"a": (1.0, 6.0, TIME_LIMIT), "b": (4.0, 2.0, TIME_LIMIT)}.items():
@@ -105,17 +97,6 @@ class Means(unittest.TestCase):
             times = np.exp(np.random.default_rng(seed).normal(-5, 2, (40, 1)))
             row = means.mean_table(cells_of(pd.DataFrame(times, columns=["a"]))).iloc[0]
             self.assertTrue(times.min() < row["mean_low"] < row["mean"] < row["mean_high"] < times.max())
-
-    def test_oracle_units_leave_out_problems_without_an_oracle(self):
-        cells = cells_of(EXAMPLE)
-        cells.loc[cells["problem"] == "q", "oracle_s"] = math.nan
-        rows = means.mean_table(cells)
-        rows = rows[rows["unit"] == "oracle"].set_index("solver")
-        self.assertEqual(set(rows["problems"]), {2})
-        shift = rows["shift"].iloc[0]
-        self.assertEqual(shift, 100)  # in these units a takes 1000
-        expected = math.sqrt((1.0 / 1e-3 + shift) * (TIME_LIMIT / 1e-3 + shift)) - shift
-        self.assertAlmostEqual(rows.loc["a", "mean"], expected)
 
 
 class Coverage(unittest.TestCase):

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "solvers/active_set/block_pivoting.h"
+#include "support/array_index.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -81,7 +82,6 @@ class SemismoothNewtonEngine {
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
 
  private:
-  static size_t At(Index i) { return static_cast<size_t>(i); }
   using End = BlockPivoting::End;  // kNotMet: go on
 
   bool Start(const Eigen::VectorXd* initial_f);

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "solvers/lcp/compressed_rows.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
@@ -149,22 +150,17 @@ void RequireSize(std::int64_t size, const char* name) {
 
 std::string Place(const char* array, std::int64_t i) { return std::string(array) + "[" + std::to_string(i) + "]"; }
 
-void RequireColumnsPerBody(std::int32_t p, std::string_view name) {
-  if (p != 3 && p != 6) Refuse(name, p, "3 (bodies in the plane) or 6 (in space)");
-}
-
 void RequireLayout(lcpbench_layout layout) {
   if (layout != LCPBENCH_COLUMN_MAJOR && layout != LCPBENCH_ROW_MAJOR) {
     Refuse("layout", layout, "LCPBENCH_COLUMN_MAJOR (0) or LCPBENCH_ROW_MAJOR (1)");
   }
 }
 
+// LcpProblem looks at the numbers.
 Eigen::VectorXd ReadVector(const double* values, std::int64_t size, const char* name) {
-  if (size > 0) RequireNotNull(values, name, "an array of numbers");
-  for (std::int64_t i = 0; i < size; ++i) {
-    if (!std::isfinite(values[i])) Refuse(Place(name, i), values[i], "a finite number");
-  }
-  return size == 0 ? Eigen::VectorXd() : Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(values, size));
+  if (size == 0) return {};
+  RequireNotNull(values, name, "an array of numbers");
+  return Eigen::Map<const Eigen::VectorXd>(values, size);
 }
 
 void RequireKinds(const std::uint8_t* kinds, std::int64_t n, const char* name) {
@@ -221,18 +217,9 @@ void RequireNoEntryTwice(const SparseMatrix& matrix, const char* name) {
   }
 }
 
-// @param end  what the last of the count + 1 numbers must be, called `name`
-void RequireStarts(const std::int32_t* starts, std::int64_t count, std::int64_t end, const char* name) {
-  if (starts[0] != 0) Refuse("starts[0]", starts[0], "0");
-  for (std::int64_t k = 0; k < count; ++k) {
-    if (starts[k + 1] < starts[k]) {
-      throw InputError(Place("starts", k + 1) + " is " + std::to_string(starts[k + 1]) + ", less than the " +
-                       std::to_string(starts[k]) + " before it");
-    }
-  }
-  if (starts[count] != end) {
-    Refuse(Place("starts", count), starts[count], std::string(name) + " = " + std::to_string(end));
-  }
+// Throws what was found to be wrong.
+void RequireNothing(const std::string& wrong) {
+  if (!wrong.empty()) throw InputError(wrong);
 }
 
 // The compressed arrays of `name`, checked. Going through the other order sorts the entries, in O(rows + columns +
@@ -249,7 +236,7 @@ SparseMatrix ReadCompressed(const char* name, std::int64_t rows, std::int64_t co
   SparseMatrix matrix(rows, columns);
   if (entries == 0 && (outer == 0 || (inner == 0 && starts == nullptr))) return matrix;
   RequireNotNull(starts, "starts", "one number for every column (or row) and one more");
-  RequireStarts(starts, outer, entries, "entries");
+  RequireNothing(WhyNotStarts({starts, static_cast<std::size_t>(outer) + 1}, entries, "starts", "entries"));
   if (entries == 0) return matrix;
   RequireNotNull(indices, "indices", "an array of indices");
   RequireNotNull(values, "values", "an array of numbers");
@@ -276,13 +263,6 @@ Eigen::MatrixXd ReadDense(const double* A, std::int64_t n, lcpbench_layout layou
   RequireNotNull(A, "A", "n x n numbers");
   const double numbers = static_cast<double>(n) * static_cast<double>(n);
   RequireMemory(numbers * sizeof(double), "a copy of A");
-  for (std::int64_t k = 0; k < n * n; ++k) {
-    if (std::isfinite(A[k])) continue;
-    const bool by_columns = layout == LCPBENCH_COLUMN_MAJOR;
-    Refuse("A: entry (" + std::to_string(by_columns ? k % n : k / n) + ", " +
-               std::to_string(by_columns ? k / n : k % n) + ")",
-           A[k], "a finite number");
-  }
   const Eigen::Map<const Eigen::MatrixXd> by_columns(A, n, n);
   if (layout == LCPBENCH_COLUMN_MAJOR) return by_columns;
   return by_columns.transpose();
@@ -295,15 +275,11 @@ lcpbench_error MakeFromFactors(const char* function, std::int64_t n, std::int64_
                                lcpbench_problem** problem) {
   return MakeProblem(function, n, problem, [&] {
     RequireSize(columns, "columns");
-    RequireColumnsPerBody(columns_per_body, "columns_per_body");
-    Eigen::VectorXd masses = ReadVector(inverse_mass, columns, "inverse_mass");
-    for (std::int64_t k = 0; k < columns; ++k) {
-      if (masses[k] < 0) Refuse(Place("inverse_mass", k), masses[k], "a number >= 0");
-    }
     MatrixFacts facts;
     facts.columns_per_body = columns_per_body;
     return LcpProblem::FromFactors("", ReadCompressed("J", n, columns, layout, starts, indices, values, entries),
-                                   std::move(masses), ReadVector(b, n, "b"), ReadKinds(kinds, n), facts);
+                                   ReadVector(inverse_mass, columns, "inverse_mass"), ReadVector(b, n, "b"),
+                                   ReadKinds(kinds, n), facts);
   });
 }
 
@@ -444,7 +420,9 @@ StepRows ReadStepRows(const lcpbench_step_rows* given) {
   RequireNotNull(given, "rows", "the arrays of a step");
   const lcpbench_step_rows read =
       CopyIn(given, StepRowsDefaults(), kFirstStepRows, "rows", "lcpbench_step_rows (call lcpbench_step_rows_init)");
-  RequireColumnsPerBody(read.columns_per_body, "rows.columns_per_body");
+  if (read.columns_per_body != 3 && read.columns_per_body != 6) {
+    Refuse("rows.columns_per_body", read.columns_per_body, "3 (bodies in the plane) or 6 (in space)");
+  }
   RequireSize(read.rows, "rows.rows");
   RequireSize(read.bodies, "rows.bodies");
   if (read.reserved != 0) Refuse("rows.reserved", read.reserved, "0");
@@ -760,14 +738,15 @@ lcpbench_error lcpbench_step_solve_batch(lcpbench_step* step, const lcpbench_ste
     const StepRows read = ReadStepRows(rows);
     RequireSize(count, "count");
     RequireNotNull(starts, "starts", "one number for every problem and one more");
-    RequireStarts(starts, count, read.rows, "rows.rows");
+    const std::span<const int> begins(starts, static_cast<std::size_t>(count) + 1);
+    RequireNothing(WhyNotStarts(begins, read.rows, "starts", "rows.rows"));
     RequireStructSize(size, kFirstStepAnswer, "lcpbench_step_answer");
     if (count > 0) RequireOutput(answers, "answers");
     if (read.rows > 0) RequireOutput(f, "f");
     const auto problems = static_cast<std::size_t>(count);
     if (step->answers.size() < problems) step->answers.resize(problems);
     const std::span<StepAnswer> found(step->answers.data(), problems);
-    step->solver.SolveBatch(read, {starts, problems + 1}, f, found);
+    step->solver.SolveBatch(read, begins, f, found);
     auto* target = reinterpret_cast<char*>(answers);
     for (const StepAnswer& answer : found) {
       CopyOut(answer, reinterpret_cast<lcpbench_step_answer*>(target), size);

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "solvers/exact/active_factor.h"
 #include "solvers/exact/dyadic_lcp.h"
 #include "solvers/exact/exact_solver.h"
+#include "solvers/exact/independent_block.h"
 #include "solvers/lcp/solver.h"
 #include "support/input_error.h"
 
@@ -285,8 +285,9 @@ class Refinement {
       largest_load = std::max(largest_load, std::abs(problem.b()[i]) / root);
       largest_root = std::max(largest_root, root);
     }
-    scale_.load_exponent = largest_load > 0 ? Exponent(largest_load) : 0;
-    scale_.force_bits = std::max(lcp_.least_force_bits(), kForceBits - scale_.load_exponent + Exponent(largest_root));
+    scale_.load_exponent = largest_load > 0 ? FrexpExponent(largest_load) : 0;
+    scale_.force_bits =
+        std::max(lcp_.least_force_bits(), kForceBits - scale_.load_exponent + FrexpExponent(largest_root));
     Eigen::VectorXd w;
     problem.ComputeW(f_start, &w);
     active_.assign(At(size()), 0);
@@ -301,7 +302,7 @@ class Refinement {
   BoundedReference Run() {
     const std::vector<BigInteger> start = f_;
     const std::vector<char> active_at_start = active_;
-    std::optional<ActiveFactor> factor;
+    std::optional<IndependentBlock> factor;
     bool settled = false;
     while (!settled && reference_.exchanges < kMostExchanges && !deadline_.Expired()) {
       ++reference_.exchanges;
@@ -346,7 +347,7 @@ class Refinement {
   void Evaluate() { lcp_.ComputeGaps(f_, scale_.force_bits, &w_); }
 
   // Until w is `target` on the independent rows, as far as that goes.
-  void Refine(const ActiveFactor& factor, const std::vector<BigInteger>& target) {
+  void Refine(const IndependentBlock& factor, const std::vector<BigInteger>& target) {
     reference_.refinements +=
         RefineForces(problem_, lcp_, scale_, factor.factor(), target, kAllBits, deadline_, &f_, &w_);
   }
@@ -387,13 +388,13 @@ class Refinement {
         least = shift;
         best = f_;
       }
-      if (shift == 0 || !ProximalStep(Exponent(shift))) break;
+      if (shift == 0 || !ProximalStep(FrexpExponent(shift))) break;
     }
     f_ = std::move(best);
   }
 
   // Which rows of a set of dependent ones are active as their doubles say it; false where that comes to no end.
-  bool TakeVertex(const ActiveFactor& factor) {
+  bool TakeVertex(const IndependentBlock& factor) {
     const Index dependent = Count(factor.dependent());
     if (dependent == 0 || dependent > most_dependent_rows_) return false;
     std::optional<Vertex> vertex =
@@ -433,12 +434,12 @@ class Refinement {
   }
 
   // False where they are not proved to be the active ones; then detail says why.
-  bool ProveActiveRows(const ActiveFactor& factor) {
+  bool ProveActiveRows(const IndependentBlock& factor) {
     reference_.detail = ProveOrTellWhyNot(factor);
     return reference_.detail.empty();
   }
 
-  std::string ProveOrTellWhyNot(const ActiveFactor& factor) {
+  std::string ProveOrTellWhyNot(const IndependentBlock& factor) {
     if (!factor.dependent().empty()) return "some active rows depend on others";
     const double eigenvalue = factor.LeastEigenvalueBound();
     if (eigenvalue == 0) return "no bound > 0 of the least eigenvalue on the active rows";
@@ -491,7 +492,7 @@ class Refinement {
   }
 
   // With gaps on the active rows that are too small to count and not negative.
-  bool ProveFeasible(const ActiveFactor& factor) {
+  bool ProveFeasible(const IndependentBlock& factor) {
     for (Index i = 0; i < size(); ++i) {
       if (problem_.is_bilateral(i) && w_[At(i)] != 0) return false;
     }

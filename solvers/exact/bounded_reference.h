@@ -22,7 +22,8 @@ struct BoundedReference {
   /// Which problem f solves, and how that is proved.
   enum class Proof {
     /// The problem as given, whose solution f* has its active rows F where f is > 0: A_FF is nonsingular (its least
-    /// eigenvalue has a proved bound, active_factor.h), the exact solution of A_FF x = -b_F is so near to f_F that x >
+    /// eigenvalue has a proved bound, independent_block.h), the exact solution of A_FF x = -b_F is so near to f_F that
+    /// x >
     /// 0, and the gaps elsewhere so large that they are > 0 with x, too. f* is then the only solution.
     kActiveRows,
     /// The problem as given: w >= 0, w = 0 on bilateral rows, exactly. b~ = b.

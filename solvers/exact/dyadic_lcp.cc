@@ -125,7 +125,7 @@ double ToDouble(const BigInteger& number, long bits) {
   return std::ldexp(mantissa, static_cast<int>(exponent - bits));
 }
 
-long Exponent(double value) {
+long FrexpExponent(double value) {
   int exponent = 0;
   std::frexp(value, &exponent);
   return exponent;
@@ -162,7 +162,7 @@ int RefineForces(const LcpProblem& problem, const DyadicLcp& lcp, const DyadicSc
     if (!change.allFinite()) return step;
     for (Index k = 0; k < change.size(); ++k) (*f)[At(rows[At(k)])] -= Scaled(change[k], scale.force_bits + unit);
     // The next residual is smaller by some digits; ldexp keeps far smaller ones as well.
-    unit += Exponent(largest);
+    unit += FrexpExponent(largest);
   }
 }
 

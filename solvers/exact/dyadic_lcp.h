@@ -3,7 +3,7 @@
 #include <boost/multiprecision/mpfr.hpp>
 #include <vector>
 
-#include "solvers/exact/active_factor.h"
+#include "solvers/exact/independent_block.h"
 #include "solvers/exact/rational.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
@@ -17,7 +17,7 @@ BigInteger Scaled(double value, long bits);
 double ToDouble(const BigInteger& number, long bits);
 
 /// The exponent that frexp finds.
-long Exponent(double value);
+long FrexpExponent(double value);
 
 /// D_ii^1/2, 1 where A_ii = 0.
 double RootOfDiagonal(const LcpProblem& problem, Index i);

@@ -58,6 +58,47 @@ struct Dictionary {
   }
 };
 
+// Eliminates the rows of S from n on, which are joints' with their right-hand sides in the last column, the largest
+// diagonal first. False where that is not > 0, or the deadline has passed.
+bool EliminateJoints(Index n, const Deadline& deadline, Matrix* S) {
+  const Index all = S->rows();
+  std::vector<char> done(At(all - n), 0);
+  for (Index step = n; step < all; ++step) {
+    Index p = -1;
+    for (Index i = n; i < all; ++i) {
+      if (done[At(i - n)] == 0 && (p < 0 || (*S)(i, i) > (*S)(p, p))) p = i;
+    }
+    done[At(p - n)] = 1;
+    if (!((*S)(p, p) > 0) || deadline.Expired()) return false;
+    for (Index i = 0; i < all; ++i) {
+      if (i == p || (i >= n && done[At(i - n)] != 0)) continue;
+      const Float factor = (*S)(i, p) / (*S)(p, p);
+      if (factor == 0) continue;
+      S->row(i) -= factor * S->row(p);
+    }
+  }
+  return true;
+}
+
+// The row that leaves where that column comes in, -1 where none does. Of ratios q / -slope the smallest, and of equal
+// ones the artificial variable's, 2 n. Slopes above -tiny are none.
+Index LeavingRow(const Dictionary& dictionary, Index column, const Float& tiny) {
+  const Matrix& T = dictionary.values;
+  const Index n = T.rows();
+  Index row = -1;
+  for (Index i = 0; i < n; ++i) {
+    const Float& slope = T(i, column);
+    if (!(slope < -tiny)) continue;
+    if (row < 0) {
+      row = i;
+      continue;
+    }
+    const Float difference = T(row, n + 1) * slope - T(i, n + 1) * T(row, column);
+    if (difference < 0 || (difference == 0 && dictionary.basic[At(i)] == 2 * n)) row = i;
+  }
+  return row;
+}
+
 // @param bilateral_basis  independent bilateral rows, which are eliminated first
 // O(n^2) operations of some 0.1 us a pivot, about n to 2 n pivots. Nothing where it comes to no end, or
 // not by the deadline, which is looked at before every pivot.
@@ -71,7 +112,6 @@ std::optional<LemkeGuess> GuessByLemke(const IntegerMatrix& A, const IntegerMatr
     if (bilateral[At(i)] == 0 && fmpz_sgn(A.at(i, i)) > 0) rows.push_back(i);
   }
   const auto n = static_cast<Index>(rows.size());
-  const auto joints = static_cast<Index>(bilateral_basis.size());
   rows.insert(rows.end(), bilateral_basis.begin(), bilateral_basis.end());
   const auto all = static_cast<Index>(rows.size());
   std::vector<Float> root(At(all));
@@ -86,22 +126,7 @@ std::optional<LemkeGuess> GuessByLemke(const IntegerMatrix& A, const IntegerMatr
     largest = std::max(largest, Float(abs(S(i, all))));
   }
   if (largest == 0) return LemkeGuess{std::vector<char>(At(size), 0), {}};
-  std::vector<char> done(At(joints), 0);
-  for (Index step = 0; step < joints; ++step) {
-    Index k = -1;
-    for (Index c = 0; c < joints; ++c) {
-      if (done[At(c)] == 0 && (k < 0 || S(n + c, n + c) > S(n + k, n + k))) k = c;
-    }
-    done[At(k)] = 1;
-    const Index p = n + k;
-    if (!(S(p, p) > 0) || deadline.Expired()) return std::nullopt;
-    for (Index i = 0; i < all; ++i) {
-      if (i == p || (i >= n && done[At(i - n)] != 0)) continue;
-      const Float factor = S(i, p) / S(p, p);
-      if (factor == 0) continue;
-      S.row(i) -= factor * S.row(p);
-    }
-  }
+  if (!EliminateJoints(n, deadline, &S)) return std::nullopt;
 
   // Variables: w_i is i, f_i is n + i, the artificial one 2 n.
   const Float tiny = pow(Float(10), -2 * kGuessDigits / 3);
@@ -135,20 +160,7 @@ std::optional<LemkeGuess> GuessByLemke(const IntegerMatrix& A, const IntegerMatr
     const int entering = left < n ? left + static_cast<int>(n) : left - static_cast<int>(n);
     column = 0;
     while (dictionary.nonbasic[At(column)] != entering) ++column;
-    row = -1;
-    for (Index i = 0; i < n; ++i) {
-      const Float& slope = T(i, column);
-      if (!(slope < -tiny)) continue;
-      if (row < 0) {
-        row = i;
-        continue;
-      }
-      const Float mine = constant(i) * T(row, column);
-      const Float other = constant(row) * slope;
-      // Ratios q / -slope: the smaller one leaves, and of equal ones the artificial variable.
-      const Float difference = other - mine;
-      if (difference < 0 || (difference == 0 && dictionary.basic[At(i)] == 2 * n)) row = i;
-    }
+    row = LeavingRow(dictionary, column, tiny);
     if (row < 0) {
       guess.support.assign(At(size), 0);
       if (entering >= n) guess.support[At(rows[At(entering - n)])] = 1;

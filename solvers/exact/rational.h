@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "solvers/lcp/problem.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
 
@@ -22,8 +23,5 @@ inline Rational Shifted(Rational value, long bits) {
   }
   return value;
 }
-
-/// A row's place in a std::vector.
-inline std::size_t At(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace lcpbench

@@ -38,8 +38,9 @@ SparseMatrix PartOf(const LcpProblem& problem, const std::vector<Index>& rows) {
   return part;
 }
 
-// Matrices with few entries a row fill in little.
-bool IsTooFull(const LcpProblem& problem) {
+// Whether its rank may take more than kMostWorkOfUniqueForces, n^2 times the columns, where elimination fills the rows:
+// that of at most 16 entries a row, on average, fills few.
+bool RankCostsTooMuch(const LcpProblem& problem) {
   constexpr Index kFewEntries = 16;
   const SparseMatrix& given = problem.has_factors() ? problem.J() : problem.SparseA();
   const auto rows = static_cast<double>(given.rows());
@@ -58,7 +59,7 @@ std::optional<bool> UniqueForces(const LcpProblem& problem, const Eigen::VectorX
   const Index n = problem.size();
   if (n == 0) return true;
   if (!facts.symmetric || !facts.positive_semidefinite || f.size() != n) return std::nullopt;
-  if (n > kMostRowsOfUniqueForces || IsTooFull(problem)) return std::nullopt;
+  if (n > kMostRowsOfUniqueForces || RankCostsTooMuch(problem)) return std::nullopt;
   const Metrics metrics = ComputeMetrics(problem, f);
   if (!PassesTier(metrics, kTier)) return std::nullopt;
   const Eigen::VectorXd root = problem.DiagonalA().unaryExpr([](double d) { return d > 0 ? std::sqrt(d) : 1.0; });

@@ -342,16 +342,19 @@ class IpmEngine {
       const End end = TryActiveSets(interior_.f(), interior_.w(), kFromIterate, weight);
       if (run->limit_hit() || end == End::kDone || end == End::kInfeasible) return Ended(run, end, result);
     }
+    return FinishFrom(progress, run, result);
+  }
+
+  // After the last interior step.
+  LcpStatus FinishFrom(Progress progress, IpmRun* run, LcpResult* result) {
     if (run->limit_hit()) {
       Remember(run);
       return Ended(run, End::kStopped, result);
     }
     if (progress == Progress::kDiverged) {
       if (pivoting_.FindRay(interior_.f())) return Ended(run, End::kInfeasible, result);
-      f.setZero();
-      w = interior_.w();
-      for (Index i = 0; i < n; ++i) w[i] -= interior_.f()[i];  // keeps F = {f > w} while c = 0
-      return Finish(run, f, w, 0.0, result);
+      const Eigen::VectorXd w = interior_.w() - interior_.f();  // keeps F = {f > w} while c = 0
+      return Finish(run, Eigen::VectorXd::Zero(w.size()), w, 0.0, result);
     }
     if (finish_.may_sweep()) {
       Remember(run);

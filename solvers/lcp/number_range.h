@@ -7,23 +7,23 @@
 namespace lcpbench {
 
 /// Absolute values of numbers that are not 0.
-struct Range {
+struct MagnitudeRange {
   double least;  ///< > 0
   double most;   ///< finite
 };
 /// Products of two or three do not leave the range of doubles (LcpProblem::has_extreme_matrix, has_extreme_b).
-inline constexpr Range kFactorRange{0x1p-64, 0x1p64};
+inline constexpr MagnitudeRange kFactorRange{0x1p-64, 0x1p64};
 /// Of entries of A.
-inline constexpr Range kEntryRange{0x1p-192, 0x1p192};
+inline constexpr MagnitudeRange kEntryRange{0x1p-192, 0x1p192};
 /// Of entries of b.
-inline constexpr Range kLoadRange{0x1p-300, 0x1p128};
+inline constexpr MagnitudeRange kLoadRange{0x1p-300, 0x1p128};
 
 /// Looks at numbers by the bits of their absolute values, which ascend as the numbers do, NaN and infinity last, and by
 /// signs of differences: without a branch, and with what even the baseline instruction set does several at a time.
 class NumberRange {
  public:
   /// Nothing has been looked at yet.
-  explicit NumberRange(const Range& range)
+  explicit NumberRange(const MagnitudeRange& range)
       : least_(std::bit_cast<std::uint64_t>(range.least)), most_(std::bit_cast<std::uint64_t>(range.most)) {}
 
   /// O(count)

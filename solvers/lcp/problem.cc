@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "solvers/lcp/compressed_rows.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/lcp/number_range.h"
 #include "support/input_error.h"
@@ -20,7 +21,7 @@ namespace {
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 [[noreturn]] void Reject(const std::string& id, const std::string& what) {
-  throw InputError("problem '" + id + "': " + what);
+  throw InputError(id.empty() ? what : "problem '" + id + "': " + what);
 }
 
 // Which ends of the range there are numbers beyond, zeros apart.
@@ -29,14 +30,18 @@ struct Beyond {
   bool most = false;
 };
 
-Beyond RequireFinite(const std::string& id, const char* name, const Range& range, const double* values, Index count) {
+// @param side  of a dense matrix, by columns, whose entries are named by row and column; 0: an array of numbers
+Beyond RequireFinite(const std::string& id, const char* name, const MagnitudeRange& range, const double* values,
+                     Index count, Index side = 0) {
   NumberRange looked(range);
   looked.Look(values, count);
   if (!looked.has_large()) return {looked.has_small(), false};
   const double* found = std::find_if(values, values + count, [](double value) { return !std::isfinite(value); });
   if (found == values + count) return {looked.has_small(), true};
-  Reject(id, std::string(name) + " must be finite, entry " + std::to_string(found - values) + " is " +
-                 std::to_string(*found));
+  const Index k = found - values;
+  const std::string place = side == 0 ? "[" + std::to_string(k) + "]"
+                                      : ": entry (" + std::to_string(k % side) + ", " + std::to_string(k / side) + ")";
+  Reject(id, name + place + " is " + std::to_string(*found) + ", expected a finite number");
 }
 
 void RequireShape(const std::string& id, const char* name, Index rows, Index cols, Index want_rows, Index want_cols) {
@@ -48,50 +53,31 @@ void RequireShape(const std::string& id, const char* name, Index rows, Index col
 
 // Of the matrix that arrays hold, in the two sparse forms.
 void RequireCompressedRows(const ProblemArrays& arrays) {
-  const Index n = arrays.rows;
   const auto count = static_cast<Index>(arrays.column.size());
-  const std::vector<int>& start = arrays.row_start;
-  if (arrays.columns < 0 || (arrays.form == MatrixForm::kSparse && arrays.columns != n)) {
+  if (arrays.columns < 0 || (arrays.form == MatrixForm::kSparse && arrays.columns != arrays.rows)) {
     Reject(arrays.id, "columns must be " + std::string(arrays.form == MatrixForm::kSparse ? "rows" : ">= 0") +
                           ", found " + std::to_string(arrays.columns));
   }
-  RequireShape(arrays.id, "row start", static_cast<Index>(start.size()), 1, n + 1, 1);
-  RequireShape(arrays.id, "values", static_cast<Index>(arrays.value.size()), 1, count, 1);
-  if (start.front() != 0 || start.back() != count) {
-    Reject(arrays.id, "row start must go from 0 to " + std::to_string(count) + ", found " +
-                          std::to_string(start.front()) + " to " + std::to_string(start.back()));
-  }
-  for (size_t i = 0; i < static_cast<size_t>(n); ++i) {
-    if (start[i + 1] < start[i] || start[i + 1] > count) {
-      Reject(arrays.id, "row start must ascend, found " + std::to_string(start[i + 1]) + " after " +
-                            std::to_string(start[i]) + " at row " + std::to_string(i));
-    }
-    int last = -1;
-    for (auto e = static_cast<size_t>(start[i]); e < static_cast<size_t>(start[i + 1]); ++e) {
-      const int column = arrays.column[e];
-      if (column <= last || column >= arrays.columns) {
-        Reject(arrays.id, "row " + std::to_string(i) + " has column " + std::to_string(column) + " after " +
-                              std::to_string(last) + ", expected ascending ones below " +
-                              std::to_string(arrays.columns));
-      }
-      last = column;
-    }
-  }
+  RequireShape(arrays.id, "row_start", static_cast<Index>(arrays.row_start.size()), 1, arrays.rows + 1, 1);
+  RequireShape(arrays.id, "value", static_cast<Index>(arrays.value.size()), 1, count, 1);
+  std::string why = WhyNotStarts(arrays.row_start, count, "row_start", "entries");
+  if (why.empty()) why = WhyNotColumns(arrays.row_start, arrays.column, arrays.columns, "column");
+  if (!why.empty()) Reject(arrays.id, why);
 }
 
-// Whether so many of J's entries are stored that products of whole rows cost less than lists do. Below, the lists of a
-// few rows stay in the caches.
-constexpr Index kLeastFullRows = 32;
-constexpr Index kPartOfFull = 4;
-bool IsFull(const Eigen::Ref<const SparseMatrix>& J) {
-  return J.rows() >= kLeastFullRows && kPartOfFull * J.outerIndexPtr()[J.rows()] >= J.rows() * J.cols();
+// Whether a quarter of J's entries or more are stored: products of whole rows then cost less than lists do. Below 32
+// rows lists stay in the caches.
+constexpr Index kLeastDenseRows = 32;
+constexpr Index kPartOfDense = 4;
+bool HasDenseRows(const Eigen::Ref<const SparseMatrix>& J) {
+  return J.rows() >= kLeastDenseRows && kPartOfDense * J.outerIndexPtr()[J.rows()] >= J.rows() * J.cols();
 }
 
 // The rows of J without the columns that cannot move, kTile rows side by side: column k of the rows from kTile t on
 // begins at kTile (t columns + k); zeros where there is no row.
 constexpr Index kTile = 8;
-struct FullRows {
-  FullRows(const Eigen::Ref<const SparseMatrix>& J, const double* inverse_mass) {
+struct DenseRows {
+  DenseRows(const Eigen::Ref<const SparseMatrix>& J, const double* inverse_mass) {
     std::vector<Index> place(static_cast<size_t>(J.cols()), -1);
     for (Index k = 0; k < J.cols(); ++k) {
       if (inverse_mass[k] == 0) continue;
@@ -130,8 +116,8 @@ void MultiplyTiles(const double* first, const double* second, const double* mass
 }
 
 // As Assemble: every entry is the same sum in the same order, so that it has the same bits.
-void AssembleFull(const Eigen::Ref<const SparseMatrix>& J, const double* inverse_mass, double* A, Index stride) {
-  const FullRows full(J, inverse_mass);
+void AssembleOfDenseRows(const Eigen::Ref<const SparseMatrix>& J, const double* inverse_mass, double* A, Index stride) {
+  const DenseRows full(J, inverse_mass);
   const Index n = J.rows();
   for (Index i = 0; i < n; ++i) std::fill(A + i * stride + n, A + (i + 1) * stride, 0.0);
   double sum[kTile * kTile];
@@ -156,7 +142,7 @@ void Assemble(const Eigen::Ref<const SparseMatrix>& J, const double* inverse_mas
     int row;
     double value;
   };
-  if (IsFull(J)) return AssembleFull(J, inverse_mass, A, stride);
+  if (HasDenseRows(J)) return AssembleOfDenseRows(J, inverse_mass, A, stride);
   std::fill_n(A, J.rows() * stride, 0.0);
   std::vector<int> last(static_cast<size_t>(J.cols()), -1);
   const int* const start = J.outerIndexPtr();
@@ -206,13 +192,14 @@ struct LcpProblem::Matrix {
   double asymmetry = 0;
   bool two_body_rows = false;
 
-  void RequireFiniteValues(const char* name, const double* values, Index count) {
-    beyond = RequireFinite(id, name, form == MatrixForm::kFactors ? kFactorRange : kEntryRange, values, count);
+  void RequireFiniteValues(const char* name, const double* values, Index count, Index side = 0) {
+    beyond = RequireFinite(id, name, form == MatrixForm::kFactors ? kFactorRange : kEntryRange, values, count, side);
   }
 
   void RequireColumnsPerBody() const {
     if (facts.columns_per_body == 3 || facts.columns_per_body == 6) return;
-    Reject(id, "columns per body must be 3 or 6, found " + std::to_string(facts.columns_per_body));
+    Reject(id, "columns_per_body is " + std::to_string(facts.columns_per_body) +
+                   ", expected 3 (bodies in the plane) or 6 (in space)");
   }
 
   // Swapped out of its place: Eigen's sparse matrices cannot be moved.
@@ -225,12 +212,13 @@ struct LcpProblem::Matrix {
 
   void TakeMasses(Eigen::VectorXd masses) {
     RequireColumnsPerBody();
-    const Beyond of_masses = RequireFinite(id, "inverse mass", kFactorRange, masses.data(), masses.size());
+    const Beyond of_masses = RequireFinite(id, "inverse_mass", kFactorRange, masses.data(), masses.size());
     beyond.least |= of_masses.least;
     beyond.most |= of_masses.most;
     for (Index k = 0; k < masses.size(); ++k) {
       if (masses[k] >= 0) continue;
-      Reject(id, "inverse mass must be >= 0, entry " + std::to_string(k) + " is " + std::to_string(masses[k]));
+      Reject(id,
+             "inverse_mass[" + std::to_string(k) + "] is " + std::to_string(masses[k]) + ", expected a number >= 0");
     }
     inverse_mass = std::move(masses);
     facts.symmetric = facts.positive_semidefinite = true;
@@ -274,7 +262,7 @@ struct LcpProblem::Matrix {
 
   // Whether every row of J has more than half of the columns that can move; at most 2^31 - 1 pairs.
   bool EveryPairSharesAColumn() const {
-    if (!IsFull(sparse) || rows * rows > std::numeric_limits<int>::max()) return false;
+    if (!HasDenseRows(sparse) || rows * rows > std::numeric_limits<int>::max()) return false;
     const auto movable = static_cast<Index>((inverse_mass.array() != 0).count());
     for (Index i = 0; i < rows; ++i) {
       Index count = 0;
@@ -429,7 +417,7 @@ LcpProblem LcpProblem::FromDense(std::string id, Eigen::MatrixXd A, Eigen::Vecto
   const auto storage = MakeStorage(std::move(id), MatrixForm::kDense, std::move(b), std::move(bounds), facts);
   Matrix& matrix = storage->matrix;
   RequireShape(matrix.id, "A", A.rows(), A.cols(), matrix.rows, matrix.rows);
-  matrix.RequireFiniteValues("A", A.data(), A.size());
+  matrix.RequireFiniteValues("A", A.data(), A.size(), matrix.rows);
   matrix.dense = std::move(A);
   matrix.LookForExtremes();
   return LcpProblem(storage);
@@ -503,7 +491,7 @@ LcpProblem LcpProblem::FromArrays(const ProblemArrays& arrays) {
   std::copy(arrays.column.begin(), arrays.column.end(), matrix.sparse.innerIndexPtr());
   std::copy(arrays.value.begin(), arrays.value.end(), matrix.sparse.valuePtr());
   if (has_factors) {
-    RequireShape(arrays.id, "inverse mass", static_cast<Index>(arrays.inverse_mass.size()), 1, arrays.columns, 1);
+    RequireShape(arrays.id, "inverse_mass", static_cast<Index>(arrays.inverse_mass.size()), 1, arrays.columns, 1);
     matrix.TakeMasses(Eigen::Map<const Eigen::VectorXd>(arrays.inverse_mass.data(), arrays.columns));
   }
   matrix.LookForExtremes();

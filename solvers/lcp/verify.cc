@@ -163,6 +163,19 @@ std::string Number(double value) {
   return text;
 }
 
+void MarkUseless(Index n, Metrics* m) {
+  m->w = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::quiet_NaN());
+  m->rho = m->backward_error = m->natural_residual = m->natural_residual_siconos = kInfinity;
+  m->fischer_burmeister = m->primal_infeasibility = m->dual_infeasibility = m->complementarity = kInfinity;
+  m->gap = m->gap_rel = m->energy_bound = m->energy_shift = kInfinity;
+}
+
+// By the largest difference, over one more than the largest of `scale`; of no rows 0.
+double ErrorOf(const Eigen::VectorXd& found, const Eigen::VectorXd& known, const Eigen::VectorXd& scale) {
+  if (found.size() == 0) return 0;
+  return (found - known).cwiseAbs().maxCoeff() / (1 + scale.cwiseAbs().maxCoeff());
+}
+
 }  // namespace
 
 Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, const LcpReference* reference) {
@@ -174,10 +187,7 @@ Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, cons
   }
   m.answer_floor = RoundingFloor(problem, f);
   if (f.size() != n || !f.allFinite()) {
-    m.w = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::quiet_NaN());
-    m.rho = m.backward_error = m.natural_residual = m.natural_residual_siconos = kInfinity;
-    m.fischer_burmeister = m.primal_infeasibility = m.dual_infeasibility = m.complementarity = kInfinity;
-    m.gap = m.gap_rel = m.energy_bound = m.energy_shift = kInfinity;
+    MarkUseless(n, &m);
     return m;
   }
   const Eigen::VectorXd& b = problem.b();
@@ -252,13 +262,8 @@ Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, cons
     m.energy_bound = static_cast<double>(energy);
     m.energy_shift = static_cast<double>(std::sqrt(shift_squared));
   }
-  if (reference != nullptr && reference->w.has_value()) {
-    const double b_max = n == 0 ? 0.0 : b.cwiseAbs().maxCoeff();
-    m.w_error = n == 0 ? 0.0 : (m.w - *reference->w).cwiseAbs().maxCoeff() / (1 + b_max);
-  }
-  if (reference != nullptr && reference->f.has_value()) {
-    m.f_error = n == 0 ? 0.0 : (f - *reference->f).cwiseAbs().maxCoeff() / (1 + reference->f->cwiseAbs().maxCoeff());
-  }
+  if (reference != nullptr && reference->w.has_value()) m.w_error = ErrorOf(m.w, *reference->w, b);
+  if (reference != nullptr && reference->f.has_value()) m.f_error = ErrorOf(f, *reference->f, *reference->f);
   return m;
 }
 

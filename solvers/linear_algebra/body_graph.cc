@@ -7,6 +7,7 @@
 
 #include "solvers/lcp/in_sequence.h"
 #include "solvers/lcp/memory_budget.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
@@ -22,7 +23,6 @@ constexpr double kLeastLeft = 0.8;
 constexpr int kAxes = 3;
 constexpr int kNone = -1;
 
-size_t At(Index i) { return static_cast<size_t>(i); }
 // The first column of a body.
 Index First(int body) { return Index{kAxes} * body; }
 

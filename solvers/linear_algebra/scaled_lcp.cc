@@ -5,14 +5,13 @@
 #include <utility>
 
 #include "solvers/lcp/residual_sums.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
 
 // Entries between two looks at the clock, some 10 us.
 constexpr Index kWorkPerClockRead = 1 << 14;
-
-size_t At(Index i) { return static_cast<size_t>(i); }
 
 // Whole cache lines, but no multiple of 4 KiB: walking along a row would then hit one cache set only.
 Index PaddedStride(Index rows) {

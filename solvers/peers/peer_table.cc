@@ -1,8 +1,10 @@
 #include "solvers/peers/peer_table.h"
 
 #include <algorithm>
+#include <deque>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace lcpbench {
 namespace {
@@ -61,6 +63,12 @@ constexpr std::string_view kViolation =
     "the largest violation of a constraint, absolute; for a singular matrix proximal steps, too";
 constexpr std::string_view kFeasibility = "feasibility and complementarity, absolute";
 
+// Of both builds of ProxQP.
+constexpr TierSettings kProxQpDual{{1e-6, 1e-6, 1e-9}, 1e6, kLargestResidual};
+constexpr TierSettings kProxQpPrimal{{1e-3, 1e-6, 1e-9}, 1e6, kLargestResidual};
+
+// Each key with tiers stands for KEY-default as well, see AllPeers.
+
 constexpr PeerEntry kPeers[] = {
     {kBullet, "bullet-dantzig", "Dantzig pivoting of the physics engine"},
     {kBullet, "bullet-dantzig-cfm", kWithCfm},
@@ -75,13 +83,10 @@ constexpr PeerEntry kPeers[] = {
     {kDart, "dart-dantzig", "Dantzig pivoting, after ODE's"},
     {kDart, "dart-dantzig-cfm", kWithCfm},
     {kDart, "dart-pgs", "projected Gauss-Seidel", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kRelativeChange}},
-    {kDart, "dart-pgs-default", kAsItIs},
     {kSiconos, "siconos-lexicolemke", "lexicographic Lemke pivoting"},
     {kSiconos, "siconos-newton-fb", "semismooth Newton on the Fischer-Burmeister function",
      TierSettings{{1e-5, 1e-8, 1e-10}, 1e6, kNaturalResidual}},
-    {kSiconos, "siconos-newton-fb-default", kAsItIs},
     {kSiconos, "siconos-pgs", "projected Gauss-Seidel", TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kNaturalResidual}},
-    {kSiconos, "siconos-pgs-default", kAsItIs},
     {kSiconos, "siconos-nsgs-sbm", "block Gauss-Seidel on a sparse block matrix",
      TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kNaturalResidual}, kAny},
     {kSiconos, "siconos-avi", "pivoting on the affine variational inequality (Cao, Ferris)"},
@@ -89,118 +94,85 @@ constexpr PeerEntry kPeers[] = {
     {kSiconos, "siconos-pathsearch", "pivoting along PATH's piecewise linear path"},
     {kSiconos, "siconos-newton-min", "Newton on min(f, w) without line search",
      TierSettings{{1e-5, 1e-6, 1e-9}, 1e6, kNaturalResidual}},
-    {kSiconos, "siconos-newton-min-default", kAsItIs},
     {kSiconos, "siconos-cpg", "conjugate projected gradients",
      TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kNaturalResidual}},
-    {kSiconos, "siconos-cpg-default", kAsItIs},
     {kSiconos, "siconos-convexqp-pg", "projected gradients on the QP",
      TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kNaturalResidual}},
-    {kSiconos, "siconos-convexqp-pg-default", kAsItIs},
     {kPetsc, "petsc-rsls", "SNES reduced-space active-set Newton with line search",
      TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kFreeRows}, kAny},
-    {kPetsc, "petsc-rsls-default", kAsItIs, {}, kAny},
     {kPetsc, "petsc-rsls-direct", "the same with LU and a shift of pivots that are too small",
      TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kFreeRows}, kAny},
     {kPetsc, "petsc-ssls", "SNES semismooth Newton with line search",
      TierSettings{{1e-6, 1e-8, 1e-11}, 1e6, kFischerBurmeister}, kAny},
-    {kPetsc, "petsc-ssls-default", kAsItIs, {}, kAny},
     {kPetsc, "petsc-ssls-direct", "the same with LU and a shift of pivots that are too small",
      TierSettings{{1e-5, 1e-7, 1e-11}, 1e6, kFischerBurmeister}, kAny},
     {kPetsc, "tao-bntr", "TAO bounded Newton trust region on the QP",
      TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kProjectedGradient}, kAny},
-    {kPetsc, "tao-bntr-default", kAsItIs, {}, kAny},
     {kPetsc, "tao-tron", "TAO trust-region Newton (TRON) on the QP",
      TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kProjectedGradient}, kAny},
-    {kPetsc, "tao-tron-default", kAsItIs, {}, kAny},
     {kCgal, "cgal-qp", "exact rational QP simplex: a reference for small n", {}, MethodClass::kExactArithmetic},
     {kClp, "clp", "COIN-OR simplex code with its QP extension", TierSettings{{1e-3, 1e-6, 1e-9}, 0, kInfeasibilities},
      kAny},
-    {kClp, "clp-default", kAsItIs, {}, kAny},
     {kMujoco, "mujoco-newton", "Newton in accelerations, exact line search, R/A = 1e-12",
      TierSettings{{1e-3, 1e-6, 1e-9}, 1e9, kFallOfCost}},
-    {kMujoco, "mujoco-newton-default", kAsItIs},
     {kMujoco, "mujoco-cg", "nonlinear conjugate gradients in accelerations, R/A = 1e-12",
      TierSettings{{1e-4, 1e-6, 1e-9}, 1e9, kFallOfCost}},
-    {kMujoco, "mujoco-cg-default", kAsItIs},
     {kMujoco, "mujoco-pgs", "projected Gauss-Seidel, R/A = 1e-12", TierSettings{{1e-5, 1e-8, 1e-11}, 1e9, kFallOfCost}},
-    {kMujoco, "mujoco-pgs-default", kAsItIs},
     {kAlglib, "alglib-quickqp", "constrained conjugate gradients and Newton steps on the QP (QuickQP)",
      TierSettings{{1e-3, 1e-6, 1e-9}, 0, kScaledGradient}},
-    {kAlglib, "alglib-quickqp-default", kAsItIs},
     {kAlglib, "alglib-dense-ipm", "interior point on the QP, dense",
      TierSettings{{1e-7, 1e-10, 1e-13}, 0, kInfeasibilitiesAndGap}},
-    {kAlglib, "alglib-dense-ipm-default", kAsItIs},
     {kAlglib, "alglib-sparse-ipm", "interior point on the QP, sparse",
      TierSettings{{1e-7, 1e-10, 1e-13}, 0, kInfeasibilitiesAndGap}, kAny},
-    {kAlglib, "alglib-sparse-ipm-default", kAsItIs, {}, kAny},
     {kAlglib, "alglib-bleic", "active set with L-BFGS on the QP (BLEIC)",
      TierSettings{{1e-3, 1e-6, 1e-9}, 0, kScaledGradient}},
-    {kAlglib, "alglib-bleic-default", kAsItIs},
     {kSimbody, "simbody-pgs", "projected Gauss-Seidel, overrelaxed",
      TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kMeanSquare}},
-    {kSimbody, "simbody-pgs-default", kAsItIs},
     {kSimbody, "simbody-plus", "successive pruning of the active set",
      TierSettings{{1e-3, 1e-6, 1e-9}, 20, kEnforcedRows}},
-    {kSimbody, "simbody-plus-default", kAsItIs},
-    {kProxQp, "proxqp-dual", "proximal augmented Lagrangian; QP in forces",
-     TierSettings{{1e-6, 1e-6, 1e-9}, 1e6, kLargestResidual}},
-    {kProxQp, "proxqp-dual-default", kAsItIs},
-    {kProxQp, "proxqp-primal", "proximal augmented Lagrangian; QP in velocities",
-     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kLargestResidual}},
-    {kProxQp, "proxqp-primal-default", kAsItIs},
-    {kProxQpBaseline, "proxqp-dual-baseline", kForBaseline, TierSettings{{1e-6, 1e-6, 1e-9}, 1e6, kLargestResidual}},
-    {kProxQpBaseline, "proxqp-primal-baseline", kForBaseline, TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kLargestResidual}},
+    {kProxQp, "proxqp-dual", "proximal augmented Lagrangian; QP in forces", kProxQpDual},
+    {kProxQp, "proxqp-primal", "proximal augmented Lagrangian; QP in velocities", kProxQpPrimal},
+    {kProxQpBaseline, "proxqp-dual-baseline", kForBaseline, kProxQpDual},
+    {kProxQpBaseline, "proxqp-primal-baseline", kForBaseline, kProxQpPrimal},
     {kPiqp, "piqp-dual", "proximal interior point; QP in forces",
      TierSettings{{1e-7, 1e-10, 1e-13}, 1e6, kResidualsAndGap}, kAny},
-    {kPiqp, "piqp-dual-default", kAsItIs, {}, kAny},
     {kPiqp, "piqp-primal", "proximal interior point; QP in velocities",
      TierSettings{{1e-7, 1e-10, 1e-13}, 1e6, kResidualsAndGap}, kAny},
-    {kPiqp, "piqp-primal-default", kAsItIs, {}, kAny},
     {kDaqp, "daqp-dual", "dual active set; QP in forces", TierSettings{{1e-4, 1e-6, 1e-9}, 1e6, kViolation}},
-    {kDaqp, "daqp-dual-default", kAsItIs},
     {kDaqp, "daqp-primal", "dual active set; QP in velocities", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kViolation}},
-    {kDaqp, "daqp-primal-default", kAsItIs},
     {kOsqp, "osqp-dual", "operator splitting (ADMM); QP in forces",
      TierSettings{{1e-3, 1e-7, 1e-10}, 1e6, kResidualsAndGap}, kAny},
-    {kOsqp, "osqp-dual-default", kAsItIs, {}, kAny},
     {kOsqp, "osqp-primal", "operator splitting (ADMM); QP in velocities",
      TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kResidualsAndGap}, kAny},
-    {kOsqp, "osqp-primal-default", kAsItIs, {}, kAny},
     {kClarabel, "clarabel-dual", "homogeneous interior point; QP in forces",
      TierSettings{{1e-6, 1e-10, 1e-11}, 1e6, kRelativeResiduals}, kAny},
-    {kClarabel, "clarabel-dual-default", kAsItIs, {}, kAny},
     {kClarabel, "clarabel-primal", "homogeneous interior point; QP in velocities",
      TierSettings{{1e-7, 1e-10, 1e-12}, 1e6, kRelativeResiduals}, kAny},
-    {kClarabel, "clarabel-primal-default", kAsItIs, {}, kAny},
     {kHighs, "highs-dual", "active set or interior point; QP in forces",
      TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kInfeasibilitiesOfHighs}, kAny},
-    {kHighs, "highs-dual-default", kAsItIs, {}, kAny},
     {kHighs, "highs-primal", "active set or interior point; QP in velocities",
      TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kInfeasibilitiesOfHighs}, kAny},
-    {kHighs, "highs-primal-default", kAsItIs, {}, kAny},
     {kQpOases, "qpoases-dual", "online active set; QP in forces"},
     {kQpOases, "qpoases-primal", "online active set; QP in velocities"},
     {kQpalm, "qpalm-dual", "proximal augmented Lagrangian; QP in forces",
      TierSettings{{1e-3, 1e-6, 1e-10}, 1e6, kResiduals}, kAny},
-    {kQpalm, "qpalm-dual-default", kAsItIs, {}, kAny},
     {kQpalm, "qpalm-primal", "proximal augmented Lagrangian; QP in velocities",
      TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kResiduals}, kAny},
-    {kQpalm, "qpalm-primal-default", kAsItIs, {}, kAny},
     {kScs, "scs-dual", "operator splitting on an embedding; QP in forces",
      TierSettings{{1e-3, 1e-7, 1e-9}, 1e6, kResidualsAndGap}, kAny},
-    {kScs, "scs-dual-default", kAsItIs, {}, kAny},
     {kScs, "scs-primal", "operator splitting on an embedding; QP in velocities",
      TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kResidualsAndGap}, kAny},
-    {kScs, "scs-primal-default", kAsItIs, {}, kAny},
     {kQuadprog, "quadprog-dual", "dual active set (Goldfarb, Idnani); QP in forces"},
     {kQuadprog, "quadprog-primal", "dual active set (Goldfarb, Idnani); QP in velocities"},
     {kDrake, "drake-moby", "Lemke's method with growing shifts (MobyLcpSolver)"},
     {kPinocchio, "pinocchio-admm", "ADMM of its contact solvers", TierSettings{{1e-4, 1e-7, 1e-10}, 2e4, kFeasibility}},
-    {kPinocchio, "pinocchio-admm-default", kAsItIs},
     {kPinocchio, "pinocchio-pgs", "projected Gauss-Seidel of its contact solvers",
      TierSettings{{1e-4, 1e-7, 1e-10}, 1e6, kFeasibility}},
-    {kPinocchio, "pinocchio-pgs-default", kAsItIs},
 };
+
+// Keys with tiers that have no KEY-default: the library's own options are those of another key.
+constexpr std::string_view kTunedOnly[] = {"bullet-si",         "siconos-nsgs-sbm",     "petsc-rsls-direct",
+                                           "petsc-ssls-direct", "proxqp-dual-baseline", "proxqp-primal-baseline"};
 
 constexpr LeftOutSolver kLeftOut[] = {
     {"PATH", "closed; free for up to 300 variables, beyond that under a licence"},
@@ -216,6 +188,18 @@ constexpr std::array kTableTiers{1e-3, 1e-6, 1e-9};
 // A requested 1e-6 may arrive with the last digit off.
 constexpr double kSlack = 1 + 1e-9;
 
+std::vector<PeerEntry> WithDefaults() {
+  static std::deque<std::string> keys;  // whose places do not change
+  std::vector<PeerEntry> all;
+  for (const PeerEntry& peer : kPeers) {
+    all.push_back(peer);
+    if (!peer.tiers || std::ranges::find(kTunedOnly, peer.key) != std::end(kTunedOnly)) continue;
+    keys.push_back(std::string(peer.key) + "-default");
+    all.push_back({peer.project, keys.back(), kAsItIs, std::nullopt, peer.method_class});
+  }
+  return all;
+}
+
 const TierSettings& TiersOf(std::string_view key) {
   const auto* peer = std::find_if(std::begin(kPeers), std::end(kPeers), [key](const auto& p) { return p.key == key; });
   if (peer == std::end(kPeers) || !peer->tiers) throw std::logic_error("no tier settings for " + std::string(key));
@@ -224,7 +208,10 @@ const TierSettings& TiersOf(std::string_view key) {
 
 }  // namespace
 
-std::span<const PeerEntry> AllPeers() { return kPeers; }
+std::span<const PeerEntry> AllPeers() {
+  static const std::vector<PeerEntry> peers = WithDefaults();
+  return peers;
+}
 
 std::span<const LeftOutSolver> SolversLeftOut() { return kLeftOut; }
 

@@ -51,7 +51,8 @@ struct PeerEntry {
   bool has_library_defaults() const { return key.ends_with("-default") || fixed_effort; }
 };
 
-/// All peers, in the report's order.
+/// All peers, in the report's order: those of the table, and behind a tuned key KEY-default where the library's own
+/// options are no other key's.
 std::span<const PeerEntry> AllPeers();
 
 /// A solver that people ask for and that is not among the peers.

@@ -11,7 +11,7 @@
 #include "solvers/answers/answer_judge.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
-#include "solvers/pivoting/active_set.h"
+#include "solvers/pivoting/complementary_basis.h"
 #include "solvers/pivoting/pivot_options.h"
 
 namespace lcpbench {
@@ -103,7 +103,7 @@ class PivotBase {
   double rank_tolerance_ = 0;
 
   // State.
-  ActiveSet active_;
+  ComplementaryBasis active_;
   PermutedLcp& lcp_ = active_.lcp;
   Index joints_ = 0;
   Index open_ = 0;

@@ -349,6 +349,48 @@ static void RhoIsNeverNan(void) {
   }
 }
 
+/* As MistakesAreRefused, of five rows. */
+static void WrongBatchesAreRefused(lcpbench_step* step, const lcpbench_step_rows* rows, double* f) {
+  const int32_t starts[3] = {0, 2, 5}, falling[3] = {0, 6, 5}, late[3] = {1, 2, 5}, early[3] = {0, 2, 4};
+  lcpbench_step_answer answers[2];
+#define BATCH(starts, count, f, answers, size) lcpbench_step_solve_batch(step, rows, starts, count, f, answers, size)
+  CHECK_REFUSED(BATCH(NULL, 2, f, answers, sizeof answers[0]), "starts is NULL");
+  CHECK_REFUSED(BATCH(starts, -1, f, answers, sizeof answers[0]), "count is -1");
+  CHECK_REFUSED(BATCH(falling, 2, f, answers, sizeof answers[0]), "starts[2] is 5, less than the 6 before it");
+  CHECK_REFUSED(BATCH(late, 2, f, answers, sizeof answers[0]), "starts[0] is 1, expected 0");
+  CHECK_REFUSED(BATCH(early, 2, f, answers, sizeof answers[0]), "starts[2] is 4, expected rows.rows = 5");
+  CHECK_REFUSED(BATCH(starts, 2, NULL, answers, sizeof answers[0]), "f is NULL");
+  CHECK_REFUSED(BATCH(starts, 2, f, NULL, sizeof answers[0]), "answers is NULL");
+  CHECK_REFUSED(BATCH(starts, 2, f, answers, 4), "size is 4");
+  CHECK_REFUSED(lcpbench_step_solve_batch(NULL, rows, starts, 2, f, answers, sizeof answers[0]), "step is NULL");
+  CHECK_REFUSED(lcpbench_step_solve_batch(step, NULL, starts, 2, f, answers, sizeof answers[0]), "rows is NULL");
+}
+
+static void WrongOptionsAreRefused(void) {
+  lcpbench_step* other = NULL;
+  lcpbench_step_options options;
+  CHECK_REFUSED(lcpbench_step_options_init(NULL, sizeof options), "options is NULL");
+  CHECK_REFUSED(lcpbench_step_options_init(&options, 4), "size is 4");
+  CHECK_OK(lcpbench_step_options_init(&options, sizeof options));
+  CHECK(options.size == sizeof options && options.tolerance == 1e-9 && isinf(options.time_limit_s));
+  CHECK_REFUSED(lcpbench_step_create(&options, NULL), "step is NULL");
+  options.tolerance = 1;
+  CHECK_REFUSED(lcpbench_step_create(&options, &other), "tolerance must be in (0, 1)");
+  options.tolerance = NAN;
+  CHECK_REFUSED(lcpbench_step_create(&options, &other), "tolerance must be in (0, 1)");
+  options.tolerance = 1e-6;
+  options.time_limit_s = 0;
+  CHECK_REFUSED(lcpbench_step_create(&options, &other), "time limit must be > 0");
+  options.size = 0;
+  CHECK_REFUSED(lcpbench_step_create(&options, &other), "lcpbench_step_options_init");
+  CHECK(other == NULL);
+
+  lcpbench_problem* problem = NULL;
+  CHECK_REFUSED(lcpbench_problem_from_body_factors(0, 0, 5, 0, NULL, NULL, NULL, 0, NULL, NULL, NULL, &problem),
+                "columns_per_body is 5, expected 3");
+  CHECK(problem == NULL);
+}
+
 /* Every mistake by its words, with nothing written. */
 static void MistakesAreRefused(void) {
   static Arrays arrays;
@@ -417,19 +459,7 @@ static void MistakesAreRefused(void) {
   CHECK(memcmp(&f[0], &untouched, sizeof untouched) == 0 && memcmp(&f[4], &untouched, sizeof untouched) == 0);
   CHECK(memcmp(&w[0], &untouched, sizeof untouched) == 0 && answer.status == 0x5a5a5a5a);
 
-  const int32_t starts[3] = {0, 2, 5}, falling[3] = {0, 6, 5}, late[3] = {1, 2, 5}, early[3] = {0, 2, 4};
-  lcpbench_step_answer answers[2];
-#define BATCH(starts, count, f, answers, size) lcpbench_step_solve_batch(step, &rows, starts, count, f, answers, size)
-  CHECK_REFUSED(BATCH(NULL, 2, f, answers, sizeof answer), "starts is NULL");
-  CHECK_REFUSED(BATCH(starts, -1, f, answers, sizeof answer), "count is -1");
-  CHECK_REFUSED(BATCH(falling, 2, f, answers, sizeof answer), "starts[2] is 5, less than the 6 before it");
-  CHECK_REFUSED(BATCH(late, 2, f, answers, sizeof answer), "starts[0] is 1, expected 0");
-  CHECK_REFUSED(BATCH(early, 2, f, answers, sizeof answer), "starts[2] is 4, expected rows.rows = 5");
-  CHECK_REFUSED(BATCH(starts, 2, NULL, answers, sizeof answer), "f is NULL");
-  CHECK_REFUSED(BATCH(starts, 2, f, NULL, sizeof answer), "answers is NULL");
-  CHECK_REFUSED(BATCH(starts, 2, f, answers, 4), "size is 4");
-  CHECK_REFUSED(lcpbench_step_solve_batch(NULL, &rows, starts, 2, f, answers, sizeof answer), "step is NULL");
-  CHECK_REFUSED(lcpbench_step_solve_batch(step, NULL, starts, 2, f, answers, sizeof answer), "rows is NULL");
+  WrongBatchesAreRefused(step, &rows, f);
 
   CHECK_REFUSED(lcpbench_step_reserve(step, -1, 0), "max_rows is -1");
   CHECK_REFUSED(lcpbench_step_reserve(step, 0, (int64_t)1 << 31), "max_bodies is 2147483648");
@@ -439,29 +469,6 @@ static void MistakesAreRefused(void) {
   CHECK_REFUSED(lcpbench_step_fallbacks(step, NULL), "fallbacks is NULL");
   CHECK_REFUSED(lcpbench_step_rows_init(NULL, sizeof rows), "rows is NULL");
   CHECK_REFUSED(lcpbench_step_rows_init(&rows, 12), "size is 12");
-
-  lcpbench_step* other = NULL;
-  lcpbench_step_options options;
-  CHECK_REFUSED(lcpbench_step_options_init(NULL, sizeof options), "options is NULL");
-  CHECK_REFUSED(lcpbench_step_options_init(&options, 4), "size is 4");
-  CHECK_OK(lcpbench_step_options_init(&options, sizeof options));
-  CHECK(options.size == sizeof options && options.tolerance == 1e-9 && isinf(options.time_limit_s));
-  CHECK_REFUSED(lcpbench_step_create(&options, NULL), "step is NULL");
-  options.tolerance = 1;
-  CHECK_REFUSED(lcpbench_step_create(&options, &other), "tolerance must be in (0, 1)");
-  options.tolerance = NAN;
-  CHECK_REFUSED(lcpbench_step_create(&options, &other), "tolerance must be in (0, 1)");
-  options.tolerance = 1e-6;
-  options.time_limit_s = 0;
-  CHECK_REFUSED(lcpbench_step_create(&options, &other), "time limit must be > 0");
-  options.size = 0;
-  CHECK_REFUSED(lcpbench_step_create(&options, &other), "lcpbench_step_options_init");
-  CHECK(other == NULL);
-
-  lcpbench_problem* problem = NULL;
-  CHECK_REFUSED(lcpbench_problem_from_body_factors(0, 0, 5, 0, NULL, NULL, NULL, 0, NULL, NULL, NULL, &problem),
-                "columns_per_body is 5, expected 3");
-  CHECK(problem == NULL);
 
   rows = MakeRows(&arrays, 5, 3, 1, 0);
   ExpectSolved(step, &rows); /* none of these did harm */
@@ -508,6 +515,7 @@ int main(void) {
   NoRowsAreSolved();
   RhoIsNeverNan();
   MistakesAreRefused();
+  WrongOptionsAreRefused();
   LaterStructsAreUnderstood();
   return CountFailures();
 }

@@ -50,7 +50,7 @@ _PROBLEM = {"id": "two", "n": 2, "A": [[2, 1], ["1", "2/1"]], "b": [-1, "1/2"], 
 def _line(name):
     """A line of a campaign of every kind, from the types of benchmarks/campaign/result_fields.h."""
     fields = json_of(_ROOT / "report/lcpbench_report/statistics/result_fields.json")
-    samples = {"name": "n", "text": "", "boolean": True, "count": 0, "number": -1.5, "time": 0.5, "positive": 0.5, "object": {}, "list": []}
+    samples = {"name": "n", "text": "", "boolean": True, "count": 0, "number": -1.5, "nonnegative": 0.5, "positive": 0.5, "object": {}, "list": []}
 
     def record(*names):
         line = {}
@@ -97,7 +97,7 @@ _DOCUMENTS = {
         _PROBLEM, {"b": [1, 2], "A": [1, 0, 0, 1], "joint": [True, False], "status": "solved", "w": [1, 2], "f_minnorm": None,
                    "f_unique": True, "rank_A": 2, "category": "c", "contacts": [{"joint": True}, {}]},
         {"b": [1], "J": {"shape": [1, 3], "row": [0], "col": [2], "val": [1]}, "invM": [1, 1, 1], "columns_per_body": 3, "id": 7}],
-        _SIZES + r"|/shape/\d: expected \d+, found|inverse mass|is not compressed"),
+        _SIZES + r"|/shape/\d: expected \d+, found|inverse_mass|row starts|columns\["),
     "sequence": ([{**_PROBLEM, "previous": [-1, -1], "floor": 1e-12}], _SIZES + "|a row of the line before"),
     "reference": ([{"id": "two", "kind": "certified", "status": "solved", "f_unique": True, "w": [0, 1], "f_minnorm": [1, 0], "f": [1, 1]},
                    {"id": "two", "status": "solved", "w": [0, 1], "f": [1, 0], "f_unique": None}, {"id": "two", "status": "infeasible"}],

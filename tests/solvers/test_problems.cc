@@ -56,7 +56,7 @@ SparseMatrix MatrixOf(Index rows, Index columns, const Triplets& entries) {
   return matrix;
 }
 
-std::vector<Index> AllRows(Index n) {
+std::vector<Index> EveryRow(Index n) {
   std::vector<Index> rows(static_cast<size_t>(n));
   std::iota(rows.begin(), rows.end(), 0);
   return rows;
@@ -235,7 +235,7 @@ LcpProblem Compose(const std::vector<LcpProblem>& parts, unsigned seed) {
   const LcpProblem ordered =
       LcpProblem::FromFactors("composed-" + std::to_string(seed), MatrixOf(rows, columns, entries), inverse_mass, b,
                               RowBounds::WithBilateralRows(rows, bilateral));
-  std::vector<Index> order = AllRows(rows);
+  std::vector<Index> order = EveryRow(rows);
   std::mt19937 random(seed);
   for (size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random() % k]);
   return PermuteRows(ordered, order);

@@ -24,7 +24,7 @@ using Triplets = std::vector<Eigen::Triplet<double, int>>;
 /// The sum of these entries.
 SparseMatrix MatrixOf(Index rows, Index columns, const Triplets& entries);
 /// 0, 1, ..., n - 1.
-std::vector<Index> AllRows(Index n);
+std::vector<Index> EveryRow(Index n);
 /// The same on every machine.
 double Uniform(std::mt19937_64* random, double low, double high);
 

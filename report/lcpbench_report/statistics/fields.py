@@ -22,7 +22,7 @@ _KINDS = {
     "name": (lambda v: isinstance(v, str) and v != "", "a text that is not empty"),
     "boolean": (lambda v: isinstance(v, bool), "true or false"),
     "number": (_is_number, "a finite number"),
-    "time": (lambda v: _is_number(v) and v >= 0, "a number >= 0"),
+    "nonnegative": (lambda v: _is_number(v) and v >= 0, "a number >= 0"),
     "positive": (lambda v: _is_number(v) and v > 0, "a number > 0"),
     "count": (lambda v: _is_number(v) and v >= 0 and v == int(v), "a whole number >= 0"),
     "object": (lambda v: isinstance(v, dict), "an object"),
@@ -32,7 +32,6 @@ _KINDS = {
 
 # {record: {field: {"type": kind, ...}}}, written by `lcpbench list fields --json`; [kind] is a list of it.
 _SCHEMA = json.loads((Path(__file__).parent / "result_fields.json").read_text(encoding="utf-8"))
-_OPTIONAL = {record: {key for key, field in fields.items() if field.get("optional")} for record, fields in _SCHEMA.items()}
 # Record -> field -> kind; of lists only that they are.
 _KINDS_OF = {record: {key: "list" if field["type"][0] == "[" else field["type"] for key, field in fields.items()}
              for record, fields in _SCHEMA.items()}
@@ -72,7 +71,7 @@ def check_word(place: str, record: dict, key: str, words) -> None:
 
 # Type of a list's numbers -> (test of an array, NaN passing, that finds what does not fit, words for the user).
 _RANGES = {"number": (lambda a: np.zeros(len(a), dtype=bool), "numbers or null"),
-           "time": (lambda a: a < 0, "numbers >= 0 or null"), "positive": (lambda a: a <= 0, "numbers > 0 or null")}
+           "nonnegative": (lambda a: a < 0, "numbers >= 0 or null"), "positive": (lambda a: a <= 0, "numbers > 0 or null")}
 _NUMBERS = {int, float, type(None)}
 
 

@@ -29,7 +29,7 @@ _CAMPAIGN = {"schema": "name", "name": "text", "solvers": "list", "tiers": "list
              "size_classes": "list"}
 _SOLVER = {"key": "name", "setting": "text", "origin": "text", "uses_tolerance": "boolean", "available": "boolean",
            "tolerance": "name", "ablation": "text"}
-_LIMITS = {"time_per_row_s": "time", "least_s": "time", "most_s": "positive"}
+_LIMITS = {"time_per_row_s": "nonnegative", "least_s": "nonnegative", "most_s": "positive"}
 _SIZE_CLASS = {"key": "name", "least": "count", "most": "count?", "stream": "count"}
 _REFERENCES = ("certified", "bounded", "none")
 # Of problems -> in words.

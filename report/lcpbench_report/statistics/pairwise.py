@@ -1,10 +1,9 @@
 """Two solvers without the others, for the joint ranking depends on who takes part (Gould & Scott 2016).
 
-Shares are of the weight of all problems on which both have a cell; a failure loses against a verified answer. Times are
-compared where both are verified, by d_p = log(t_Ap / t_Bp): the ratio exp(weighted median d) with its bootstrap interval
-(intervals.Bootstrap), the sign test (Arbuthnott; exact binomial, ties left out) and the signed-rank test (Wilcoxon 1945;
-zeros left out), both two-sided and adjusted by Holm within a set and tier. What differs in one number is not
-independent: the tests have one value per base, the mean of its d_p.
+Counts are of the problems on which both have a cell; a failure loses against a verified answer. Times are compared where
+both are verified, by d_p = log(t_Ap / t_Bp): the ratio exp(weighted median d) with its bootstrap interval
+(intervals.Bootstrap), and the signed-rank test (Wilcoxon 1945; zeros left out), two-sided and adjusted by Holm within a
+set and tier. What differs in one number is not independent: the test has one value per base, the mean of its d_p.
 
 "Faster" is claimed only if the adjusted signed-rank p is below LEVEL, the whole interval of the ratio lies beyond
 MARGIN, and both point the same way. Anything else is "no difference": none that matters was shown.
@@ -18,36 +17,20 @@ from functools import partial
 
 import numpy as np
 import pandas as pd
-from scipy import special, stats
+from scipy import stats
 
 from ..errors import ReportError
 from .cells import NOT_RUN, cell_table
 from .groups import COUNTED, GROUP, groups, wide
 from .intervals import MARGIN, Bootstrap, holm
 from .load import Campaign
-from .weighted import weighted_median, weighted_share
+from .weighted import weighted_median
 
 LEVEL = 0.05
 A_FASTER, B_FASTER, NO_DIFFERENCE = "A faster", "B faster", "no difference"
-SHARE_TAUS = (1, 2, 10)
 _MANY_PAIRS = 500  # from here on, processes that share them are worth their start
 COLUMNS = [*GROUP, "a", "b", "problems", "both", "bases", "a_only", "b_only", "neither", "a_excluded", "b_excluded", "a_faster",
-           "b_faster", *(f"share_{tau}" for tau in SHARE_TAUS), "ratio", "ratio_low", "ratio_high", "sign_p",
-           "sign_p_holm", "wilcoxon_p", "wilcoxon_p_holm", "verdict"]
-
-
-def pair_shares(a, b, weights=None) -> list[float]:
-    """Profile of A in the pair (A, B) at SHARE_TAUS: the share of all problems with t_A <= tau t_B, inf being a
-    failure. At tau = 1 the share on which A is the faster one, a tie counting for both."""
-    a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
-    weights = np.ones(len(a)) if weights is None else weights
-    return [weighted_share(np.isfinite(a) & (a <= tau * b), weights) for tau in SHARE_TAUS]
-
-
-def sign_test(differences: np.ndarray) -> float:
-    """Two-sided p-value; NaN without a difference that is not 0."""
-    above, below = int(np.sum(differences > 0)), int(np.sum(differences < 0))
-    return min(2 * float(special.bdtr(min(above, below), above + below, 0.5)), 1.0) if above + below else math.nan
+           "b_faster", "ratio", "ratio_low", "ratio_high", "wilcoxon_p", "wilcoxon_p_holm", "verdict"]
 
 
 def signed_rank_test(differences: np.ndarray) -> tuple[float, int]:
@@ -78,10 +61,8 @@ def compare_pairs(times: pd.DataFrame, about: pd.DataFrame, excluded: pd.DataFra
     """
     bootstrap = Bootstrap(about.assign(problem=about.index))
     pairs = _compare_all(times, about, bootstrap, excluded)
-    for test in ("sign_p", "wilcoxon_p"):
-        for pair, adjusted in zip(pairs, holm([pair[test] for pair in pairs])):
-            pair[f"{test}_holm"] = adjusted
-    for pair in pairs:
+    for pair, adjusted in zip(pairs, holm([pair["wilcoxon_p"] for pair in pairs])):
+        pair["wilcoxon_p_holm"] = adjusted
         pair["verdict"] = verdict(pair["wilcoxon_p_holm"], pair["direction"], pair["ratio_low"], pair["ratio_high"])
     rows = [row for pair in pairs for row in (pair, _mirrored(pair))]
     return pd.DataFrame(rows, columns=COLUMNS[len(GROUP):])
@@ -114,15 +95,12 @@ def compare_two(times: pd.DataFrame, about: pd.DataFrame, bootstrap: Bootstrap, 
     low, high = bootstrap.median(problems[both], differences, weights[both])
     of_bases = bootstrap.base_means(problems[both], differences, weights[both])
     p, direction = signed_rank_test(of_bases)
-    shares_a, shares_b = pair_shares(t_a, t_b, weights), pair_shares(t_b, t_a, weights)
     return {"a": a, "b": b, "problems": int(present.sum()), "both": len(differences), "bases": len(of_bases),
             "a_only": int(np.sum(solved_a & ~solved_b)), "b_only": int(np.sum(solved_b & ~solved_a)),
             "neither": int(np.sum(~solved_a & ~solved_b)), "a_excluded": left_out[a], "b_excluded": left_out[b],
             "a_faster": int(np.sum(differences < 0)), "b_faster": int(np.sum(differences > 0)),
-            "shares": shares_a, "other_shares": shares_b,
-            **{f"share_{tau}": share for tau, share in zip(SHARE_TAUS, shares_a)},
             "ratio": math.exp(weighted_median(differences, weights[both])), "ratio_low": math.exp(low),
-            "ratio_high": math.exp(high), "sign_p": sign_test(of_bases), "wilcoxon_p": p, "direction": direction}
+            "ratio_high": math.exp(high), "wilcoxon_p": p, "direction": direction}
 
 
 def _compare_all(*tables) -> list[dict]:
@@ -149,7 +127,6 @@ def _mirrored(pair: dict) -> dict:
     swapped = {"a": "b", "b": "a", "a_only": "b_only", "b_only": "a_only", "a_excluded": "b_excluded",
                "b_excluded": "a_excluded", "a_faster": "b_faster", "b_faster": "a_faster"}
     row = pair | {new: pair[old] for new, old in swapped.items()}
-    row |= {f"share_{tau}": share for tau, share in zip(SHARE_TAUS, pair["other_shares"])}
     row |= {"ratio": 1 / pair["ratio"], "ratio_low": 1 / pair["ratio_high"], "ratio_high": 1 / pair["ratio_low"]}
     row["verdict"] = {A_FASTER: B_FASTER, B_FASTER: A_FASTER}.get(pair["verdict"], NO_DIFFERENCE)
     return row

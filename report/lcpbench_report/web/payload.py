@@ -48,8 +48,7 @@ def build(inputs: Inputs, shown: list[str]) -> dict:
         "cells": {solver: _cells(table, names) for solver, table in cells.groupby("solver", sort=False)},
         "latency": _records(inputs.analysis.get("latency_by_solver")),
         "deadlines": _records(inputs.analysis.get("deadline")),
-        "scaling": _records(inputs.analysis.get("scaling"), drop=("set", "theil_sen", "theil_sen_low",
-                                                                  "theil_sen_high")),
+        "scaling": _records(inputs.analysis.get("scaling"), drop=("set",)),
         "precision": _records(inputs.analysis.get("delivered") if inputs.precision is None else inputs.precision),
         "motion": _motion(inputs.motion),
     }

@@ -4,11 +4,11 @@
 #include <bit>
 #include <concepts>
 #include <cstring>
-#include <functional>
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
 
+#include "solvers/lcp/compressed_rows.h"
 #include "support/input_error.h"
 #include "support/printable.h"
 
@@ -170,20 +170,6 @@ void Fields(Io& io, Like<Hello> auto& hello) {
   io.Text("licence", hello.licence);
 }
 
-// Columns in order, each once.
-bool IsCompressed(const ProblemArrays& problem) {
-  const std::vector<int>& starts = problem.row_start;
-  const std::vector<int>& inner = problem.column;
-  bool valid = starts.front() == 0 && static_cast<std::size_t>(starts.back()) == inner.size();
-  for (std::size_t i = 0; i + 1 < starts.size(); ++i) valid = valid && starts[i] <= starts[i + 1];
-  for (const int column : inner) valid = valid && column >= 0 && column < problem.columns;
-  for (std::size_t i = 0; valid && i + 1 < starts.size(); ++i) {
-    const auto end = inner.begin() + starts[i + 1];
-    valid = std::adjacent_find(inner.begin() + starts[i], end, std::greater_equal<>()) == end;
-  }
-  return valid;
-}
-
 template <typename Io, Like<ProblemArrays> Problem>
 void Fields(Io& io, Problem& problem, std::uint32_t version) {
   io.Size("n", problem.rows, sizeof(double) + 1);
@@ -223,7 +209,11 @@ void Fields(Io& io, Problem& problem, std::uint32_t version) {
   io.Numbers("row starts", problem.row_start, n + 1);
   io.Numbers("columns", problem.column, entries);
   io.Numbers("values", problem.value, entries);
-  if (Io::kReads && !IsCompressed(problem)) Fail(std::string(factors ? "J" : "A") + " is not a compressed row matrix");
+  if (Io::kReads) {
+    std::string why = WhyNotStarts(problem.row_start, static_cast<Index>(entries), "row starts", "entries");
+    if (why.empty()) why = WhyNotColumns(problem.row_start, problem.column, problem.columns, "columns");
+    if (!why.empty()) Fail((factors ? "J: " : "A: ") + why);
+  }
   if (factors) io.Numbers("inverse mass", problem.inverse_mass, static_cast<std::uint64_t>(problem.columns));
 }
 

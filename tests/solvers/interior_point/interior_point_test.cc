@@ -97,7 +97,7 @@ TEST(Ipm, ProximalTermAndRefinementSolveSingularSystems) {
 TEST(Ipm, JointsAloneAreOneLinearSystem) {
   const LcpProblem chain = Column(50, 3);
   const LcpProblem joints = LcpProblem::FromFactors("joints", chain.J(), chain.inverse_mass(), chain.b(),
-                                                    RowBounds::WithBilateralRows(50, AllRows(50)));
+                                                    RowBounds::WithBilateralRows(50, EveryRow(50)));
   IpmSolver solver;
   const LcpResult result = SolveWith(&solver, joints);
   ExpectSolved(joints, result);
@@ -291,7 +291,7 @@ LcpProblem RowsOf(const LcpProblem& problem, const std::vector<Index>& rows) {
 }
 
 LcpProblem WithoutRow(const LcpProblem& problem, Index row) {
-  std::vector<Index> rows = AllRows(problem.size());
+  std::vector<Index> rows = EveryRow(problem.size());
   rows.erase(rows.begin() + row);
   return RowsOf(problem, rows);
 }

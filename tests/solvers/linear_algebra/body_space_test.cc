@@ -159,7 +159,7 @@ TEST(GraphOrder, IsAPermutationThatKeepsTreesFreeOfFill) {
       ASSERT_EQ(nodes.size(), n);
       std::vector<Index> sorted(nodes.begin(), nodes.end());
       std::sort(sorted.begin(), sorted.end());
-      ASSERT_EQ(sorted, AllRows(n));
+      ASSERT_EQ(sorted, EveryRow(n));
       if (order == GraphOrder::kNestedDissection) continue;
       // A tree has a perfect order: every node has at most one neighbour that is eliminated after it.
       std::vector<int> place(static_cast<size_t>(n)), later(static_cast<size_t>(n), 0);

@@ -145,7 +145,7 @@ TEST(IdleRows, LeavingThemOutIsExact) {
     const LcpProblem planted = PlantedExactly(seed, 25, false).problem;
     // Rows that are pushed apart, and repeated rows with the same or a larger b.
     const Index n = planted.size();
-    std::vector<Index> source = AllRows(n);
+    std::vector<Index> source = EveryRow(n);
     for (int k = 0; k < 4; ++k) source.push_back(random.Integer(0, static_cast<int>(n) - 1));
     const MatrixXd A = planted.DenseA()(source, source);
     VectorXd b = planted.b()(source);

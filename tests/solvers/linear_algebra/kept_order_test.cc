@@ -115,7 +115,7 @@ TEST(KeptOrder, RowsAreNamedByTheirBodiesWhateverTheirNumbers) {
     ASSERT_EQ(names.size(), size_t{kRows});
     EXPECT_EQ(std::set<Name>(names.begin(), names.end()).size(), size_t{kRows});
     // The same bodies in another order of the rows.
-    std::vector<Index> reversed = AllRows(kRows);
+    std::vector<Index> reversed = EveryRow(kRows);
     std::reverse(reversed.begin(), reversed.end());
     const std::vector<Name> others = NamesOfRows(PermuteRows(problem, reversed));
     EXPECT_TRUE(std::is_permutation(others.begin(), others.end(), names.begin(), names.end()));

@@ -39,22 +39,6 @@ TEST(TierSettings, AStricterTierHasNoLooserTolerance) {
   }
 }
 
-// A solver that stops by a tolerance is run both ways: as its library has it, and asked for the tier.
-TEST(TierSettings, WhatRunsWithTheLibrarysOwnOptionsIsTunedToo) {
-  constexpr std::string_view kSuffix = "-default";
-  int pairs = 0;
-  for (const PeerEntry& peer : AllPeers()) {
-    if (!peer.key.ends_with(kSuffix)) continue;
-    const std::string_view tuned = peer.key.substr(0, peer.key.size() - kSuffix.size());
-    const auto found = std::ranges::find(AllPeers(), tuned, &PeerEntry::key);
-    ASSERT_NE(found, AllPeers().end()) << peer.key;
-    EXPECT_TRUE(found->tiers.has_value()) << tuned;
-    EXPECT_EQ(found->project.folder, peer.project.folder) << tuned;
-    ++pairs;
-  }
-  EXPECT_GT(pairs, 0);
-}
-
 // Keys whose tuning reached the rule's 95 %.
 class TunedPeer : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(ReachTheRule, TunedPeer,

@@ -114,7 +114,7 @@ TEST(DenseLdlt, AFactorUpdatedManyTimesEqualsAFreshOne) {
     updated.Reserve(n);
     updated.Reset(n);
     std::vector<Index> inside;
-    std::vector<Index> outside = AllRows(n);
+    std::vector<Index> outside = EveryRow(n);
     for (int change = 0; change < 400; ++change) {
       if (inside.empty() || (!outside.empty() && random.Chance(0.6))) {
         const auto pick = static_cast<size_t>(random.Integer(0, static_cast<int>(outside.size()) - 1));

@@ -3,14 +3,10 @@
 #include <random>
 #include <vector>
 
+#include "support/array_index.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
-namespace {
-
-std::size_t At(Index i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 StepArrays RandomStep(Index n, Index bodies, int columns_per_body, unsigned seed, bool is_exact_in_single) {
   std::mt19937_64 random(seed);

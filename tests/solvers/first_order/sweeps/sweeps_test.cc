@@ -59,7 +59,7 @@ TEST(Colouring, IsGreedyInBlocksOfRows) {
       const LcpProblem& problem = test.problem;
       const Index n = problem.size();
       std::vector<Index> colour(static_cast<size_t>(n));
-      std::vector<Index> expected = AllRows(n);
+      std::vector<Index> expected = EveryRow(n);
       const auto conflict = [&](Index i, Index j) {
         return by_bodies ? ShareBody(problem, i, j) : problem.SparseA().coeff(i, j) != 0;
       };
@@ -101,7 +101,7 @@ TEST(Sweeps, ColouredSweepsAreForwardSweepsOfPermutedRowsBitForBit) {
 TEST(Sweeps, SymmetricSweepsOfAReversedProblemStartBackwards) {
   // Two sweeps there and back; the reversed problem's first sweep is the given one's second.
   const TestProblem test = PlantedProblem(20, 12, 3, 0, 0);
-  std::vector<Index> reverse = AllRows(20);
+  std::vector<Index> reverse = EveryRow(20);
   std::reverse(reverse.begin(), reverse.end());
   const LcpResult there = Iterate(test.problem, RowForm::kMatrixFree, SweepOrder::kForward, 1);
   const LcpResult both = Iterate(test.problem, RowForm::kMatrixFree, SweepOrder::kSymmetric, 2);

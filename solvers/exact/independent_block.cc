@@ -1,4 +1,4 @@
-#include "solvers/exact/active_factor.h"
+#include "solvers/exact/independent_block.h"
 
 #include <algorithm>
 #include <cmath>
@@ -77,7 +77,7 @@ Eigen::VectorXd ProximalFactor::Solve(const Eigen::VectorXd& r) const {
 
 double ProximalFactor::Pivot(Index k) const { return pivots_[factor_.permutationP().indices()[k]]; }
 
-ActiveFactor::ActiveFactor(const LcpProblem& problem, const std::vector<Index>& rows) : problem_(problem) {
+IndependentBlock::IndependentBlock(const LcpProblem& problem, const std::vector<Index>& rows) : problem_(problem) {
   const ProximalFactor all(problem, rows, kFindingPart);
   std::vector<Index> independent;
   for (size_t k = 0; k < rows.size(); ++k) {
@@ -87,7 +87,7 @@ ActiveFactor::ActiveFactor(const LcpProblem& problem, const std::vector<Index>& 
   factor_.emplace(problem, std::move(independent), 0.0);
 }
 
-double ActiveFactor::EstimateLeastEigenvalue() const {
+double IndependentBlock::EstimateLeastEigenvalue() const {
   const Eigen::VectorXd& scale = factor_->scale();
   Eigen::VectorXd x(factor_->block().rows());
   for (Index k = 0; k < x.size(); ++k) x[k] = std::cos(static_cast<double>(k));  // no vector of any structure
@@ -102,7 +102,7 @@ double ActiveFactor::EstimateLeastEigenvalue() const {
 }
 
 // | |S (A_GG - exact) S| |_inf: from factors, an entry of A is a sum of as many products as a row of J has entries.
-double ActiveFactor::EntryErrors() const {
+double IndependentBlock::EntryErrors() const {
   if (!problem_.has_factors()) return 0;
   const SparseMatrix& J = problem_.J();
   const std::vector<Index>& rows = independent();
@@ -126,7 +126,7 @@ double ActiveFactor::EntryErrors() const {
   return kSlack * Gamma(static_cast<double>(most) + 2) * largest;
 }
 
-double ActiveFactor::LeastEigenvalueBound() const {
+double IndependentBlock::LeastEigenvalueBound() const {
   const Matrix& block = factor_->block();
   const Index n = block.rows();
   if (n == 0) return 1;

@@ -38,10 +38,10 @@ class ProximalFactor {
 
 /// The block A_GG of the rows G among some that are independent of each other, factorized in doubles, and a bound of
 /// its least eigenvalue that its rounding errors cannot break. Internal to solvers/exact/.
-class ActiveFactor {
+class IndependentBlock {
  public:
   /// @param rows  as of ProximalFactor. O(fill) of a sparse LDL^T, twice
-  ActiveFactor(const LcpProblem& problem, const std::vector<Index>& rows);
+  IndependentBlock(const LcpProblem& problem, const std::vector<Index>& rows);
 
   /// G: the rows but those whose pivot vanishes to rounding where earlier ones of the order are eliminated. Which ones
   /// are left out is a guess in doubles; nothing is proved by it.

@@ -8,10 +8,10 @@
 
 namespace lcpbench {
 
-/// The active rows F of a pivoting method and the factor of A_FF: positions [0, m) of the permuted problem are F, and
-/// the L D L^T of A_FF is updated when a row enters and when one leaves, O(m^2) each; it is never made from scratch.
-/// Only Reserve allocates.
-class ActiveSet {
+/// The basis of a principal pivoting method, that is its active rows F, and the factor of A_FF: positions [0, m) of the
+/// permuted problem are F, and the L D L^T of A_FF is updated when a row enters and when one leaves, O(m^2) each; it is
+/// never made from scratch. Only Reserve allocates.
+class ComplementaryBasis {
  public:
   using Index = Eigen::Index;
 

@@ -1,6 +1,6 @@
 // The bound of the least eigenvalue against exact elimination, and gaps in integers against rationals.
 
-#include "solvers/exact/active_factor.h"
+#include "solvers/exact/independent_block.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ namespace lcpbench {
 namespace {
 
 // Whether S A_GG S - bound I is positive semidefinite, exactly.
-bool IsBelowAllEigenvalues(const LcpProblem& problem, const ActiveFactor& factor, double bound) {
+bool IsBelowAllEigenvalues(const LcpProblem& problem, const IndependentBlock& factor, double bound) {
   const ExactLcp lcp = ExactFrom(problem);
   const std::vector<Index>& rows = factor.independent();
   const auto n = static_cast<Index>(rows.size());
@@ -44,13 +44,13 @@ std::vector<Index> RowsThatMove(const LcpProblem& problem) {
   return rows;
 }
 
-TEST(ActiveFactor, TheBoundIsBelowTheLeastEigenvalueAndNearIt) {
+TEST(IndependentBlock, TheBoundIsBelowTheLeastEigenvalueAndNearIt) {
   int tight = 0;
   for (const SceneFamily& scene : AllScenes()) {
     for (const int size : {5, 20}) {
       const LcpProblem problem = AssembleContactLcp(GenerateScene(scene.key, size, 4)).problem;
       SCOPED_TRACE(problem.id());
-      const ActiveFactor factor(problem, RowsThatMove(problem));
+      const IndependentBlock factor(problem, RowsThatMove(problem));
       const double bound = factor.LeastEigenvalueBound();
       EXPECT_TRUE(IsBelowAllEigenvalues(problem, factor, bound));
       if (bound == 0) continue;
@@ -62,14 +62,14 @@ TEST(ActiveFactor, TheBoundIsBelowTheLeastEigenvalueAndNearIt) {
 }
 
 // Two rows that are more and more alike, until nothing but their last digits tells them apart.
-TEST(ActiveFactor, TheBoundHoldsAndVanishesWhereRowsBecomeDependent) {
+TEST(IndependentBlock, TheBoundHoldsAndVanishesWhereRowsBecomeDependent) {
   bool vanished = false;
   for (int digits = 1; digits <= 60; ++digits) {
     Eigen::MatrixXd J(2, 3);
     J << 1, 0.3, 0.7, 1, 0.3, 0.7 + std::ldexp(1.0, -digits);
     const LcpProblem problem =
         LcpProblem::FromFactors("alike", J.sparseView(), Eigen::Vector3d(1, 0.1, 1 / 3.0), Eigen::Vector2d(-1, -1));
-    const ActiveFactor factor(problem, {0, 1});
+    const IndependentBlock factor(problem, {0, 1});
     const double bound = factor.LeastEigenvalueBound();
     EXPECT_TRUE(IsBelowAllEigenvalues(problem, factor, bound)) << digits;
     EXPECT_TRUE(bound > 0 || digits >= 10) << digits;
@@ -78,12 +78,12 @@ TEST(ActiveFactor, TheBoundHoldsAndVanishesWhereRowsBecomeDependent) {
   EXPECT_TRUE(vanished);
 }
 
-TEST(ActiveFactor, SolvesAndLeavesOutRowsThatAreThereTwice) {
+TEST(IndependentBlock, SolvesAndLeavesOutRowsThatAreThereTwice) {
   Eigen::MatrixXd J(3, 3);
   J << 1, 0, 0.5, 2, 0, 1, 0, 1, 0.25;
   const LcpProblem problem =
       LcpProblem::FromFactors("twice", J.sparseView(), Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(-1, -2, 1));
-  const ActiveFactor factor(problem, {0, 1, 2});
+  const IndependentBlock factor(problem, {0, 1, 2});
   ASSERT_EQ(factor.dependent().size(), 1U);
   const std::vector<Index>& rows = factor.independent();
   const Eigen::Vector2d r(0.5, -2);

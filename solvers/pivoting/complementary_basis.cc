@@ -1,10 +1,10 @@
-#include "solvers/pivoting/active_set.h"
+#include "solvers/pivoting/complementary_basis.h"
 
 #include <algorithm>
 
 namespace lcpbench {
 
-void ActiveSet::Reserve(Index max_rows) {
+void ComplementaryBasis::Reserve(Index max_rows) {
   if (max_rows <= df_.size()) return;
   lcp.Reserve(max_rows);
   ldlt_.Reserve(max_rows);
@@ -14,12 +14,12 @@ void ActiveSet::Reserve(Index max_rows) {
   dropped_.reserve(static_cast<size_t>(max_rows));
 }
 
-void ActiveSet::Reset() {
+void ComplementaryBasis::Reset() {
   ldlt_.Reset(lcp.n);
   m_ = 0;
 }
 
-bool ActiveSet::Factor(Index rows, double threshold, const Deadline* deadline) {
+bool ComplementaryBasis::Factor(Index rows, double threshold, const Deadline* deadline) {
   constexpr Index kLanes = DenseLdlt::kLanes;
   m_ = 0;
   dropped_.clear();
@@ -59,18 +59,18 @@ bool ActiveSet::Factor(Index rows, double threshold, const Deadline* deadline) {
   return true;
 }
 
-void ActiveSet::Gather(Index p, double* z) const {
+void ComplementaryBasis::Gather(Index p, double* z) const {
   const double* c = lcp.column(p);
   for (Index k = 0; k < m_; ++k) z[k] = c[order_[static_cast<size_t>(k)]];
 }
 
-double ActiveSet::SetDriven(Index d) {
+double ComplementaryBasis::SetDriven(Index d) {
   Gather(d, z_.data());
   ldlt_.ForwardSolve(z_.data());
   return ldlt_.PivotOf(z_.data(), lcp.diagonal[d]);
 }
 
-double ActiveSet::Direction(Index d) {
+double ComplementaryBasis::Direction(Index d) {
   for (Index k = 0; k < m_; ++k) x_[k] = z_[k] * ldlt_.inverse_pivot(k);
   ldlt_.BackSolve(x_.data());
   double norm2 = lcp.diagonal[d];
@@ -82,7 +82,7 @@ double ActiveSet::Direction(Index d) {
   return norm2;
 }
 
-void ActiveSet::Append(Index p, const double* z, double pivot) {
+void ComplementaryBasis::Append(Index p, const double* z, double pivot) {
   ldlt_.Append(z, pivot);
   lcp.Swap(p, m_);
   order_[static_cast<size_t>(m_)] = m_;
@@ -90,15 +90,15 @@ void ActiveSet::Append(Index p, const double* z, double pivot) {
   ++m_;
 }
 
-void ActiveSet::EnterDriven(Index d, double s) { Append(d, z_.data(), s); }
+void ComplementaryBasis::EnterDriven(Index d, double s) { Append(d, z_.data(), s); }
 
-double ActiveSet::PivotOf(Index p) {
+double ComplementaryBasis::PivotOf(Index p) {
   Gather(p, z_other_.data());
   ldlt_.ForwardSolve(z_other_.data());
   return ldlt_.PivotOf(z_other_.data(), lcp.diagonal[p]);
 }
 
-double ActiveSet::Enter(Index p, double pivot, Index d) {
+double ComplementaryBasis::Enter(Index p, double pivot, Index d) {
   // One more step of the forward substitution for the driven row.
   double z_new = lcp.column(d)[p];
   for (Index k = 0; k < m_; ++k) z_new -= z_other_[k] * z_[k] * ldlt_.inverse_pivot(k);
@@ -107,7 +107,7 @@ double ActiveSet::Enter(Index p, double pivot, Index d) {
   return ldlt_.PivotOf(z_.data(), lcp.diagonal[d]);
 }
 
-void ActiveSet::Leave(Index p) {
+void ComplementaryBasis::Leave(Index p) {
   const Index k = slot_[static_cast<size_t>(p)];
   ldlt_.Remove(k);
   for (Index j = k; j + 1 < m_; ++j) {
@@ -123,7 +123,7 @@ void ActiveSet::Leave(Index p) {
   --m_;
 }
 
-double ActiveSet::SolveForces() {
+double ComplementaryBasis::SolveForces() {
   lcp.f.head(m_) = -lcp.b.head(m_);
   SolveSystem(lcp.f.data());
   double largest = 0;
@@ -131,13 +131,13 @@ double ActiveSet::SolveForces() {
   return largest;
 }
 
-void ActiveSet::CorrectForces() {
+void ComplementaryBasis::CorrectForces() {
   SolveSystem(lcp.w.data());
   lcp.f.head(m_) -= lcp.w.head(m_);
   lcp.w.head(m_).setZero();
 }
 
-void ActiveSet::SolveSystem(double* x) {
+void ComplementaryBasis::SolveSystem(double* x) {
   for (Index k = 0; k < m_; ++k) x_[k] = x[order_[static_cast<size_t>(k)]];
   ldlt_.Solve(x_.data());
   for (Index k = 0; k < m_; ++k) x[order_[static_cast<size_t>(k)]] = x_[k];

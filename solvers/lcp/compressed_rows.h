@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace lcpbench {
+
+/// What is wrong with the places where the rows of a compressed matrix begin, "starts[2] is 4, less than the 5 before
+/// it"; "" where the first is 0, none is less than the one before it and the last is `end`.  O(starts)
+/// @param starts    one number more than there are rows
+/// @param name      of the array, for the message
+/// @param end_name  what `end` is: "entries"
+std::string WhyNotStarts(std::span<const int> starts, std::int64_t end, const char* name, const char* end_name);
+
+/// What is wrong with the columns of a compressed matrix, "indices[4] is 3, expected a column in [0, 3)"; "" where all
+/// are in [0, columns) and, within a row, ascend.  O(indices)
+/// @param starts  for which WhyNotStarts found nothing
+std::string WhyNotColumns(std::span<const int> starts, std::span<const int> indices, std::int64_t columns,
+                          const char* name);
+
+}  // namespace lcpbench
