@@ -52,10 +52,23 @@ struct Scene {
     return Add(definition, position, angle);
   }
 
+  b2Body* AddDynamic(b2Vec2 position, const std::function<void(b2BodyDef*)>& set_up) {
+    b2BodyDef definition;
+    definition.type = b2_dynamicBody;
+    set_up(&definition);
+    return Add(definition, position);
+  }
   static b2RevoluteJointDef Hinge(b2Body* a, b2Body* b, b2Vec2 anchor) {
     b2RevoluteJointDef joint;
     joint.Initialize(a, b, anchor);
     return joint;
+  }
+  void AddMotor(b2Body* a, b2Body* b, b2Vec2 anchor, float speed, float most_torque) {
+    b2RevoluteJointDef axle = Hinge(a, b, anchor);
+    axle.motorSpeed = speed;
+    axle.maxMotorTorque = most_torque;
+    axle.enableMotor = true;
+    world.CreateJoint(&axle);
   }
   void AddHinge(b2Body* a, b2Body* b, b2Vec2 anchor) {
     const b2RevoluteJointDef joint = Hinge(a, b, anchor);
@@ -166,10 +179,8 @@ void CompoundShapes(Scene& scene) {
   }
   // What the test's button adds: obstructions inside of tables and ships.
   for (std::size_t i = 0; i < 4; ++i) {
-    b2BodyDef definition;
-    definition.type = b2_dynamicBody;
-    definition.gravityScale = i < 2 ? 1.0F : 0.0F;
-    b2Body* const obstruction = scene.Add(definition, bodies[i]->GetPosition());
+    b2Body* const obstruction =
+        scene.AddDynamic(bodies[i]->GetPosition(), [i](b2BodyDef* of) { of->gravityScale = i < 2 ? 1.0F : 0.0F; });
     if (i < 2) {
       Attach(obstruction, Box(4, 0.1F, {0, 3}), material);
     } else {
@@ -186,11 +197,7 @@ void Tumbler(Scene& scene) {
     Attach(drum, Box(0.5F, 10, {side, 0}), {.density = 5});
     Attach(drum, Box(10, 0.5F, {0, side}), {.density = 5});
   }
-  b2RevoluteJointDef axle = scene.Hinge(scene.ground, drum, {0, 10});
-  axle.motorSpeed = 0.05F * std::numbers::pi_v<float>;
-  axle.maxMotorTorque = 1e8F;
-  axle.enableMotor = true;
-  scene.world.CreateJoint(&axle);
+  scene.AddMotor(scene.ground, drum, {0, 10}, 0.05F * std::numbers::pi_v<float>, 1e8F);
   scene.before_step = [&scene, count = 0]() mutable {
     if (count++ < 800) Attach(scene.AddDynamic({0, 10}), Box(0.125F, 0.125F));
   };
@@ -203,11 +210,11 @@ void AddPair(Scene& scene) {
     const double x = uniform(-6, 0);
     Attach(scene.AddDynamic({F(x), F(uniform(4, 6))}), Disc(0.1F), {.density = 0.01F});
   }
-  b2BodyDef definition;
-  definition.type = b2_dynamicBody;
-  definition.bullet = true;
-  definition.linearVelocity = {10, 0};
-  Attach(scene.Add(definition, {-40, 5}), Box(1.5F, 1.5F));
+  const auto fast = [](b2BodyDef* of) {
+    of->bullet = true;
+    of->linearVelocity = {10, 0};
+  };
+  Attach(scene.AddDynamic({-40, 5}, fast), Box(1.5F, 1.5F));
 }
 
 void Confined(Scene& scene) {
@@ -333,10 +340,7 @@ void Cantilever(Scene& scene) {
 void WreckingBall(Scene& scene) {
   AddFloor(scene);
   b2Body* const last = AddLinks(scene, scene.ground, {0, 15}, 9, 0.5F, 1);
-  b2BodyDef definition;
-  definition.type = b2_dynamicBody;
-  definition.angularDamping = 0.4F;
-  b2Body* const ball = scene.Add(definition, {9, 15});
+  b2Body* const ball = scene.AddDynamic({9, 15}, [](b2BodyDef* of) { of->angularDamping = 0.4F; });
   b2FixtureDef fixture;
   const b2CircleShape disc = Disc(1.5F);
   fixture.shape = &disc;
@@ -363,18 +367,11 @@ void SliderCrank(Scene& scene) {
   AddFloor(scene);
   b2Body* const crank = scene.AddDynamic({0, 7});
   Attach(crank, Box(0.5F, 2), {.density = 2});
-  b2RevoluteJointDef axle = scene.Hinge(scene.ground, crank, {0, 5});
-  axle.motorSpeed = std::numbers::pi_v<float>;
-  axle.maxMotorTorque = 10000;
-  axle.enableMotor = true;
-  scene.world.CreateJoint(&axle);
+  scene.AddMotor(scene.ground, crank, {0, 5}, std::numbers::pi_v<float>, 10000);
   b2Body* const follower = scene.AddDynamic({0, 13});
   Attach(follower, Box(0.5F, 4), {.density = 2});
   scene.AddHinge(crank, follower, {0, 9});
-  b2BodyDef definition;
-  definition.type = b2_dynamicBody;
-  definition.fixedRotation = true;
-  b2Body* const piston = scene.Add(definition, {0, 17});
+  b2Body* const piston = scene.AddDynamic({0, 17}, [](b2BodyDef* of) { of->fixedRotation = true; });
   Attach(piston, Box(1.5F, 1.5F), {.density = 2});
   scene.AddHinge(follower, piston, {0, 17});
   b2PrismaticJointDef guide;
@@ -432,11 +429,9 @@ void AddLeg(Scene& scene, b2Body* chassis, b2Body* wheel, b2Vec2 offset, b2Vec2 
   const auto at = [&](float x, float y) { return b2Vec2(x * side, y); };
   const b2Vec2 foot = at(5.4F, -6.1F), knee = at(7.2F, -1.2F), shin = at(4.3F, -1.9F);
   const b2Vec2 hip = at(3.1F, 0.8F), thigh = at(6, 1.5F), top = at(2.5F, 3.7F);
-  b2BodyDef definition;
-  definition.type = b2_dynamicBody;
-  definition.angularDamping = 10;
-  b2Body* const lower = scene.Add(definition, offset);
-  b2Body* const upper = scene.Add(definition, hip + offset);
+  const auto damped = [](b2BodyDef* of) { of->angularDamping = 10; };
+  b2Body* const lower = scene.AddDynamic(offset, damped);
+  b2Body* const upper = scene.AddDynamic(hip + offset, damped);
   Attach(lower, Polygon({foot, knee, shin}), {.group = -1});
   Attach(upper, Polygon({{0, 0}, thigh - hip, top - hip}), {.group = -1});
   const auto add_rod = [&](b2Body* a, b2Body* b, b2Vec2 end_a, b2Vec2 end_b) {
@@ -461,11 +456,7 @@ void TheoJansen(Scene& scene) {
   Attach(chassis, Box(2.5F, 1), {.group = -1});
   b2Body* const wheel = scene.AddDynamic(pivot + offset);
   Attach(wheel, Disc(1.6F), {.group = -1});
-  b2RevoluteJointDef axle = scene.Hinge(wheel, chassis, pivot + offset);
-  axle.motorSpeed = 2;
-  axle.maxMotorTorque = 400;
-  axle.enableMotor = true;
-  scene.world.CreateJoint(&axle);
+  scene.AddMotor(wheel, chassis, pivot + offset, 2, 400);
   for (const float angle : {0.0F, 120.0F, -120.0F}) {
     wheel->SetTransform(wheel->GetPosition(), angle * kDegree);
     for (const float side : {-1.0F, 1.0F}) AddLeg(scene, chassis, wheel, offset, pivot + b2Vec2(0, -0.8F), side);

@@ -40,22 +40,14 @@ int BodyIndex(const btCollisionObject& object) {
 }
 
 std::string ShapeName(const btCollisionShape& shape) {
-  switch (shape.getShapeType()) {
-    case BOX_SHAPE_PROXYTYPE:
-      return "box";
-    case SPHERE_SHAPE_PROXYTYPE:
-      return "sphere";
-    case CAPSULE_SHAPE_PROXYTYPE:
-      return "capsule";
-    case CYLINDER_SHAPE_PROXYTYPE:
-      return "cylinder";
-    case CONE_SHAPE_PROXYTYPE:
-      return "cone";
-    case STATIC_PLANE_PROXYTYPE:
-      return "plane";
-    default:
-      return "compound";
-  }
+  return NameOf(shape.getShapeType(),
+                {{BOX_SHAPE_PROXYTYPE, "box"},
+                 {SPHERE_SHAPE_PROXYTYPE, "sphere"},
+                 {CAPSULE_SHAPE_PROXYTYPE, "capsule"},
+                 {CYLINDER_SHAPE_PROXYTYPE, "cylinder"},
+                 {CONE_SHAPE_PROXYTYPE, "cone"},
+                 {STATIC_PLANE_PROXYTYPE, "plane"}},
+                "compound");
 }
 
 double Radius(const btCollisionShape& shape) {
@@ -63,18 +55,12 @@ double Radius(const btCollisionShape& shape) {
 }
 
 std::string JointName(const btTypedConstraint& joint) {
-  switch (joint.getConstraintType()) {
-    case POINT2POINT_CONSTRAINT_TYPE:
-      return "ball";
-    case HINGE_CONSTRAINT_TYPE:
-      return "hinge";
-    case CONETWIST_CONSTRAINT_TYPE:
-      return "cone twist";
-    case SLIDER_CONSTRAINT_TYPE:
-      return "slider";
-    default:
-      return "joint";
-  }
+  return NameOf(joint.getConstraintType(),
+                {{POINT2POINT_CONSTRAINT_TYPE, "ball"},
+                 {HINGE_CONSTRAINT_TYPE, "hinge"},
+                 {CONETWIST_CONSTRAINT_TYPE, "cone twist"},
+                 {SLIDER_CONSTRAINT_TYPE, "slider"}},
+                "joint");
 }
 
 btMatrix3x3 WorldInertia(const btRigidBody& body) {

@@ -615,18 +615,20 @@ class Stage : private FirstSpace, public Scene {
     const auto lever = [](const cpBody* body, cpVect anchor) {
       return cpTransformVect(body->transform, anchor - body->cog);
     };
+    cpVect ra, rb, d;  // levers, and from anchor to anchor
+    const auto set_anchors = [&](cpVect anchor_a, cpVect anchor_b) {
+      ra = lever(a, anchor_a);
+      rb = lever(b, anchor_b);
+      d = (b->p + rb) - (a->p + ra);
+    };
     std::string kind;
     if (cpConstraintIsPinJoint(joint) != 0) {
       kind = "pin";
-      const cpVect ra = lever(a, cpPinJointGetAnchorA(joint));
-      const cpVect rb = lever(b, cpPinJointGetAnchorB(joint));
-      const cpVect d = (b->p + rb) - (a->p + ra);
+      set_anchors(cpPinJointGetAnchorA(joint), cpPinJointGetAnchorB(joint));
       add(ra, rb, cpvnormalize(d), cpvlength(d) - cpPinJointGetDist(joint));
     } else if (cpConstraintIsSlideJoint(joint) != 0) {
       kind = "slide";
-      const cpVect ra = lever(a, cpSlideJointGetAnchorA(joint));
-      const cpVect rb = lever(b, cpSlideJointGetAnchorB(joint));
-      const cpVect d = (b->p + rb) - (a->p + ra);
+      set_anchors(cpSlideJointGetAnchorA(joint), cpSlideJointGetAnchorB(joint));
       const double length = cpvlength(d);
       if (length > cpSlideJointGetMax(joint)) {
         add(ra, rb, cpvneg(cpvnormalize(d)), cpSlideJointGetMax(joint) - length, true);
@@ -635,9 +637,7 @@ class Stage : private FirstSpace, public Scene {
       }
     } else if (cpConstraintIsPivotJoint(joint) != 0) {
       kind = "pivot";
-      const cpVect ra = lever(a, cpPivotJointGetAnchorA(joint));
-      const cpVect rb = lever(b, cpPivotJointGetAnchorB(joint));
-      const cpVect d = (b->p + rb) - (a->p + ra);
+      set_anchors(cpPivotJointGetAnchorA(joint), cpPivotJointGetAnchorB(joint));
       add(ra, rb, cpv(1, 0), d.x);
       add(ra, rb, cpv(0, 1), d.y);
     } else if (cpConstraintIsGrooveJoint(joint) != 0) {
@@ -645,10 +645,10 @@ class Stage : private FirstSpace, public Scene {
       const cpVect begin = cpTransformPoint(a->transform, cpGrooveJointGetGrooveA(joint));
       const cpVect end = cpTransformPoint(a->transform, cpGrooveJointGetGrooveB(joint));
       const cpVect along = cpvnormalize(end - begin);
-      const cpVect rb = lever(b, cpGrooveJointGetAnchorB(joint));
+      rb = lever(b, cpGrooveJointGetAnchorB(joint));
       const double place = cpvdot(b->p + rb - begin, along);
       const double rest = cpvdist(begin, end) - place;
-      const cpVect ra = begin + along * place - a->p;
+      ra = begin + along * place - a->p;
       add(ra, rb, cpvperp(along), cpvdot(b->p + rb - begin, cpvperp(along)));
       if (place <= 0) add(ra, rb, along, place, true);
       if (rest <= 0) add(ra, rb, cpvneg(along), rest, true);

@@ -177,50 +177,37 @@ class Stage {
   }
   void Ground() { dCreatePlane(space, 0, 0, 1, 0); }
 
-  /// To be called once its anchors and axes are set: what rows and their errors are measured against is taken here.
-  void Add(dJointID joint) {
+  /// `set_up` sets anchors and axes: what rows and their errors are measured against is taken then.
+  template <class SetUp>
+  dJointID Join(dJointID joint, dBodyID a, dBodyID b, const SetUp& set_up) {
+    dJointAttach(joint, a, b);
+    set_up(joint);
     const End i = EndOf(joint, 0);
     const End j = EndOf(joint, 1);
     dVector3 axis = {0, 0, 0, 0};
     if (dJointGetType(joint) == dJointTypeHinge) dJointGetHingeAxis(joint, axis);
     joints_.push_back({joint, j.R.transpose() * FromOde(axis), j.R.transpose() * (i.x - j.x), j.R.transpose() * i.R});
+    return joint;
   }
   dJointID Ball(dBodyID a, dBodyID b, const Vector3d& anchor) {
-    const dJointID joint = dJointCreateBall(world, nullptr);
-    dJointAttach(joint, a, b);
-    dJointSetBallAnchor(joint, anchor.x(), anchor.y(), anchor.z());
-    Add(joint);
-    return joint;
+    return Join(dJointCreateBall(world, nullptr), a, b,
+                [&](dJointID joint) { dJointSetBallAnchor(joint, anchor.x(), anchor.y(), anchor.z()); });
   }
   dJointID Hinge(dBodyID a, dBodyID b, const Vector3d& anchor, const Vector3d& axis) {
-    const dJointID joint = dJointCreateHinge(world, nullptr);
-    dJointAttach(joint, a, b);
-    dJointSetHingeAnchor(joint, anchor.x(), anchor.y(), anchor.z());
-    dJointSetHingeAxis(joint, axis.x(), axis.y(), axis.z());
-    Add(joint);
-    return joint;
+    return Join(dJointCreateHinge(world, nullptr), a, b, [&](dJointID joint) {
+      dJointSetHingeAnchor(joint, anchor.x(), anchor.y(), anchor.z());
+      dJointSetHingeAxis(joint, axis.x(), axis.y(), axis.z());
+    });
   }
   /// A wheel b at its centre: steering about the first axis, rolling about the second.
   dJointID Hinge2(dBodyID a, dBodyID b, const Vector3d& steering, const Vector3d& rolling) {
-    const dJointID joint = dJointCreateHinge2(world, nullptr);
-    dJointAttach(joint, a, b);
-    const dReal* const x = dBodyGetPosition(b);
-    dJointSetHinge2Anchor(joint, x[0], x[1], x[2]);
-    dVector3 first, second;
-    for (int k = 0; k < 3; ++k) {
-      first[k] = steering[k];
-      second[k] = rolling[k];
-    }
-    dJointSetHinge2Axes(joint, first, second);
-    Add(joint);
-    return joint;
+    return Join(dJointCreateHinge2(world, nullptr), a, b, [&](dJointID joint) {
+      const dReal* const x = dBodyGetPosition(b);
+      dJointSetHinge2Anchor(joint, x[0], x[1], x[2]);
+      dJointSetHinge2Axes(joint, steering.data(), rolling.data());
+    });
   }
-  void Fix(dBodyID a, dBodyID b) {
-    const dJointID joint = dJointCreateFixed(world, nullptr);
-    dJointAttach(joint, a, b);
-    dJointSetFixed(joint);
-    Add(joint);
-  }
+  void Fix(dBodyID a, dBodyID b) { Join(dJointCreateFixed(world, nullptr), a, b, dJointSetFixed); }
 
   void Advance(int number, Step* step) {
     if (number == 0) {
@@ -398,20 +385,13 @@ class Stage {
   }
 
   static std::string ShapeName(dGeomID geom) {
-    switch (dGeomGetClass(geom)) {
-      case dSphereClass:
-        return "sphere";
-      case dBoxClass:
-        return "box";
-      case dCapsuleClass:
-        return "capsule";
-      case dCylinderClass:
-        return "cylinder";
-      case dPlaneClass:
-        return "plane";
-      default:
-        return "heightfield";
-    }
+    return NameOf(dGeomGetClass(geom),
+                  {{dSphereClass, "sphere"},
+                   {dBoxClass, "box"},
+                   {dCapsuleClass, "capsule"},
+                   {dCylinderClass, "cylinder"},
+                   {dPlaneClass, "plane"}},
+                  "heightfield");
   }
   static double Radius(dGeomID geom) { return dGeomGetClass(geom) == dSphereClass ? dGeomSphereGetRadius(geom) : 0; }
 
@@ -819,13 +799,12 @@ void BridgeFeedback(Stage& stage) {
   }
   for (int i = 0; i < 10; ++i) stage.Box(2 * slab.prod(), slab, Vector3d(0, 0, 8 + 2 * i));
   for (const auto& [plank, high] : {std::pair{planks.front(), 0.2}, {planks.back(), -0.2}}) {
-    const dJointID slider = dJointCreateSlider(stage.world, nullptr);
-    dJointAttach(slider, plank, nullptr);
-    dJointSetSliderAxis(slider, 1, 0, 0);
-    dJointSetSliderParam(slider, dParamFMax, 4000);
-    dJointSetSliderParam(slider, dParamLoStop, 0);
-    dJointSetSliderParam(slider, dParamHiStop, high);
-    stage.Add(slider);
+    stage.Join(dJointCreateSlider(stage.world, nullptr), plank, nullptr, [high = high](dJointID slider) {
+      dJointSetSliderAxis(slider, 1, 0, 0);
+      dJointSetSliderParam(slider, dParamFMax, 4000);
+      dJointSetSliderParam(slider, dParamLoStop, 0);
+      dJointSetSliderParam(slider, dParamHiStop, high);
+    });
   }
   stage.Ground();
 }

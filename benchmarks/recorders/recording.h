@@ -175,6 +175,14 @@ inline Request ReadCommandLine(int argc, char** argv, const std::vector<std::str
   return request;
 }
 
+/// The engine's numbers of kinds in words.
+inline std::string NameOf(int kind, std::initializer_list<std::pair<int, const char*>> names, const char* other) {
+  for (const auto& [number, name] : names) {
+    if (number == kind) return name;
+  }
+  return other;
+}
+
 /// A number of a body, -1 for the world.
 template <class Map, class Key>
 int IndexOf(const Map& indices, const Key& key) {
