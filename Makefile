@@ -20,10 +20,6 @@ PICTURE_SIZE ?= 24
 BASELINE := build/baseline
 OWN       = dantzig auto semismooth-newton lemke bpp active-set pgs psor nncg apgd ipopt-qp ipopt-ncp ipm hybrid
 
-# What the rules of `lcpbench recommend` are made of: folders of campaigns, and the manifests that have their problems.
-CAMPAIGNS          ?= $(addprefix build/results/,standard sequences recorded literature)
-CAMPAIGN_MANIFESTS ?= $(addprefix data/,engine.json standard.json recorded.json literature.json)
-
 # How long and with which new inputs `make fuzz` goes on.
 FUZZ_SECONDS ?= 60
 FUZZ_CORPUS  := build/fuzz/corpus
@@ -55,14 +51,13 @@ REFERENCE_RESULTS := $(REFERENCE)/core $(REFERENCE)/sequences --precision $(REFE
                      --curves $(REFERENCE)/curves $(REFERENCE_ABLATION) --pictures $(PICTURES)
 REFERENCE_OTHERS  := smoke pathological large sequences-qp
 
-.PHONY: help deps peers configure command build test report run pictures ablation recommendation calibrate record-engines fresh-benchmark scene-benchmark solver-curves slurm-try doc reference-report check format fuzz attack install clean
+.PHONY: help deps peers configure command build test report run pictures ablation calibrate record-engines fresh-benchmark scene-benchmark solver-curves slurm-try doc reference-report check format fuzz attack install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
 	@echo "make test     install what is missing, build, run all tests"
 	@echo "make build    install what is missing, configure and build"
 	@echo "make ablation   what our own checks, checks for peers, and instruction sets are worth: a build and a campaign (20 minutes)"
-	@echo "make recommendation   rules of lcpbench recommend from the campaigns standard, sequences, recorded and literature (CAMPAIGNS=folders; ten minutes)"
 	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
 	@echo "make record-engines   let physics engines step scenes of their own, and record them in data/recordings (RECORDINGS=box2d-)"
 	@echo "make fresh-benchmark      fresh times of our solvers, ODE and Bullet in one process, by size class and origin (OPTIONS=--cpu 1; two minutes)"
@@ -138,13 +133,6 @@ ablation: command
 	@cmake --build --preset baseline -j $(JOBS)
 	@$(BUILD)/lcpbench run --suite ablation --ablations --resume --output build/results/ablation $(RUN_OPTIONS) \
 	  $(foreach key,$(OWN),--external "$(key)-baseline=$(CURDIR)/$(BASELINE)/lcpbench serve $(key)")
-
-recommendation: command
-	@rm -f build/features.jsonl
-	@for manifest in $(CAMPAIGN_MANIFESTS); do \
-	  $(BUILD)/lcpbench collection write $$manifest | $(BUILD)/lcpbench recommend --features - >> build/features.jsonl || exit 1; \
-	done
-	@$(PYTHON) report/report.py recommendation $(CAMPAIGNS) --features build/features.jsonl -o data/recommendation.json
 
 calibrate: command
 	@$(BUILD)/lcpbench run --resume $(CALIBRATION) --output $(CALIBRATION_RESULTS)

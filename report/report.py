@@ -255,26 +255,6 @@ def _headline(options: argparse.Namespace) -> None:
         write_text(path, text)
 
 
-@_command("recommendation", _file("campaigns", nargs="+", help="folder of a campaign on problems, or on sequences"),
-          _file("--features", required=True, metavar="FILE", help="of all problems: `lcpbench recommend --features`"),
-          _word("--leave-out", default="", metavar="FAMILIES",
-                help="make the rules without these families (commas), and do not try them"),
-          _file("-o", "--output", required=True, metavar="FILE", help="JSON"))
-def _recommendation(options: argparse.Namespace) -> None:
-    """Make the rules of `lcpbench recommend` of campaigns, and try them on families that they were not made of."""
-    from lcpbench_report.recommendation import evaluation
-    from lcpbench_report.recommendation.outcomes import read_outcomes, read_sequences
-    from lcpbench_report.statistics.jsonl import write_object
-
-    outcomes = read_outcomes(options.campaigns, options.features)
-    made = evaluation.make(outcomes, read_sequences(options.campaigns),
-                           frozenset(filter(None, options.leave_out.split(","))))
-    write_object(options.output, made)
-    if made["evaluation"]:
-        print(evaluation.as_text(made["evaluation"]))
-    print(f"{options.output}: {len(made['regions'])} regions")
-
-
 @_command("archive", _file("campaign", help="folder of a campaign, of `lcpbench motion`, or of `make solver-curves`"),
           _file("output", metavar="OUT", help="the folder to write"))
 def _archive(options: argparse.Namespace) -> None:

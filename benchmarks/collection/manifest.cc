@@ -298,13 +298,7 @@ void SourceMembers(Reader& reader, ManifestEntry& entry) {
   }
 }
 
-void Members(auto& archive, Is<ManifestEntry> auto& entry) {
-  archive.Must("id", entry.id);
-  archive.Must("family", entry.family);
-  SourceMembers(archive, entry);
-  archive.Some("grid", entry.grid);
-  archive.Some("purpose", entry.purpose);
-  auto& p = entry.properties;
+void Members(auto& archive, Is<ProblemProperties> auto& p) {
   archive.Must("rows", p.rows);
   archive.May("bilateral", p.bilateral);
   archive.May("bodies", p.bodies);
@@ -318,6 +312,15 @@ void Members(auto& archive, Is<ManifestEntry> auto& entry) {
   archive.May("redundancy", p.redundancy);
   archive.May("mass_ratio", p.mass_ratio);
   archive.May("kinds", p.kinds);
+}
+
+void Members(auto& archive, Is<ManifestEntry> auto& entry) {
+  archive.Must("id", entry.id);
+  archive.Must("family", entry.family);
+  SourceMembers(archive, entry);
+  archive.Some("grid", entry.grid);
+  archive.Some("purpose", entry.purpose);
+  Members(archive, entry.properties);
   std::optional<double> active;
   std::optional<Index> degenerate;
   if (entry.answer) std::tie(active, degenerate) = std::tie(entry.answer->fraction_active, entry.answer->degenerate);
@@ -551,6 +554,8 @@ std::string FormatManifest(const Manifest& manifest) {
   member("sequences", LinesOf(manifest.sequences), true);
   return text + "}\n";
 }
+
+nlohmann::ordered_json DescribeProperties(const ProblemProperties& properties) { return Writer::ToJson(properties); }
 
 Manifest ReadManifest(const std::string& path) {
   const nlohmann::json document = ParseJsonObject(ReadTextFile(path), path);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <variant>
@@ -136,6 +137,9 @@ std::string FolderOf(const std::string& path);
 
 /// The text of a manifest file.
 std::string FormatManifest(const Manifest& manifest);
+
+/// Properties as the members of a problem's entry.
+nlohmann::ordered_json DescribeProperties(const ProblemProperties& properties);
 
 /// Reads a manifest, but for its refusals and what sequences are like. Only what makes the problems must be there.
 /// @throws InputError naming file, place, what was expected and what was found

@@ -4,16 +4,17 @@
 #include <iostream>
 #include <set>
 
+#include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
-#include "benchmarks/measure/data_file.h"
-#include "benchmarks/recommend/measurement.h"
 #include "benchmarks/recommend/problem_steps.h"
+#include "benchmarks/recommend/race.h"
 #include "benchmarks/recommend/recommendation.h"
-#include "benchmarks/recommend/rules.h"
+#include "solvers/linear_algebra/islands.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
+#include "support/number_text.h"
 
 namespace lcpbench {
 namespace {
@@ -30,14 +31,29 @@ double Duration(const std::string& text) {
   return unit == "ms" ? value / 1e3 : unit == "us" || unit == "µs" ? value / 1e6 : 0;
 }
 
+// What is known of a problem before it is solved: as in manifests, and how it falls apart.
+nlohmann::ordered_json FeaturesOf(const LcpProblem& problem) {
+  nlohmann::ordered_json line = {{"problem", problem.id()}};
+  line.update(DescribeProperties(MeasureProperties(problem)));
+  if (problem.size() == 0) return line;
+  Islands islands;
+  islands.Find(problem.SparseA(), std::vector<char>(static_cast<size_t>(problem.size()), 1));
+  line["islands"] = islands.count();
+  line["largest_island"] = static_cast<double>(islands.largest()) / static_cast<double>(problem.size());
+  const Eigen::VectorXd& D = problem.DiagonalA();
+  const double least = (D.array() > 0).select(D.array(), D.maxCoeff()).minCoeff();
+  line["diagonal_spread"] = least > 0 ? D.maxCoeff() / least : 1;
+  return line;
+}
+
 struct Recommend {
   std::vector<std::string> files;
   SceneOptions start;
   int steps = 1;
   std::vector<std::string> candidates;
   bool peers = false;
-  std::string rules_file;
-  MeasurementPlan plan;
+  RaceOptions race;
+  RaceProcess process;
   bool json = false;
   bool features = false;
   NamedSolvers named;
@@ -57,16 +73,16 @@ struct Recommend {
           throw InputError("--deadline: expected a time > 0 in seconds, or with us, ms or s, found '" + text + "'");
         },
         "Of a step's set-up and solve, met at the 99th percentile: seconds, or 500us, 16ms");
-    AddToleranceOption(app, &plan.tolerance);
+    AddToleranceOption(app, &all_.request.tolerance);
     app.add_option("--candidates", candidates,
-                   "Solver keys, or all: all own solvers [default: those that the rules name]")
+                   "Solver keys [default: all own solvers that take the problems, and those named by --external]")
         ->delimiter(',')
         ->allow_extra_args(false);  // the file may come next
-    app.add_flag("--peers", peers, "Also try the peers that were fast in the reference");
-    app.add_option("--rules", rules_file,
-                   "Written by report/report.py recommendation [default: data/recommendation.json]");
-    app.add_option("--rounds", plan.rounds, "How often every candidate is run")->check(AtLeast(1));
-    AddCpuOption(app, &plan.cpu);
+    app.add_flag("--peers", peers, "Also all peers of this build");
+    app.add_option("--rounds", race.rounds, "How often every solver runs, unless a better one leaves it behind")
+        ->check(AtLeast(1));
+    app.add_option("--budget", race.budget_s, "Of the whole race [s]")->check(PositiveSeconds());
+    AddCpuOption(app, &process.cpu);
     app.add_flag("--json", json, "All of it as one JSON object");
     app.add_flag("--features", features, "Only print the features of all problems, as JSON lines");
     AddReadingOptions(app, &reading);
@@ -79,8 +95,6 @@ struct Recommend {
     if (features) return PrintFeatures();
     const size_t inputs = files.size() + (start.scene.empty() ? 0 : 1);
     if (inputs != 1) throw InputError("recommend: expected one FILE or --scene, found " + std::to_string(inputs));
-    const RecommendationRules rules =
-        ReadRecommendationRules(rules_file.empty() ? DataFile("recommendation") : rules_file);
     const ProblemSteps problems = start.scene.empty() ? ReadProblemSteps(files.front(), reading)
                                                       : MakeProblemSteps(start.scene, start.size, start.seed, steps);
 
@@ -88,31 +102,24 @@ struct Recommend {
       return a.problem.size() < b.problem.size();
     };
     const auto [smallest, largest] = std::minmax_element(problems.steps.begin(), problems.steps.end(), by_rows);
-    all_.request.tolerance = plan.tolerance;
     all_.input = problems.name;
     all_.problems = static_cast<int>(problems.steps.size());
     all_.least_rows = static_cast<double>(smallest->problem.size());
     all_.most_rows = static_cast<double>(largest->problem.size());
     all_.rows_are_known = problems.rows_are_known;
     all_.request.by_tail = all_.problems > 1;
-    all_.features = MeasureFeatures(largest->problem);
     all_.step_sizes = FindStepSizes(problems.steps);
-    all_.rules_file = rules.file;
-    all_.made_of = rules.made_of;
-    all_.region = FindRegion(rules, all_.features, plan.tolerance);
+    all_.rounds = race.rounds;
+    all_.budget_s = race.budget_s;
 
     // Its words name the solvers that take what it does not.
-    all_.note = MakeSolver("auto")->WhyUnsupported(largest->problem);
-    ChooseCandidates(largest->problem);
-    for (const std::string& key : plan.solvers) {
+    all_.note = WhyNotTaken(FindSolver("auto"), problems.steps);
+    ChooseCandidates(problems.steps, largest->problem.size());
+    for (const std::string& key : solvers_) {
       if (FindSolver(key).origin == SolverOrigin::kExternal) WorkerVersion(key);  // which says why it does not start
     }
-    plan.solver_arguments = named.Words();
-    const std::vector<Measurement> measurements = MeasureSolvers(plan, problems);
-    all_.rounds = plan.rounds;
-    all_.samples = static_cast<int>(measurements.front().latency_s.size());
-    all_.ranked = RankMeasurements(measurements, all_.request);
-    all_.untried = Untried(largest->problem);
+    process.solver_arguments = named.Words();
+    RunRace(problems);
     if (json) {
       std::cout << DescribeRecommendation(all_).dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
                 << std::endl;
@@ -123,81 +130,80 @@ struct Recommend {
   }
 
  private:
-  // What report/report.py recommendation makes rules of: the same numbers as the command looks them up by.
   int PrintFeatures() const {
     if (files.empty()) throw InputError("--features: expected one FILE or more");
-    return ForEachProblem(files, reading, [](const LcpRecord& record) {
-      nlohmann::ordered_json line = {{"problem", record.problem.id()}};
-      line.update(Describe(MeasureFeatures(record.problem)));
-      std::cout << line.dump() << std::endl;
-    });
-  }
-
-  // Of a name the solver it stands for, so that none is tried twice.
-  void Try(const SolverEntry& entry) {
-    if (tried_.insert(entry.key).second) plan.solvers.push_back(entry.key);
+    return ForEachProblem(files, reading,
+                          [](const LcpRecord& record) { std::cout << FeaturesOf(record.problem).dump() << std::endl; });
   }
 
   // What a peer takes, only its worker knows.
-  static bool Takes(const SolverEntry& entry, const LcpProblem& problem) {
-    if (!entry.available) return false;
-    return entry.origin != SolverOrigin::kOwn || entry.make({})->WhyUnsupported(problem).empty();
+  static std::string WhyNotTaken(const SolverEntry& entry, const std::vector<SequenceStep>& problems) {
+    if (entry.origin != SolverOrigin::kOwn) return "";
+    const auto solver = entry.make({});
+    for (const SequenceStep& step : problems) {
+      if (std::string why = solver->WhyUnsupported(step.problem); !why.empty()) return why;
+    }
+    return "";
   }
 
-  void ChooseCandidates(const LcpProblem& problem) {
-    const bool by_rules = candidates.empty();
-    const bool all = candidates == std::vector<std::string>{"all"};
-    const auto fits = [&problem](const SolverEntry& entry) {
-      return Takes(entry, problem) && SizeRefusal(entry, problem.size()).empty();
-    };
-    if (by_rules || all) {
-      for (const std::string& key : all_.region.candidates) {
-        if (const SolverEntry& entry = FindSolver(key); Takes(entry, problem)) Try(entry);
-      }
-    }
-    if (all || (by_rules && plan.solvers.empty())) {  // the rules are made of problems with symmetric A
-      for (const SolverEntry& entry : AllSolvers()) {
-        if (entry.origin == SolverOrigin::kOwn && fits(entry)) Try(entry);
-      }
-    } else {
-      for (const std::string& key : candidates) {
-        const SolverEntry& entry = FindSolver(key);
-        if (!entry.available) throw InputError("--candidates: solver '" + key + "' is not in this build");
-        Try(entry);
-      }
-    }
-    for (const std::string& key : peers ? all_.region.peers : std::vector<std::string>()) {
-      if (const SolverEntry& entry = FindSolver(key); fits(entry)) Try(entry);
-    }
-    if (plan.solvers.empty()) throw InputError("recommend: none of the candidates of the rules is in this build");
+  // "" where it takes part in the race.
+  std::string WhyNot(const SolverEntry& entry, const std::vector<SequenceStep>& problems, Index most_rows) const {
+    if (!entry.available) return "not in this build";
+    if (entry.origin == SolverOrigin::kPeer && !peers) return "a peer: --peers tries it";
+    if (std::string why = SizeRefusal(entry, most_rows); !why.empty()) return why;
+    return WhyNotTaken(entry, problems);
   }
 
-  std::vector<UntriedSolver> Untried(const LcpProblem& problem) const {
-    std::vector<UntriedSolver> untried;
-    std::set<std::string> known = tried_;
-    int rank = 0;
-    for (const ReferenceRecord& record : all_.region.solvers) {
-      ++rank;
-      if (!known.insert(record.solver).second || !Takes(FindSolver(record.solver), problem)) continue;
-      untried.push_back({record.solver, rank, record.within});
+  void ChooseCandidates(const std::vector<SequenceStep>& problems, Index most_rows) {
+    const bool all = candidates.empty() || candidates == std::vector<std::string>{"all"};
+    std::set<std::string> chosen;
+    for (const std::string& key : all ? std::vector<std::string>() : candidates) {
+      const SolverEntry& entry = FindSolver(key);
+      if (!entry.available) throw InputError("--candidates: solver '" + key + "' is not in this build");
+      if (chosen.insert(entry.key).second) solvers_.push_back(entry.key);  // a solver may have two names
     }
     for (const SolverEntry& entry : AllSolvers()) {
-      const bool is_ours = entry.origin == SolverOrigin::kOwn && entry.base.empty() && Takes(entry, problem);
-      if (is_ours && known.insert(entry.key).second) untried.push_back({entry.key, 0, 0});
+      if (chosen.count(entry.key) > 0) continue;
+      std::string why = WhyNot(entry, problems, most_rows);
+      if (why.empty() && !all && !(peers && entry.origin == SolverOrigin::kPeer)) why = "not named by --candidates";
+      if (!why.empty()) {
+        all_.untried.push_back({entry.key, why});
+      } else if (entry.key == "auto") {
+        solvers_.insert(solvers_.begin(), entry.key);  // its time soon tells how patient to be with others
+      } else {
+        solvers_.push_back(entry.key);
+      }
     }
-    return untried;
+    if (solvers_.empty()) throw InputError("recommend: no solver of this build takes these problems");
+  }
+
+  void RunRace(const ProblemSteps& problems) {
+    const double begun = SteadyNow();
+    std::vector<Measurement> raced;
+    for (Measurement& measured : RaceOnProblems(solvers_, problems, all_.request, race, process)) {
+      if (measured.passes > 0) {
+        raced.push_back(std::move(measured));
+      } else {
+        all_.untried.push_back({measured.solver, "the budget was spent before its turn"});
+      }
+    }
+    all_.spent_s = SteadyNow() - begun;
+    if (raced.empty()) {
+      throw InputError("--budget: no solver had its turn within " + NumberText(race.budget_s) + " s, expected more");
+    }
+    all_.samples = static_cast<int>(raced.front().latency_s.size());
+    all_.ranked = RankMeasurements(raced, all_.request);
   }
 
   Recommendation all_;
-  std::set<std::string> tried_;
+  std::vector<std::string> solvers_;
 };
 
 }  // namespace
 
 void AddRecommendCommand(CLI::App& app, CommandRun& run) {
-  AddCommand<Recommend>(
-      app, run, "recommend",
-      "Measures the backends that are worth trying on a problem, a scene or a sequence, and names the best");
+  AddCommand<Recommend>(app, run, "recommend",
+                        "Lets solvers race on a problem, a scene or a sequence, and names the best");
 }
 
 }  // namespace lcpbench

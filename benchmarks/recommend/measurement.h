@@ -5,48 +5,48 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/campaign/campaign_plan.h"
-#include "benchmarks/recommend/problem_steps.h"
+#include "benchmarks/campaign/messages.h"
 
 namespace lcpbench {
 
-struct MeasurementPlan {
-  std::vector<std::string> solvers;  ///< registry keys
+/// What is asked of a solver.
+struct RecommendationRequest {
   double tolerance = 1e-6;
-  int rounds = 5;                             ///< passes of every solver over the steps, each round in another order
-  std::vector<std::string> solver_arguments;  ///< of the command line, by which the user named solvers
-  int cpu = -1;                               ///< the processor that solves are kept on; -1: any
+  std::optional<double> deadline_s = {};  ///< of set-up and solve of a step
+  bool by_tail = false;  ///< rank by the 99th percentile (several steps), else by the median (one problem)
 };
 
 /// What the passes of one solver over the steps found, from cold starts or from warm ones.
 struct Measurement {
   std::string solver;
   bool warm = false;
+  int passes = 0;       ///< 0: not run at all
   std::string outcome;  ///< SequenceReply::outcome of the last pass
   std::string detail;
+  std::string dropped;  ///< why it was not run again, where a better one left it behind; else ""
   /// Set-up and solve [s] of every step (of solvers in processes of their own solve and conversion): the median over
-  /// the rounds in which it was not preempted. Infinite where the pass ended before.
+  /// the passes in which nothing disturbed it, if there are any. Infinite where every pass ended before.
   std::vector<double> latency_s;
-  double raw_max_s = 0;               ///< the largest of all rounds
-  std::map<double, int> passed;       ///< steps verified, by tier: of the worst round
-  int false_successes = 0;            ///< of the worst round, at the tolerance
-  std::map<std::string, int> claims;  ///< steps by the solver's own word, of the last round
+  double raw_max_s = 0;               ///< the largest of all passes
+  std::map<double, int> passed;       ///< steps verified, by tier: of the worst pass
+  int false_successes = 0;            ///< of the worst pass, at the tolerance
+  std::map<std::string, int> claims;  ///< steps by the solver's own word, of the last pass
   double rho = 0;                     ///< largest of all answers; infinite where there is none
-  int disturbed = 0;                  ///< passes that the machine disturbed, again when they were repeated
+  int disturbed = 0;                  ///< passes during which the processor's clock was slow
 };
 
-/// Runs every solver over the steps in a worker process, which may crash or hang without harm, as campaigns on
-/// sequences do (sequence_runner.h), and judges every answer relative to the problem's rounding floor, which own
-/// solvers find beforehand (reference_solves.h). One problem alone is solved as a sequence of copies. Where it is known
-/// which rows stay, every solver also runs from warm starts. What fails on every step is not run again.
-/// @throws InputError for an unknown solver
-std::vector<Measurement> MeasureSolvers(const MeasurementPlan& plan, ProblemSteps steps);
+/// A measurement that grows pass by pass.
+class Passes {
+ public:
+  Passes(std::string solver, bool warm, size_t steps);
+  /// @param results  of the reply, not null
+  void Add(const SequenceReply& reply, bool disturbed, double tolerance);
+  const Measurement& found() const { return found_; }
+  void Drop(std::string reason) { found_.dropped = std::move(reason); }
 
-/// What is asked of a solver.
-struct RecommendationRequest {
-  double tolerance = 1e-6;
-  std::optional<double> deadline_s;  ///< of set-up and solve of a step
-  bool by_tail = false;              ///< rank by the 99th percentile (several steps), else by the median (one problem)
+ private:
+  Measurement found_;
+  std::vector<std::vector<double>> calm_, all_;  // latencies by step, in passes without disturbance and in all
 };
 
 /// A measurement, judged by the request.
@@ -62,6 +62,9 @@ struct Assessment {
   std::string shortcoming;  ///< why it does not meet the request; "" where it does
   double time_s = 0;        ///< what it is ranked by
 };
+
+/// @param measured  of one pass or more
+Assessment Assess(const Measurement& measured, const RecommendationRequest& request);
 
 /// Ranks: those that meet the request first, by time; then the rest, by the share of verified steps, the share in time,
 /// and time. What is equal stays in the order given.

@@ -1,6 +1,7 @@
 #include "benchmarks/recommend/recommendation.h"
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <boost/algorithm/string/replace.hpp>
 #include <cmath>
 #include <utility>
@@ -78,53 +79,50 @@ std::string Heading(const Recommendation& all) {
   return text + "\n";
 }
 
-std::string FeaturesLine(const Recommendation& all) {
-  std::string text;
-  for (const NamedFeature& feature : AllFeatures()) {
-    const std::optional<double> value = all.features.*feature.value;
-    text += (text.empty() ? "" : ", ") + std::string(feature.name) + " " + (value ? Rounded(*value) : "not known");
-  }
-  return (all.problems > 1 ? "features of the largest: " : "features: ") + text + "\n";
-}
-
-std::string RegionLine(const Recommendation& all) {
-  std::string text;
-  for (const auto& [feature, least, end] : all.region.where) {
-    text += (text.empty() ? "" : ", ") + std::string(feature.name) + " " + Rounded(least) + " to " +
-            (std::isfinite(end) ? "below " + Rounded(end) : "any");
-  }
-  return "reference: " + std::to_string(all.region.problems) + " problems with " + text + " at tier " +
-         ShortText(all.region.tier) + ", of " + all.made_of + "\n";
+std::string BudgetLine(const Recommendation& all) {
+  return "race: at most " + std::to_string(all.rounds) + " rounds of " + std::to_string(all.samples) +
+         " solves within " + TimeText(all.budget_s) + ", took " + TimeText(all.spent_s) + "\n";
 }
 
 std::string Table(const Recommendation& all) {
-  std::vector<std::vector<std::string>> rows = {{"solver", "start", "median", "p99", "max"}};
+  std::vector<std::vector<std::string>> rows = {{"solver", "start", "passes", "median", "p99", "max"}};
   if (all.request.deadline_s) rows.front().emplace_back("in time");
   for (const char* heading : {"verified", "rho", ""}) rows.front().emplace_back(heading);
   for (const Assessment& each : all.ranked) {
     const Measurement& measured = each.measured;
-    std::vector<std::string> row = {measured.solver, measured.warm ? "warm" : "cold", TimeText(each.p50_s),
-                                    TimeText(each.p99_s), TimeText(each.max_s)};
+    std::vector<std::string> row = {measured.solver,
+                                    measured.warm ? "warm" : "cold",
+                                    std::to_string(measured.passes),
+                                    TimeText(each.p50_s),
+                                    TimeText(each.p99_s),
+                                    TimeText(each.max_s)};
     if (all.request.deadline_s) row.push_back(ShortText(100 * each.in_time) + " %");
     row.push_back(ShortText(100 * each.verified) + " %");
     row.push_back(ErrorText(measured.rho));
-    row.push_back(each.shortcoming);
+    row.push_back(each.shortcoming.empty() ? measured.dropped : each.shortcoming);
     rows.push_back(row);
   }
   return FormatTable(rows);
 }
 
+// A line per reason, in the order of their first solvers.
 std::string UntriedText(const Recommendation& all) {
-  if (all.untried.empty()) return "";
-  std::string text = "not tried: " + std::to_string(all.untried.size()) +
-                     " own solvers, in the reference within 1.3 x of the best on so many of its problems "
-                     "(--candidates all tries them):";
-  for (const UntriedSolver& each : all.untried) {
-    text += (&each == all.untried.data() ? " " : ", ") + each.solver;
-    text += each.rank > 0 ? " (rank " + std::to_string(each.rank) + ", " + ShortText(100 * each.within) + " %)"
-                          : " (not in the reference)";
+  constexpr size_t kMostNamed = 8;
+  std::vector<std::pair<std::string, std::vector<std::string>>> lines;
+  for (const auto& [solver, reason] : all.untried) {
+    const auto same = [&reason = reason](const auto& line) { return line.first == reason; };
+    auto line = std::find_if(lines.begin(), lines.end(), same);
+    if (line == lines.end()) line = lines.insert(lines.end(), {reason, {}});
+    line->second.push_back(solver);
   }
-  return text + "\n";
+  std::string text;
+  for (auto& [reason, solvers] : lines) {
+    const size_t more = solvers.size() - std::min(solvers.size(), kMostNamed);
+    solvers.resize(solvers.size() - more);
+    text += "not tried: " + boost::algorithm::join(solvers, ", ");
+    text += (more > 0 ? " and " + std::to_string(more) + " more" : "") + " (" + reason + ")\n";
+  }
+  return text;
 }
 
 std::string OriginNote(const std::string& solver) {
@@ -141,7 +139,7 @@ std::string DisturbedText(const Recommendation& all) {
   for (const Assessment& each : all.ranked) disturbed += each.measured.disturbed;
   if (disturbed == 0) return "";
   return "note: the processor's clock was slower than at its best by a tenth in " + std::to_string(disturbed) +
-         " passes, though they were repeated\n";
+         " passes; where there were others, these count\n";
 }
 
 Json FiniteOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
@@ -222,16 +220,11 @@ std::string StepEmbeddingCode(const StepSizes& sizes, bool warm, const Recommend
 }
 
 std::string FormatRecommendation(const Recommendation& all) {
-  constexpr size_t kMostShown = 4;
   const Assessment& best = all.ranked.front();
   const Measurement& measured = best.measured;
-  std::string text = Heading(all) + FeaturesLine(all) + RegionLine(all) + "\n" + Table(all) + "\n" +
+  std::string text = Heading(all) + BudgetLine(all) + "\n" + Table(all) + "\n" +
                      (best.meets ? "recommended: " : "nothing that was tried meets the request; nearest: ") +
                      Evidence(all, best) + "\n";
-  // Others that meet the request, or come next.
-  for (size_t k = 1; k < std::min(all.ranked.size(), kMostShown); ++k) {
-    text += (k == 1 ? "next: " : "      ") + Evidence(all, all.ranked[k]) + "\n";
-  }
   if (!all.note.empty()) text += "note: " + all.note + "\n";
   text += UntriedText(all) + DisturbedText(all);
   if (!best.meets) return text;
@@ -245,15 +238,11 @@ nlohmann::ordered_json DescribeRecommendation(const Recommendation& all) {
   json["rows"] = {all.least_rows, all.most_rows};
   json["tolerance"] = all.request.tolerance;
   json["deadline_s"] = all.request.deadline_s ? Json(*all.request.deadline_s) : Json(nullptr);
-  json["features"] = Describe(all.features);
-  Json where = Json::object();
-  for (const auto& [feature, least, end] : all.region.where) where[feature.name] = {least, FiniteOrNull(end)};
-  json["reference"] = {{"rules", all.rules_file},         {"campaigns", all.made_of},
-                       {"tier", all.region.tier},         {"where", where},
-                       {"problems", all.region.problems}, {"candidates", all.region.candidates}};
   json["ranked_by"] = all.request.by_tail ? "p99_s" : "p50_s";
   json["rounds"] = all.rounds;
   json["samples"] = all.samples;
+  json["budget_s"] = all.budget_s;
+  json["spent_s"] = all.spent_s;
   json["ranked"] = Json::array();
   for (const Assessment& each : all.ranked) {
     const Measurement& measured = each.measured;
@@ -261,8 +250,10 @@ nlohmann::ordered_json DescribeRecommendation(const Recommendation& all) {
     for (const auto& [tier, passed] : measured.passed) tiers.push_back({{"tier", tier}, {"passed", passed}});
     json["ranked"].push_back({{"solver", measured.solver},
                               {"start", measured.warm ? "warm" : "cold"},
+                              {"passes", measured.passes},
                               {"meets", each.meets},
                               {"shortcoming", each.shortcoming},
+                              {"dropped", measured.dropped},
                               {"p50_s", FiniteOrNull(each.p50_s)},
                               {"p99_s", FiniteOrNull(each.p99_s)},
                               {"max_s", FiniteOrNull(each.max_s)},
@@ -278,11 +269,8 @@ nlohmann::ordered_json DescribeRecommendation(const Recommendation& all) {
                               {"disturbed", measured.disturbed}});
   }
   json["not_tried"] = Json::array();
-  for (const UntriedSolver& each : all.untried) {
-    json["not_tried"].push_back({{"solver", each.solver},
-                                 {"rank", each.rank > 0 ? Json(each.rank) : Json(nullptr)},
-                                 {"within", each.rank > 0 ? Json(each.within) : Json(nullptr)}});
-  }
+  for (const auto& [solver, reason] : all.untried)
+    json["not_tried"].push_back({{"solver", solver}, {"reason", reason}});
   json["note"] = all.note.empty() ? Json(nullptr) : Json(all.note);
   const Assessment& best = all.ranked.front();
   json["recommended"] = best.meets ? Json(best.measured.solver) : Json(nullptr);

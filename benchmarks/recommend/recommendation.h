@@ -6,15 +6,14 @@
 #include <vector>
 
 #include "benchmarks/recommend/measurement.h"
-#include "benchmarks/recommend/rules.h"
+#include "benchmarks/recommend/problem_steps.h"
 
 namespace lcpbench {
 
-/// An own solver that was not measured, and how it did in the reference.
+/// A solver that was not measured, and why.
 struct UntriedSolver {
   std::string solver;
-  int rank = 0;       ///< among the own solvers of the region, from 1; 0: not in the reference
-  double within = 0;  ///< ReferenceRecord
+  std::string reason;
 };
 
 /// What StepSolver has to be told of problems that it takes.
@@ -38,20 +37,18 @@ struct Recommendation {
   double least_rows = 0;
   double most_rows = 0;
   bool rows_are_known = false;  ///< so that solvers also ran from warm starts
-  int samples = 0;              ///< solves of a solver and round
+  int samples = 0;              ///< solves of a pass
   int rounds = 0;
+  double budget_s = 0;
+  double spent_s = 0;
   RecommendationRequest request;
-  ProblemFeatures features;             ///< of the problem with most rows
   std::optional<StepSizes> step_sizes;  ///< FindStepSizes: `auto` is then embedded as StepSolver
-  std::string rules_file;
-  std::string made_of;  ///< what the rules were made of
-  RecommendationRegion region;
-  std::vector<Assessment> ranked;  ///< best first, one or more
+  std::vector<Assessment> ranked;       ///< best first, one or more
   std::vector<UntriedSolver> untried;
   std::string note = {};  ///< what of the problem leaves solvers out, and which take it; "" for most problems
 };
 
-/// As text: features, table, the recommendation with its evidence, C++ and CMake lines.
+/// As text: table, the recommendation with its evidence, what was not tried and why, C++ and CMake lines.
 std::string FormatRecommendation(const Recommendation& recommendation);
 
 /// The same as one JSON object (RESULTS.md).

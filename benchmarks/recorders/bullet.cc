@@ -40,22 +40,14 @@ int BodyIndex(const btCollisionObject& object) {
 }
 
 std::string ShapeName(const btCollisionShape& shape) {
-  switch (shape.getShapeType()) {
-    case BOX_SHAPE_PROXYTYPE:
-      return "box";
-    case SPHERE_SHAPE_PROXYTYPE:
-      return "sphere";
-    case CAPSULE_SHAPE_PROXYTYPE:
-      return "capsule";
-    case CYLINDER_SHAPE_PROXYTYPE:
-      return "cylinder";
-    case CONE_SHAPE_PROXYTYPE:
-      return "cone";
-    case STATIC_PLANE_PROXYTYPE:
-      return "plane";
-    default:
-      return "compound";
-  }
+  return NameOf(shape.getShapeType(),
+                {{BOX_SHAPE_PROXYTYPE, "box"},
+                 {SPHERE_SHAPE_PROXYTYPE, "sphere"},
+                 {CAPSULE_SHAPE_PROXYTYPE, "capsule"},
+                 {CYLINDER_SHAPE_PROXYTYPE, "cylinder"},
+                 {CONE_SHAPE_PROXYTYPE, "cone"},
+                 {STATIC_PLANE_PROXYTYPE, "plane"}},
+                "compound");
 }
 
 double Radius(const btCollisionShape& shape) {
@@ -63,18 +55,12 @@ double Radius(const btCollisionShape& shape) {
 }
 
 std::string JointName(const btTypedConstraint& joint) {
-  switch (joint.getConstraintType()) {
-    case POINT2POINT_CONSTRAINT_TYPE:
-      return "ball";
-    case HINGE_CONSTRAINT_TYPE:
-      return "hinge";
-    case CONETWIST_CONSTRAINT_TYPE:
-      return "cone twist";
-    case SLIDER_CONSTRAINT_TYPE:
-      return "slider";
-    default:
-      return "joint";
-  }
+  return NameOf(joint.getConstraintType(),
+                {{POINT2POINT_CONSTRAINT_TYPE, "ball"},
+                 {HINGE_CONSTRAINT_TYPE, "hinge"},
+                 {CONETWIST_CONSTRAINT_TYPE, "cone twist"},
+                 {SLIDER_CONSTRAINT_TYPE, "slider"}},
+                "joint");
 }
 
 btMatrix3x3 WorldInertia(const btRigidBody& body) {
@@ -161,16 +147,14 @@ class RecordedWorld : public btDiscreteDynamicsWorld {
  public:
   using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
 
-  void Record(const Request& request) {
-    for (step_ = 0; step_ <= request.last(); ++step_) {
-      is_recorded_ = request.includes(step_);
-      stepSimulation(kTimeStep, 0);
-    }
+  void Advance(Step* step) {
+    step_ = step;
+    stepSimulation(kTimeStep, 0);
   }
 
   void solveConstraints(btContactSolverInfo& info) override {
     const std::vector<Contact> contacts = NameContacts();
-    if (is_recorded_) Write(contacts, info);
+    if (step_ != nullptr) Write(contacts, info, step_);
     btDiscreteDynamicsWorld::solveConstraints(info);
   }
 
@@ -208,15 +192,14 @@ class RecordedWorld : public btDiscreteDynamicsWorld {
     return contacts;
   }
 
-  void Write(const std::vector<Contact>& contacts, const btContactSolverInfo& info) {
-    Step step(step_);
+  void Write(const std::vector<Contact>& contacts, const btContactSolverInfo& info, Step* step) {
     for (int k = 0; k < getNumCollisionObjects(); ++k) {
       const btRigidBody& body = *btRigidBody::upcast(getCollisionObjectArray()[k]);
       if (BodyIndex(body) < 0) continue;
       const btQuaternion q = body.getOrientation();
-      step.Body(Vector(body.getCenterOfMassPosition()), Numbers({q.w(), q.x(), q.y(), q.z()}),
-                Vector(body.getLinearVelocity()), Vector(body.getAngularVelocity()), Vector(body.getTotalForce()),
-                Vector(body.getTotalTorque() + GyroscopicTorque(body, info)));
+      step->Body(Vector(body.getCenterOfMassPosition()), Numbers({q.w(), q.x(), q.y(), q.z()}),
+                 Vector(body.getLinearVelocity()), Vector(body.getAngularVelocity()), Vector(body.getTotalForce()),
+                 Vector(body.getTotalTorque() + GyroscopicTorque(body, info)));
     }
     for (const Contact& contact : contacts) {
       // Bullet's normal points from its second body to its first.
@@ -224,24 +207,20 @@ class RecordedWorld : public btDiscreteDynamicsWorld {
       const btCollisionObject& j = *contact.manifold->getBody0();
       const btManifoldPoint& point = *contact.point;
       const btVector3 middle = (point.getPositionWorldOnA() + point.getPositionWorldOnB()) / 2;
-      step.Contact(BodyIndex(i), BodyIndex(j), Vector(middle), Vector(point.m_normalWorldOnB), point.getDistance(),
-                   point.m_combinedFriction, contact.id,
-                   {ShapeName(*i.getCollisionShape()), ShapeName(*j.getCollisionShape())},
-                   {Radius(*i.getCollisionShape()), Radius(*j.getCollisionShape())});
+      step->Contact(BodyIndex(i), BodyIndex(j), Vector(middle), Vector(point.m_normalWorldOnB), point.getDistance(),
+                    point.m_combinedFriction, contact.id,
+                    {ShapeName(*i.getCollisionShape()), ShapeName(*j.getCollisionShape())},
+                    {Radius(*i.getCollisionShape()), Radius(*j.getCollisionShape())});
     }
     for (int k = 0; k < getNumConstraints(); ++k) {
       btTypedConstraint* const joint = getConstraint(k);
-      const std::vector<JointRow> rows = JointRows(joint, info.m_numIterations);
-      if (!rows.empty())
-        step.Joint(BodyIndex(joint->getRigidBodyA()), BodyIndex(joint->getRigidBodyB()), JointName(*joint),
-                   "j" + std::to_string(k), rows);
+      step->Joint(BodyIndex(joint->getRigidBodyA()), BodyIndex(joint->getRigidBodyB()), JointName(*joint),
+                  static_cast<std::size_t>(k), JointRows(joint, info.m_numIterations));
     }
-    step.Write();
   }
 
   std::map<std::pair<int, int>, std::uintptr_t> last_number_;
-  int step_ = 0;
-  bool is_recorded_ = false;
+  Step* step_ = nullptr;  // to fill
 };
 
 btTransform At(double x, double y, double z, const btQuaternion& rotation = btQuaternion::getIdentity()) {
@@ -291,6 +270,16 @@ class Stage {
     return body;
   }
   void Ground() { Add(0, At(0, -50, 0), Box(50, 50, 50)); }
+
+  void Advance(int /*number*/, Step* step) { world.Advance(step); }
+  Json Gravity() const { return Vector(world.getGravity()); }
+  static double TimeStep() { return kTimeStep; }
+  Json Bodies() const {
+    Json list = Json::array();
+    for (const auto& body : bodies)
+      if (BodyIndex(*body) >= 0) list.push_back(BodyOf(body->getInvMass(), Vector(body->getInvInertiaDiagLocal())));
+    return list;
+  }
 
   template <class Joint, class... Arguments>
   Joint* Connect(bool excludes_contact, Arguments&&... arguments) {
@@ -481,27 +470,6 @@ void Ragdolls(Stage& stage) {
       AddRagdoll(stage, btVector3(-3 * size + 6 * i, 1 + 7 * (kSize - size), -2 * (kSize - size)), 3.5);
 }
 
-/// Pendulums of two spheres: the upper one held by a ball joint, the lower one by a locked slider.
-void NewtonsCradle(Stage& stage) {
-  btSphereShape* const sphere = stage.Make<btSphereShape>(1);
-  btRigidBody* lower = nullptr;
-  for (int i = 0; i < 5; ++i) {
-    const double x = -2.1 * i;
-    btRigidBody* const upper = stage.Add(1, At(x, 15, 0), sphere);
-    lower = stage.Add(1, At(x, 7, 0), sphere);
-    lower->setFriction(0);
-    lower->setRestitution(1);
-    stage.Connect<btPoint2PointConstraint>(true, *upper, btVector3(0, 0, 0));
-    auto* const rod = stage.Connect<btSliderConstraint>(true, *upper, *lower, At(0, 0, 0, AboutZ(-kPi / 2)),
-                                                        At(0, 8, 0, AboutZ(-kPi / 2)), true);
-    rod->setLowerLinLimit(0);
-    rod->setUpperLinLimit(0);
-    rod->setLowerAngLimit(0);
-    rod->setUpperAngLimit(0);
-  }
-  lower->setLinearVelocity(btVector3(4, 0, 0));
-}
-
 void Chain(Stage& stage) {
   stage.Ground();
   btBoxShape* const box = stage.Box(1, 1, 0.25);
@@ -635,8 +603,6 @@ constexpr SceneEntry<Stage> kScenes[] = {
     {"tower", "examples/Benchmarks/BenchmarkDemo.cpp (test 2)", "its round tower alone", Tower},
     {"ragdoll", "examples/Benchmarks/BenchmarkDemo.cpp (test 3)", "one ragdoll in place of 136", Ragdoll},
     {"ragdolls", "examples/Benchmarks/BenchmarkDemo.cpp (test 3)", "15 ragdolls in place of 136", Ragdolls},
-    {"newtons-cradle", "examples/ExtendedTutorials/NewtonsCradle.cpp",
-     "the last pendulum starts at 4 m/s in place of a user's push", NewtonsCradle},
     {"chain", "examples/ExtendedTutorials/Chain.cpp", "the lowest link starts at 5 m/s", Chain},
     {"bridge", "examples/ExtendedTutorials/Bridge.cpp", "four boxes dropped on it", Bridge},
     {"gyroscopic", "examples/GyroscopicDemo/GyroscopicSetup.cpp",
@@ -647,30 +613,20 @@ constexpr SceneEntry<Stage> kScenes[] = {
      "5 x 5 x 5 bodies, the lowest 5 m lower", RollingFriction},
 };
 
-int Main(int argc, char** argv) {
-  Request request;
-  const auto& scene = ReadScene(argc, argv, kScenes, &request);
-  Stage stage;
-  scene.build(stage);
-  Json bodies = Json::array();
-  for (const auto& body : stage.bodies)
-    if (BodyIndex(*body) >= 0)
-      bodies.push_back(
-          {{"inverse_mass", Rounded(body->getInvMass())}, {"inverse_inertia", Vector(body->getInvInertiaDiagLocal())}});
-  WriteHeader({.engine = "bullet",
-               .version = "3.24",
-               .licence = "Zlib",
-               .scene = scene.name,
-               .source = scene.Source(
-                   "", " of Bullet's source 3.24, rebuilt and stepped by Debian's libbullet 3.24+dfsg-2",
-                   "friction, restitution, softness, motors; damping is in the velocities, the torque has the "
-                   "engine's gyroscopic part; sleeping is off")},
-              3, Vector(stage.world.getGravity()), kTimeStep, std::move(bodies));
-  stage.world.Record(request);
-  return 0;
-}
+const Engine kEngine = {.name = "bullet",
+                        .version = "3.24",
+                        .licence = "Zlib",
+                        .folder = "",
+                        .rebuilt = " of Bullet's source 3.24, rebuilt and stepped by Debian's libbullet 3.24+dfsg-2",
+                        .left_out =
+                            "friction, restitution, softness, motors; damping is in the velocities, the torque "
+                            "has the engine's gyroscopic part; sleeping is off",
+                        .dimension = 3};
 
 }  // namespace
 }  // namespace lcpbench::recorders
 
-int main(int argc, char** argv) { return lcpbench::recorders::Main(argc, argv); }
+int main(int argc, char** argv) {
+  using namespace lcpbench::recorders;
+  return RunRecorder<Stage>(argc, argv, kEngine, kScenes);
+}

@@ -478,54 +478,76 @@ constexpr SceneEntry<Scene> kScenes[] = {
 
 // --- Reading the space
 
-class Recorder {
+/// What the first body of a step calls before its velocity is integrated; Chipmunk's callback has no data of its own.
+std::function<void()> on_solve;  // NOLINT(*-avoid-non-const-global-variables)
+
+void UpdateVelocity(cpBody* body, cpVect gravity, cpFloat damping, cpFloat time_step) {
+  if (on_solve) std::exchange(on_solve, nullptr)();
+  cpBodyUpdateVelocity(body, gravity, damping, time_step);
+}
+
+/// Debian's Chipmunk prints two lines when the first space is made: to standard error here.
+struct FirstSpace {
+  FirstSpace() {
+    const int output = dup(STDOUT_FILENO);
+    dup2(STDERR_FILENO, STDOUT_FILENO);
+    cpSpaceFree(cpSpaceNew());
+    std::fflush(stdout);
+    dup2(output, STDOUT_FILENO);
+    close(output);
+  }
+};
+
+class Stage : private FirstSpace, public Scene {
  public:
-  Recorder(Scene& scene, const SceneEntry<Scene>& entry) : space_(scene.space), time_step_(scene.time_step) {
-    Json bodies = Json::array();
-    for (int k = 0; k < space_->dynamicBodies->num; ++k) {
-      auto* const body = static_cast<cpBody*>(space_->dynamicBodies->arr[k]);
+  void Advance(int number, Step* step) {
+    if (number == 0) Start();
+    before_step();
+    if (step != nullptr) {
+      // Springs change velocities ahead of all other loads, and are loads here.
+      velocities_.clear();
+      for (const cpBody* const body : bodies_) velocities_.emplace_back(body->v, body->w);
+      on_solve = [this, step] { Write(*step); };
+    }
+    cpSpaceStep(space, time_step);
+  }
+
+  Json Gravity() const { return Numbers({space->gravity.x, space->gravity.y}); }
+  double TimeStep() const { return time_step; }
+  Json Bodies() const {
+    Json list = Json::array();
+    for (const cpBody* const body : bodies_) list.push_back(BodyOf(body->m_inv, Rounded(body->i_inv)));
+    return list;
+  }
+
+ private:
+  void Start() {
+    cpSpaceSetSleepTimeThreshold(space, kInfinity);
+    cpSpaceEachBody(
+        space, [](cpBody* body, void*) { cpBodySetVelocityUpdateFunc(body, UpdateVelocity); }, nullptr);
+    for (int k = 0; k < space->dynamicBodies->num; ++k) {
+      const auto* const body = static_cast<const cpBody*>(space->dynamicBodies->arr[k]);
       indices_[body] = static_cast<int>(bodies_.size());
       bodies_.push_back(body);
-      bodies.push_back({{"inverse_mass", Rounded(body->m_inv)}, {"inverse_inertia", Rounded(body->i_inv)}});
     }
-    const std::string source = entry.Source(
-        "demo/", " of Debian's source package chipmunk 7.0.3-5, rebuilt",
-        "friction, restitution, motors, dampers, bounds of joints' forces; springs are loads; sleeping is off");
-    WriteHeader(
-        {.engine = "chipmunk", .version = cpVersionString, .licence = "MIT", .scene = entry.name, .source = source}, 2,
-        Numbers({space_->gravity.x, space_->gravity.y}), scene.time_step, std::move(bodies));
   }
 
-  /// Before the step that is recorded: springs change velocities ahead of all other loads, and are loads here.
-  void KeepVelocities() {
-    velocities_.clear();
-    for (const cpBody* const body : bodies_) velocities_.emplace_back(body->v, body->w);
-  }
-
-  void Record(int number) {
-    Step step(number);
+  void Write(Step& step) {
     for (std::size_t k = 0; k < bodies_.size(); ++k) {
       const cpBody* const body = bodies_[k];
       const auto& [v, omega] = velocities_[k];
       const cpVect force =
-          body->m_inv > 0 ? (space_->gravity + (body->v - v) * (1 / time_step_)) * body->m + body->f : cpvzero;
-      const double torque = body->i_inv > 0 ? (body->w - omega) / time_step_ * body->i + body->t : 0;
+          body->m_inv > 0 ? (space->gravity + (body->v - v) * (1 / time_step)) * body->m + body->f : cpvzero;
+      const double torque = body->i_inv > 0 ? (body->w - omega) / time_step * body->i + body->t : 0;
       step.Body(Numbers({body->p.x, body->p.y}), Rounded(body->a), Numbers({v.x, v.y}), Rounded(omega),
                 Numbers({force.x, force.y}), Rounded(torque));
     }
-    for (int k = 0; k < space_->arbiters->num; ++k) {
-      AddContacts(step, *static_cast<const cpArbiter*>(space_->arbiters->arr[k]));
+    for (int k = 0; k < space->arbiters->num; ++k) {
+      AddContacts(step, *static_cast<const cpArbiter*>(space->arbiters->arr[k]));
     }
-    for (int k = 0; k < space_->constraints->num; ++k) {
-      AddJoint(step, static_cast<const cpConstraint*>(space_->constraints->arr[k]), "j" + std::to_string(k));
+    for (int k = 0; k < space->constraints->num; ++k) {
+      AddJoint(step, static_cast<const cpConstraint*>(space->constraints->arr[k]), static_cast<std::size_t>(k));
     }
-    step.Write();
-  }
-
- private:
-  int IndexOf(const cpBody* body) const {
-    const auto found = indices_.find(body);
-    return found == indices_.end() ? -1 : found->second;
   }
 
   static const char* NameOf(const cpShape* shape) {
@@ -573,43 +595,40 @@ class Recorder {
       const cpVect on_a = arbiter.body_a->p + contact.r1;
       const cpVect on_b = arbiter.body_b->p + contact.r2;
       const cpVect p = cpvlerp(on_a, on_b, 0.5);
-      step.Contact(IndexOf(arbiter.body_a), IndexOf(arbiter.body_b), Numbers({p.x, p.y}), Numbers({n.x, n.y}),
-                   cpvdot(on_b - on_a, n), arbiter.u, Identity(arbiter, contact),
+      step.Contact(IndexOf(indices_, arbiter.body_a), IndexOf(indices_, arbiter.body_b), Numbers({p.x, p.y}),
+                   Numbers({n.x, n.y}), cpvdot(on_b - on_a, n), arbiter.u, Identity(arbiter, contact),
                    {NameOf(arbiter.a), NameOf(arbiter.b)}, radius);
     }
   }
 
-  void AddJoint(Step& step, const cpConstraint* joint, std::string id) const {
+  void AddJoint(Step& step, const cpConstraint* joint, std::size_t number) const {
     const cpBody* const a = joint->a;
     const cpBody* const b = joint->b;
     std::vector<JointRow> rows;
-    const auto push = [&](std::vector<double> row, double error, bool is_limit) {
-      if (IndexOf(a) < 0) std::fill_n(row.begin(), 3, 0.0);
-      if (IndexOf(b) < 0) std::fill_n(row.begin() + 3, 3, 0.0);
-      rows.push_back({std::move(row), error, is_limit});
-    };
     // Of the points at these levers about the centres of mass, along n.
     const auto add = [&](cpVect lever_a, cpVect lever_b, cpVect n, double error, bool is_limit = false) {
-      push({-n.x, -n.y, -cpvcross(lever_a, n), n.x, n.y, cpvcross(lever_b, n)}, error, is_limit);
+      rows.push_back({{-n.x, -n.y, -cpvcross(lever_a, n), n.x, n.y, cpvcross(lever_b, n)}, error, is_limit});
     };
     const auto add_angle = [&](double sign_a, double sign_b, double error, bool is_limit = false) {
-      push({0, 0, -sign_a, 0, 0, sign_b}, error, is_limit);
+      rows.push_back({{0, 0, -sign_a, 0, 0, sign_b}, error, is_limit});
     };
     const auto lever = [](const cpBody* body, cpVect anchor) {
       return cpTransformVect(body->transform, anchor - body->cog);
     };
+    cpVect ra, rb, d;  // levers, and from anchor to anchor
+    const auto set_anchors = [&](cpVect anchor_a, cpVect anchor_b) {
+      ra = lever(a, anchor_a);
+      rb = lever(b, anchor_b);
+      d = (b->p + rb) - (a->p + ra);
+    };
     std::string kind;
     if (cpConstraintIsPinJoint(joint) != 0) {
       kind = "pin";
-      const cpVect ra = lever(a, cpPinJointGetAnchorA(joint));
-      const cpVect rb = lever(b, cpPinJointGetAnchorB(joint));
-      const cpVect d = (b->p + rb) - (a->p + ra);
+      set_anchors(cpPinJointGetAnchorA(joint), cpPinJointGetAnchorB(joint));
       add(ra, rb, cpvnormalize(d), cpvlength(d) - cpPinJointGetDist(joint));
     } else if (cpConstraintIsSlideJoint(joint) != 0) {
       kind = "slide";
-      const cpVect ra = lever(a, cpSlideJointGetAnchorA(joint));
-      const cpVect rb = lever(b, cpSlideJointGetAnchorB(joint));
-      const cpVect d = (b->p + rb) - (a->p + ra);
+      set_anchors(cpSlideJointGetAnchorA(joint), cpSlideJointGetAnchorB(joint));
       const double length = cpvlength(d);
       if (length > cpSlideJointGetMax(joint)) {
         add(ra, rb, cpvneg(cpvnormalize(d)), cpSlideJointGetMax(joint) - length, true);
@@ -618,9 +637,7 @@ class Recorder {
       }
     } else if (cpConstraintIsPivotJoint(joint) != 0) {
       kind = "pivot";
-      const cpVect ra = lever(a, cpPivotJointGetAnchorA(joint));
-      const cpVect rb = lever(b, cpPivotJointGetAnchorB(joint));
-      const cpVect d = (b->p + rb) - (a->p + ra);
+      set_anchors(cpPivotJointGetAnchorA(joint), cpPivotJointGetAnchorB(joint));
       add(ra, rb, cpv(1, 0), d.x);
       add(ra, rb, cpv(0, 1), d.y);
     } else if (cpConstraintIsGrooveJoint(joint) != 0) {
@@ -628,10 +645,10 @@ class Recorder {
       const cpVect begin = cpTransformPoint(a->transform, cpGrooveJointGetGrooveA(joint));
       const cpVect end = cpTransformPoint(a->transform, cpGrooveJointGetGrooveB(joint));
       const cpVect along = cpvnormalize(end - begin);
-      const cpVect rb = lever(b, cpGrooveJointGetAnchorB(joint));
+      rb = lever(b, cpGrooveJointGetAnchorB(joint));
       const double place = cpvdot(b->p + rb - begin, along);
       const double rest = cpvdist(begin, end) - place;
-      const cpVect ra = begin + along * place - a->p;
+      ra = begin + along * place - a->p;
       add(ra, rb, cpvperp(along), cpvdot(b->p + rb - begin, cpvperp(along)));
       if (place <= 0) add(ra, rb, along, place, true);
       if (rest <= 0) add(ra, rb, cpvneg(along), rest, true);
@@ -652,57 +669,28 @@ class Recorder {
       const double ratio = cpGearJointGetRatio(joint);
       add_angle(1, ratio, b->a * ratio - a->a - cpGearJointGetPhase(joint));
     }  // motors and springs are no rows
-    if (!rows.empty()) step.Joint(IndexOf(a), IndexOf(b), kind, std::move(id), rows);
+    step.Joint(IndexOf(indices_, a), IndexOf(indices_, b), kind, number, std::move(rows));
   }
 
-  cpSpace* space_;
-  double time_step_;
   std::vector<std::pair<cpVect, double>> velocities_;
   std::vector<const cpBody*> bodies_;
   std::unordered_map<const cpBody*, int> indices_;
   std::map<std::pair<cpHashValue, cpHashValue>, std::vector<cpHashValue>> identities_;
 };
 
-/// What the first body of a step calls before its velocity is integrated; Chipmunk's callback has no data of its own.
-std::function<void()> on_solve;  // NOLINT(*-avoid-non-const-global-variables)
-
-void UpdateVelocity(cpBody* body, cpVect gravity, cpFloat damping, cpFloat time_step) {
-  if (on_solve) std::exchange(on_solve, nullptr)();
-  cpBodyUpdateVelocity(body, gravity, damping, time_step);
-}
-
-/// Debian's Chipmunk prints two lines when the first space is made: to standard error here.
-void MakeFirstSpace() {
-  const int output = dup(STDOUT_FILENO);
-  dup2(STDERR_FILENO, STDOUT_FILENO);
-  cpSpaceFree(cpSpaceNew());
-  std::fflush(stdout);
-  dup2(output, STDOUT_FILENO);
-  close(output);
-}
-
-int Run(int argc, char** argv) {
-  Request request;
-  const SceneEntry<Scene>& entry = ReadScene(argc, argv, kScenes, &request);
-  MakeFirstSpace();
-  Scene scene;
-  entry.build(scene);
-  cpSpaceSetSleepTimeThreshold(scene.space, kInfinity);
-  cpSpaceEachBody(
-      scene.space, [](cpBody* body, void*) { cpBodySetVelocityUpdateFunc(body, UpdateVelocity); }, nullptr);
-  Recorder recorder(scene, entry);
-  for (int number = 0; number <= request.last(); ++number) {
-    scene.before_step();
-    if (request.includes(number)) {
-      recorder.KeepVelocities();
-      on_solve = [&recorder, number] { recorder.Record(number); };
-    }
-    cpSpaceStep(scene.space, scene.time_step);
-  }
-  return 0;
-}
+const Engine kEngine = {
+    .name = "chipmunk",
+    .version = cpVersionString,
+    .licence = "MIT",
+    .folder = "demo/",
+    .rebuilt = " of Debian's source package chipmunk 7.0.3-5, rebuilt",
+    .left_out = "friction, restitution, motors, dampers, bounds of joints' forces; springs are loads; sleeping is off",
+    .dimension = 2};
 
 }  // namespace
 }  // namespace lcpbench::recorders
 
-int main(int argc, char** argv) { return lcpbench::recorders::Run(argc, argv); }
+int main(int argc, char** argv) {
+  using namespace lcpbench::recorders;
+  return RunRecorder<Stage>(argc, argv, kEngine, kScenes);
+}

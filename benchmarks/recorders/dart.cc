@@ -100,45 +100,42 @@ class Stage {
     return body;
   }
 
-  void Record(const Request& request) {
-    for (int number = 0; number <= request.last(); ++number) {
-      if (drive) drive(number);
-      Step step(number);
-      if (request.includes(number)) WriteState(&step);
-      std::vector<Isometry3d, Eigen::aligned_allocator<Isometry3d>> places;
-      for (const dynamics::BodyNode* body : bodies) places.push_back(body->getTransform());
-      world->step();
-      const std::vector<dart::collision::Contact>& contacts = world->getLastCollisionResult().getContacts();
-      std::vector<ContactNames::Contact> asked;
-      for (const dart::collision::Contact& contact : contacts) {
-        const Shape& first = ShapeOf(contact.collisionObject1);
-        const Shape& second = ShapeOf(contact.collisionObject2);
-        const int body = std::max(BodyOf(contact.collisionObject1), BodyOf(contact.collisionObject2));
-        const Vector3d place =
-            body < 0 ? contact.point : Vector3d(places[static_cast<std::size_t>(body)].inverse() * contact.point);
-        asked.push_back({std::minmax(first.number, second.number),
-                         {place.x(), place.y(), place.z()},
-                         0.1 * std::min(first.size, second.size)});
-      }
-      const std::vector<int> numbers = names_.Number(asked);
-      if (!request.includes(number)) continue;
-      for (std::size_t k = 0; k < contacts.size(); ++k) {
-        const dart::collision::Contact& contact = contacts[k];
-        // DART's normal points from its second body to its first.
-        const int i = BodyOf(contact.collisionObject2);
-        const int j = BodyOf(contact.collisionObject1);
-        if (i == j) continue;
-        step.Contact(i, j, Vector(contact.point), Vector(contact.normal.normalized()), -contact.penetrationDepth,
-                     std::min(Friction(contact.collisionObject1), Friction(contact.collisionObject2)),
-                     std::to_string(asked[k].pair.first) + ":" + std::to_string(asked[k].pair.second) + ":" +
-                         std::to_string(numbers[k]),
-                     {"box", "box"}, {0, 0});
-      }
-      step.Write();
+  void Advance(int number, Step* step) {
+    if (drive) drive(number);
+    if (step != nullptr) WriteState(step);
+    std::vector<Isometry3d, Eigen::aligned_allocator<Isometry3d>> places;
+    for (const dynamics::BodyNode* body : bodies) places.push_back(body->getTransform());
+    world->step();
+    const std::vector<dart::collision::Contact>& contacts = world->getLastCollisionResult().getContacts();
+    std::vector<ContactNames::Contact> asked;
+    for (const dart::collision::Contact& contact : contacts) {
+      const Shape& first = ShapeOf(contact.collisionObject1);
+      const Shape& second = ShapeOf(contact.collisionObject2);
+      const int body = std::max(BodyOf(contact.collisionObject1), BodyOf(contact.collisionObject2));
+      const Vector3d place =
+          body < 0 ? contact.point : Vector3d(places[static_cast<std::size_t>(body)].inverse() * contact.point);
+      asked.push_back({std::minmax(first.number, second.number),
+                       {place.x(), place.y(), place.z()},
+                       0.1 * std::min(first.size, second.size)});
+    }
+    const std::vector<int> numbers = names_.Number(asked);
+    for (std::size_t k = 0; step != nullptr && k < contacts.size(); ++k) {
+      const dart::collision::Contact& contact = contacts[k];
+      // DART's normal points from its second body to its first.
+      const int i = BodyOf(contact.collisionObject2);
+      const int j = BodyOf(contact.collisionObject1);
+      if (i == j) continue;
+      step->Contact(i, j, Vector(contact.point), Vector(contact.normal.normalized()), -contact.penetrationDepth,
+                    std::min(Friction(contact.collisionObject1), Friction(contact.collisionObject2)),
+                    std::to_string(asked[k].pair.first) + ":" + std::to_string(asked[k].pair.second) + ":" +
+                        std::to_string(numbers[k]),
+                    {"box", "box"}, {0, 0});
     }
   }
 
-  Json Header() const {
+  Json Gravity() const { return Vector(world->getGravity()); }
+  double TimeStep() const { return world->getTimeStep(); }
+  Json Bodies() const {
     Json list = Json::array();
     for (const dynamics::BodyNode* body : bodies) {
       const Matrix3d moment = body->getInertia().getMoment();
@@ -146,8 +143,7 @@ class Stage {
         std::fprintf(stderr, "recorder: a body's axes are not principal\n");
         std::exit(1);
       }
-      list.push_back({{"inverse_mass", Rounded(1 / body->getMass())},
-                      {"inverse_inertia", Vector(moment.diagonal().cwiseInverse())}});
+      list.push_back(recorders::BodyOf(1 / body->getMass(), Vector(moment.diagonal().cwiseInverse())));
     }
     return list;
   }
@@ -167,8 +163,7 @@ class Stage {
   }
   const Shape& ShapeOf(const dart::collision::CollisionObject* object) const { return shapes_.at(NodeOf(object)); }
   int BodyOf(const dart::collision::CollisionObject* object) const {
-    const auto found = index_.find(NodeOf(object)->getBodyNodePtr());
-    return found == index_.end() ? -1 : found->second;
+    return IndexOf(index_, NodeOf(object)->getBodyNodePtr());
   }
   static double Friction(const dart::collision::CollisionObject* object) {
     return NodeOf(object)->getDynamicsAspect()->getFrictionCoeff();
@@ -187,23 +182,20 @@ class Stage {
                  Vector(force + body->getMass() * world->getGravity()),
                  Vector(load.head<3>() - x.cross(force) + gyroscopic));
     }
-    int number = 0;
+    std::size_t number = 0;
     for (const dynamics::BodyNode* body : bodies) {
       const dynamics::Joint* const joint = body->getParentJoint();
       const auto* const hinge = dynamic_cast<const dynamics::RevoluteJoint*>(joint);
       if (hinge == nullptr && dynamic_cast<const dynamics::BallJoint*>(joint) == nullptr) continue;
       const dynamics::BodyNode* const parent = body->getParentBodyNode();
-      const int i = parent == nullptr ? -1 : index_.at(parent);
       const Isometry3d frame = body->getTransform() * joint->getTransformFromChildBodyNode();
       std::vector<JointRow> rows;
       const auto add = [&](const Vector3d& d, bool is_turning) {
         JointRow row;
         for (const auto& [end, sign] : {std::pair{parent, -1.0}, {body, 1.0}}) {
-          const Vector3d zero = Vector3d::Zero();
-          const Vector3d linear = end == nullptr || is_turning ? zero : Vector3d(sign * d);
-          const Vector3d angular = end == nullptr ? zero
-                                   : is_turning   ? Vector3d(sign * d)
-                                                  : Vector3d(sign * (frame.translation() - end->getCOM()).cross(d));
+          const Vector3d lever = end == nullptr ? Vector3d::Zero() : Vector3d(frame.translation() - end->getCOM());
+          const Vector3d linear = is_turning ? Vector3d::Zero() : Vector3d(sign * d);
+          const Vector3d angular = sign * (is_turning ? d : Vector3d(lever.cross(d)));
           row.J.insert(row.J.end(), linear.begin(), linear.end());
           row.J.insert(row.J.end(), angular.begin(), angular.end());
         }
@@ -216,7 +208,7 @@ class Stage {
         add(across, true);
         add(axis.cross(across), true);
       }
-      step->Joint(i, index_.at(body), hinge == nullptr ? "ball" : "hinge", "j" + std::to_string(number++), rows);
+      step->Joint(IndexOf(index_, parent), index_.at(body), hinge == nullptr ? "ball" : "hinge", number++, rows);
     }
   }
 
@@ -329,25 +321,19 @@ constexpr SceneEntry<Stage> kScenes[] = {
      "with a floor 3 m below its joint, without damping", MultiPendulum},
 };
 
-int Main(int argc, char** argv) {
-  Request request;
-  const auto& scene = ReadScene(argc, argv, kScenes, &request);
-  Stage stage;
-  scene.build(stage);
-  WriteHeader(
-      {.engine = "dart",
-       .version = "6.12.1",
-       .licence = "BSD-2-Clause",
-       .scene = scene.name,
-       .source = scene.Source(
-           "", " of DART's source, rebuilt and stepped by Debian's libdart 6.12.1+dfsg4-12",
-           "friction, restitution; the torque has -omega x I omega; joints, coordinates in DART, stand as rows")},
-      3, Vector(stage.world->getGravity()), stage.world->getTimeStep(), stage.Header());
-  stage.Record(request);
-  return 0;
-}
+const Engine kEngine = {
+    .name = "dart",
+    .version = "6.12.1",
+    .licence = "BSD-2-Clause",
+    .folder = "",
+    .rebuilt = " of DART's source, rebuilt and stepped by Debian's libdart 6.12.1+dfsg4-12",
+    .left_out = "friction, restitution; the torque has -omega x I omega; joints, coordinates in DART, stand as rows",
+    .dimension = 3};
 
 }  // namespace
 }  // namespace lcpbench::recorders
 
-int main(int argc, char** argv) { return lcpbench::recorders::Main(argc, argv); }
+int main(int argc, char** argv) {
+  using namespace lcpbench::recorders;
+  return RunRecorder<Stage>(argc, argv, kEngine, kScenes);
+}

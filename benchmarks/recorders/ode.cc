@@ -117,8 +117,8 @@ class RowWriter {
   void Add(const Vector3d& linear_i, const Vector3d& angular_i, const Vector3d& linear_j, const Vector3d& angular_j,
            double error) {
     JointRow row{.J = {}, .error = error, .is_limit = false};
-    for (const auto& [part, end] : {std::pair{linear_i, &i_}, {angular_i, &i_}, {linear_j, &j_}, {angular_j, &j_}})
-      for (int k = 0; k < 3; ++k) row.J.push_back(end->index < 0 ? 0 : part[k]);
+    for (const Vector3d& part : {linear_i, angular_i, linear_j, angular_j})
+      for (int k = 0; k < 3; ++k) row.J.push_back(part[k]);
     rows_.push_back(std::move(row));
   }
 
@@ -177,81 +177,64 @@ class Stage {
   }
   void Ground() { dCreatePlane(space, 0, 0, 1, 0); }
 
-  /// To be called once its anchors and axes are set: what rows and their errors are measured against is taken here.
-  void Add(dJointID joint) {
+  /// `set_up` sets anchors and axes: what rows and their errors are measured against is taken then.
+  template <class SetUp>
+  dJointID Join(dJointID joint, dBodyID a, dBodyID b, const SetUp& set_up) {
+    dJointAttach(joint, a, b);
+    set_up(joint);
     const End i = EndOf(joint, 0);
     const End j = EndOf(joint, 1);
     dVector3 axis = {0, 0, 0, 0};
     if (dJointGetType(joint) == dJointTypeHinge) dJointGetHingeAxis(joint, axis);
     joints_.push_back({joint, j.R.transpose() * FromOde(axis), j.R.transpose() * (i.x - j.x), j.R.transpose() * i.R});
+    return joint;
   }
   dJointID Ball(dBodyID a, dBodyID b, const Vector3d& anchor) {
-    const dJointID joint = dJointCreateBall(world, nullptr);
-    dJointAttach(joint, a, b);
-    dJointSetBallAnchor(joint, anchor.x(), anchor.y(), anchor.z());
-    Add(joint);
-    return joint;
+    return Join(dJointCreateBall(world, nullptr), a, b,
+                [&](dJointID joint) { dJointSetBallAnchor(joint, anchor.x(), anchor.y(), anchor.z()); });
   }
   dJointID Hinge(dBodyID a, dBodyID b, const Vector3d& anchor, const Vector3d& axis) {
-    const dJointID joint = dJointCreateHinge(world, nullptr);
-    dJointAttach(joint, a, b);
-    dJointSetHingeAnchor(joint, anchor.x(), anchor.y(), anchor.z());
-    dJointSetHingeAxis(joint, axis.x(), axis.y(), axis.z());
-    Add(joint);
-    return joint;
+    return Join(dJointCreateHinge(world, nullptr), a, b, [&](dJointID joint) {
+      dJointSetHingeAnchor(joint, anchor.x(), anchor.y(), anchor.z());
+      dJointSetHingeAxis(joint, axis.x(), axis.y(), axis.z());
+    });
   }
   /// A wheel b at its centre: steering about the first axis, rolling about the second.
   dJointID Hinge2(dBodyID a, dBodyID b, const Vector3d& steering, const Vector3d& rolling) {
-    const dJointID joint = dJointCreateHinge2(world, nullptr);
-    dJointAttach(joint, a, b);
-    const dReal* const x = dBodyGetPosition(b);
-    dJointSetHinge2Anchor(joint, x[0], x[1], x[2]);
-    dVector3 first, second;
-    for (int k = 0; k < 3; ++k) {
-      first[k] = steering[k];
-      second[k] = rolling[k];
-    }
-    dJointSetHinge2Axes(joint, first, second);
-    Add(joint);
-    return joint;
+    return Join(dJointCreateHinge2(world, nullptr), a, b, [&](dJointID joint) {
+      const dReal* const x = dBodyGetPosition(b);
+      dJointSetHinge2Anchor(joint, x[0], x[1], x[2]);
+      dJointSetHinge2Axes(joint, steering.data(), rolling.data());
+    });
   }
-  void Fix(dBodyID a, dBodyID b) {
-    const dJointID joint = dJointCreateFixed(world, nullptr);
-    dJointAttach(joint, a, b);
-    dJointSetFixed(joint);
-    Add(joint);
+  void Fix(dBodyID a, dBodyID b) { Join(dJointCreateFixed(world, nullptr), a, b, dJointSetFixed); }
+
+  void Advance(int number, Step* step) {
+    if (number == 0) {
+      for (int k = 0; k < dSpaceGetNumGeoms(space); ++k) number_[dSpaceGetGeom(space, k)] = k;
+    }
+    if (drive) drive(number);
+    dSpaceCollide(space, this, &Stage::Meet);
+    NameContacts();
+    if (step != nullptr) Write(step);
+    if (is_quick)
+      dWorldQuickStep(world, time_step);
+    else
+      dWorldStep(world, time_step);
+    dJointGroupEmpty(group_);
+    contacts_.clear();
   }
 
-  void Record(const Request& request) {
-    for (int k = 0; k < dSpaceGetNumGeoms(space); ++k) number_[dSpaceGetGeom(space, k)] = k;
-    for (int step = 0; step <= request.last(); ++step) {
-      if (drive) drive(step);
-      dSpaceCollide(space, this, &Stage::Meet);
-      NameContacts();
-      if (request.includes(step)) Write(step);
-      if (is_quick)
-        dWorldQuickStep(world, time_step);
-      else
-        dWorldStep(world, time_step);
-      dJointGroupEmpty(group_);
-      contacts_.clear();
-    }
-  }
-
-  Json Header() const {
+  Json Bodies() const {
     Json list = Json::array();
     for (const dBodyID body : bodies) {
       const Inertia inertia = InertiaOf(body);
-      list.push_back(
-          {{"inverse_mass", Rounded(1 / inertia.mass)}, {"inverse_inertia", Vector(inertia.principal.cwiseInverse())}});
+      list.push_back(BodyOf(1 / inertia.mass, Vector(inertia.principal.cwiseInverse())));
     }
     return list;
   }
-  Vector3d Gravity() const {
-    dVector3 g;
-    dWorldGetGravity(world, g);
-    return FromOde(g);
-  }
+  Json Gravity() const { return Vector(GravityVector()); }
+  double TimeStep() const { return time_step; }
 
   dWorldID world;
   dSpaceID space;
@@ -327,12 +310,16 @@ class Stage {
     for (std::size_t k = 0; k < numbers.size(); ++k) contacts_[k].number = numbers[k];
   }
 
-  int Index(dBodyID body) const { return body == nullptr ? -1 : index_.at(body); }
+  Vector3d GravityVector() const {
+    dVector3 g;
+    dWorldGetGravity(world, g);
+    return FromOde(g);
+  }
 
   End EndOf(dJointID joint, int end) const {
     const dBodyID body = dJointGetBody(joint, end);
     if (body == nullptr) return {};
-    return {Index(body), FromOde(dBodyGetPosition(body)), MatrixFromOde(dBodyGetRotation(body))};
+    return {IndexOf(index_, body), FromOde(dBodyGetPosition(body)), MatrixFromOde(dBodyGetRotation(body))};
   }
 
   std::pair<std::string, std::vector<JointRow>> Rows(const Joint& joint) const {
@@ -398,20 +385,13 @@ class Stage {
   }
 
   static std::string ShapeName(dGeomID geom) {
-    switch (dGeomGetClass(geom)) {
-      case dSphereClass:
-        return "sphere";
-      case dBoxClass:
-        return "box";
-      case dCapsuleClass:
-        return "capsule";
-      case dCylinderClass:
-        return "cylinder";
-      case dPlaneClass:
-        return "plane";
-      default:
-        return "heightfield";
-    }
+    return NameOf(dGeomGetClass(geom),
+                  {{dSphereClass, "sphere"},
+                   {dBoxClass, "box"},
+                   {dCapsuleClass, "capsule"},
+                   {dCylinderClass, "cylinder"},
+                   {dPlaneClass, "plane"}},
+                  "heightfield");
   }
   static double Radius(dGeomID geom) { return dGeomGetClass(geom) == dSphereClass ? dGeomSphereGetRadius(geom) : 0; }
 
@@ -423,35 +403,34 @@ class Stage {
     return (world_inertia * turned.partialPivLu().solve(L) - L) / time_step;
   }
 
-  void Write(int number) {
-    Step step(number);
+  void Write(Step* step) {
+    const Vector3d gravity = GravityVector();
     for (const dBodyID body : bodies) {
       const Inertia inertia = InertiaOf(body);
       const dReal* const turn = dBodyGetQuaternion(body);
       const Quaterniond rotation(turn[0], turn[1], turn[2], turn[3]);
       const Quaterniond q = (rotation * Quaterniond(inertia.axes)).normalized();
       const Matrix3d R = MatrixFromOde(dBodyGetRotation(body));
-      const Vector3d gravity = dBodyGetGravityMode(body) ? Vector3d(inertia.mass * Gravity()) : Vector3d::Zero();
-      step.Body(Vector(FromOde(dBodyGetPosition(body))), Numbers({q.w(), q.x(), q.y(), q.z()}),
-                Vector(FromOde(dBodyGetLinearVel(body))), Vector(FromOde(dBodyGetAngularVel(body))),
-                Vector(FromOde(dBodyGetForce(body)) + gravity),
-                Vector(FromOde(dBodyGetTorque(body)) + GyroscopicTorque(body, R * inertia.tensor * R.transpose())));
+      const Vector3d weight = dBodyGetGravityMode(body) ? Vector3d(inertia.mass * gravity) : Vector3d::Zero();
+      step->Body(Vector(FromOde(dBodyGetPosition(body))), Numbers({q.w(), q.x(), q.y(), q.z()}),
+                 Vector(FromOde(dBodyGetLinearVel(body))), Vector(FromOde(dBodyGetAngularVel(body))),
+                 Vector(FromOde(dBodyGetForce(body)) + weight),
+                 Vector(FromOde(dBodyGetTorque(body)) + GyroscopicTorque(body, R * inertia.tensor * R.transpose())));
     }
     for (const Contact& contact : contacts_) {
       // ODE's normal points into its first geometry.
       const dGeomID i = contact.geom.g2;
       const dGeomID j = contact.geom.g1;
-      step.Contact(
-          Index(dGeomGetBody(i)), Index(dGeomGetBody(j)), Vector(FromOde(contact.geom.pos)),
+      step->Contact(
+          IndexOf(index_, dGeomGetBody(i)), IndexOf(index_, dGeomGetBody(j)), Vector(FromOde(contact.geom.pos)),
           Vector(FromOde(contact.geom.normal).normalized()), -contact.geom.depth, contact.friction,
           std::to_string(number_.at(i)) + ":" + std::to_string(number_.at(j)) + ":" + std::to_string(contact.number),
           {ShapeName(i), ShapeName(j)}, {Radius(i), Radius(j)});
     }
     for (std::size_t k = 0; k < joints_.size(); ++k) {
-      const auto& [kind, rows] = Rows(joints_[k]);
-      step.Joint(EndOf(joints_[k].id, 0).index, EndOf(joints_[k].id, 1).index, kind, "j" + std::to_string(k), rows);
+      auto [kind, rows] = Rows(joints_[k]);
+      step->Joint(EndOf(joints_[k].id, 0).index, EndOf(joints_[k].id, 1).index, kind, k, std::move(rows));
     }
-    step.Write();
   }
 
   dJointGroupID group_;
@@ -820,13 +799,12 @@ void BridgeFeedback(Stage& stage) {
   }
   for (int i = 0; i < 10; ++i) stage.Box(2 * slab.prod(), slab, Vector3d(0, 0, 8 + 2 * i));
   for (const auto& [plank, high] : {std::pair{planks.front(), 0.2}, {planks.back(), -0.2}}) {
-    const dJointID slider = dJointCreateSlider(stage.world, nullptr);
-    dJointAttach(slider, plank, nullptr);
-    dJointSetSliderAxis(slider, 1, 0, 0);
-    dJointSetSliderParam(slider, dParamFMax, 4000);
-    dJointSetSliderParam(slider, dParamLoStop, 0);
-    dJointSetSliderParam(slider, dParamHiStop, high);
-    stage.Add(slider);
+    stage.Join(dJointCreateSlider(stage.world, nullptr), plank, nullptr, [high = high](dJointID slider) {
+      dJointSetSliderAxis(slider, 1, 0, 0);
+      dJointSetSliderParam(slider, dParamFMax, 4000);
+      dJointSetSliderParam(slider, dParamLoStop, 0);
+      dJointSetSliderParam(slider, dParamHiStop, high);
+    });
   }
   stage.Ground();
 }
@@ -849,26 +827,20 @@ constexpr SceneEntry<Stage> kScenes[] = {
     {"bridge", "demo_feedback.cpp", "hinges do not break", BridgeFeedback},
 };
 
-int Main(int argc, char** argv) {
-  Request request;
-  const auto& scene = ReadScene(argc, argv, kScenes, &request);
-  Stage stage;
-  scene.build(stage);
-  WriteHeader(
-      {.engine = "ode",
-       .version = "0.16.2",
-       .licence = "BSD-3-Clause OR LGPL-2.1-or-later",
-       .scene = scene.name,
-       .source = scene.Source(
-           "ode/demo/", " of Debian's source package ode 2:0.16.2-1, rebuilt",
-           "friction (1e9 stands for an infinite coefficient), restitution, softness, motors; the torque has the "
-           "engine's gyroscopic part; sleeping is off")},
-      3, Vector(stage.Gravity()), stage.time_step, stage.Header());
-  stage.Record(request);
-  return 0;
-}
+const Engine kEngine = {.name = "ode",
+                        .version = "0.16.2",
+                        .licence = "BSD-3-Clause OR LGPL-2.1-or-later",
+                        .folder = "ode/demo/",
+                        .rebuilt = " of Debian's source package ode 2:0.16.2-1, rebuilt",
+                        .left_out =
+                            "friction (1e9 stands for an infinite coefficient), restitution, softness, motors; "
+                            "the torque has the engine's gyroscopic part; sleeping is off",
+                        .dimension = 3};
 
 }  // namespace
 }  // namespace lcpbench::recorders
 
-int main(int argc, char** argv) { return lcpbench::recorders::Main(argc, argv); }
+int main(int argc, char** argv) {
+  using namespace lcpbench::recorders;
+  return RunRecorder<Stage>(argc, argv, kEngine, kScenes);
+}

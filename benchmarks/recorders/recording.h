@@ -16,9 +16,10 @@
 namespace lcpbench::recorders {
 
 /// Writes a recording (docs/formats/recording.schema.json) to standard output: an engine's own scene, step by step.
-/// A recorder is one program, one file: it knows its engine and nothing of ours but this header. It writes the header
-/// once, then for every recorded step the state before the velocity solve and the contacts that the engine made there.
-/// Numbers are rounded to nine significant digits, so that files stay small; the problem is made of what the file says.
+/// A recorder is one program, one file: it knows its engine and nothing of ours but this header. RunRecorder writes the
+/// header once, then for every recorded step the state before the velocity solve and the contacts that the engine made
+/// there. Numbers are rounded to nine significant digits, so that files stay small; the problem is made of what the
+/// file says.
 
 using Json = nlohmann::ordered_json;
 
@@ -48,6 +49,11 @@ struct JointRow {
   double error = 0;       ///< [m] or [rad]
   bool is_limit = false;  ///< unilateral: w >= 0
 };
+
+/// Of the header; 0 for what has no mass.
+inline Json BodyOf(double inverse_mass, Json inverse_inertia) {
+  return {{"inverse_mass", Rounded(inverse_mass)}, {"inverse_inertia", std::move(inverse_inertia)}};
+}
 
 class Step {
  public:
@@ -88,9 +94,15 @@ class Step {
                                  {"radius", std::move(radii)}});
   }
 
-  void Joint(int i, int j, const std::string& kind, std::string id, const std::vector<JointRow>& rows) {
-    Json joint = {{"b", {i, j}}, {"kind", kind}, {"id", std::move(id)}, {"rows", Json::array()}};
-    for (const JointRow& row : rows) {
+  /// Nothing where there are no rows. What the rows have of the world is set to 0.
+  /// @param number  of the joint in its world
+  void Joint(int i, int j, const std::string& kind, std::size_t number, std::vector<JointRow> rows) {
+    if (rows.empty()) return;
+    Json joint = {{"b", {i, j}}, {"kind", kind}, {"id", "j" + std::to_string(number)}, {"rows", Json::array()}};
+    for (JointRow& row : rows) {
+      const auto middle = row.J.begin() + static_cast<std::ptrdiff_t>(row.J.size() / 2);
+      if (i < 0) std::fill(row.J.begin(), middle, 0.0);
+      if (j < 0) std::fill(middle, row.J.end(), 0.0);
       Json written = {{"J", Numbers(row.J)}, {"error", Rounded(row.error)}};
       if (row.is_limit) written["limit"] = true;
       joint["rows"].push_back(std::move(written));
@@ -103,22 +115,6 @@ class Step {
  private:
   Json line_;
 };
-
-/// What every recording says of itself.
-struct Origin {
-  std::string engine, version, licence, scene;
-  std::string source;  ///< where the scene comes from, and what was left out
-};
-
-/// @param bodies  [{"inverse_mass", "inverse_inertia"}], zeros for what has no mass
-inline void WriteHeader(const Origin& origin, int dimension, Json gravity, double time_step, Json bodies) {
-  const Json header = {
-      {"lcpbench_recording", 1},    {"engine", origin.engine},       {"engine_version", origin.version},
-      {"licence", origin.licence},  {"scene", origin.scene},         {"source", origin.source},
-      {"dimension", dimension},     {"gravity", std::move(gravity)}, {"time_step", Rounded(time_step)},
-      {"bodies", std::move(bodies)}};
-  std::puts(header.dump().c_str());
-}
 
 /// Random numbers of our own, the same everywhere, for scenes that engines' demos draw at random.
 class Uniform {
@@ -179,29 +175,71 @@ inline Request ReadCommandLine(int argc, char** argv, const std::vector<std::str
   return request;
 }
 
-/// A scene that a recorder builds on its Stage, which holds the engine's world.
-template <class Stage>
+/// The engine's numbers of kinds in words.
+inline std::string NameOf(int kind, std::initializer_list<std::pair<int, const char*>> names, const char* other) {
+  for (const auto& [number, name] : names) {
+    if (number == kind) return name;
+  }
+  return other;
+}
+
+/// A number of a body, -1 for the world.
+template <class Map, class Key>
+int IndexOf(const Map& indices, const Key& key) {
+  const auto found = indices.find(key);
+  return found == indices.end() ? -1 : found->second;
+}
+
+/// A scene that a recorder builds.
+template <class Scene>
 struct SceneEntry {
   const char* name;
   const char* file;     ///< of the engine's source
   const char* changes;  ///< what differs from it
-  void (*build)(Stage&);
-
-  /// Origin::source.
-  /// @param folder   of the file
-  /// @param rebuilt  whose source it is, and what steps the scene
-  std::string Source(const std::string& folder, const std::string& rebuilt, const std::string& left_out) const {
-    return folder + file + rebuilt + (*changes == '\0' ? "" : "; ") + changes + "; left out: " + left_out;
-  }
+  void (*build)(Scene&);
 };
 
-/// The scene that the command line asks for; ends the program as ReadCommandLine.
-template <class Stage, std::size_t count>
-const SceneEntry<Stage>& ReadScene(int argc, char** argv, const SceneEntry<Stage> (&scenes)[count], Request* request) {
+/// What every recording of an engine says of itself.
+struct Engine {
+  std::string name, version, licence;
+  std::string folder;    ///< of the scenes' files
+  std::string rebuilt;   ///< whose source it is, and what steps the scene
+  std::string left_out;  ///< of what the engine does
+  int dimension;
+};
+
+/// The program: builds the scene that the command line asks for, steps it, and writes the header and the steps.
+///
+/// Stage holds the engine's world. It is a Scene and has
+///   void Advance(int number, Step* step)  a step of the engine; fills `step` in it, unless that is null
+///   Json Gravity() const, double TimeStep() const
+///   Json Bodies() const                   BodyOf each; asked after the first recorded step
+template <class Stage, class Scene, std::size_t count>
+int RunRecorder(int argc, char** argv, const Engine& engine, const SceneEntry<Scene> (&scenes)[count]) {
   std::vector<std::string> names;
   for (const auto& scene : scenes) names.emplace_back(scene.name);
-  *request = ReadCommandLine(argc, argv, names);
-  return *std::find_if(scenes, scenes + count, [&](const auto& scene) { return scene.name == request->scene; });
+  const Request request = ReadCommandLine(argc, argv, names);
+  const SceneEntry<Scene>& scene =
+      *std::find_if(scenes, scenes + count, [&](const auto& one) { return one.name == request.scene; });
+  Stage stage;
+  scene.build(stage);
+  for (int number = 0; number <= request.last(); ++number) {
+    Step step(number);
+    stage.Advance(number, request.includes(number) ? &step : nullptr);
+    if (!request.includes(number)) continue;
+    if (number == request.first) {
+      const std::string source = engine.folder + scene.file + engine.rebuilt + (*scene.changes == '\0' ? "" : "; ") +
+                                 scene.changes + "; left out: " + engine.left_out;
+      const Json header = {
+          {"lcpbench_recording", 1},       {"engine", engine.name},      {"engine_version", engine.version},
+          {"licence", engine.licence},     {"scene", scene.name},        {"source", source},
+          {"dimension", engine.dimension}, {"gravity", stage.Gravity()}, {"time_step", Rounded(stage.TimeStep())},
+          {"bodies", stage.Bodies()}};
+      std::puts(header.dump().c_str());
+    }
+    step.Write();
+  }
+  return 0;
 }
 
 }  // namespace lcpbench::recorders

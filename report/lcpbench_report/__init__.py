@@ -9,6 +9,6 @@
     web, static, markdown       the interactive page; figures and tables for papers; summary.md
     readme_blocks, changes_markdown   numbers in README.md and docs/; what changed between two campaigns
     style, solver_facts, formats   how solvers look and are spoken of, and numbers as text
-    recommendation, tuning      rules of `lcpbench recommend`; settings by `lcpbench tune`
+    tuning                      settings by `lcpbench tune`
     archive                     campaigns that are kept with the source
 """

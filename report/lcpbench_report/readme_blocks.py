@@ -93,26 +93,6 @@ def _tuning(page: Page) -> str:
             f"{formats.words(changed)}. The other {len(solvers) - len(changed)} keep it.")
 
 
-def _recommendation(page: Page) -> str:
-    """What data/recommendation.json says of families that its rules were not made of."""
-    tried = page.data("recommendation")["evaluation"]
-    shares = [of["families"]["share"] for of in tried["tiers"]]
-    passed, groups = (sum(of["families"][key] for of in tried["tiers"]) for key in ("pass", "groups"))
-    return (f"the best of the named backends is within {tried['within']:g}× of the best of ours on {100 * min(shares):.1f} % "
-            f"to {100 * max(shares):.1f} % of the problems, by tier and measure, and in {passed} of {groups} cases (families "
-            f"by tiers and measures) on at least {100 * tried['least_share']:.0f} %." + _sources(tried))
-
-
-def _sources(tried: dict) -> str:
-    """Of engines and publications that the rules were not made of."""
-    held_out = tried.get("sources")
-    if not held_out:
-        return ""
-    problems, right = (sum(of[key] for of in held_out) for key in ("problems", "right"))
-    return (f" With all problems of one engine or one publication held out it is so on {100 * right / problems:.1f} %, and in "
-            f"{sum(of['passes'] for of in held_out)} of {len(held_out)} cases on at least {100 * tried['least_share']:.0f} %.")
-
-
 def _solvers(page: Page, origin: str) -> list[dict]:
     """Of the campaign, without other settings of the same solver."""
     return [of for of in page.info["solvers"] if of["origin"] == origin and of["setting"] != "variant"]
@@ -147,7 +127,7 @@ BLOCKS: dict[str, Callable[[Page], str]] = {
     "passes": lambda page: str(page.info["passes"]),
     "limits": _limits,
     "manifests": lambda page: formats.words([f"`{of['name']}` {of['version']}" for of in page.info.get("manifests", [])]),
-    "tuning": _tuning, "recommendation": _recommendation,
+    "tuning": _tuning,
     "own-keys": lambda page: _keys(of["key"] for of in _solvers(page, "own")),
     "peer-keys": lambda page: _keys(of["key"] for of in _solvers(page, "peer")),
     "scene-keys": lambda page: _keys(sorted({about["family"] for about in page.inputs.problems.values()

@@ -17,7 +17,6 @@
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/recording.h"
 #include "benchmarks/collection/references.h"
-#include "benchmarks/recommend/rules.h"
 #include "model/records/records.h"
 #include "model/records/replay_record.h"
 #include "model/scene_file/scene_file.h"
@@ -86,7 +85,6 @@ const std::map<std::string, ReadText> kReaders = {
     {"manifest", OfFile([](const std::string& path) { ReadManifest(path); })},
     {"reference", OfFile(ReadReference)},
     {"sequence", OfFile(ReadSequence)},
-    {"recommendation", OfFile([](const std::string& path) { ReadRecommendationRules(path); })},
     {"tuned", OfFile([](const std::string& path) { ReadTunedFile(path); })},
     {"campaign", OfFile([](const std::string& path) { ReadCampaignFile(path); })},
     {"campaign_lines", [](const std::string& text) { RequireFields(ParseJsonObject(text, kWhere)); }},

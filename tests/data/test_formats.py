@@ -113,7 +113,6 @@ _DOCUMENTS = {
     "scene": ([json_of(_ROOT / "tests/fuzz/corpus/every_edge.json"), json_of(_ROOT / "tests/fuzz/corpus/every_shape.json")], ".*"),
     "manifest": ([_small_manifest()], "an id of its own|ids of their own|the number of seeds|within the manifest's folder|name a file|"
                                       "/(base|origin): expected"),
-    "recommendation": ([_short(json_of(_ROOT / "data/recommendation.json"))], "the key of a solver"),
     "tuned": ([_short(json_of(_ROOT / "data/tuned.json"))], "$^"),
     "campaign": ([_short(json_of(_ROOT / "report/reference/core/campaign.json"))], "$^"),
     "campaign_lines": ([_line(name) for name in ("problem", "judge", "fresh", "parts", "again", "pass")], "$^"),
@@ -198,8 +197,7 @@ class Formats(unittest.TestCase):
             problem = Path(folder, "good.jsonl")
             problem.write_text(json.dumps(_PROBLEM) + "\n")
             commands = {"problem": ["solve", "--solver", "dantzig"], "contact_record": ["assemble"], "replay_record": ["replay"], "scene": ["scene"],
-                        "manifest": ["run", "--benchmark_list_tests", "--suite"], "tuned": ["run", "--benchmark_list_tests", "--tuned"],
-                        "recommendation": ["recommend", problem, "--rules"]}
+                        "manifest": ["run", "--benchmark_list_tests", "--suite"], "tuned": ["run", "--benchmark_list_tests", "--tuned"]}
             for name, words in commands.items():
                 path = Path(folder, f"{name}.json")
                 document = _DOCUMENTS[name][0][0]
@@ -252,10 +250,8 @@ class Formats(unittest.TestCase):
                     for number, line in enumerate(opened, start=1):
                         if len(line) < 20_000:
                             self.assertTrue(validator.is_valid(json.loads(line)), f"{file}:{number}")
-        for name, files in {"recommendation": ["data/recommendation.json"], "tuned": ["data/tuned.json"],
-                            "campaign": ["report/reference/core/campaign.json"]}.items():
-            for file in files:
-                self.assertEqual([error.message for error in validator_of(name).iter_errors(json_of(_ROOT / file))], [], file)
+        for name, file in {"tuned": "data/tuned.json", "campaign": "report/reference/core/campaign.json"}.items():
+            self.assertEqual([error.message for error in validator_of(name).iter_errors(json_of(_ROOT / file))], [], file)
 
     def test_answers_are_valid(self):
         with tempfile.TemporaryDirectory() as folder:
