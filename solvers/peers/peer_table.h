@@ -26,7 +26,7 @@ struct PeerProject {
 
 /// What one solver is given for its own stopping options, by requested tier.
 ///
-/// The rule for tuned keys is the same effort for every library; docs/peers.md states it, and how many problems passed.
+/// The rule for tuned keys is the same effort for every library; docs/peers.md states it, and where it fails.
 /// Limits of iterations are so high that the time limit decides.
 struct TierSettings {
   std::array<double, 3> tolerances;  ///< for the tiers 1e-3, 1e-6, 1e-9
