@@ -506,7 +506,7 @@ LcpProblem ProblemSource::Make(const RecordingSource& source) {
     if (!recording_->Next(&step_)) throw InputError(path + ": expected a step " + std::to_string(source.step));
   }
   const std::optional<RecordedProblem> whole = MakeRecorded(recording_->header(), step_, source.level);
-  if (!whole) throw InputError(path + ": step " + std::to_string(source.step) + " is no problem of this level");
+  if (!whole) throw InputError(path + ": step " + std::to_string(source.step) + " is not a problem of this level");
   if (source.island == 0) return whole->problem;
   const std::vector<RecordedProblem> islands = IslandsOf(*whole, 1);
   if (static_cast<std::size_t>(source.island) > islands.size()) {
@@ -579,7 +579,7 @@ Manifest ReadManifest(const std::string& path) {
   const auto read = [&ids](const JsonField& item, auto& entry) {
     Reader::Get(item, &entry);
     entry.sha256 = ReadHash(item["sha256"]);
-    if (!ids.insert(entry.id).second) item["id"].Mismatch("an id of its own");
+    if (!ids.insert(entry.id).second) item["id"].Mismatch("an id that no other problem has");
   };
   for (const JsonField& item : root["problems"].Items()) read(item, manifest.problems.emplace_back());
   if (root.Has("fill")) {
@@ -587,7 +587,7 @@ Manifest ReadManifest(const std::string& path) {
       const size_t before = manifest.fill.size();
       ReadFillClass(item, &manifest);
       for (size_t k = before; k < manifest.fill.size(); ++k) {
-        if (!ids.insert(manifest.fill[k].id).second) item["recipes"].Mismatch("ids of their own");
+        if (!ids.insert(manifest.fill[k].id).second) item["recipes"].Mismatch("ids that no other problem has");
       }
     }
   }

@@ -247,7 +247,7 @@ RecordedStep ParseRecordedStep(std::string_view line, const RecordingHeader& hea
   }
   std::set<std::string> identities;
   const auto take_identity = [&](const JsonField& owner, const std::string& identity) {
-    if (!identities.insert(identity).second) owner.Mismatch("an identity of its own");
+    if (!identities.insert(identity).second) owner.Mismatch("an id that stands once in the step");
     return identity;
   };
   for (const JsonField& item : field["contacts"].Items()) {

@@ -134,7 +134,7 @@ void Confirm(const LcpProblem& problem, const Eigen::VectorXd& known_f, const Ex
              Examined* examined) {
   const std::vector<Rational> f(known_f.begin(), known_f.end());
   const std::optional<std::vector<Rational>> w = GapsOfAnswer(problem, f);
-  if (!w) throw InputError(problem.id() + ": the answer known in advance is none");
+  if (!w) throw InputError(problem.id() + ": the answer known in advance does not solve the problem");
   WriteProved(problem, f, *w, problem.facts().f_unique, options, examined);
 }
 

@@ -66,7 +66,7 @@ struct RecordingProblems {
 }  // namespace
 
 void AddRecordingCommand(CLI::App& app, CommandRun& run) {
-  AddCommand<RecordingProblems>(app, run, "recording", "Makes problems of what other engines' scenes were recorded as");
+  AddCommand<RecordingProblems>(app, run, "recording", "Makes problems from recordings of other engines' scenes");
 }
 
 }  // namespace lcpbench

@@ -142,7 +142,7 @@ void FreshStream::RunPass(Contestant* contestant, Standing* standing, int pass) 
   try {
     run = RunUndisturbed(contestant, arrays_, request, plan_.noise);
   } catch (const WorkerFailure& failure) {
-    std::cerr << contestant->key() << ": a pass came to no end: " << failure.what() << std::endl;
+    std::cerr << contestant->key() << ": a pass did not finish: " << failure.what() << std::endl;
     return;
   }
   std::vector<double> all;

@@ -109,7 +109,7 @@ _DOCUMENTS = {
                         "contacts": [contact], "A": [1], "b": [1]} for contact in (
                             _RECORDED, _RECORDED | {"kind": "rod"}, _RECORDED | {"kind": "path_joint", "normal_dt": [0, 0]})],
                       _SIZES + "|the number of contacts|another body than p|a unit vector|a fixed body"),
-    "recording": (_RECORDING, _SIZES + r"|expected a number, found|an array of|a unit (vector|quaternion)|an identity of its own|two different bodies"),
+    "recording": (_RECORDING, _SIZES + r"|expected a number, found|an array of|a unit (vector|quaternion)|an id that stands once in the step|two different bodies"),
     "scene": ([json_of(_ROOT / "tests/fuzz/corpus/every_edge.json"), json_of(_ROOT / "tests/fuzz/corpus/every_shape.json")], ".*"),
     "manifest": ([_small_manifest()], "an id of its own|ids of their own|the number of seeds|within the manifest's folder|name a file|"
                                       "/(base|origin): expected"),
@@ -238,7 +238,7 @@ class Formats(unittest.TestCase):
                     warnings = [line for line in run.stderr.splitlines() if "warning" in line]
                     self.assertEqual(len(warnings), 1 if told else 0, run.stderr)
                     for warning in warnings:
-                        self.assertIn("p.jsonl: warning: passed over members that no problem has: " +
+                        self.assertIn("p.jsonl: warning: ignored members that no problem has: " +
                                       ", ".join(f"'{name}'" for name in told).replace("\n", "\\n"), warning)
 
     def test_files_of_ours_are_valid(self):

@@ -199,7 +199,7 @@ TEST_F(RecordedSequence, LacksNoStepAndHasNoneTooLarge) {
     Entry(101);
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("step 300: expected it in the recording"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("step 300: the recording does not have it"), std::string::npos)
         << error.what();
   }
   EXPECT_THROW(MeasureSequence(RecordedSteps{"recordings/ode-heightfield-sequence.jsonl.gz", 199}, 2, kData),
