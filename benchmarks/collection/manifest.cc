@@ -145,7 +145,7 @@ struct Reader {
     inside.Finish();
   }
   void Finish() const { field.RequireOnlyKeys(known); }
-  /// Of a member that may be missing.
+  /// Checks a member that may be missing.
   void OneOf(const char* name, const std::vector<std::string>& words) {
     known.push_back(name);
     if (!field.Has(name)) return;
@@ -570,7 +570,7 @@ Manifest ReadManifest(const std::string& path) {
   }
   root.RequireOnlyKeys({"lcpbench_manifest", "name", "version", "purpose", "references", "refused_by_reason", "refused",
                         "problems", "fill", "sequences"});
-  // What was refused is told, and not used.
+  // The refused candidates are listed for readers only.
   if (root.Has("refused_by_reason")) Reader::Get(root["refused_by_reason"], &refusals);
   if (root.Has("refused")) {
     for (const JsonField& item : root["refused"].Items()) Reader::Get(item, &manifest.refused.emplace_back());

@@ -92,7 +92,7 @@ class Symmetrizer {
   double most_made_ = 0, least_left_ = std::numeric_limits<double>::infinity();
 };
 
-// What becomes of problems that are read, and what is told of them.
+// Symmetrizes problems that are read, and reports on them.
 class Taker {
  public:
   Taker(const ReadingOptions& options, const PlacedProblemHandler& handle)

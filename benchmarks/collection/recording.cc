@@ -175,7 +175,7 @@ bool IsRound(const RecordedStep::Contact& contact, std::size_t end) { return con
 // What curvature our model needs is known: of two circles, or of a circle on something flat.
 bool IsOfCircles(const RecordedStep::Contact& contact) { return IsRound(contact, 0) || IsRound(contact, 1); }
 
-// Of one end of a contact, in the body's frame: `outward` leaves the body there.
+// The feature at one end of a contact, in the body's frame: `outward` leaves the body there.
 Feature FeatureAt(const Body& body, Vec2 point, Vec2 outward, double radius) {
   const auto [cos, sin] = SinCos(body.theta);
   const auto in_body = [&, rotation = Rotation{cos, -sin}](Vec2 world) { return Rotate(rotation, world - body.x); };

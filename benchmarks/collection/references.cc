@@ -25,7 +25,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Of a line; where it stands first, as our files have it, without parsing the numbers behind it.
+// The id of a line; where it stands first, as in our files, without parsing the numbers behind it.
 std::string IdOf(const std::string& line, const std::string& where) {
   constexpr std::string_view kStart = R"({"id":")";
   if (line.starts_with(kStart)) {
@@ -138,7 +138,7 @@ void Confirm(const LcpProblem& problem, const Eigen::VectorXd& known_f, const Ex
   WriteProved(problem, f, *w, problem.facts().f_unique, options, examined);
 }
 
-// Of a problem whose A is not positive semidefinite.
+// Answers a problem whose A is not positive semidefinite.
 void Enumerate(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
   // Those of ours that take any A; what they say of their answers is not asked.
   std::vector<Eigen::VectorXd> guesses;

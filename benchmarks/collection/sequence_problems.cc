@@ -13,7 +13,7 @@ namespace {
 
 using RowsByName = std::unordered_map<std::string, int>;
 
-// Names that are told twice in a step stand for the first row that has them.
+// A name that stands twice in a step is that of the first row that has it.
 std::vector<int> Matched(const std::vector<std::string>& names, RowsByName* before) {
   std::vector<int> previous;
   RowsByName rows;

@@ -78,7 +78,7 @@ class WorkerSolver : public Contestant {
 };
 
 // The steps of a stream as an engine's arrays hold them: made of its problems once, off the clock. Which one is wanted
-// is told by the address of its arrays in the stream.
+// is known by the address of its arrays in the stream.
 class StepStream {
  public:
   void Forget() { stream_ = {}; }

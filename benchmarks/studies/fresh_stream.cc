@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Of the probes of the clock rate so far the one that one in ten is below, as a campaign's.
+// The probe of the clock rate that one in ten so far is below, as in a campaign.
 double FastProbe(double probe_s) {
   static std::vector<double> probes;
   probes.insert(std::upper_bound(probes.begin(), probes.end(), probe_s), probe_s);
