@@ -12,7 +12,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-// What operator[] refers to where there is no member: a value of no JSON type, which every accessor refuses.
+// What operator[] refers to where the member is missing: a value that every accessor refuses.
 const Json& Missing() {
   static const Json missing(Json::value_t::discarded);
   return missing;
