@@ -58,7 +58,7 @@ struct ExactAnswer {
   Index nullity_on_active = 0;    ///< of A on the rows with w = 0
   std::vector<Index> degenerate;  ///< unilateral rows with w = 0 and least-norm f = 0
 
-  /// Of an infeasible problem: y >= 0 on unilateral rows, A y = 0, b.y = -1. [Farkas]
+  /// The ray of an infeasible problem: y >= 0 on unilateral rows, A y = 0, b.y = -1. [Farkas]
   std::vector<Rational> ray;
 
   Index rank = 0;  ///< of A

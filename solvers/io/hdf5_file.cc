@@ -103,7 +103,7 @@ class Report {
     end_ += (size + kAlignment - 1) / kAlignment * kAlignment;
     return values;
   }
-  // Of the dataset into `values`; the child is not believed.
+  // Reads the dataset into `values`; what the child sends is checked.
   template <typename List>
   bool Copy(std::size_t k, List* values) {
     const Place found = place(k);

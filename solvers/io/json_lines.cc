@@ -101,7 +101,7 @@ ParsedMatrix ParseMatrix(const JsonField& field, Index rows, Index columns) {
   return matrix;
 }
 
-// One flag a row: items of `field` or, of recorded contacts, their member "joint", false where there is none.
+// One flag a row: items of `field` or, in recorded contacts, their member "joint", false where it is missing.
 std::vector<Index> MarkedRows(const JsonField& field, std::size_t n, bool by_contact) {
   field.Size(n);
   std::vector<Index> rows;
@@ -186,7 +186,7 @@ constexpr std::pair<const char*, const char*> kForeignMembers[] = {
     {"friction", "friction"},     {"G", "constraints"},         {"h", "constraints"},
     {"P", "a quadratic program"}, {"q", "a quadratic program"}, {"M", "a mass matrix or an LCP of other letters"}};
 
-// Of recorded contact problems.
+// `h` of recorded contact problems.
 bool IsTimeStep(const JsonField& record, std::string_view name) { return name == "h" && record.Has("contacts"); }
 
 // Refuses foreign members. @return those that nobody knows

@@ -22,7 +22,7 @@ struct MarketMatrix {
 
   /// With the entries that are stored, also those that are 0.
   SparseMatrix ToSparse() const;
-  /// Of one column, or one row. @throws InputError with `where` for another shape
+  /// A matrix of one column, or one row, as a vector. @throws InputError with `where` for another shape
   Eigen::VectorXd ToVector(const std::string& where) const;
 };
 
@@ -30,8 +30,8 @@ struct MarketMatrix {
 /// whatever its header promises.
 /// @param name  of the file, for error texts
 /// @throws InputError naming file, line, what was expected and what was found: another header, a size that is negative
-/// or too large, indices outside, an entry given twice or above the diagonal of a symmetric matrix, what is no finite
-/// number, too few entries or too many
+/// or too large, indices outside, an entry given twice or above the diagonal of a symmetric matrix, numbers that are
+/// not finite, too few entries or too many
 MarketMatrix ReadMarketMatrix(std::istream& input, const std::string& name);
 
 /// Numbers of 17 significant digits, so that reading gives the same bits. Symmetric where the matrix is, bit for bit.

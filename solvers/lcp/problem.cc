@@ -46,7 +46,7 @@ void RequireShape(const std::string& id, const char* name, Index rows, Index col
   }
 }
 
-// Of the matrix that arrays hold, in the two sparse forms.
+// Checks the matrix that arrays hold, in the two sparse forms.
 void RequireCompressedRows(const ProblemArrays& arrays) {
   const Index n = arrays.rows;
   const auto count = static_cast<Index>(arrays.column.size());

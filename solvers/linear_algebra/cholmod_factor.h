@@ -74,7 +74,7 @@ class CholmodFactor {
   /// @param columns  C, in the order of elimination, sorted; the rows of a column of C are rows of one column of K
   /// @returns false if the matrix is no longer positive definite, to rounding; Solve must not be called after that
   bool Update(const ColumnMatrix& columns, bool add);
-  /// Of every column: the entries of L in it and in those on its way to the root of the elimination tree [Liu 1986].
+  /// For every column the entries of L in it and in those on its way to the root of the elimination tree [Liu 1986].
   std::vector<double> EntriesToRoot() const;
   bool is_supernodal() const;
 

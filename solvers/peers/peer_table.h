@@ -63,7 +63,7 @@ struct LeftOutSolver {
 std::span<const LeftOutSolver> SolversLeftOut();
 
 /// The tolerance for the loosest tier that is not looser than `tolerance`; that of 1e-9 for stricter ones.
-/// @throws std::logic_error where the key is no peer's with tiers, here and below
+/// @throws std::logic_error where the key is not that of a peer with tiers, here and below
 double TierTolerance(std::string_view key, double tolerance);
 /// Largest number of iterations, the same at all tiers.
 double TierIterations(std::string_view key);
