@@ -44,7 +44,7 @@ class CholmodFactor {
   void AnalyzeAsOrdered(const ColumnMatrix& lower, bool will_update = false);
 
   /// Takes over the values of `lower` where its pattern is that of the matrix analysed last, whose analysis is kept.
-  /// False, and nothing done, where it is another.
+  /// Returns false and changes nothing where the pattern differs.
   bool TakeValues(const ColumnMatrix& lower);
 
   Eigen::Index size() const;
