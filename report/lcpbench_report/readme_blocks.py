@@ -116,7 +116,7 @@ def _sources(tried: dict) -> str:
 
 
 def _solvers(page: Page, origin: str) -> list[dict]:
-    """Of the campaign, without other settings of the same solver."""
+    """The campaign's solvers, without other settings of the same solver."""
     return [of for of in page.info["solvers"] if of["origin"] == origin and of["setting"] != "variant"]
 
 

@@ -47,7 +47,7 @@ def outcomes(found: Headline) -> Table | None:
     rows = []
     for words, classes_ in zip(("slower", "not told apart", "faster"), verdicts(found)):
         if classes_:
-            before = [None, *(row.own for row in classes_)]  # a name is told once
+            before = [None, *(row.own for row in classes_)]  # a name stands once
             own = [f"{key(row.own)} " * (row.own != last) + seconds(row.entries[row.own].time_s)
                    for row, last in zip(classes_, before)]
             ratios = [_with_interval(*row.to_fastest) for row in classes_]
