@@ -47,7 +47,7 @@ class DocumentBuilder {
     Level& level = levels_.back();
     const auto [member, is_new] = level.object->try_emplace(std::move(name));
     level.member = &*member;
-    if (!is_new) Fail("this key stands twice");
+    if (!is_new) Fail("this key is given twice");
     return true;
   }
   bool end_object() { return Close(); }

@@ -186,7 +186,7 @@ class Formats(unittest.TestCase):
                 paths = [path for path in _paths(document) if isinstance(path[-1], str)][:100]
                 twice = _read(name, [_doubled(document, path) for path in paths])
                 for path, said in zip(paths, twice, strict=True):
-                    self.assertIn("this key stands twice", said, (name, path))
+                    self.assertIn("this key is given twice", said, (name, path))
                     self.assertIn(path[-1], said)
                 for said in _read(name, [_text(document, (path, word)) for path in paths for word in ("NaN", "-Infinity")]):
                     self.assertIn("not valid JSON", said)
@@ -207,7 +207,7 @@ class Formats(unittest.TestCase):
                 path.write_text(_doubled(document, (key,)).replace("\n", " ") + "\n")
                 run = subprocess.run([_COMMAND, *words, path], capture_output=True, text=True, check=False)
                 self.assertEqual((run.returncode, run.stderr.count("\n")), (2, 1), (name, run.stderr))
-                self.assertIn("this key stands twice", run.stderr)
+                self.assertIn("this key is given twice", run.stderr)
 
     def test_members_that_mean_something_elsewhere_are_refused_by_name(self):
         members = json_of(FORMATS / "problem.schema.json")["properties"]

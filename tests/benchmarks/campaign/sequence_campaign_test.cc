@@ -495,7 +495,7 @@ TEST_F(SequenceCampaign, ATornTailOfStepsIsMadeAgainAndWhatIsNotOfThePlanIsRefus
   const std::pair<std::string, std::string> wrong[] = {
       {"\x01\xff\xfe{]", "not valid JSON"},
       {line.dump().substr(0, 30), "not valid JSON"},
-      {R"({"solver":"x",)" + line.dump().substr(1), "/solver: this key stands twice"},
+      {R"({"solver":"x",)" + line.dump().substr(1), "/solver: this key is given twice"},
       {Passes("c").at(0).dump(), "a second line of"},
       {with("round", -1), "field 'round'"},
       {with("round", 2), "round 2"},
