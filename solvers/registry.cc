@@ -247,7 +247,7 @@ SolverEntry EntryOf(const PeerEntry& peer) {
   if (!entry.available) return entry;
   entry.make = [&peer](const Settings& settings) {
     auto solver = MakeExternal({{WorkerPath(peer), std::string(peer.key)}}, settings);
-    // Only the worker knows its settings: a wrong one is the user's mistake, and told before any problem is read.
+    // Only the worker knows its settings: a wrong one is the user's mistake, and reported before any problem is read.
     if (!settings.empty()) solver->Greet();
     return solver;
   };

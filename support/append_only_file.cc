@@ -38,7 +38,7 @@ std::uintmax_t ReadJsonLines(const std::string& path, const std::string& expecte
     } catch (const nlohmann::json::exception&) {
       throw InputError(where + ": expected " + expected + ", found another line");
     } catch (const InputError& error) {
-      // Of what the file says, so much as a line of a terminal takes.
+      // The most characters of a line that are shown, to fit a terminal.
       constexpr std::size_t kLongest = 200;
       const std::string found = Printable(error.what());
       throw InputError(where + ": expected " + expected + ", found " + found.substr(0, kLongest));

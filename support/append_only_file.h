@@ -12,7 +12,7 @@ namespace lcpbench {
 
 /// Hands over every line of a file of JSON lines but a last one that was torn.
 /// @param expected  what a line is, for error texts
-/// @param take      the line as JSON and as text; for what is no such line it may throw nlohmann::json::exception, or
+/// @param take      the line as JSON and as text; for any other line it may throw nlohmann::json::exception, or
 ///                  InputError with what was found
 /// @return bytes of these lines
 /// @throws InputError where the file cannot be read, or has another line, naming file and line

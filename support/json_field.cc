@@ -12,7 +12,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-// What operator[] refers to where there is no member: a value of no JSON type, which every accessor refuses.
+// What operator[] refers to where the member is missing: a value that every accessor refuses.
 const Json& Missing() {
   static const Json missing(Json::value_t::discarded);
   return missing;
@@ -47,7 +47,7 @@ class DocumentBuilder {
     Level& level = levels_.back();
     const auto [member, is_new] = level.object->try_emplace(std::move(name));
     level.member = &*member;
-    if (!is_new) Fail("this key stands twice");
+    if (!is_new) Fail("this key is given twice");
     return true;
   }
   bool end_object() { return Close(); }

@@ -100,14 +100,14 @@ inline constexpr std::size_t kMaxJsonDepth = 32;
 ///         key, of a value nested deeper than kMaxJsonDepth, of a number beyond the range of double
 nlohmann::json ParseJsonDocument(std::string_view text, const std::string& where);
 
-/// A text that is no JSON, or no object where one is wanted: of another format, if it is the beginning of a file.
+/// A text that is not JSON, or not an object where one is expected: at the beginning of a file, another format.
 class NotJsonError : public InputError {
  public:
   using InputError::InputError;
 };
 
 /// The same of one line that holds an object; what is not JSON is named by its byte.
-/// @throws NotJsonError for what is none, or no object; else as ParseJsonDocument
+/// @throws NotJsonError for text that is not JSON, or not an object; else as ParseJsonDocument
 nlohmann::json ParseJsonObject(std::string_view line, const std::string& where);
 
 }  // namespace lcpbench

@@ -15,7 +15,7 @@ inline std::string NumberText(double value) {
 }
 
 /// The double nearest to the decimal number that the whole word is, whatever the locale: what is too small for a double
-/// is 0 (1e-400), as in JSON. Nothing where the word is none, infinite, or beyond the largest double (1e400).
+/// is 0 (1e-400), as in JSON. Nothing where the word is not a number, infinite, or beyond the largest double (1e400).
 std::optional<double> ParseNumber(std::string_view word);
 
 }  // namespace lcpbench

@@ -7,7 +7,7 @@
 namespace lcpbench {
 namespace {
 
-// Bytes of the character that `text` begins with; 0 where it is no UTF-8 or not to be printed.
+// Bytes of the character that `text` begins with; 0 where it is not UTF-8 or cannot be printed.
 std::size_t PrintableBytes(std::string_view text) {
   const auto byte = [text](std::size_t k) { return static_cast<std::uint8_t>(text[k]); };
   struct Length {

@@ -48,7 +48,7 @@ class Subprocess {
   Subprocess(const Subprocess&) = delete;
   Subprocess& operator=(const Subprocess&) = delete;
 
-  /// Of the child, and of its group; -1 after its end was waited for.
+  /// The id of the child and of its group; -1 after its end was waited for.
   pid_t pid() const { return pid_; }
   /// For WriteAll and ReadAll.
   int socket() const { return socket_; }

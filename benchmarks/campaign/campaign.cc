@@ -325,7 +325,7 @@ std::string PrepareFolder(const CampaignOptions& options, const nlohmann::ordere
   } else {
     const nlohmann::ordered_json begun = ReadCampaignFile(path);
     if (!SameCampaign(begun, campaign)) {
-      throw InputError(options.folder + ": expected the campaign that is asked for, found another plan");
+      throw InputError(options.folder + ": expected the requested campaign, found another plan");
     }
     TellOfAnotherEnvironment(options.folder, begun, campaign);
   }
@@ -424,7 +424,7 @@ void MergeCampaigns(const std::vector<std::string>& folders, const std::string& 
         const LineKey key = KeyOfLine(json);
         if (merged.emplace(key, line).second) return;
         const TaskKey& task = std::get<TaskKey>(key);
-        throw InputError(task.solver + " on " + task.about + " at " + task.tier + ", which is there already");
+        throw InputError(task.solver + " on " + task.about + " at " + task.tier + ": the line is there already");
       });
     }
   }
@@ -432,7 +432,7 @@ void MergeCampaigns(const std::vector<std::string>& folders, const std::string& 
   const auto found = static_cast<std::size_t>(std::count_if(
       streams.begin(), streams.end(), [](const auto& line) { return std::get<std::string>(line.first) == "judge"; }));
   if (const auto planned = first.at("lines").get<std::size_t>(); found < planned) {
-    std::cerr << "merge: note: " << found << " of " << planned << " tasks: a shard is missing, or not at its end"
+    std::cerr << "merge: note: " << found << " of " << planned << " tasks: a shard is missing or unfinished"
               << std::endl;
   }
   std::error_code error;

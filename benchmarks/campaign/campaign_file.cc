@@ -251,7 +251,7 @@ AppendOnlyFile OpenProblems(const std::string& path, const std::vector<Manifest>
                             const std::vector<PlannedProblem>& problems, std::size_t* done) {
   *done = 0;
   return {path, "a problem of this campaign", [&](const nlohmann::json& line) {
-            if (*done == problems.size()) throw InputError("a line more than it has problems");
+            if (*done == problems.size()) throw InputError("more lines than the campaign has problems");
             const PlannedProblem& planned = problems[*done];
             RequireFields(line);
             RequireDescribes(line, manifests[planned.manifest].name, planned);

@@ -77,7 +77,7 @@ void SetWeights(const std::vector<Manifest>& manifests, std::vector<PlannedProbl
   }
 }
 
-// Of problems by size class and fill, each of these lists by turns of the origins.
+// Orders problems by size class and fill, and takes the origins in turn within each of these lists.
 void TakeTurns(std::vector<PlannedProblem>* problems) {
   std::map<std::tuple<Index, bool, std::string_view>, int> taken;
   std::map<const ManifestEntry*, int> turn;

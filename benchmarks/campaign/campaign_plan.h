@@ -65,7 +65,7 @@ struct CampaignPlan {
   SolveLimits limits = {};
   std::uint64_t memory_bytes = std::uint64_t{8} << 30U;  ///< address space of a solve
   NoiseRule noise = {};
-  // Of the manifests' sequences.
+  // For the manifests' sequences.
   std::vector<double> deadlines_s = {0.1e-3, 1e-3, 16e-3};  ///< of a step
   double pass_budget_s = 20;  ///< of a pass over a sequence: no further step is begun after it
   TuningSource tuning = {};
@@ -103,12 +103,12 @@ struct Task {
   double tier = 0;             ///< asked for
   std::vector<double> judged;  ///< tiers, loosest first
   std::string excluded;        ///< the rule by which none of it is run; "" for none
-  // Of problems.
+  // A task on problems:
   std::size_t begin = 0;   ///< of PlanProblems
   std::size_t end = 0;     ///< after the last
   std::size_t first = 0;   ///< of its size class, the place of `begin`
   bool is_stream = false;  ///< its class is timed as a stream
-  // Of a sequence.
+  // A task on a sequence:
   const SequenceEntry* sequence = nullptr;  ///< null: problems
   std::size_t manifest = 0;                 ///< that has it: index into the plan's
   std::string mode;

@@ -35,7 +35,7 @@ void AddRetry(const Reply& reply, const Json& at, Json* line) {
   if (!reply.retried.empty()) (*line)["retried"].push_back({{"at", at}, {"detail", reply.retried}});
 }
 
-// Of a problem at the k-th tier; null where there is no answer.
+// The field of a problem's answer at the k-th tier; null without an answer.
 Json FieldAt(const Judged& judged, std::size_t k, const char* name) {
   return k < judged.reply.records.size() ? Json(judged.reply.records[k].at(name)) : Json(nullptr);
 }
@@ -58,7 +58,7 @@ Json ExceptionOf(std::size_t at, const Judged& judged, std::size_t k) {
   return exception;
 }
 
-// Of the known ones; 0 where there is none.
+// The median of the known times; 0 without any.
 template <typename Counts>
 double MedianOfKnown(const nlohmann::json& times, const Counts& counts) {
   std::vector<double> known;
@@ -211,7 +211,7 @@ void Journal::WriteByTier(const Task& task, const char* kind, int pass, const Co
   std::vector<Json> lines;
   for (std::size_t k = 0; k < task.judged.size(); ++k) {
     const double tier = task.judged[k];
-    // Of a direct method's lines some may have been written before the campaign was killed.
+    // Some lines of a direct method may have been written before the campaign was killed.
     if (Has(TaskKey(task, tier), kind, pass)) continue;
     lines.push_back(RecordOf<LineSource>(LineFields(), {task, tier, kind, pass, environment_hash_}));
     complete(k, &lines.back());

@@ -61,7 +61,7 @@ class Journal {
 
   bool Has(const TaskKey& key, const std::string& kind, int pass) const;
 
-  /// Of a task that was judged, by the place of its problems, at the tier of its key; of a sequence from its round 0.
+  /// What a judged task found, by the place of its problems, at the tier of its key; for a sequence from its round 0.
   struct Judgement {
     std::size_t attempted = 0;
     std::set<std::size_t> unverified;   ///< of those that were attempted
@@ -88,10 +88,10 @@ class Journal {
   void Synchronise();
 
  private:
-  // Of a line that is read: it belongs to the plan, and is not there yet.
+  // Checks that a line that is read belongs to the plan, and was not read before.
   void RequireNew(const nlohmann::json& line) const;
   void Note(const nlohmann::json& line);
-  // The lines of a task for which there is none yet, at every tier that it is judged at; `complete(k, &line)` adds to
+  // The missing lines of a task, at every tier that it is judged at; `complete(k, &line)` adds to
   // the one of the k-th tier.
   template <typename Complete>
   void WriteByTier(const Task& task, const char* kind, int pass, const Complete& complete);

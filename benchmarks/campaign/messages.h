@@ -13,7 +13,7 @@
 #include "solvers/lcp/fresh_pass.h"
 #include "support/input_error.h"
 
-// Of std::optional, as null or a value.
+// std::optional as null or a value.
 template <typename Value>
 struct nlohmann::adl_serializer<std::optional<Value>> {
   static void to_json(json& to, const std::optional<Value>& from) { to = from ? json(*from) : json(nullptr); }

@@ -57,9 +57,9 @@ struct MeasuredAnswer {
   double formed_on_host_s = -1;
   std::int64_t allocations = -1;
 };
-/// Of a judge line: a list each, with an entry for every problem that had its turn.
+/// The lists of a judge line, each with an entry for every problem that had its turn.
 std::span<const FieldOf<MeasuredAnswer>> ColumnFields();
-/// Of an entry of a judge line's `exceptions`, besides `at`.
+/// The fields of an entry of a judge line's `exceptions`, besides `at`.
 std::span<const FieldOf<MeasuredAnswer>> ExceptionFields();
 /// Both, and what only the whole line has: what a worker tells of one problem at one tier.
 nlohmann::json DescribeAnswer(const MeasuredAnswer& answer);
@@ -90,7 +90,7 @@ struct DescribedProblem {
 };
 std::span<const FieldOf<DescribedProblem>> ProblemFields();
 
-/// Of a line of problems.jsonl, streams.jsonl or steps.jsonl: it has every field of its records, of the field's type.
+/// Checks that a line of problems.jsonl, streams.jsonl or steps.jsonl has every field of its records, with its type.
 /// @throws InputError naming the first that is missing or of another type
 void RequireFields(const nlohmann::json& line);
 

@@ -18,7 +18,7 @@ class StepRecord {
   /// @param judged  tiers
   explicit StepRecord(const std::vector<double>& judged);
 
-  /// The next step. @param metrics  null: the answer was late and is none
+  /// The next step. @param metrics  null: the answer was late, and does not count
   void Add(const LcpResult& result, double latency_s, bool preempted, const Metrics* metrics);
   /// The members of steps.jsonl from `reached` on. Steps that were not reached count as failed.
   nlohmann::json Results(int all) const;

@@ -107,7 +107,7 @@ ExternalSolver& TaskRunner::ProcessOf(const SolverEntry& entry) {
     return *served;
   }
   auto* external = dynamic_cast<ExternalSolver*>(&pool_.Get(entry));
-  if (external == nullptr) throw std::logic_error("solver '" + entry.key + "' is in no process of its own");
+  if (external == nullptr) throw std::logic_error("solver '" + entry.key + "' does not run in a process of its own");
   return *external;
 }
 

@@ -79,7 +79,7 @@ std::string TextHash(const std::string& text) {
   unsigned char digest[EVP_MAX_MD_SIZE];
   unsigned int length = 0;
   if (EVP_Digest(text.data(), text.size(), digest, &length, EVP_sha256(), nullptr) != 1) {
-    throw std::runtime_error("SHA-256 is not to be had from libcrypto");
+    throw std::runtime_error("libcrypto does not provide SHA-256");
   }
   std::string digits;
   boost::algorithm::hex_lower(digest, digest + length, std::back_inserter(digits));

@@ -145,7 +145,7 @@ struct Reader {
     inside.Finish();
   }
   void Finish() const { field.RequireOnlyKeys(known); }
-  /// Of a member that may be missing.
+  /// Checks a member that may be missing.
   void OneOf(const char* name, const std::vector<std::string>& words) {
     known.push_back(name);
     if (!field.Has(name)) return;
@@ -509,7 +509,7 @@ LcpProblem ProblemSource::Make(const RecordingSource& source) {
     if (!recording_->Next(&step_)) throw InputError(path + ": expected a step " + std::to_string(source.step));
   }
   const std::optional<RecordedProblem> whole = MakeRecorded(recording_->header(), step_, source.level);
-  if (!whole) throw InputError(path + ": step " + std::to_string(source.step) + " is no problem of this level");
+  if (!whole) throw InputError(path + ": step " + std::to_string(source.step) + " is not a problem of this level");
   if (source.island == 0) return whole->problem;
   const std::vector<RecordedProblem> islands = IslandsOf(*whole, 1);
   if (static_cast<std::size_t>(source.island) > islands.size()) {
@@ -575,7 +575,7 @@ Manifest ReadManifest(const std::string& path) {
   }
   root.RequireOnlyKeys({"lcpbench_manifest", "name", "version", "purpose", "references", "refused_by_reason", "refused",
                         "problems", "fill", "sequences"});
-  // What was refused is told, and not used.
+  // The refused candidates are listed for readers only.
   if (root.Has("refused_by_reason")) Reader::Get(root["refused_by_reason"], &refusals);
   if (root.Has("refused")) {
     for (const JsonField& item : root["refused"].Items()) Reader::Get(item, &manifest.refused.emplace_back());
@@ -584,7 +584,7 @@ Manifest ReadManifest(const std::string& path) {
   const auto read = [&ids](const JsonField& item, auto& entry) {
     Reader::Get(item, &entry);
     entry.sha256 = ReadHash(item["sha256"]);
-    if (!ids.insert(entry.id).second) item["id"].Mismatch("an id of its own");
+    if (!ids.insert(entry.id).second) item["id"].Mismatch("an id that no other problem has");
   };
   for (const JsonField& item : root["problems"].Items()) read(item, manifest.problems.emplace_back());
   if (root.Has("fill")) {
@@ -592,7 +592,7 @@ Manifest ReadManifest(const std::string& path) {
       const size_t before = manifest.fill.size();
       ReadFillClass(item, &manifest);
       for (size_t k = before; k < manifest.fill.size(); ++k) {
-        if (!ids.insert(manifest.fill[k].id).second) item["recipes"].Mismatch("ids of their own");
+        if (!ids.insert(manifest.fill[k].id).second) item["recipes"].Mismatch("ids that no other problem has");
       }
     }
   }

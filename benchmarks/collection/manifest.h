@@ -38,7 +38,7 @@ struct ReferenceSummary {
   std::optional<bool> f_unique;
   std::optional<Index> nullity_on_active;  ///< of A on the rows with w = 0
   std::optional<bool> strictly_complementary;
-  // Of a bounded reference, see bounded_reference.h.
+  // Members of a bounded reference (bounded_reference.h).
   std::string proof;
   std::optional<double> energy_bound;
   std::optional<double> energy_shift;
@@ -75,7 +75,7 @@ struct FillClass {
   std::string sha256;                  ///< SequenceHash of its problems in their order
 };
 
-/// Of a step of a recorded sequence.
+/// The most rows of a step of a recorded sequence.
 inline constexpr Index kMostSequenceRows = 300;
 
 /// Consecutive steps of a recording, whole scenes at the velocity level.
@@ -84,7 +84,7 @@ struct RecordedSteps {
   int first = 0;     ///< number of the first step
 };
 
-/// Of a sequence: consecutive problems of one motion or recording, and how much the active set changes.
+/// A sequence: consecutive problems of one motion or recording, and how much the active set changes.
 struct SequenceEntry {
   std::string id;
   std::string family;
@@ -129,10 +129,10 @@ struct Manifest {
   std::vector<SequenceEntry> sequences;
 };
 
-/// Of a problem that fills up; its answer is certified.
+/// The entry of a problem that fills up a stream; its answer is certified.
 ManifestEntry FillEntry(const Recipe& recipe);
 
-/// Of a manifest's path: what the paths in it are relative to.
+/// The folder that paths in the manifest are relative to.
 std::string FolderOf(const std::string& path);
 
 /// The text of a manifest file.

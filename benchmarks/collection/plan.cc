@@ -73,7 +73,7 @@ Tier Smoke() {
 Tier Engine() {
   Tier tier{"engine", "One to three rows, as a physics engine's islands mostly are.", false, true};
   Add(EveryScene(), {1, 2, 3}, kUnchanged, &tier, {1, 2, 3});
-  // Of one row f = 0 and w = 0 are all there is, and an engine meets either: nothing is refused for its answer.
+  // A single row has f = 0 or w = 0, and an engine meets both: no answer is a reason to refuse a problem.
   tier.fill = {{SizeClassOf(1), {1}}, {SizeClassOf(2), {2, 3}}};
   return tier;
 }

@@ -28,7 +28,7 @@ struct FillPlan {
   std::vector<int> rows;
 };
 
-/// Of the tiers whose problems are scenes of ours. Raised with every change of what a manifest's problems are.
+/// The version of the tiers whose problems are scenes of ours; raised with every change of a manifest's problems.
 inline constexpr const char* kCollectionVersion = "2.0.0";
 
 /// One tier of the collection.
@@ -41,7 +41,7 @@ struct Tier {
   std::vector<MotionCandidate> motions = {};
   std::vector<FillPlan> fill = {};
   std::vector<MotionCandidate> sequences = {};
-  /// Of the manifest.
+  /// The manifest's version.
   std::string version = kCollectionVersion;
   /// Its file of problems is written by hand (data/literals.py) and read by the build; problems by formulas, which come
   /// first in the manifest, are made when they are wanted.

@@ -92,7 +92,7 @@ class Symmetrizer {
   double most_made_ = 0, least_left_ = std::numeric_limits<double>::infinity();
 };
 
-// What becomes of problems that are read, and what is told of them.
+// Symmetrizes problems that are read, and reports on them.
 class Taker {
  public:
   Taker(const ReadingOptions& options, const PlacedProblemHandler& handle)
@@ -113,7 +113,7 @@ class Taker {
     std::string names;
     for (const std::string& name : unknown_) names += (names.empty() ? "'" : ", '") + name + "'";
     std::cerr << "lcpbench: " << Printable(path == "-" ? "<stdin>" : path)
-              << ": warning: passed over members that no problem has: " << names << std::endl;
+              << ": warning: ignored members that no problem has: " << names << std::endl;
     unknown_.clear();
   }
   void TellSymmetrized() const { symmetrizer_.Tell(); }
@@ -159,7 +159,7 @@ const ProblemFormat& FormatNamed(const std::string& name) {
 
 LcpProblem ReadProblemFile(const std::string& path, const ReadingOptions& options) {
   const ProblemFormat& format = UsableFormatOfFile(path);
-  if (format.read == nullptr) throw InputError(path + ": files of " + format.name + " are written, not read");
+  if (format.read == nullptr) throw InputError(path + ": files of " + format.name + " can be written, but not read");
   return format.read(path, options);
 }
 

@@ -36,7 +36,7 @@ struct ProblemFormat {
 
 /// By the ending, whatever its case, and with or without .gz behind it.
 const ProblemFormat& FormatOfFile(const std::string& path);
-/// The same for a file to read or write. @throws InputError for .gz behind the ending of a format that is no text
+/// The same for a file to read or write. @throws InputError for .gz behind the ending of a binary format
 const ProblemFormat& UsableFormatOfFile(const std::string& path);
 /// @throws InputError for an unknown name
 const ProblemFormat& FormatNamed(const std::string& name);
@@ -46,8 +46,8 @@ const ProblemFormat& FormatNamed(const std::string& name);
 LcpProblem ReadProblemFile(const std::string& path, const ReadingOptions& options);
 
 /// Calls `handle` for every problem of every file, of JSON lines one after the other. What is refused with InputError,
-/// by the reader or by `handle`, is told on standard error as by ForEachLine, and the next problem is taken.
-/// How many matrices were symmetrized, and how many not, is told there, too, and of every file of JSON lines which
+/// by the reader or by `handle`, is reported on standard error as by ForEachLine, and the next problem is taken.
+/// Standard error also has how many matrices were symmetrized, and how many not, and for every file of JSON lines which
 /// members no problem has (LcpRecord::unknown_members).
 /// @return 0, or 2 when something was refused
 int ForEachProblem(const std::vector<std::string>& files, const ReadingOptions& options,

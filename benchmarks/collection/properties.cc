@@ -21,7 +21,7 @@ void dgesdd_(const char* job, const int* m, const int* n, double* a, const int* 
 namespace lcpbench {
 namespace {
 
-// Of the bodies that can move and that a row touches.
+// Measures the bodies that can move and that a row touches.
 void MeasureBodies(const LcpProblem& problem, ProblemProperties* measured) {
   const Eigen::VectorXd& inverse = problem.inverse_mass();
   const Index width = problem.columns_per_body();
@@ -64,7 +64,7 @@ Eigen::MatrixXd Root(const LcpProblem& problem) {
   return root;
 }
 
-// Of a dense matrix, descending, with absolute errors of some roundings of the largest; the matrix is overwritten.
+// Singular values in descending order, with absolute errors of some roundings of the largest; overwrites the matrix.
 Eigen::VectorXd SingularValues(Eigen::MatrixXd* matrix) {
   const int m = static_cast<int>(matrix->rows());
   const int n = static_cast<int>(matrix->cols());

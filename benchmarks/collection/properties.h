@@ -59,7 +59,7 @@ struct ProblemProperties {
   Index nonzeros_A = 0;
   std::optional<Index> nonzeros_J;
   Measured<Index> rank;
-  /// Eigenvalues of A that are no mere rounding. Less than the rank where rows depend on each other but for rounding.
+  /// The number of eigenvalues of A above rounding: less than the rank where rows are dependent but for rounding.
   std::optional<Index> numerical_rank;
   /// The largest of those eigenvalues by the smallest.
   Measured<double> condition;

@@ -175,7 +175,7 @@ bool IsRound(const RecordedStep::Contact& contact, std::size_t end) { return con
 // What curvature our model needs is known: of two circles, or of a circle on something flat.
 bool IsOfCircles(const RecordedStep::Contact& contact) { return IsRound(contact, 0) || IsRound(contact, 1); }
 
-// Of one end of a contact, in the body's frame: `outward` leaves the body there.
+// The feature at one end of a contact, in the body's frame: `outward` leaves the body there.
 Feature FeatureAt(const Body& body, Vec2 point, Vec2 outward, double radius) {
   const auto [cos, sin] = SinCos(body.theta);
   const auto in_body = [&, rotation = Rotation{cos, -sin}](Vec2 world) { return Rotate(rotation, world - body.x); };
@@ -247,7 +247,7 @@ RecordedStep ParseRecordedStep(std::string_view line, const RecordingHeader& hea
   }
   std::set<std::string> identities;
   const auto take_identity = [&](const JsonField& owner, const std::string& identity) {
-    if (!identities.insert(identity).second) owner.Mismatch("an identity of its own");
+    if (!identities.insert(identity).second) owner.Mismatch("an id that stands once in the step");
     return identity;
   };
   for (const JsonField& item : field["contacts"].Items()) {

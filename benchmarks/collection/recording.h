@@ -99,7 +99,7 @@ std::optional<RecordedProblem> MakeRecorded(const RecordingHeader& header, const
 class RecordingReader {
  public:
   /// @param path  plain or gzip
-  /// @throws InputError where it cannot be opened or its first line is no header
+  /// @throws InputError where it cannot be opened or its first line is not a header
   explicit RecordingReader(const std::string& path);
 
   const std::string& path() const { return lines_.name(); }

@@ -25,7 +25,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Of a line; where it stands first, as our files have it, without parsing the numbers behind it.
+// The id of a line; where it stands first, as in our files, without parsing the numbers behind it.
 std::string IdOf(const std::string& line, const std::string& where) {
   constexpr std::string_view kStart = R"({"id":")";
   if (line.starts_with(kStart)) {
@@ -134,11 +134,11 @@ void Confirm(const LcpProblem& problem, const Eigen::VectorXd& known_f, const Ex
              Examined* examined) {
   const std::vector<Rational> f(known_f.begin(), known_f.end());
   const std::optional<std::vector<Rational>> w = GapsOfAnswer(problem, f);
-  if (!w) throw InputError(problem.id() + ": the answer known in advance is none");
+  if (!w) throw InputError(problem.id() + ": the answer known in advance does not solve the problem");
   WriteProved(problem, f, *w, problem.facts().f_unique, options, examined);
 }
 
-// Of a problem whose A is not positive semidefinite.
+// Answers a problem whose A is not positive semidefinite.
 void Enumerate(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
   // Those of ours that take any A; what they say of their answers is not asked.
   std::vector<Eigen::VectorXd> guesses;

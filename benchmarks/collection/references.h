@@ -11,7 +11,7 @@ namespace lcpbench {
 
 // The known answers of the collection: how they are made, and read from a manifest's file.
 
-/// Of |D^-1/2 b|_2: some roundings of rows that depend on each other.
+/// A share of |D^-1/2 b|_2: some roundings of rows that depend on each other.
 inline constexpr double kRounding = 0x1p-44;
 
 struct ExamineOptions {
@@ -51,7 +51,7 @@ class References {
   /// @throws InputError where the file cannot be read
   References(const Manifest& manifest, const std::string& folder);
 
-  /// Nothing where the file has no answer. @throws InputError for a line that is no answer to this problem
+  /// Nothing where the file has no answer. @throws InputError for a line that does not answer this problem
   std::optional<KnownAnswer> Find(const LcpProblem& problem) const;
 
   /// The file's line, "" where it has none.

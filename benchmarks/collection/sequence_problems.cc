@@ -13,7 +13,7 @@ namespace {
 
 using RowsByName = std::unordered_map<std::string, int>;
 
-// Names that are told twice in a step stand for the first row that has them.
+// A name that stands twice in a step is that of the first row that has it.
 std::vector<int> Matched(const std::vector<std::string>& names, RowsByName* before) {
   std::vector<int> previous;
   RowsByName rows;
@@ -36,9 +36,9 @@ void ForEachRecorded(const SequenceEntry& entry, const RecordedSteps& source, co
   for (int number = source.first; number < source.first + entry.steps; ++number) {
     const auto what = [&] { return reader.path() + ": step " + std::to_string(number); };
     do {
-      if (!reader.Next(&step)) throw InputError(what() + ": expected it in the recording");
+      if (!reader.Next(&step)) throw InputError(what() + ": the recording does not have it");
     } while (step.number < number);
-    if (step.number != number) throw InputError(what() + ": expected it in the recording");
+    if (step.number != number) throw InputError(what() + ": the recording does not have it");
     const RecordedProblem made = VelocityProblem(reader.header(), step);
     const Index rows = made.problem.size();
     if (rows < 1 || rows > kMostSequenceRows) {

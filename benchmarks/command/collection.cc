@@ -37,10 +37,11 @@ struct Build {
   void Declare(CLI::App& app) {
     app.add_option("TIER", tier_name, "One of " + boost::algorithm::join(AllTiers(), ", "))->required();
     app.add_option("-o,--output", output, "Folder of the manifests");
-    app.add_flag("--keep", keep, "Examine again only what the manifest there does not have");
+    app.add_flag("--keep", keep, "Examine only what the existing manifest does not have");
     app.add_option("--exact-up-to", examine.exact_up_to, "Rows up to which answers are proved exactly")
         ->check(AtLeast(0));
-    app.add_option("--large-time-limit", examine.large_time_limit_s, "Seconds for an answer of more rows than have one")
+    app.add_option("--large-time-limit", examine.large_time_limit_s,
+                   "Seconds for the answer to a problem beyond the rows that always get one")
         ->check(AtLeast(0));
   }
 

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of ids as ids are in files: no folders, no spaces.
+// A file's name from an id: no folders, no spaces.
 std::string FileName(std::string id) {
   const auto is_plain = [](unsigned char c) { return c < 0x80 && (std::isalnum(c) != 0 || c == '-' || c == '.'); };
   std::replace_if(id.begin(), id.end(), std::not_fn(is_plain), '_');
@@ -63,7 +63,7 @@ struct Convert {
       }
       format.write(problem, path);
     });
-    // Of bad records alone nothing is made.
+    // Where all records are bad no file is made.
     if (lines && (any || status == 0)) lines->Close();
     return status;
   }

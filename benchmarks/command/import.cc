@@ -67,8 +67,8 @@ struct Import {
     app.add_option("--exact-up-to", examine.exact_up_to, "Rows up to which answers are proved exactly")
         ->check(AtLeast(0));
     app.footer(
-        "Writes FOLDER/manifest.json and FOLDER/references.jsonl.gz. Files that cannot be read are told and left "
-        "out; exit status 2 then.");
+        "Writes FOLDER/manifest.json and FOLDER/references.jsonl.gz. Files that cannot be read are named and left "
+        "out; the exit status is then 2.");
   }
 
   int Run() {

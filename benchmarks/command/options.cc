@@ -51,7 +51,8 @@ void RequireProgram(const std::string& key, const std::string& command) {
       return is_there((folder.empty() ? "." : folder) + "/" + program);
     });
   }
-  if (!found) throw InputError("--external " + key + ": '" + program + "' is no program that can be run");
+  if (!found)
+    throw InputError("--external " + key + ": '" + program + "' cannot be run: there is no such executable file");
 }
 
 constexpr const char* kSlowdown = "slowdown";
@@ -138,11 +139,11 @@ void AddReadingOptions(CLI::App& command, ReadingOptions* reading) {
   command
       .add_option_function<std::string>(
           "--fclib-triplets", [reading, forms](const std::string& form) { reading->fclib_triplets = forms.at(form); },
-          "What p of FCLib's triplets has, rows-first (fclib.h) or columns-first (Siconos) [default: what their ranges "
-          "allow, refused where that is both]")
+          "Whether p of FCLib's triplets has rows (rows-first, fclib.h) or columns (columns-first, Siconos) [default: "
+          "what the ranges of the indices allow; refused where both fit]")
       ->check(CLI::IsMember({"rows-first", "columns-first"}));
   command.add_flag("--without-friction", reading->without_friction,
-                   "The normal rows of FCLib's and Siconos' problems with friction, as if there were none");
+                   "Read the normal rows of FCLib's and Siconos' problems with friction, and ignore the friction");
   command
       .add_option("--symmetrize", reading->symmetrize,
                   "Where A is symmetric but for this (0 to 1, relative to the diagonal), take (A + A^T) / 2; the "
@@ -258,7 +259,8 @@ void RegisterVariants(const std::vector<std::string>& variants) {
     } else if (settings.empty()) {
       RegisterSlowed(key, base, slowdown.mapped());
     } else {
-      throw InputError("--variant " + key + ": expected slowdown alone, or a variant of a variant");
+      throw InputError("--variant " + key +
+                       ": slowdown cannot be combined with other settings; make it a variant of that variant");
     }
   }
 }

@@ -17,7 +17,7 @@ namespace lcpbench {
 
 // Options that several commands have.
 
-/// Refuses what is no number that `holds` is true of: "expected <expected>, found '...'".
+/// Refuses all but numbers for which `holds` is true: "expected <expected>, found '...'".
 CLI::Validator Expect(const std::string& expected, const std::function<bool(double)>& holds);
 CLI::Validator AtLeast(int least);
 CLI::Validator PositiveSeconds();

@@ -24,7 +24,7 @@ int RunProgram(const std::string& name, const std::function<int()>& run) {
     std::cerr << name << ": " << what << std::endl;
     return status;
   };
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit of a file's size is told as a full disk is
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit of a file's size is reported as a full disk is
   try {
     const CheckedStandardOutput checked;
     EndSubprocessesOnSignals();

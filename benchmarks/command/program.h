@@ -9,13 +9,13 @@ namespace lcpbench {
 
 // What the programs with a command line of ours have in common, the command and the studies.
 
-/// Runs a program: standard output is checked, children end with it, and what it throws is told in one line on standard
+/// Runs a program: standard output is checked, children end with it, and an exception becomes one line on standard
 /// error, after `name`.
 /// @param run  the program; its value is the exit status
 /// @return the exit status (support/exit_status.h)
 int RunProgram(const std::string& name, const std::function<int()>& run);
 
-/// Reads a command line; a mistake is told in one line, as everywhere else. From here on libraries keep to one thread:
+/// Reads a command line; a mistake becomes one line, as everywhere else. From here on libraries keep to one thread:
 /// one solve, one thread, for every backend alike.
 /// @return the exit status where the program ends here: --help, --version, or a mistake
 std::optional<int> ParseCommandLine(CLI::App& app, int argc, char** argv);

@@ -49,7 +49,7 @@ struct RecordingProblems {
                             header = ParseRecordingHeader(line, where);
                             return;
                           }
-                          // Without a header, which was told, nothing can be said of steps.
+                          // Without a header, which was reported, steps cannot be read.
                           if (!header.has_value()) return;
                           const RecordedStep step = ParseRecordedStep(line, *header, where);
                           const std::optional<RecordedProblem> whole = MakeRecorded(*header, step, wanted);
@@ -66,7 +66,7 @@ struct RecordingProblems {
 }  // namespace
 
 void AddRecordingCommand(CLI::App& app, CommandRun& run) {
-  AddCommand<RecordingProblems>(app, run, "recording", "Makes problems of what other engines' scenes were recorded as");
+  AddCommand<RecordingProblems>(app, run, "recording", "Makes problems from recordings of other engines' scenes");
 }
 
 }  // namespace lcpbench

@@ -106,8 +106,8 @@ struct RunCampaigns {
         ->delimiter(',')
         ->check(Tolerance());
     app.add_option("--filter,--benchmark_filter", filter,
-                   "Of the campaign's problems solve/PROBLEM/ and passes steps/SEQUENCE/SOLVER/TIER/MODE only those "
-                   "that match this regular expression")
+                   "Only the problems solve/PROBLEM/ and the passes steps/SEQUENCE/SOLVER/TIER/MODE that match this "
+                   "regular expression")
         ->take_last();
     app.add_option_function<double>(
            "--time-limit",

@@ -172,7 +172,7 @@ Json SceneJson(const Animation& animation, const std::vector<Connector>& connect
                         {"worstPenetration", animation.statistics.worst_penetration}};
   json["fps"] = animation.fps;
   json["frameCount"] = animation.frames.size();
-  // The last frame is late where the duration is no multiple of the frames' distance, early where the motion stopped.
+  // The last frame is late where frames do not divide the duration, and early where the motion stopped.
   json["duration"] = animation.frames.back().time - animation.frames.front().time;
   json["view"] = {view.min().x(), view.min().y(), view.max().x(), view.max().y()};
   json["bodySize"] = size;

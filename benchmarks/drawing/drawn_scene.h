@@ -103,7 +103,7 @@ struct LegendItem {
   std::string symbol;  ///< elements of SVG, from x = 0 to `width`, about y = 0
   std::string text;    ///< not escaped yet
 };
-/// Of the kinds of edges, the fixed bodies and the connectors that are there, with their number.
+/// The legend: kinds of edges, fixed bodies and connectors that are there, with their number.
 std::vector<LegendItem> LegendOf(const std::vector<Body>& bodies, const std::vector<Connector>& connectors);
 /// "name (count)"
 std::string Counted(std::string_view name, std::size_t count);
@@ -114,7 +114,7 @@ inline Eigen::Vector2d PointOf(Vec2 p) { return {p.x, p.y}; }
 /// The longer side; 0 where empty.
 inline double ExtentOf(const Bounds& bounds) { return bounds.isEmpty() ? 0 : bounds.sizes().maxCoeff(); }
 
-/// Of the outline and the centre of mass, world frame.
+/// Bounds of the outline and the centre of mass, world frame.
 Bounds BoundsOf(const Body& body);
 std::vector<Bounds> BoundsOf(const std::vector<Body>& bodies);
 

@@ -31,7 +31,7 @@ constexpr double kSmallBody = 24;  ///< smaller ones show no centre of mass
 
 /// What a row is drawn as: grey disc where nothing is solved, filled disc, open diamond, open disc, the joint's symbol.
 enum class RowKind { kPlain, kActive, kOpen, kDegenerate, kJoint };
-/// Of contacts, by RowKind.
+/// Names of contacts, by RowKind.
 constexpr std::array kContactNames{"contact and normal", "active, f > 0", "separating, w > 0", "f = w = 0"};
 
 /// How the world is laid out on the page: `strips` windows of equal width, one below the other.

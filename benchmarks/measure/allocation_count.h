@@ -14,8 +14,8 @@ bool AllocationsAreCounted();
 /// Off at the start, and where something is timed: an allocation then costs two branches, not an atomic addition.
 void CountAllocations(bool on);
 
-/// From now on `end` is called where there is no memory to be had, before anyone is told: libraries end the process
-/// then, and who catches std::bad_alloc may take it for a result. Nothing where allocations are not counted.
+/// From now on `end` is called where an allocation fails, before std::bad_alloc is thrown: libraries end the process
+/// then, and who catches it may take it for a result. Nothing where allocations are not counted.
 void EndWithoutMemory(void (*end)());
 
 }  // namespace lcpbench

@@ -37,7 +37,7 @@ std::string FirstValue(const char* path, const std::string& key, char separator)
   return "unknown";
 }
 
-// Of the flags that the kernel lists, those that decide how fast dense loops are.
+// The flags in the kernel's list that decide how fast dense loops are.
 std::string InstructionSets() {
   std::istringstream flags(FirstValue("/proc/cpuinfo", "flags", ':'));
   std::string found;

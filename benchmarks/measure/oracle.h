@@ -8,7 +8,7 @@
 
 namespace lcpbench {
 
-/// Not a solver but the limit of those that factorize: what an oracle that is told the active set F would still have to
+/// Not a solver but the limit of those that factorize: what an oracle that knows the active set F would still have to
 /// pay [s]. The least of: one sparse Cholesky analyse + factor + solve of A_FF on independent rows; with factors of A
 /// also of the body system M + J_F^T W J_F, with its ordering. The shortest of a few runs of each.
 /// Not timed: forming these matrices, finding independent rows. Negative without CHOLMOD.
@@ -23,8 +23,8 @@ struct Factorization {
   double flops = 0;  ///< of the factorization
 };
 
-/// Of the body system of `active`: by AMD and by METIS on its graph of bodies, by supernodes and where these pay little
-/// also by columns. Empty without factors of A or without CHOLMOD.
+/// Factorizations of the body system of `active`: by AMD and by METIS on its graph of bodies, by supernodes and where
+/// these pay little also by columns. Empty without factors of A or without CHOLMOD.
 std::vector<Factorization> TimeBodySpace(const LcpProblem& problem, const std::vector<Index>& active);
 
 /// M + J_F^T W J_F on the bodies that can move and take part in an active row: what a method pays for that works on

@@ -176,7 +176,7 @@ class Study {
     return !chosen_.empty();
   }
 
-  // Of what was run, by origin.
+  // What was run, by origin.
   std::vector<FreshGroup> Groups() const {
     std::vector<FreshGroup> groups;
     for (const std::string& origin : Origins()) {

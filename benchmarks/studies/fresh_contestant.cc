@@ -47,7 +47,7 @@ class WorkerSolver : public Contestant {
   explicit WorkerSolver(const SolverEntry& entry, const char* place = "in a worker")
       : Contestant(entry.key, false, place), entry_(entry), solver_(entry.make({})) {
     external_ = dynamic_cast<ExternalSolver*>(solver_.get());
-    if (external_ == nullptr) throw std::logic_error("solver '" + key() + "' is in no process of its own");
+    if (external_ == nullptr) throw std::logic_error("solver '" + key() + "' does not run in a process of its own");
     external_->Greet();
   }
 
@@ -78,7 +78,7 @@ class WorkerSolver : public Contestant {
 };
 
 // The steps of a stream as an engine's arrays hold them: made of its problems once, off the clock. Which one is wanted
-// is told by the address of its arrays in the stream.
+// is known by the address of its arrays in the stream.
 class StepStream {
  public:
   void Forget() { stream_ = {}; }

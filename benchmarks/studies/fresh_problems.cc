@@ -16,7 +16,7 @@
 namespace lcpbench {
 namespace {
 
-// Of a problem that no manifest has.
+// The entry of a problem that no manifest has.
 ManifestEntry Entry(const std::string& id, const char* origin, Index rows) {
   ManifestEntry entry;
   entry.id = id;

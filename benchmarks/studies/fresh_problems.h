@@ -33,7 +33,7 @@ std::vector<std::string> FamiliesOf(const std::vector<std::string>& named);
 class FreshProblems {
  public:
   /// @param plan  most_rows, fills, filter and seed of it
-  /// @throws InputError where something named is not there or is no such file
+  /// @throws InputError where something named does not exist or is another kind of file
   FreshProblems(const FreshSources& sources, const CampaignPlan& plan);
   FreshProblems(const FreshProblems&) = delete;
   FreshProblems& operator=(const FreshProblems&) = delete;

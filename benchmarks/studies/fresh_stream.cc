@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Of the probes of the clock rate so far the one that one in ten is below, as a campaign's.
+// The probe of the clock rate that one in ten so far is below, as in a campaign.
 double FastProbe(double probe_s) {
   static std::vector<double> probes;
   probes.insert(std::upper_bound(probes.begin(), probes.end(), probe_s), probe_s);
@@ -142,7 +142,7 @@ void FreshStream::RunPass(Contestant* contestant, Standing* standing, int pass) 
   try {
     run = RunUndisturbed(contestant, arrays_, request, plan_.noise);
   } catch (const WorkerFailure& failure) {
-    std::cerr << contestant->key() << ": a pass came to no end: " << failure.what() << std::endl;
+    std::cerr << contestant->key() << ": a pass did not finish: " << failure.what() << std::endl;
     return;
   }
   std::vector<double> all;

@@ -26,12 +26,12 @@ class FreshStream {
   /// Forgets the problems, keeps the times.
   void DropProblems();
 
-  /// Of every problem [s]: the median over its passes; of a verified one that was in none the time of its judged solve.
+  /// Times of all problems [s]: the median over the passes; for a verified one without passes that of its judged solve.
   /// Infinite where it is not verified, NaN where it had no turn.
   std::vector<double> Seconds(const Contestant& contestant) const;
 
  private:
-  // Of one contestant.
+  // The results of one contestant.
   struct Standing {
     const Contestant* contestant = nullptr;
     std::vector<double> judged_s;           // of the first so many problems: what had its turn

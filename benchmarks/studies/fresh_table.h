@@ -19,7 +19,7 @@ double WeightedQuantile(const std::vector<double>& values, const std::vector<dou
 struct FreshTimes {
   std::string solver;
   bool is_own = false;
-  /// Of every problem [s]: infinite where the answer is not verified, NaN where it had no turn within the budget.
+  /// Times of all problems [s]: infinite where the answer is not verified, NaN where it had no turn within the budget.
   std::vector<double> seconds;
 };
 
@@ -45,7 +45,7 @@ inline constexpr std::size_t kLeastForP99 = 100;
 
 FreshSummary Summarize(const FreshTimes& times, const std::vector<double>& weights);
 
-/// Of the weight that a solver must be right on to be called the best.
+/// The share of the weight that a solver must be right on to be called the best.
 inline constexpr double kRightShare = 0.99;
 /// Problems that it must have had its turn at.
 inline constexpr std::size_t kLeastTurns = 20;
@@ -59,7 +59,7 @@ const FreshTimes* BestOf(const FreshGroup& group, bool own, double least = kRigh
 double RatioTo(const std::vector<double>& seconds, const std::vector<double>& other,
                const std::vector<double>& weights);
 
-/// Of each problem the least time of a peer: infinite where none is verified.
+/// The least time of a peer on each problem: infinite where none is verified.
 std::vector<double> FastestPeer(const FreshGroup& group);
 
 /// Tables in Markdown: for every origin a line per size class and solver; then, for every own solver, origins by size

@@ -13,7 +13,7 @@
 namespace lcpbench {
 namespace {
 
-// Of each family and size.
+// Seeds of each family and size.
 constexpr std::uint64_t kSceneSeeds = 40;
 // Where a number of a body in the plane is in one of six.
 constexpr std::array<int, 3> kInSpace{0, 1, 5};

@@ -31,7 +31,7 @@ struct StepArrays {
 
   Index rows() const { return static_cast<Index>(b.size()); }
   Index bodies() const { return static_cast<Index>(inverse_mass.size()) / columns_per_body; }
-  /// Of these arrays, which must outlive the view.
+  /// A view of these arrays, which must outlive it.
   StepRows View(bool single = false) const;
   /// The same problem, by factors, with J in double or rounded.
   LcpProblem Problem(bool single = false) const;

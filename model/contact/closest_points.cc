@@ -541,8 +541,8 @@ StationaryPoints SearchInOrder(const PlacedFeature& feature1, const PlacedFeatur
   return SearchCurveAndCurve(feature1, feature2, start, angles);
 }
 
-// Of the stationary points, the regular one whose gap is closest to the nominal one; of irregular ones if need be, so
-// that the refusal can say what is wrong with it.
+// The regular stationary point whose gap is closest to the nominal one; without any, an irregular one, so that the
+// refusal can say what is wrong with it.
 ClosestPoints SolveBySearch(const Pair& pair, const SearchStart& start, Regularity required, Angles angles) {
   const StationaryPoints found = SearchStationaryPoints(pair.feature1, pair.feature2, start, angles);
   if (found.points.empty()) pair.Refuse(found.failure);

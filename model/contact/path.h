@@ -36,7 +36,7 @@ PlaceOnPiece FindPlaceOnPiece(const Constraint& joint, std::span<const Body> bod
 /// Positive while the point is on its piece, 0 kPathSlack beyond either end, in parts of the piece.
 double LeftOnPiece(const PlaceOnPiece& place);
 
-/// Puts the joint on the nearest piece of its path, with the start value there if it has none.  O(pieces)
+/// Puts the joint on the nearest piece of its path, with the start value there if it has no other.  O(pieces)
 void PutOnPath(std::span<const Body> bodies, Constraint* joint);
 
 /// Follows the point along its path to where it is now: piece, feature and start value.

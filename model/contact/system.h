@@ -26,12 +26,12 @@ struct Constraint {
   int body2 = 1;
   Feature feature1 = {};
   Feature feature2 = {};
-  /// Start values for the closest-point search (curve parameters); absent where the feature has none or none is known.
+  /// Start values for the closest-point search (curve parameters); absent for vertices, and where none is known.
   std::optional<double> s1 = {};
   std::optional<double> s2 = {};
   /// Without start values, the local minimum whose gap is closest to this is meant [m].
   double nominal_gap = 0;
-  /// Of a rod or rope [m], > 0; ignored by all others.
+  /// Length of a rod or rope [m], > 0; ignored by all others.
   double length = 0;
   /// The path of a path joint, where it has ends: pieces of edges of the body that owns it, each beginning where the
   /// one before ends (path.h). Motions go on from piece to piece where they join smoothly. Empty: the edge stands for

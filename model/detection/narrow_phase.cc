@@ -375,7 +375,7 @@ class SpanPair {
   double reach_;
   Vec2 dx_;
   bool is_beside_cone_ = false;  // the straight span's normal is the other's within its slack only: it may have no foot
-  bool is_flush_end_ = false;    // what is being finished is no minimum of the distance
+  bool is_flush_end_ = false;    // what is being finished is not a minimum of the distance
   std::vector<GapMinimum>* minima_;
 };
 
@@ -481,7 +481,7 @@ std::vector<GapMinimum> FindGapMinima(const PlacedOutline& body1, const PlacedOu
     if (!Overlap(in_body2(body1.boxes[i]), body2.boxes[j])) return;
     SpanPair(body1, static_cast<int>(i), body2, static_cast<int>(j), range, &minima).Search();
   };
-  // Of a long outline only the spans near the other body are looked at: many bodies may lie along it.
+  // On a long outline only the spans near the other body are looked at: many bodies may lie along it.
   VisitNear(body1, Inflated(body2.whole, body2.x - body1.x, margin), kAllDirections, [&](std::size_t i) {
     if (body1.tree || body2.tree) check();
     VisitNear(body2, in_body2(body1.boxes[i]), body1.tree ? body1.bounds[i].normals : kAllDirections,

@@ -55,7 +55,7 @@ struct GapMinimum {
   /// Where along general curves the search for it starts; none for straight edges, arcs, vertices.
   std::optional<double> s1;
   std::optional<double> s2;
-  /// An end of nearly flush straight edges that is no minimum: the gap falls along both edges.
+  /// An end of nearly flush straight edges that is not a minimum: the gap falls along both edges.
   bool is_flush_end = false;
 };
 

@@ -55,7 +55,7 @@ struct NormalSpan {
   double semi_axis = 0;  ///< the greater one of an oval
   OutlineCurve turned;   ///< the edge in world axes
   TurnedPiece piece;
-  /// Of a vertex or join: whether a straight edge goes over into a curve flatly (kFlatEnd) there, and the far ends of
+  /// For a vertex or join: whether a straight edge goes over into a curve flatly (kFlatEnd) there, and the far ends of
   /// the straight edges before and after it along the outline.
   bool is_flat_end = false;
   std::optional<Vec2> straight_before;

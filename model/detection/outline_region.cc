@@ -56,7 +56,7 @@ OutlineRegion::OutlineRegion(const Outline& outline, double fineness)
   for (const BoundingBox& box : boxes) box_ = Union(box_, box);
   has_chain_ = std::any_of(ends_.begin(), ends_.end(), [](const Ends& ends) { return ends.on_chain; });
   if (has_chain_) return;
-  // Of a long bar 2 area / length is its width.
+  // 2 area / length is the width of a long bar.
   if (area > 0) half_thickness_ = area / length;
   FindInnerPoint();
 }

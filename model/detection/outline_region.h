@@ -51,7 +51,7 @@ class OutlineRegion {
   /// A point within the material near the outline, deeper than rounding; nothing where the outline has an open chain.
   const std::optional<Vec2>& inner_point() const { return inner_point_; }
   std::span<const Chord> chords() const { return chords_; }
-  /// Of the chords' bounds.
+  /// The tree of the chords' bounds.
   const RunTree<BoundingBox>& tree() const { return *tree_; }
 
   /// @param accuracy  of the depth [m]; 0 for a relative 1e-6, or rounding where that is larger

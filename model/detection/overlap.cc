@@ -39,7 +39,7 @@ struct PlacedRegion {
   }
 };
 
-// The part of the segment a b within a box, as fractions of it; nothing where it has none.
+// The part of the segment a b within a box, as fractions of it; nothing where they do not meet.
 std::optional<std::pair<double, double>> Clip(Vec2 a, Vec2 b, const BoundingBox& box) {
   double from = 0;
   double to = 1;
@@ -89,7 +89,7 @@ class PairSearch {
     }
   }
 
-  // Of the bodies 0 and 1.
+  // The deepest overlap of the bodies 0 and 1.
   std::optional<BodyOverlap> Deepest() const { return is_found_ ? std::optional(deepest_) : std::nullopt; }
 
  private:

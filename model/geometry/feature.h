@@ -81,7 +81,7 @@ double Reach(const OutlinePiece& piece);
 /// equal parts of at most a quarter turn of an angle, unless the curve says otherwise; empty for a Bezier curve whose
 /// derivative vanishes on the way.
 std::vector<double> EnclosedCuts(const OutlinePiece& piece);
-/// Of a part that turns one way the triangle of its chord and end tangents, unless the curve says otherwise.
+/// Encloses a part that turns one way by the triangle of its chord and end tangents, unless the curve says otherwise.
 Enclosure Enclose(const OutlineCurve& curve, double s_begin, double s_end);
 
 /// c -> R(rotation) c + shift. `angle` is the rotation's angle [rad], added to phi, or to the curve parameters of arcs.

@@ -42,7 +42,7 @@ class MpfrSinCos {
     return {mpfr_get_d(cos_, MPFR_RNDN), mpfr_get_d(sin_, MPFR_RNDN)};
   }
 
-  // Of the last evaluation, in more digits than a double has: what rounding to double left.
+  // What rounding the last evaluation to double left, in more digits.
   Rotation Remainder(Rotation high) {
     mpfr_sub_d(cos_, cos_, high.cos, MPFR_RNDN);
     mpfr_sub_d(sin_, sin_, high.sin, MPFR_RNDN);

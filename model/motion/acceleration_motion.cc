@@ -197,7 +197,7 @@ class ContactWatch {
   std::vector<Constraint> ropes_;
   double thinnest_ = 0;  // the movable bodies' least width [m]
   double range_ = 0;
-  // How far a normal may leave a corner's cone [rad] before a contact at that corner is none: two straight edges that
+  // How far a normal may leave a corner's cone [rad] before a contact at that corner ends: two straight edges that
   // lie flush within this keep both their contacts.
   double flush_angle_ = 0;
 };
@@ -275,7 +275,7 @@ class ConstrainedFlow {
     return answered;
   }
 
-  // Of the last Solve.
+  // The system of the last Solve.
   const ContactSystem& system() const { return system_; }
 
   // Accelerations M^-1 (F + J^T f), three a body, of fixed bodies the prescribed ones.
@@ -908,7 +908,7 @@ class AccelerationMotion final : public Motion {
     watched_.insert(watched_.end(), found.begin(), found.end());
   }
 
-  // Ends the motion where bodies overlap at a contact that is none of theirs, deeper than at those that they have.
+  // Ends the motion where bodies overlap at a contact that is not followed, deeper than at those that are.
   // @param points  of contacts_
   void EndAtUnfollowed(const std::vector<Constraint>& found, const std::vector<TouchPoint>& points) {
     for (Constraint constraint : found) {

@@ -16,7 +16,7 @@
 namespace lcpbench {
 namespace {
 
-// Of the least width: overlaps deeper than this are found without their contacts,
+// A share of the least width: overlaps deeper than this are found without their contacts,
 constexpr double kFineness = 0.125;
 // contacts are searched to this depth, at least, to find the others;
 constexpr double kSearchedDepth = 0.25;

@@ -38,7 +38,7 @@ class ContactFinder {
   /// Whether bodies i < j share a joint.
   bool AreJoined(int i, int j) const;
 
-  /// Of every body.
+  /// The extents of all bodies.
   const std::vector<Extent>& extents() const { return extents_; }
   /// The least width > 0 of a movable body; 0 if no movable body has an outline.
   double least_width() const { return least_width_; }

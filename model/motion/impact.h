@@ -63,7 +63,7 @@ struct ImpactOptions {
   ImpactLaw law = ImpactLaw::kNewton;
   /// e in [0, 1], of all contacts; bilateral rows have e = 0 always.
   double restitution = 0;
-  /// Of the contacts of two bodies, by their indices (body 1, body 2), in [0, 1]; empty for `restitution`. Poisson's
+  /// Restitution between two bodies, by their indices (body 1, body 2), in [0, 1]; empty for `restitution`. Poisson's
   /// law only.
   std::function<double(int, int)> pair_restitution;
   /// Approach slower than this [m/s] is stopped with e = 0, so that bouncing ends: a ball of restitution e < 1 bounces

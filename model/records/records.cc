@@ -42,7 +42,7 @@ void Read(const JsonField& field, std::array<Vec2, 4>* points) {
   for (size_t i = 0; i < items.size(); ++i) Read(items[i], &(*points)[i]);
 }
 
-// Of the kinds of features from number `kind` on, the one that `type` names.
+// The kind of feature that `type` names, from number `kind` on.
 template <size_t kind = 0>
 Feature ParseFeature(const JsonField& field, const std::string& type, const std::string& known = "") {
   if constexpr (kind == std::variant_size_v<Feature>) {

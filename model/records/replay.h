@@ -83,7 +83,7 @@ struct RebuiltContact {
 RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& bodies);
 
 /// Rebuilds and assembles `record`.  O(n^2).
-/// @throws InputError if the recorded geometry is no contact system (AssembleContactLcp), naming body and feature
+/// @throws InputError if the recorded geometry is not a contact system (AssembleContactLcp), naming body and feature
 ReplayResult Replay(const ReplayRecord& record);
 
 /// |x - reference| / (1 + |reference|): how deviations are measured here.

@@ -109,7 +109,7 @@ DrawnEdge ReadBulgingArc(const JsonField& arc, Vec2 p) {
   return ArcAbout(center, radius, p, q, bulge > 0 ? Turn::kLeft : Turn::kRight);
 }
 
-// Of the forms that begin where the edge before ends.
+// Reads the forms that begin where the edge before ends.
 DrawnEdge ReadArcFrom(const JsonField& arc, Vec2 p) {
   if (arc.Has("bulge")) return ReadBulgingArc(arc, p);
   if (arc.Has("sweep")) {

@@ -66,7 +66,7 @@ class OvalFront {
   std::optional<int> AddOnCrest(PlacedOval oval);
 
   const std::vector<PlacedOval>& ovals() const { return ovals_; }
-  /// Of an oval to what it rests on.
+  /// The gap between an oval and what it rests on.
   OvalGap GapTo(const PlacedOval& oval, int support) const;
 
  private:

@@ -58,7 +58,7 @@ std::vector<OutlineEdge> Polyline(const std::vector<Vec2>& points);
 /// The four sides of an axis-parallel box, material inside: bottom, right, top, left.
 std::vector<OutlineEdge> Sides(Vec2 low, Vec2 high);
 
-/// Of two discs that touch each other and the inside of an arc of radius `arc`, one after the other counter-clockwise:
+/// Two discs touch each other and the inside of an arc of radius `arc`, one after the other counter-clockwise. Returns
 /// the unit direction from the arc's centre to the second disc's, given that to the first. In the triangle with sides
 /// a = arc - r1, b = arc - r2 and r1 + r2, sin^2(angle / 2) = ((r1 + r2)^2 - (a - b)^2) / (4 a b), and a - b = r2 - r1.
 Vec2 NextAlongArc(Vec2 direction, double r1, double r2, double arc);

@@ -10,7 +10,7 @@
 namespace lcpbench {
 namespace {
 
-/// Of every bearing's outer ring; with the frame's corner at (0, 0), neighbours touch without rounding.
+/// Radius of every bearing's outer ring; with the frame's corner at (0, 0), neighbours touch without rounding.
 constexpr double kOuterRadius = 0.75;
 constexpr double kOuterThickness = 0.1;
 constexpr double kInnerThickness = 0.05;

@@ -28,7 +28,7 @@ struct SceneFamily {
   MotionLevel level;
   /// Time between two problems of its sequence, and the time step at the velocity level [s].
   double step;
-  /// Of impacts in its sequence, in [0, 1].
+  /// Restitution of impacts in its sequence, in [0, 1].
   double restitution = 0;
 };
 

@@ -49,7 +49,7 @@ class SceneBuilder {
   Feature Piece(int body, std::size_t k = 0) const { return ToFeature(Get(body).outline[k].edge); }
   /// The point at which that piece begins, of a polygon: of a box the lower left corner, and on counter-clockwise.
   Vertex Corner(int body, std::size_t k) const { return {std::get<StraightEdge>(Get(body).outline[k].edge).a}; }
-  /// Of a body whose outline begins with an arc [m].
+  /// Radius of a body whose outline begins with an arc [m].
   double Radius(int body) const { return std::get<ArcEdge>(Get(body).outline[0].edge).radius; }
 
   /// One contact, one row.

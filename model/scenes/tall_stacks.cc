@@ -46,7 +46,7 @@ struct Masses {
     return kLightest * power;
   }
   double Heaviest() const { return PowersUp(decades); }
-  /// Of body k of `count` from the floor.
+  /// Mass of body k of `count` from the floor.
   double Of(int k, int count) const {
     if (profile == Profile::kHeavyTop) return PowersUp(k + 1 == count ? decades : 0);
     if (profile == Profile::kRising) return PowersUp(count > 1 ? decades * k / (count - 1) : 0);

@@ -60,7 +60,7 @@ void RequireValid(const Outline& outline);
 /// @param loop  every piece passes RequireValidPiece
 AreaMoments LoopMoments(const OutlineLoop& loop, Vec2 base);
 
-/// Of a plate of uniform density.
+/// Mass, centre of mass and inertia of a plate of uniform density.
 struct MassProperties {
   AreaMoments moments;  ///< about the centre of mass
   double area = 0;      ///< [m^2]

@@ -32,7 +32,7 @@ class Contender:
 
 @dataclass(frozen=True)
 class Choice:
-    """Of one class: contenders that verify enough, the fastest first. Of our solvers, which can be linked, and of all."""
+    """The contenders of one class that verify enough, the fastest first: ours, which can be linked, and all."""
 
     size_class: str
     redundant: bool

@@ -64,6 +64,14 @@ class Headline:
     no_peer: str = ""  # why there is none to compare with; empty where there is
 
 
+def verdicts(found: Headline) -> tuple[list[ClassRow], list[ClassRow], list[ClassRow]]:
+    """Size classes in which our best solver loses to the fastest peer of every problem, is not told apart, and wins."""
+    rows = [row for row in found.classes if row.to_fastest is not None]
+    lost = [row for row in rows if row.to_fastest.low > 1]
+    won = [row for row in rows if row.to_fastest.high < 1]
+    return lost, [row for row in rows if row not in lost and row not in won], won
+
+
 @lru_cache(maxsize=2)
 def headline(inputs: Inputs) -> Headline:
     """By solver: the better setting of every own method, and the best of every peer library."""

@@ -50,7 +50,7 @@ class Inputs:
 
     @cached_property
     def entries(self) -> dict[str, dict]:
-        """Of `solvers`, by key."""
+        """The entries of `solvers`, by key."""
         return {entry["key"]: entry for entry in self.solvers}
 
     @cached_property
@@ -82,12 +82,12 @@ class Inputs:
 
     @cached_property
     def size_classes(self) -> list[dict]:
-        """Of campaign.json, smallest first; every campaign has the same."""
+        """Those of campaign.json, smallest first; every campaign has the same."""
         return self.campaigns[0].info["size_classes"]
 
     @cached_property
     def tiers(self) -> list[float]:
-        """Of the cells that were run, the loosest first."""
+        """The tiers of the cells that were run, the loosest first."""
         return sorted(set(self.cells["tier"]), reverse=True)
 
     @cached_property

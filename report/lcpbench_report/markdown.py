@@ -4,10 +4,10 @@ and docs/results.md.
 
 from . import choice, shown_tables
 from .fairness import limitations
-from .formats import DASH, percent, plural, power, share_of, times
+from .formats import DASH, percent, plural, power, size_class, words
 from .headline_table import Headline, headline
 from .inputs import Inputs
-from .statistics.class_times import ALL, LEAST_FOR_P99, RIGHT
+from .statistics.class_times import LEAST_FOR_P99, RIGHT
 from .summary import false_successes, peers
 from .table import Table, markdown
 
@@ -36,11 +36,12 @@ def caption(inputs: Inputs, found: Headline) -> str:
 
 
 def short_caption(inputs: Inputs, found: Headline) -> str:
-    """The same in two sentences, for the front page."""
-    return (f"Median time from the caller's arrays to f at tier {power(found.tier)}, everything inside, on problems that the "
-            "solver object has not seen before; an answer that is not verified counts as infinitely slow"
-            f"{_where(inputs)}. Best: the fastest of those that are right on {percent(RIGHT)} (**bold**: the fastest of all, and "
-            "what the 95 % interval does not tell apart from it); ratios are our time over theirs, so above 1 we lose.")
+    """What outcomes() says, for the front page."""
+    alone = [size_class(row.size_class) for row in found.classes if row.own and not row.peer and not found.no_peer]
+    return ("In each size class our fastest solver stands against the peer that is fastest on each problem, at tier "
+            f"{power(found.tier)}{_where(inputs)}. A time is from the caller's arrays to f, on a problem that the solver has not "
+            "seen before; an answer that is not verified counts as infinitely slow. Ratios have 95 % intervals."
+            + (f" No single peer is right on {percent(RIGHT)} of the problems at {words(alone)} rows." if alone else ""))
 
 
 def _where(inputs: Inputs) -> str:
@@ -84,15 +85,6 @@ def ablation(inputs: Inputs) -> str:
     """The table of all size classes together."""
     table = shown_tables.ablation(inputs, all_only=True)
     return "This campaign has no ablations.\n" if table is None else f"{ABLATION_WORDS}\n\n{table.markdown()}"
-
-
-def checks(inputs: Inputs) -> str:
-    """A sentence on what our own check changes, at the main tier, over all sizes; empty without such an ablation."""
-    parts = [f"`{of['base']}` is right on {share_of(of['verified_share'])} instead of "
-             f"{share_of(of['base_verified_share'])} and takes {times(of['ratio'])} of the time"
-             for of in shown_tables.ablations(inputs).to_dict("records")
-             if of["ablation"] == "no-self-check" and of["size_class"] == ALL]
-    return f"without it, {'; '.join(parts)}." if parts else ""
 
 
 def render(inputs: Inputs, lines: list[str], changes: str = "") -> str:

@@ -10,6 +10,8 @@ from .table import Table, code
 
 _FILE = Path(__file__).resolve().parent / "peers.json"
 _ROUTES = {"compiled": "C or C++", "python": "Python"}
+# Ends of the keys of a peer with its library's own options, and of one compiled for any x86-64.
+RELATED = ("-default", "-baseline")
 _RULES = {"direct": "has none", "default": "its library's own"}
 
 
@@ -39,7 +41,8 @@ def criteria() -> Table:
     """A row per solver that has a tolerance: what it is given, what that bounds, and how it is reached."""
     return Table(["key", "tolerance at 1e-3, 1e-6, 1e-9", "which bounds", "worker"],
                  [[code(peer["key"]), rule(peer), peer["stops"], _ROUTES[peer["route"]]]
-                  for peer in facts()["peers"] if peer["tolerance"] == "follows"], "llll")
+                  for peer in facts()["peers"] if peer["tolerance"] == "follows" and not peer["key"].endswith(RELATED)],
+                 "llll")
 
 
 def left_out() -> Table:

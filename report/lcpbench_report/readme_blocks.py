@@ -62,9 +62,10 @@ def fill(text: str, page: Page) -> str:
 
 
 def _headline(page: Page) -> str:
-    """What README shows: caption, table by size class, where we lose, figure."""
-    return "\n".join([markdown.short_caption(page.inputs, page.found), "", shown_tables.classes(page.found).markdown(),
-                      summary.peers(page.found), "", f"![{_ALT}]({page.link(FIGURE)})"])
+    """What README shows: caption, where we lose and win, figure."""
+    table = shown_tables.outcomes(page.found)
+    return "\n".join([markdown.short_caption(page.inputs, page.found), "",
+                      table.markdown() if table else summary.peers(page.found) + "\n", f"![{_ALT}]({page.link(FIGURE)})"])
 
 
 def _streams(page: Page) -> str:
@@ -77,7 +78,8 @@ def _limits(page: Page) -> str:
     rules: dict[tuple, list[str]] = {}
     for limit in page.info.get("size_limits", []):
         rules.setdefault((limit["reason"], limit["largest"]), []).append(f"`{limit['solver']}`")
-    return "; ".join(f"{reason}: to {largest} rows ({', '.join(who)})" for (reason, largest), who in rules.items())
+    return "; ".join(f"{reason}: to {largest} rows ({formats.plural(len(who), 'solver or setting', 'solvers and settings')})"
+                     for (reason, largest), who in rules.items())
 
 
 def _tuning(page: Page) -> str:
@@ -94,7 +96,7 @@ def _tuning(page: Page) -> str:
 
 
 def _solvers(page: Page, origin: str) -> list[dict]:
-    """Of the campaign, without other settings of the same solver."""
+    """The campaign's solvers, without other settings of the same solver."""
     return [of for of in page.info["solvers"] if of["origin"] == origin and of["setting"] != "variant"]
 
 
@@ -104,12 +106,15 @@ def _keys(keys) -> str:
 
 def _solver_table(page: Page, origin: str, *more: str) -> str:
     """Key, method, whether the tolerance matters, and the settings that data/tuning.json declares, with their values.
+    Keys that differ from another one by peers.RELATED have no row of their own.
 
     @param more  further members of the solvers' entries
     """
     declared = {of["solver"]: of["settings"] for of in page.data("tuning")["solvers"]}
     rows = []
     for of in _solvers(page, origin):
+        if of["key"].endswith(peers.RELATED):
+            continue
         settings = "; ".join(f"`{name}` {', '.join(values)}" for name, values in declared.get(of["key"], {}).items())
         rows.append([f"`{of['key']}`", of["method"], of["tolerance"], settings or formats.DASH, *(of[key] for key in more)])
     columns = ["key", "method", "tolerance", "settings", *(key.removeprefix("library_") for key in more)]
@@ -118,18 +123,16 @@ def _solver_table(page: Page, origin: str, *more: str) -> str:
 
 BLOCKS: dict[str, Callable[[Page], str]] = {
     "headline": _headline,
-    # The conventions, false successes, and the table of all solvers.
-    "headline-details": lambda page: "\n\n".join(words(page.inputs, page.found)
-                                                 for words in (markdown.caption, markdown.details)),
+    # The conventions, the table by size class, false successes, and the table of all solvers.
+    "headline-details": lambda page: markdown.full_headline(page.inputs, page.found),
     "ablation": lambda page: markdown.ablation(page.inputs),
-    "ablation-of-checks": lambda page: markdown.checks(page.inputs),
     "streams": _streams,
     "passes": lambda page: str(page.info["passes"]),
     "limits": _limits,
     "manifests": lambda page: formats.words([f"`{of['name']}` {of['version']}" for of in page.info.get("manifests", [])]),
     "tuning": _tuning,
     "own-keys": lambda page: _keys(of["key"] for of in _solvers(page, "own")),
-    "peer-keys": lambda page: _keys(of["key"] for of in _solvers(page, "peer")),
+    "peer-projects": lambda page: formats.words(list(dict.fromkeys(of["library"] for of in peers.facts()["peers"]))),
     "scene-keys": lambda page: _keys(sorted({about["family"] for about in page.inputs.problems.values()
                                                 if about["origin"] in ("placed", "motion")})),
     "own-solvers": lambda page: _solver_table(page, "own"),

@@ -9,7 +9,7 @@ import pandas as pd
 
 from . import choice, decision, formats, motion, solver_facts
 from .formats import DASH, power, residual, seconds, share_of, size_class, times
-from .headline_table import Entry, Headline, headline
+from .headline_table import Entry, Headline, headline, verdicts
 from .inputs import PATHOLOGICAL, Inputs
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_ASKED, VERIFIED, within_rounding
 from .statistics.class_times import ALL, RIGHT
@@ -40,6 +40,19 @@ def classes(found: Headline) -> Table:
                        for of in (row.to_peer, row.to_fastest)), ", ".join(tails) or DASH])
     return Table(["rows", "problems", "best of ours", "right", "best right peer", "right", "ours / that peer",
                   "ours / fastest peer of each problem", "99 %: ours, peer"], rows, "lrlrlrrrr")
+
+
+def outcomes(found: Headline) -> Table | None:
+    """The front page's: a row where we lose, one where nothing is decided, and one where we win, over size classes."""
+    rows = []
+    for words, classes_ in zip(("slower", "not told apart", "faster"), verdicts(found)):
+        if classes_:
+            before = [None, *(row.own for row in classes_)]  # a name stands once
+            own = [f"{key(row.own)} " * (row.own != last) + seconds(row.entries[row.own].time_s)
+                   for row, last in zip(classes_, before)]
+            ratios = [_with_interval(*row.to_fastest) for row in classes_]
+            rows.append([words, *map(", ".join, ([size_class(row.size_class) for row in classes_], own, ratios))])
+    return _table(["ours is", "rows", "our median time", "ours / fastest peer of each problem"], rows, "llll")
 
 
 def by_solver(found: Headline) -> Table:

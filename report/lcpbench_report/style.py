@@ -19,7 +19,7 @@ _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 _SOLID = "-"
 _DASHES = dict(zip(VARIANTS, ((0, (1.5, 2)), (0, (4, 2)), (0, (5, 1.5, 1, 1.5)))))
 _VARIANT = (0, (8, 2))  # with other settings, under a key of its own
-# Of the second, third, ... own solver with a colour.
+# For the second, third, ... own solver with a colour.
 _OWN_DASHES = (_SOLID, (0, (5, 1.6)), (0, (1.4, 1.2)), (0, (6, 1.5, 1.2, 1.5)))
 ORACLE_COLOUR = "#000000"
 

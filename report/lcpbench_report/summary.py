@@ -2,7 +2,7 @@
 
 from . import choice, decision, formats, shown_tables
 from .choice import main_tier
-from .headline_table import ClassRow, Headline, headline
+from .headline_table import ClassRow, Headline, headline, verdicts
 from .inputs import Inputs
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_RUN, VERIFIED, within_rounding
 from .statistics.load import ORIGINS
@@ -121,12 +121,10 @@ def peers(found: Headline) -> str:
     """First where we lose, then where nothing is decided, and only then where we win."""
     if found.no_peer:
         return f"Nothing here compares with other projects' solvers: {found.no_peer}."
-    rows = [row for row in found.classes if row.to_fastest is not None]
-    if not rows:
+    lost, undecided, won = verdicts(found)
+    if not (lost or undecided or won):
         return ""
-    lost = [row for row in rows if row.to_fastest.low > 1]
-    won = [row for row in rows if row.to_fastest.high < 1]
-    tied = [formats.size_class(row.size_class) for row in rows if row not in lost and row not in won]
+    tied = [formats.size_class(row.size_class) for row in undecided]
     if lost:
         losses = formats.words([_told(row, "times its time") for row in lost])
         parts = [f"Against the fastest peer of every single problem we lose at {losses}."]

@@ -4,7 +4,7 @@ import unittest
 
 import pandas as pd
 
-from lcpbench_report import decision, fairness, markdown, shown_tables, summary
+from lcpbench_report import decision, fairness, shown_tables, summary
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
 from .cases import FolderCase
@@ -111,7 +111,6 @@ class Parts(FolderCase):
         self.assertEqual((solver, version, rows, false), ("auto", "without its own check", "all", "1, 0"))
         self.assertRegex(time, r"^0\.[45]\d \(0\.[45]\d–0\.[45]\d\)$")
         self.assertNotIn("auto-unchecked", "".join(summary.summary_lines(inputs)) + str(decision.by_class(inputs)))
-        self.assertRegex(markdown.checks(inputs), r"without it, `auto` is right on 95.% instead of 100.%")
 
     def test_a_problem_in_two_folders_is_told(self):
         (standard, sequences), motion = write_all(self.folder)

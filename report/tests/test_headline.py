@@ -72,6 +72,9 @@ class Headline(SharedFolderCase):
         self.assertGreater(row.to_fastest.low, 1)
         self.assertRegex(summary.peers(found), r"^Against the fastest peer of every single problem we lose at 31–100 rows \(1\.[67]")
         self.assertEqual(self.best(found)[COLUMN], {"ode-lemke"})
+        lost = shown_tables.outcomes(found).rows[0]
+        self.assertEqual(lost[:2], ["slower", "31–100"])
+        self.assertRegex(lost[2] + lost[3], r"^`auto` .*1\.[67]")
 
     def test_where_no_peer_is_right_the_class_has_no_best_one(self):
         _, found = self.of(lambda record: fail(record) if record["solver"] not in OWN and record["problem"] == "piles-50-1"
@@ -190,8 +193,10 @@ class Headline(SharedFolderCase):
         readme.write_text("<!-- numbers:headline -->\n<!-- end -->\n", encoding="utf-8")
         self.assertEqual(self.update(readme)[0], 0)
         short, details = readme.read_text(encoding="utf-8"), markdown.details(self.inputs, self.found)
-        self.assertIn(by_class + "\n" + summary.peers(self.found), short)  # what we lose stands directly below the table
-        self.assertNotIn(by_solver, short)
+        self.assertIn(shown_tables.outcomes(self.found).markdown(), short)
+        self.assertNotIn(by_class, short)
+        # What we lose stands directly below the table.
+        self.assertIn(by_class + "\n" + summary.peers(self.found), self.text)
         self.assertIn(by_solver, details)
         self.assertIn("False successes", details)
         for part in (by_class, details, markdown.caption(self.inputs, self.found)):

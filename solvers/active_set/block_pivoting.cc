@@ -41,7 +41,7 @@ constexpr double kWorthAnotherStep = 0.1;
 constexpr double kTinyForces[] = {1e-14, 1e-12, 1e-10};
 // A proximal step at least this part of f / steps so far does not look like convergence.
 constexpr double kDivergence = 0.25;
-// Of a ray: smaller parts of its largest entry are rounding of other components.
+// Entries of a ray below this part of its largest one are rounding of other components.
 constexpr double kRaySupport = 1e-7;
 constexpr int kRayCorrections = 6;
 // Rays are looked at in this size, so that b does not round A y away in w = A y + b.

@@ -112,7 +112,7 @@ class BlockPivoting {
   /// The proximal loop from the latest start.
   End Run(const Rules& rules);
 
-  /// A factor of A_FF + weight D_FF within the limits of the task: kDone, or why there is none.
+  /// A factor of A_FF + weight D_FF within the limits of the task: kDone, or why it failed.
   End Factor(const std::vector<char>& active, double weight);
   /// Corrects f_F on A itself from the given F and f, with a new factor of that weight; rows that are violated then
   /// change sides while their number falls, from less than `most`; refines to rounding. kNotMet if no candidate was
@@ -123,9 +123,9 @@ class BlockPivoting {
   /// Whether the direction, made a ray by a few corrections, is accepted by VerifyFarkasRay; ray() is it then.
   bool FindRay(const Eigen::VectorXd& direction);
 
-  /// Of the latest start; may be changed before a Run.
+  /// The active set of the latest start; may be changed before a Run.
   std::vector<char>& active() { return active_; }
-  /// Of the latest Run or Finish, and w = A f + b.
+  /// The forces of the latest Run or Finish, and w = A f + b.
   const Eigen::VectorXd& f() const { return f_; }
   const Eigen::VectorXd& w() const { return w_; }
   std::optional<Eigen::VectorXd>& ray() { return accepted_ray_; }

@@ -14,7 +14,7 @@ namespace {
 constexpr double kFarStart = 0.1;
 // Entries of a warm start enter F above this multiple of the largest D^1/2 f (an interior point leaves no zeros).
 constexpr double kWarmThreshold = 1e-10;
-// Of a warm start whose rho is at most this part of the one at f = 0, not only the set is of use.
+// The forces of a warm start are used, not its active set only, if its rho is at most this part of the one at f = 0.
 constexpr double kUsefulForces = 0.05;
 // The starting weight is for up to so many rows, see BppOptions::proximal. At 10^5 rows chain-of-links takes 15 steps
 // instead of 30, cam-follower 5 instead of 15; other independent families at most one more.

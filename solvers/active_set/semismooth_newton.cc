@@ -26,7 +26,7 @@ constexpr double kHeaviestWeight = 1;
 // step is worth more than a slope of that size: it may end the subproblem.
 constexpr double kFlatSlope = 1e-3;
 constexpr int kMaxLineSteps = 50;
-// A warm start is tried if its rho is at most this part of the one at f = 0: else it is no start for this problem.
+// A warm start is tried if its rho is at most this part of the one at f = 0.
 constexpr double kUsefulStart = 0.5;
 // Larger problems are not tried as dense ones.
 constexpr Eigen::Index kMaxDenseRows = 10000;

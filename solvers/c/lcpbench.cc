@@ -351,7 +351,7 @@ lcpbench_error Tell(const char* function, const lcpbench_result* result, Value* 
   });
 }
 
-// Writes where a vector of a result is, NULL where it has none.
+// Writes where a vector of a result is, NULL where the result does not have it.
 template <typename Get>
 lcpbench_error TellVector(const char* function, const lcpbench_result* result, const double** values, const char* name,
                           std::int64_t* n, Get get) {

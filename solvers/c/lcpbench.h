@@ -13,7 +13,7 @@
 ///
 /// Errors. A call that can fail returns lcpbench_error. LCPBENCH_OK is 0; anything else is a mistake of the caller or a
 /// lack of memory, lcpbench_last_error() says in one line what is wrong and names the argument, and nothing was
-/// written to outputs. A problem that is hard or has no solution is no error: that is a lcpbench_status. No C++
+/// written to outputs. A problem that is hard or has no solution is a lcpbench_status, not an error. No C++
 /// exception leaves the library.
 ///
 /// Ownership. What a `create` or `from` function hands out belongs to the caller, who gives it to the `free` function
@@ -296,7 +296,7 @@ LCPBENCH_API lcpbench_error lcpbench_result_detail(const lcpbench_result* result
 /// The proof that there is no solution: y >= 0 on unilateral rows, A y = 0, b.y < 0.
 /// @param result  not NULL
 /// @param ray     n numbers, valid as those of f; NULL where the result has no ray
-/// @param n       entries of the ray, 0 where there is none
+/// @param n       entries of the ray, 0 without one
 LCPBENCH_API lcpbench_error lcpbench_result_farkas_ray(const lcpbench_result* result, const double** ray, int64_t* n);
 
 /// Replaces the forces of a solved result by the solution of least Euclidean norm |f|_2, in the units given, which is
@@ -312,7 +312,7 @@ LCPBENCH_API lcpbench_error lcpbench_result_least_norm(const lcpbench_problem* p
                                                        double tolerance, double rank_tolerance, int64_t* nullity);
 
 /// The key of a status as files have it: "solved", "iteration_limit", ... Lives as long as the library.
-/// @param status  any value; "unknown" for one that is none of the enumerators
+/// @param status  any value; "unknown" for one that is not an enumerator
 LCPBENCH_API const char* lcpbench_status_key(lcpbench_status status);
 
 /// Frees a result.
@@ -366,9 +366,9 @@ typedef struct lcpbench_step_answer {
   /// the status is another.
   int32_t infeasible_proved;
   int64_t iterations;  ///< pivots, and iterations of what solved large groups of bodies
-  /// Of f (see lcpbench_verdict), as the solver measured it: the largest among groups of rows that do not act on each
-  /// other, which that over all rows does not exceed. Infinite where it was not measured, or is beyond double; never
-  /// NaN.
+  /// Residual of f (see lcpbench_verdict), as the solver measured it: the largest among groups of rows that do not act
+  /// on each other, which that over all rows does not exceed. Infinite where it was not measured, or is beyond double;
+  /// never NaN.
   double rho;
   /// Where LCPBENCH_INFEASIBLE holds within rounding only: any solution has |D^1/2 f|_1 of this or more, D = diag A.
   /// Infinite where proved, 0 where the status is another.
@@ -447,7 +447,7 @@ typedef struct lcpbench_verdict {
   double energy_shift;          ///< |D^-1/2 (moved b - b)|_2; -1 as energy_bound
   double answer_floor;          ///< by how much rounding f to double alone can change rho
   double ray_b_dot_y;           ///< b.y of the ray, 0 without one
-  /// Of the ray, 0 without one: from factors the largest |J^T y|_k / (|J^T||y|)_k, else |D^-1/2 A y|_inf /
+  /// Residual of the ray, 0 without one: from factors the largest |J^T y|_k / (|J^T||y|)_k, else |D^-1/2 A y|_inf /
   /// |D^-1/2 |A||y||_inf.
   double ray_null_residual;
   char reason[256];      ///< one line: why the answer does not pass; "" where it does

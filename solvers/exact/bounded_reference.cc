@@ -16,7 +16,7 @@
 namespace lcpbench {
 namespace {
 
-// Of FindVertex.
+// What FindVertex finds.
 struct Vertex {
   std::vector<Index> basis;   // G, ascending: the active rows
   std::vector<BigInteger> f;  // by the digits of DyadicScale
@@ -31,7 +31,7 @@ constexpr double kTie = 1e-9;
 // A row with less of its A_kk left depends on the basis.
 constexpr double kDependentStiffness = 1e-9;
 constexpr int kMostPivotsPerRow = 20;
-// Of the scaled diagonal: far above the rounding of doubles, and below the least eigenvalues that are not 0.
+// A share of the scaled diagonal: far above the rounding of doubles, and below the least eigenvalues that are not 0.
 constexpr double kProximal = 0x1p-30;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -78,7 +78,7 @@ class VertexSearch {
   }
   bool IsInBasis(Index i) { return std::binary_search(vertex_.basis.begin(), vertex_.basis.end(), i); }
 
-  // Of a basis that is exactly singular, with the proximal part.
+  // Factorizes a basis that is exactly singular, with the proximal part.
   void Factorize() {
     factor_.emplace(problem_, vertex_.basis, 0.0);
     if (!factor_->IsFactorized()) factor_.emplace(problem_, vertex_.basis, kProximal);
@@ -217,7 +217,7 @@ class VertexSearch {
 // integers, the row of the most negative gap enters G in the same way, until there is none.
 // @param f       forces >= 0 with small gaps on all rows with f > 0
 // @param pivots  how many were made
-// @return nothing where pivots come to no end, or where the problem may have no solution
+// @return nothing where pivoting does not end, or where the problem may have no solution
 // O(fill) of a sparse factor a pivot, some hundred pivots per hundred dependent rows
 std::optional<Vertex> FindVertex(const LcpProblem& problem, const DyadicLcp& lcp, const DyadicScale& scale,
                                  const std::vector<Index>& independent, const std::vector<Index>& dependent,
@@ -229,7 +229,7 @@ std::optional<Vertex> FindVertex(const LcpProblem& problem, const DyadicLcp& lcp
   return std::move(search.vertex());
 }
 
-// Of forces beyond |D^-1/2 b|_inf / max D^1/2, the size of a force that moves anything.
+// Bits of forces beyond |D^-1/2 b|_inf / max D^1/2, the size of a force that moves anything.
 constexpr long kForceBits = 200;
 // Gaps that are aimed at where they must not be negative, in units of D^1/2 |D^-1/2 b|_inf: far above the digits of the
 // forces, even with 10^6 rows of mass ratio 10^6, and far below anything that counts.

@@ -58,17 +58,17 @@ struct BoundedReference {
 const char* ToString(BoundedReference::Proof proof);
 
 struct BoundedOptions {
-  double time_limit_s = 600;  ///< looked at between refinements; what has been reached by then is what is bounded
-  /// Dependent rows up to which it is tried to tell the active ones among them: some seconds for 200
+  double time_limit_s = 600;  ///< checked between refinements; the f reached by then is bounded
+  /// Dependent rows up to which the active ones among them are searched: some seconds for 200
   /// of them among 1000 rows.
   Index most_dependent_rows = 300;
 };
 
-/// Refines f_start, the answer of some solver, and proves what has come of it. From the active rows of f_start, A_FF
+/// Refines f_start, the answer of some solver, and proves how good the result is. From the active rows of f_start, A_FF
 /// f_F = -b_F is solved by iterative refinement: a factor in doubles, residuals in integers without any rounding
 /// (dyadic_lcp.h), f in some 200 binary digits. Rows with wrong signs are exchanged. Of
 /// rows that depend on others, pivots tell which are active as the doubles say it; else they share their forces.
-/// A poor f_start makes for poor bounds, and never for wrong ones.
+/// A poor f_start gives poor bounds, never wrong ones.
 /// O(fill) of a sparse LDL^T for every active set, O(nnz of the given form) integer operations a refinement
 /// @throws InputError where f_start has another size or is not finite, or A is not symmetric or not known to be
 ///                    positive semidefinite

@@ -82,7 +82,7 @@ void DyadicLcp::ComputeGaps(const std::vector<BigInteger>& f, long force_bits, s
   const Index n = problem_.size();
   const int* const start = given_.outerIndexPtr();
   const int* const column = given_.innerIndexPtr();
-  // Of factors M^-1 J^T f.
+  // M^-1 J^T f, from factors.
   std::vector<BigInteger> moved(inverse_mass_.size());
   for (Index i = 0; problem_.has_factors() && i < n; ++i) {
     if (f[At(i)] == 0) continue;

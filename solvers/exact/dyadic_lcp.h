@@ -10,7 +10,7 @@
 
 namespace lcpbench {
 
-/// Integers stand for numbers of 2^-bits, with the bits told beside them: value 2^bits, its fraction cut off.
+/// Integers stand for numbers of 2^-bits, with the number of bits beside them: value 2^bits, its fraction cut off.
 BigInteger Scaled(double value, long bits);
 
 /// number 2^-bits as a double, nearly.
@@ -22,7 +22,7 @@ long FrexpExponent(double value);
 /// D_ii^1/2, 1 where A_ii = 0.
 double RootOfDiagonal(const LcpProblem& problem, Index i);
 
-/// The problem as its doubles say it, in integers: doubles are integers times powers of two, and so are products and
+/// The problem, taken as its doubles, in integers: doubles are integers times powers of two, and so are products and
 /// sums of them. A f + b is then evaluated without any rounding, in one pass over the given form. Internal to
 /// solvers/exact/.
 class DyadicLcp {
@@ -71,8 +71,8 @@ class UpperBound {
   bool IsBelow(const BigInteger& number, long bits) const { return value_ < Converted(number, bits, MPFR_RNDD); }
 
  private:
-  // More digits than a double's: bounds shall not grow by their own rounding. MPFR's functions round as they are told,
-  // Boost's operators do not.
+  // More digits than a double's: bounds shall not grow by their own rounding. MPFR's functions round in the wanted
+  // direction, Boost's operators do not.
   using Float = boost::multiprecision::number<
       boost::multiprecision::mpfr_float_backend<29, boost::multiprecision::allocate_stack>,
       boost::multiprecision::et_off>;

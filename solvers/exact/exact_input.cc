@@ -15,7 +15,7 @@ struct Entry {
   Rational value;
 };
 
-// Of what ParseLcpRecord has found to be a number or "p/q".
+// Converts what ParseLcpRecord has found to be a number or "p/q".
 Rational ToRational(const Json& value) {
   if (!value.is_string()) return Rational(value.get<double>());
   std::string text = value.get<std::string>();

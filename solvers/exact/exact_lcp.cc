@@ -220,7 +220,7 @@ class ExactSolve {
       answer_.status = ExactAnswer::Status::kNotSemidefinite;
       if (n > options_.most_rows_of_proofs) {
         answer_.detail = "a matrix of more than " + std::to_string(options_.most_rows_of_proofs) +
-                         " rows is not proved to be positive semidefinite; J and invM would do";
+                         " rows is not proved to be positive semidefinite; give J and invM instead";
       }
       return answer_;
     }
@@ -435,7 +435,8 @@ std::string FindFault(const ExactLcp& problem, const ExactAnswer& answer) {
   if (answer.status != ExactAnswer::Status::kSolved) return {};
   std::string fault = FaultOfForces(problem, answer.f, answer.w);
   if (!fault.empty() || answer.f_least_norm.empty()) return fault;
-  if (answer.nullity_on_active == 0) return answer.f_least_norm == answer.f ? "" : "f is unique, and there are two";
+  if (answer.nullity_on_active == 0)
+    return answer.f_least_norm == answer.f ? "" : "f is unique, but two different ones are given";
   fault = FaultOfForces(problem, answer.f_least_norm, answer.w);
   if (!fault.empty()) return "of least norm: " + fault;
   if (answer.multipliers.size() != answer.f.size()) return "no multipliers";

@@ -26,7 +26,7 @@ struct ExactLcp {
 /// ExactLcp holds size^2 rationals, and solving takes hours long before it fills the memory.
 inline constexpr Index kMostExactRows = 4000;
 
-/// The problem as its doubles say it, the product J M^-1 J^T without rounding.  O(size^2 entries of a row)
+/// The problem, taken as its doubles, the product J M^-1 J^T without rounding.  O(size^2 entries of a row)
 /// @throws InputError where A is not symmetric or has more than kMostExactRows rows
 ExactLcp ExactFrom(const LcpProblem& problem);
 
@@ -42,7 +42,7 @@ struct ExactAnswer {
   enum class Status {
     kSolved,
     kInfeasible,
-    kNotSemidefinite,  ///< A is not PSD, and nothing is promised
+    kNotSemidefinite,  ///< A is not PSD: no guarantee
     kTimeLimit,
   };
   Status status = Status::kTimeLimit;
@@ -58,7 +58,7 @@ struct ExactAnswer {
   Index nullity_on_active = 0;    ///< of A on the rows with w = 0
   std::vector<Index> degenerate;  ///< unilateral rows with w = 0 and least-norm f = 0
 
-  /// Of an infeasible problem: y >= 0 on unilateral rows, A y = 0, b.y = -1. [Farkas]
+  /// The ray of an infeasible problem: y >= 0 on unilateral rows, A y = 0, b.y = -1. [Farkas]
   std::vector<Rational> ray;
 
   Index rank = 0;  ///< of A
@@ -83,8 +83,8 @@ struct ExactOptions {
   /// Only what a solver is asked for: status, w and f, or the ray. Ranks, the least-norm f, degenerate rows and
   /// uniqueness are left at their defaults; the answer is as exact as ever.
   bool answer_only = false;
-  /// A solution in doubles of a problem, by any solver: where the exact method starts. What it returns is trusted in
-  /// nothing. None: it starts from f = 0.
+  /// A solution in doubles of a problem, by any solver: where the exact method starts. Its answer is not
+  /// trusted. Without one the start is f = 0.
   std::function<ExactGuess(const LcpProblem& problem)> guess;
 };
 
@@ -98,7 +98,7 @@ struct ExactOptions {
 ExactAnswer SolveExactly(const ExactLcp& problem, const ExactOptions& options);
 
 /// Checks an answer in exact arithmetic from the definitions alone: equations, signs, complementarity, the conditions
-/// of a ray, and of the least-norm f that it solves. Empty: nothing to object, else what is wrong.
+/// of a ray, and of the least-norm f that it solves. Empty where the answer is right, else what is wrong.
 std::string FindFault(const ExactLcp& problem, const ExactAnswer& answer);
 
 }  // namespace lcpbench

@@ -58,7 +58,7 @@ std::string ExactSolver::WhyUnsupported(const LcpProblem& problem) const {
 
 void ExactSolver::DoPrepare(const LcpProblem& problem) { exact_ = ExactFrom(problem); }
 
-// The nearly exact answer to a problem that has none by a rounding; false where it does not pass the tolerance.
+// The nearly exact answer to a problem that one rounding makes unsolvable; false where it does not pass the tolerance.
 bool ExactSolver::SolveContradiction(const LcpProblem& problem, const LcpOptions& options, double elapsed_s,
                                      LcpResult* result) {
   ExactLcp regular = *exact_;

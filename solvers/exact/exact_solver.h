@@ -13,8 +13,8 @@ namespace lcpbench {
 /// warm start is ignored. Where f is not unique, it is the one of the active rows that SolveExactly ends with, which
 /// are independent. So sequences of problems that it drives are the same on every machine.
 ///
-/// The doubles of redundant rows may contradict themselves by a rounding. Such a problem has an exact ray, but one that
-/// lives in the digits that rounding it takes away, and any other solver solves it to its tolerance. So does this one:
+/// The doubles of redundant rows may contradict themselves by a rounding. Such a problem has an exact ray, which
+/// rounding destroys, and any other solver solves it to its tolerance. So does this one:
 /// where the exact solution for A + kProximal diag A passes the tolerance asked for, that is the answer, and `detail`
 /// says so. Where not, the problem is infeasible.
 ///

@@ -123,7 +123,7 @@ inline IntegerMatrix Numerators(const RationalMatrix& X, Integer* denominator) {
 /// Two primes of 62 bits that ranks are taken modulo; of no relation to any input.
 inline constexpr mp_limb_t kPrimes[] = {4611686018427387847UL, 4611686018427387817UL};
 
-/// Of the rows of a symmetric positive semidefinite A, in the order given, those that do not depend on earlier ones.
+/// The rows of a symmetric positive semidefinite A, in the order given, that do not depend on earlier ones.
 /// They are independent for certain; one is left out by mistake with a probability below 2^-50.
 ///
 /// Elimination with diagonal pivots modulo a prime of 62 bits, seeded: a PSD block is singular if and only if one of

@@ -10,7 +10,7 @@
 namespace lcpbench {
 namespace {
 
-// Of the unit diagonal, added to it where dependent rows are looked for. Their pivots are about this, those of
+// A share of the unit diagonal, added to it where dependent rows are looked for. Their pivots are about this, those of
 // independent rows above kDependentPivot: that a chain of bodies with masses 1 and 10^6 in turns still is.
 constexpr double kFindingPart = 0x1p-40;
 constexpr double kDependentPivot = 0x1p-36;

@@ -49,7 +49,7 @@ class IndependentBlock {
   const std::vector<Index>& dependent() const { return dependent_; }
   const ProximalFactor& factor() const { return *factor_; }
 
-  /// A number that the least eigenvalue of S A_GG S, S = diag s, is not below; 0 where none > 0 can be shown.
+  /// A lower bound of the least eigenvalue of S A_GG S, S = diag s; 0 where none > 0 can be shown.
   ///
   /// Cholesky's method in doubles on B = S A_GG S - c I, where it ends, gives L with |L L^T - B| <= g |L||L^T|, g = (r
   /// + 1) u / (1 - (r + 1) u), r the most entries in a row of L, whatever the order of its sums [Higham, Accuracy and

@@ -60,7 +60,7 @@ bool MakeProjector(const IntegerMatrix& N, RationalMatrix* projector) {
   return true;
 }
 
-// f of w = A f + b, f, w >= 0, f w = 0; nothing where there is none, or not by the deadline.
+// f of w = A f + b, f, w >= 0, f w = 0; nothing without a solution, or where the deadline passes.
 struct Pivoted {
   ExactPivoting::End end;
   std::vector<Rational> f;

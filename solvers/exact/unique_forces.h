@@ -7,7 +7,7 @@
 
 namespace lcpbench {
 
-/// Above this many rows UniqueForces says nothing, and where an elimination in a full matrix would take more than so
+/// Above this many rows UniqueForces gives no answer, and where an elimination in a full matrix would take more than so
 /// many operations: some tenths of a second.
 inline constexpr Index kMostRowsOfUniqueForces = 1000;
 inline constexpr double kMostWorkOfUniqueForces = 1e8;

@@ -14,7 +14,7 @@ namespace {
 constexpr Index kLeastRows = 500;
 // Above, ordering and analysis may take longer than the sweeps, so they wait until they are needed.
 constexpr Index kMostRowsAnalysed = 20000;
-// Of a warm start: the active set is tried before the sweeps where a factorization takes no longer than so many, with
+// Warm start: the active set is tried before the sweeps where a factorization takes no longer than so many, with
 // pivots that take no longer than so many together.
 constexpr double kCheapFactorization = 17;
 constexpr double kGuessWork = 90;

@@ -42,7 +42,7 @@ class HybridSolver final : public EngineSolver<HybridOptions, class HybridEngine
  public:
   using EngineSolver::EngineSolver;
 
-  /// Of the interior point, in the latest Prepare and Solve.
+  /// Statistics of the interior point, in the latest Prepare and Solve.
   const IpmStatistics& statistics() const;
 };
 extern template class EngineSolver<HybridOptions, HybridEngine>;

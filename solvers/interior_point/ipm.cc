@@ -28,13 +28,14 @@ constexpr double kLeastMu = 1e-22;   // nothing is to be learnt below
 // Active sets tried from an interior iterate, as long as every one leaves at most half of the violated rows.
 constexpr BlockPivoting::Rules kFromIterate = {
     .weight_factor = 0.01, .steps = 3, .try_every_set = true, .progress = 0.5, .factors = 5};
-// Of a warm start, in double the work of a step at most where it fails at once: none after the first set if that leaves
-// more than 12 % of the rows violated, and no more once a set neither halves their number nor leaves 1 %.
+// Active sets of a warm start, in double the work of a step at most where they fail at once: none after the first set
+// if that leaves more than 12 % of the rows violated, and no more once a set neither halves their number nor leaves 1
+// %.
 constexpr BlockPivoting::Rules kFromStart = {
     .try_every_set = true, .progress = 0.5, .most_wrong = 0.12, .few_wrong = 0.01, .factors = 8};
 constexpr BlockPivoting::Rules kLastResort = {
     .weight_factor = 0.01, .steps = 12, .try_every_set = true, .factors = 300};
-// Of a warm start: rho against the one of f = 0 from which its active set is worth a factorization, and from which the
+// Warm start: rho against the one of f = 0 from which its active set is worth a factorization, and from which the
 // interior point starts from it rather than cold.
 constexpr double kWorthTrying = 0.5;
 // mu of a warm start, in its mean residual. What sweeps leave undone on redundant rows is smooth and small, and the
@@ -58,7 +59,7 @@ constexpr double kTame = 10;
 constexpr double kHeaviest = 1e-2;
 double TameWeight(double mu) { return std::min(kHeaviest, kTame * std::sqrt(mu)); }
 
-// Of InteriorFinish.
+// Limits of InteriorFinish.
 constexpr int kRefinements = 8;       // as long as each one leaves ...
 constexpr double kRefineGain = 0.25;  // ... at most this fraction of rho
 constexpr double kClose = 0.5;        // of the tolerance: what double calls enough before extended precision is asked

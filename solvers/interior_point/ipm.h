@@ -63,7 +63,7 @@ class IpmSolver final : public EngineSolver<IpmOptions, class IpmEngine> {
  public:
   using EngineSolver::EngineSolver;
 
-  /// Of the latest Prepare and Solve.
+  /// Statistics of the latest Prepare and Solve.
   const IpmStatistics& statistics() const;
 
   /// What later solves do with initial_f, for callers that sweep themselves.

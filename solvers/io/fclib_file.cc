@@ -291,7 +291,7 @@ struct Rows {
 
   Index size() const { return static_cast<Index>(of_contacts.size() + of_bilateral.size()); }
   RowBounds Bounds() const { return RowBounds::WithBilateralRows(size(), {of_bilateral.begin(), of_bilateral.end()}); }
-  // Of normal entries and those of bilateral rows, by the rows of the problem.
+  // Merges normal entries and those of bilateral rows, by the rows of the problem.
   Eigen::VectorXd Merge(const std::vector<double>& contacts, const std::vector<double>& bilateral) const {
     Eigen::VectorXd merged(size());
     const auto step = static_cast<size_t>(dimension);

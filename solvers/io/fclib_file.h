@@ -53,7 +53,7 @@ struct FclibProblem {
 /// in proportion to the file, whatever it promises.
 /// @throws InputError naming file, dataset, what was expected and what was found: no such file, a dataset missing or of
 /// another type, sizes that are negative or do not fit each other, a matrix W or R that is not square, indices outside,
-/// what is not finite, mu != 0, a row order that is none, triplets that can be read both ways, M that is not diagonal
+/// what is not finite, mu != 0, an invalid row order, triplets that can be read both ways, M that is not diagonal
 FclibProblem ReadFclibProblem(const std::string& path, const FclibOptions& options = {});
 
 /// spacedim 2, matrices in compressed columns with all stored entries. Read back bit for bit; a dense problem as a

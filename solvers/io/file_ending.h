@@ -15,7 +15,7 @@ struct FileEnding {
 /// Takes a path apart.
 FileEnding EndingOf(const std::string& path);
 
-/// The id of a problem whose file says none: its name without folders and ending.
+/// The id of a problem whose file does not give one: its name without folders and ending.
 std::string IdOfFile(const std::string& path);
 
 }  // namespace lcpbench

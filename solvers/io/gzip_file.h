@@ -12,7 +12,7 @@
 namespace lcpbench {
 
 /// A text file that is read, plain or compressed by gzip (RFC 1952, several members in a row included), whatever its
-/// name. What is wrong with the data is thrown out of the operation that meets it; what stands before is given first.
+/// name. The operation that meets damaged data throws; what stands before them is delivered first.
 /// Memory: one line, and a block.
 class TextInput : public std::istream {
  public:
@@ -56,7 +56,7 @@ class TextOrGzipOutput {
   std::ostream& stream();  ///< as TextOutput
   /// Writes; flushes what is not compressed.
   void Write(const std::string& text);
-  /// All is written. What Close() does then is to give the file its name.
+  /// Writes everything; Close() then only gives the file its name.
   void Finish();
   /// As TextOutput, of what is finished.
   void Synchronise() { file_.Synchronise(); }

@@ -57,7 +57,7 @@ std::uint64_t TimeLimit(std::uint64_t file_size) {  // seconds of the processor
   return kLeast + file_size / kBytesPerSecond;
 }
 
-constexpr char kTooLarge[] = "expected a file for which there is memory, found a larger one";
+constexpr char kTooLarge[] = "expected a file that fits into memory, found a larger one";
 
 // What the child has found wrong; the message without the file's name.
 struct Refusal {
@@ -96,14 +96,14 @@ class Report {
   // Room for the values of a dataset. All together they are no more than the file, or some are there twice.
   char* Take(std::size_t k, std::uint64_t size, const std::string& path) {
     if (size > file_size_ - used_)
-      throw Refusal{path + ": expected values of its own, found some that are others' too"};
+      throw Refusal{path + ": expected values that no other dataset shares, found shared ones"};
     used_ += size;
     place(k) = {true, end_, size};
     char* const values = bytes() + first_value_ + end_;
     end_ += (size + kAlignment - 1) / kAlignment * kAlignment;
     return values;
   }
-  // Of the dataset into `values`; the child is not believed.
+  // Reads the dataset into `values`; what the child sends is checked.
   template <typename List>
   bool Copy(std::size_t k, List* values) {
     const Place found = place(k);
@@ -143,7 +143,7 @@ bool Exists(hid_t file, const std::string& path) {
   for (std::size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
     const std::string part = path.substr(0, end);
     const htri_t exists = H5Lexists(file, part.c_str(), H5P_DEFAULT);
-    if (exists < 0) throw Refusal{part + ": expected a link that libhdf5 can read, found what it cannot"};
+    if (exists < 0) throw Refusal{part + ": expected a link that libhdf5 can read, found one that it refuses"};
     if (exists == 0) return false;
     H5L_info_t link{};
     if (H5Lget_info(file, part.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD) {
@@ -152,7 +152,7 @@ bool Exists(hid_t file, const std::string& path) {
     if (end == std::string::npos) return true;
     H5O_info_t object{};
     if (H5Oget_info_by_name2(file, part.c_str(), &object, H5O_INFO_BASIC, H5P_DEFAULT) < 0) {
-      throw Refusal{part + ": expected a group, found what libhdf5 cannot read"};
+      throw Refusal{part + ": expected a group, found an object that libhdf5 cannot read"};
     }
     if (object.type != H5O_TYPE_GROUP) throw Refusal{part + ": expected a group, found another object"};
   }
@@ -161,7 +161,7 @@ bool Exists(hid_t file, const std::string& path) {
 // Before the dataspace is asked for: that of a virtual dataset opens other files.
 void RequireStoredHere(hid_t dataset, const std::string& path) {
   const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
-  if (!properties) throw Refusal{path + ": expected properties that libhdf5 can read, found others"};
+  if (!properties) throw Refusal{path + ": expected properties that libhdf5 can read, found some that it refuses"};
   const H5D_layout_t layout = H5Pget_layout(properties.id());
   if ((layout != H5D_CONTIGUOUS && layout != H5D_COMPACT) || H5Pget_nfilters(properties.id()) != 0) {
     throw Refusal{path +
@@ -222,7 +222,7 @@ void ReadDataset(hid_t file, const std::string& path, std::size_t type_index, st
   const std::string expected = path + ": expected a dataset of " + kTypeNames[type_index];
   H5O_info_t object{};
   if (H5Oget_info_by_name2(file, path.c_str(), &object, H5O_INFO_BASIC, H5P_DEFAULT) < 0) {
-    throw Refusal{expected + ", found what libhdf5 cannot read"};
+    throw Refusal{expected + ", found an object that libhdf5 cannot read"};
   }
   if (object.type != H5O_TYPE_DATASET) throw Refusal{expected + ", found another object"};
   const Handle dataset(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose);
@@ -231,7 +231,7 @@ void ReadDataset(hid_t file, const std::string& path, std::size_t type_index, st
   const Handle type(H5Dget_type(dataset.id()), H5Tclose);
   if (!type || !IsOfType(type.id(), type_index)) throw Refusal{expected + ", found another type"};
   const std::size_t value_size = H5Tget_size(type.id());
-  if (value_size == 0) throw Refusal{expected + ", found values of no size"};
+  if (value_size == 0) throw Refusal{expected + ", found values of size 0"};
   const std::uint64_t count = CountOf(dataset.id(), value_size, file_size, path);
   if (type_index == kText && count != 1) throw Refusal{expected + ", found " + std::to_string(count) + " texts"};
   const hid_t memory_types[] = {H5T_NATIVE_INT, H5T_NATIVE_DOUBLE, type.id()};

@@ -28,7 +28,7 @@ using Hdf5Datasets = std::vector<std::pair<std::string, Hdf5Dataset>>;
 /// @param wanted  paths, each with an empty value of the type that it must have
 /// @param groups  "/name", of which the file must have one
 /// @throws InputError `path: ...` naming the dataset, or the groups and what the file has instead, what was expected
-/// and what was found; also where the file cannot be opened, is none, or ends the child
+/// and what was found; also where the file cannot be opened, is not HDF5, or crashes the child
 Hdf5Datasets ReadHdf5(const std::string& path, const Hdf5Datasets& wanted, const std::vector<std::string>& groups);
 
 /// Writes a new HDF5 file of these datasets and the groups of their paths, the same bytes for the same values. It takes

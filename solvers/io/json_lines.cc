@@ -101,7 +101,7 @@ ParsedMatrix ParseMatrix(const JsonField& field, Index rows, Index columns) {
   return matrix;
 }
 
-// One flag a row: items of `field` or, of recorded contacts, their member "joint", false where there is none.
+// One flag a row: items of `field` or, in recorded contacts, their member "joint", false where it is missing.
 std::vector<Index> MarkedRows(const JsonField& field, std::size_t n, bool by_contact) {
   field.Size(n);
   std::vector<Index> rows;
@@ -178,22 +178,22 @@ constexpr const char* kKnownMembers[] = {
     "category", "family", "base", "floor", "previous", "symmetrized", "licence",   "provenance",
     "motion"};
 
-// What other tools mean by these, and a problem has no place for.
+// What other tools use these for, which a problem does not have.
 constexpr std::pair<const char*, const char*> kForeignMembers[] = {
     {"lo", "bounds of f"},        {"hi", "bounds of f"},        {"lower", "bounds of f"},
     {"upper", "bounds of f"},     {"l", "bounds of f"},         {"u", "bounds of f"},
     {"lb", "bounds of f"},        {"ub", "bounds of f"},        {"mu", "friction"},
     {"friction", "friction"},     {"G", "constraints"},         {"h", "constraints"},
-    {"P", "a quadratic program"}, {"q", "a quadratic program"}, {"M", "a mass matrix or an LCP of other letters"}};
+    {"P", "a quadratic program"}, {"q", "a quadratic program"}, {"M", "a mass matrix, or A of an LCP"}};
 
-// Of recorded contact problems.
+// `h` of recorded contact problems.
 bool IsTimeStep(const JsonField& record, std::string_view name) { return name == "h" && record.Has("contacts"); }
 
 // Refuses foreign members. @return those that nobody knows
 std::vector<std::string> UnknownMembers(const JsonField& record) {
   for (const auto& [name, meaning] : kForeignMembers) {
     if (!record.Has(name) || IsTimeStep(record, name)) continue;
-    record[name].Fail(std::string("a problem has no such member, which elsewhere stands for ") + meaning +
+    record[name].Fail(std::string("a problem has no such member; other tools use it for ") + meaning +
                       "; expected w = A f + b by A (or J and invM), b and bilateral");
   }
   std::vector<std::string> unknown;

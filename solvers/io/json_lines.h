@@ -18,7 +18,7 @@ struct LcpRecord {
   std::string category;    ///< "" where the record names none
   /// LcpProblem::Asymmetry() of the matrix that (A + A^T) / 2 was made of; nothing where it stayed as it was.
   std::optional<double> symmetrized = std::nullopt;
-  /// Members that are in no schema (docs/formats/problem.schema.json) and were passed over, as JSON pointers have them.
+  /// Members that are in no schema (docs/formats/problem.schema.json) and were ignored, as JSON pointers.
   std::vector<std::string> unknown_members = {};
 };
 
@@ -32,8 +32,8 @@ struct LcpRecord {
 ///              of them are given, they must agree
 ///   status, w, f_minnorm, f_unique, rank_A, category  optional, what is known of the answer; null: not known
 ///   symmetrized  optional, see LcpRecord
-/// Refused by name are members by which other tools say what a problem of ours cannot: bounds other than f >= 0,
-/// friction, the matrices of programs and of motion (not h beside contacts, a time step). Other members are passed over
+/// Members that other tools use for what our problems cannot express are refused by name: bounds other than f >= 0,
+/// friction, the matrices of programs and of motion (not h beside contacts, a time step). Other members are ignored
 /// (LcpRecord::unknown_members), and so are family, base, licence and provenance of the collection, previous, floor and
 /// motion of sequences, and f. A key that stands twice in an object is refused. A matrix is a list of rows, a flat
 /// row-major list, or {"shape":[r,c],"row":[...],"col":[...],"val":[...]} with 0-based indices (equal positions add
@@ -42,7 +42,7 @@ struct LcpRecord {
 /// @throws InputError naming where, the field, what was expected and what was found
 LcpRecord ParseLcpRecord(std::string_view line, const std::string& where);
 
-/// All problems of a file, one a line, plain or compressed by gzip; empty lines are passed over.
+/// All problems of a file, one a line, plain or compressed by gzip; empty lines are skipped.
 /// @throws InputError also when the file cannot be opened
 std::vector<LcpRecord> ReadLcpFile(const std::string& path);
 

@@ -22,7 +22,7 @@ struct MarketMatrix {
 
   /// With the entries that are stored, also those that are 0.
   SparseMatrix ToSparse() const;
-  /// Of one column, or one row. @throws InputError with `where` for another shape
+  /// A matrix of one column, or one row, as a vector. @throws InputError with `where` for another shape
   Eigen::VectorXd ToVector(const std::string& where) const;
 };
 
@@ -30,8 +30,8 @@ struct MarketMatrix {
 /// whatever its header promises.
 /// @param name  of the file, for error texts
 /// @throws InputError naming file, line, what was expected and what was found: another header, a size that is negative
-/// or too large, indices outside, an entry given twice or above the diagonal of a symmetric matrix, what is no finite
-/// number, too few entries or too many
+/// or too large, indices outside, an entry given twice or above the diagonal of a symmetric matrix, numbers that are
+/// not finite, too few entries or too many
 MarketMatrix ReadMarketMatrix(std::istream& input, const std::string& name);
 
 /// Numbers of 17 significant digits, so that reading gives the same bits. Symmetric where the matrix is, bit for bit.
@@ -42,7 +42,7 @@ void WriteMarketVector(const Eigen::VectorXd& vector, std::ostream& output);
 /// What the files of one problem hold.
 struct MarketProblem {
   LcpProblem problem;                ///< by factors where they are there
-  std::optional<Eigen::VectorXd> x;  ///< f as the files know it; judged by nobody
+  std::optional<Eigen::VectorXd> x;  ///< f from the files; not judged
 };
 
 /// A problem in files named as those of the SuiteSparse collection: `name.mtx` holds A, `name_b.mtx` b, and where they
@@ -54,8 +54,8 @@ struct MarketProblem {
 MarketProblem ReadMarketProblem(const std::string& path);
 
 /// Writes all files but name_x.mtx; J, invM and bilateral rows where the problem has them, and removes what an earlier
-/// problem of this name left. That stays as it was until all files are written beside it; what is ended while they take
-/// their places leaves a problem without b, which ReadMarketProblem refuses. @throws as TextOutput
+/// problem of this name left. The old files stay until all new ones are written beside them; a process that is killed
+/// in between leaves a problem without b, which ReadMarketProblem refuses. @throws as TextOutput
 void WriteMarketProblem(const LcpProblem& problem, const std::string& path);
 
 }  // namespace lcpbench

@@ -17,7 +17,7 @@ void WriteQpsText(const LcpProblem& problem, std::ostream& output);
 /// @throws InputError also where the file cannot be written
 void WriteQpsProblem(const LcpProblem& problem, const std::string& path);
 
-/// @throws InputError where A is not symmetric bit for bit, so that it is that of no QP
+/// @throws InputError where A is not symmetric bit for bit
 void RequireQp(const LcpProblem& problem);
 
 }  // namespace lcpbench

@@ -363,7 +363,7 @@ MixedProblem ReadMixed(TextWords* words, bool has_M, bool has_parts, std::int64_
   return problem;
 }
 
-// Of W, q and mu, without friction: normal rows and columns, the first of every contact.
+// Reads W, q and mu, without friction: normal rows and columns, the first of every contact.
 MixedProblem ReadContacts(TextWords* words, std::int64_t dimension, std::int64_t contacts, std::int64_t storage,
                           bool without_friction) {
   const std::int64_t rows = dimension * contacts;

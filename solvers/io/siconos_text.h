@@ -19,11 +19,11 @@ namespace lcpbench {
 /// @param name  of the file, for error texts
 /// @param without_friction  reads friction coefficients as 0
 /// @throws InputError naming file, line, what was expected and what was found: another layout or storage
-/// (compressed rows), sizes that are negative or do not fit each other, what is no finite
-/// number, too few numbers or too many, friction, both storages of an MLCP where they differ
+/// (compressed rows), sizes that are negative or do not fit each other, numbers that are not
+/// finite, too few numbers or too many, friction, both storages of an MLCP where they differ
 LcpProblem ReadSiconosText(std::istream& input, const std::string& name, const std::string& id,
                            bool without_friction = false);
-/// Of a file, plain or compressed by gzip. The problem's id is the file's name without its ending.
+/// Reads a file, plain or compressed by gzip. The problem's id is the file's name without its ending.
 LcpProblem ReadSiconosProblem(const std::string& path, bool without_friction = false);
 
 /// An LCP, or where there are bilateral rows an MLCP of M and q alone with its blocks in the order of our rows (some of

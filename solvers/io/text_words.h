@@ -29,13 +29,13 @@ class TextWords {
   /// What WordOfAnyLine() will give.
   std::string_view PeekOfAnyLine();
 
-  /// Word() as a number. @throws InputError for what is none, or lies outside
+  /// Word() as a number. @throws InputError for a word that is not a number, or outside the range
   std::int64_t Integer(std::int64_t least, std::int64_t most, const std::string& what) {
     return Integer(least, most, what, Word());
   }
   /// `word`, which may be a part of Word().
   std::int64_t Integer(std::int64_t least, std::int64_t most, const std::string& what, std::string_view word);
-  /// Word() as a finite number. @throws InputError for what is none
+  /// Word() as a finite number. @throws InputError for any other word
   double Number();
   /// The same for WordOfAnyLine().
   std::int64_t IntegerOfAnyLine(std::int64_t least, std::int64_t most, const std::string& what);

@@ -304,7 +304,7 @@ class Application {
     options.SetStringValue("warm_start_init_point", warm ? "yes" : "no");
     const Ipopt::SmartPtr<Ipopt::TNLP> program = Ipopt::GetRawPtr(nlp_);
     Ending ending{built_ ? application_->ReOptimizeTNLP(program) : application_->OptimizeTNLP(program)};
-    // Of MUMPS, Ipopt 3.11.9 times the symbolic analysis and the solves only.
+    // Ipopt 3.11.9 times the symbolic analysis and the solves of MUMPS only.
     FactorClock::CannotTell();
     ++WorkCounts::OfThread().factorizations;  // or more: it does not say
     const Ipopt::SmartPtr<Ipopt::SolveStatistics> statistics = application_->Statistics();
@@ -494,11 +494,11 @@ class IpoptEngine {
   bool Run(Formulation* formulation, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
 
   IpoptOptions options_;
-  // Of one matrix.
+  // Kept for one matrix:
   std::optional<ScaledLcp> scaled_;
   std::vector<Formulation> formulations_;
   GivenFormTest given_;
-  // Of the test after each iteration.
+  // For the test after each iteration:
   Eigen::VectorXd f_;
   Eigen::VectorXd last_x_;
   Eigen::VectorXd ray_;

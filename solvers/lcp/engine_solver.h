@@ -11,8 +11,8 @@
 
 namespace lcpbench {
 
-/// An own solver: options in its header, an engine in its .cc. The engine is the class that does the work, and the
-/// header says no more of it than its name:
+/// An own solver: options in its header, an engine in its .cc. The engine is the class that does the work; the
+/// header only declares it:
 ///
 ///     using PgsSolver = EngineSolver<PgsOptions, class PgsEngine>;
 ///     extern template class EngineSolver<PgsOptions, PgsEngine>;
@@ -25,7 +25,7 @@ namespace lcpbench {
 ///     void Solve(const LcpProblem&, const LcpOptions&, LcpResult*);    LcpSolver::DoSolve
 ///     bool SolveArrays(const ProblemArrays&, const LcpOptions&, LcpResult*);   optional: LcpSolver::DoSolveArrays
 /// none of them virtual. No engine sees extreme numbers: such a problem is brought into range first (RangeScaling), and
-/// what is claimed of it judged by the verifier. A solver with more to tell than LcpSolver asks is a class on this one.
+/// what is claimed of it judged by the verifier. A solver that offers more than LcpSolver derives from this class.
 template <typename SolverOptions, typename SolverEngine>
 class EngineSolver : public LcpSolver {
  public:

@@ -13,7 +13,7 @@ struct WorkCounts {
   std::int64_t factorizations = 0;  ///< numeric: whole factors and CHOLMOD's updates, as FactorClock times them
   std::int64_t analyses = 0;        ///< symbolic, each with its order; of Ipopt the objects built for a program
 
-  /// Of the calling thread, so far.
+  /// The counts of the calling thread, so far.
   static WorkCounts& OfThread() {
     static thread_local WorkCounts counts;
     return counts;
@@ -74,7 +74,7 @@ class FactorClock {
     double start_;
   };
 
-  /// Of a library that factorizes inside and does not say how long.
+  /// For a library that factorizes inside and does not say how long.
   static void CannotTell() { seconds_ = std::numeric_limits<double>::quiet_NaN(); }
 
  private:

@@ -46,7 +46,7 @@ struct PassRequest {
 /// What happened to one problem of a pass.
 struct PassEntry {
   double seconds = 0;  ///< of kFresh and kAgain; of kParts problem + prepare + solve
-  // Of kParts [s].
+  // Parts of kParts [s].
   double problem_s = 0;  ///< LcpProblem::FromArrays
   double prepare_s = 0;  ///< LcpSolver::Prepare
   double convert_s = 0;  ///< of a foreign library's adapter: conversions inside the solve; else 0

@@ -5,7 +5,7 @@
 
 namespace lcpbench {
 
-/// What a method's cost allows it to be given: one rule for everybody, own solvers and peers.
+/// Which sizes a method's cost allows: one rule for own solvers and peers.
 enum class MethodClass {
   kAnySize,          ///< only the time limit ends it
   kDenseMatrix,      ///< works on a dense n x n matrix: n^2 numbers
@@ -18,7 +18,7 @@ struct SizeLimit {
   std::string_view reason;  ///< as exclusions tell it
 };
 
-/// Settled before any run, by what a method costs, not by how it fares.
+/// Fixed before any run by the method's cost, not by its results.
 constexpr std::optional<SizeLimit> SizeLimitOf(MethodClass method_class) {
   switch (method_class) {
     case MethodClass::kDenseMatrix:

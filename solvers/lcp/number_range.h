@@ -13,9 +13,9 @@ struct MagnitudeRange {
 };
 /// Products of two or three do not leave the range of doubles (LcpProblem::has_extreme_matrix, has_extreme_b).
 inline constexpr MagnitudeRange kFactorRange{0x1p-64, 0x1p64};
-/// Of entries of A.
+/// The range of entries of A.
 inline constexpr MagnitudeRange kEntryRange{0x1p-192, 0x1p192};
-/// Of entries of b.
+/// The range of entries of b.
 inline constexpr MagnitudeRange kLoadRange{0x1p-300, 0x1p128};
 
 /// Looks at numbers by the bits of their absolute values, which ascend as the numbers do, NaN and infinity last, and by

@@ -51,7 +51,7 @@ void RequireShape(const std::string& id, const char* name, Index rows, Index col
   }
 }
 
-// Of the matrix that arrays hold, in the two sparse forms.
+// Checks the matrix that arrays hold, in the two sparse forms.
 void RequireCompressedRows(const ProblemArrays& arrays) {
   const auto count = static_cast<Index>(arrays.column.size());
   if (arrays.columns < 0 || (arrays.form == MatrixForm::kSparse && arrays.columns != arrays.rows)) {

@@ -32,7 +32,8 @@ struct MatrixFacts {
   bool positive_semidefinite = false;  ///< f.A f >= 0 for every f
   std::optional<Index> rank;           ///< of A
   std::optional<bool> f_unique;        ///< whether at most one f solves the problem
-  /// Of J: 3 (bodies in the plane) or 6 (in space, in principal axes). Columns p k to p k + p - 1 are those of body k.
+  /// Columns of J per body: 3 (bodies in the plane) or 6 (in space, in principal axes). Columns p k to p k + p - 1 are
+  /// those of body k.
   int columns_per_body = 3;
 };
 
@@ -53,7 +54,7 @@ struct ProblemArrays {
   std::vector<int> row_start;
   /// Ascending within a row.
   std::vector<int> column;
-  /// Of J, or of A.
+  /// Entries of J, or of A.
   std::vector<double> value;
   std::vector<double> inverse_mass;      ///< of kFactors, a number per column of J, >= 0
   std::vector<double> b;                 ///< n

@@ -16,7 +16,7 @@ namespace lcpbench {
 /// of b~.
 class RangeScaling {
  public:
-  /// Of the matrix, without b. A matrix in range is taken as it is.  O(nnz of the given form)
+  /// Scales the matrix, without b. A matrix in range is taken as it is.  O(nnz of the given form)
   explicit RangeScaling(const LcpProblem& problem);
 
   /// The scaled matrix with b = 0.

@@ -106,7 +106,7 @@ class Residual {
     ComputeW(f, &w_);
     return Rho(f, w_);
   }
-  /// Of the f given to the last Rho(f) or Meets(tolerance, f): (A f + b)_i.
+  /// (A f + b)_i for the f given to the last Rho(f) or Meets(tolerance, f).
   Real w(Index i) const { return w_[i]; }
 
   /// The largest backward error at f, w; NaN where it is that of a row.  O(n + entries of the rows that have a defect)
@@ -219,7 +219,7 @@ class Residual {
   std::optional<LcpProblem> problem_;  // a copy shares storage and outlives the caller's
   Rows rows_ = Rows::kGiven;
   Vector w_, body_;  // n numbers, one per column of J; more where an earlier problem was larger
-  // Of rows of A = J M^-1 J^T one at a time:
+  // For rows of A = J M^-1 J^T, one at a time:
   Eigen::SparseMatrix<double, Eigen::ColMajor, int> columns_;
   bool has_columns_ = false;
   Vector entry_;

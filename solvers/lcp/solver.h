@@ -64,13 +64,13 @@ struct LcpResult {
   /// boundary besides, and own_convert_s says how long conversions took. Negative: the call's time is the solve's.
   double own_solve_s = -1;
   double own_convert_s = -1;  ///< [s], see own_solve_s
-  /// Of a solver in another process [s]: one interval there, from the caller's arrays to f, set-up and warm start
+  /// Time of a solver in another process [s]: one interval there, from the caller's arrays to f, set-up and warm start
   /// inside; after LcpProblem::WithB from the new b to f. Negative: the solver runs in this process.
   double own_fresh_s = -1;
-  /// Of the solve, in numeric factorizations [s] (factor_clock.h); negative: not asked for, or not known.
+  /// Time of the solve in numeric factorizations [s] (factor_clock.h); negative: not asked for, or not known.
   double factor_s = -1;
-  /// Of kInfeasible, where the solver has it: y >= 0 on unilateral rows, A y = 0, b.y < 0 (docs/model.md section
-  /// 8, property 3). Whether that is a proof, or so within rounding only, VerifyFarkasRay tells.
+  /// Ray of kInfeasible, where the solver has it: y >= 0 on unilateral rows, A y = 0, b.y < 0 (docs/model.md section
+  /// 8, property 3). VerifyFarkasRay says whether it is a proof, or holds within rounding only.
   std::optional<Eigen::VectorXd> farkas_ray;
 };
 
@@ -138,7 +138,8 @@ class LcpSolver {
   /// As above, a problem of the same matrix prepared, options checked; result->f has n zeros, iterations is 0, detail
   /// and ray are empty, status is kNumericalFailure until the solver says otherwise.
   virtual void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) = 0;
-  /// As DoSolve, for a cold start from arrays. False, with nothing done: by LcpProblem, please.
+  /// As DoSolve, for a cold start from arrays. Returns false and leaves the result unchanged where the arrays need an
+  /// LcpProblem; the caller then makes one.
   virtual bool DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
 
  private:

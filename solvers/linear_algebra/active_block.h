@@ -105,7 +105,7 @@ class SparseActiveBlock final : public ActiveBlock {
   void FindPatterns();
   void ComputeRow(int r);
 
-  // Of the A analysed last: its pattern, by rows, and its order.
+  // The A analysed last: its pattern, by rows, and its order.
   std::vector<int> outer_, inner_;
   KeptOrder kept_;
 

@@ -44,7 +44,7 @@ class CholmodFactor {
   void AnalyzeAsOrdered(const ColumnMatrix& lower, bool will_update = false);
 
   /// Takes over the values of `lower` where its pattern is that of the matrix analysed last, whose analysis is kept.
-  /// False, and nothing done, where it is another.
+  /// Returns false and changes nothing where the pattern differs.
   bool TakeValues(const ColumnMatrix& lower);
 
   Eigen::Index size() const;
@@ -74,7 +74,7 @@ class CholmodFactor {
   /// @param columns  C, in the order of elimination, sorted; the rows of a column of C are rows of one column of K
   /// @returns false if the matrix is no longer positive definite, to rounding; Solve must not be called after that
   bool Update(const ColumnMatrix& columns, bool add);
-  /// Of every column: the entries of L in it and in those on its way to the root of the elimination tree [Liu 1986].
+  /// For every column the entries of L in it and in those on its way to the root of the elimination tree [Liu 1986].
   std::vector<double> EntriesToRoot() const;
   bool is_supernodal() const;
 

@@ -33,7 +33,7 @@ struct CostModel {
   static constexpr double kInteriorFlop = 0.1;
   static constexpr double kInteriorEntry = 12;
 
-  /// Of an nncg iteration.
+  /// Time of an nncg iteration [s].
   static double Sweep(const LcpProblem& problem) {
     if (problem.has_factors() && problem.columns_per_body() == 3 && problem.has_two_body_rows()) {
       return kSweepRow * static_cast<double>(problem.size());

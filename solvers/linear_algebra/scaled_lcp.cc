@@ -75,7 +75,7 @@ void PermutedLcp::Reserve(Index max_rows) {
 void PermutedLcp::Order(const LcpProblem& problem, const Guess& guess) {
   const Eigen::VectorXd& d = problem.DiagonalA();
   const std::vector<Index>& joints = problem.bilateral_rows();
-  // Of contacts A_ii f_i^2 where positive; nothing but powers of two comes between for problems that differ by such.
+  // A_ii f_i^2 of contacts, where positive; nothing but powers of two comes between for problems that differ by such.
   double* size = f.data();
   double least = 0;
   if (guess.forces == nullptr) {

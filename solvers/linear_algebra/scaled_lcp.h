@@ -28,7 +28,7 @@ inline double PowerOfTwo(std::int64_t exponent) {
 /// s such that s^2 d is in [1, 4), for d > 0.
 inline double ScaleOfDiagonal(double d) { return PowerOfTwo(-(Exponent(d) >> 1)); }
 
-/// t such that t x is in [1, 2) for x > 0; 1 for 0. The reciprocal of the largest exponents is no normal number; such x
+/// t such that t x is in [1, 2) for x > 0; 1 for 0. The reciprocal of the largest exponents is subnormal; such x
 /// overflow elsewhere.
 inline double ScaleOfLargest(double x) {
   return x > 0 ? PowerOfTwo(std::clamp<std::int64_t>(-Exponent(x), -1022, 1023)) : 1.0;
@@ -55,7 +55,7 @@ struct ScaledVectors {
   double ScaledForce(Eigen::Index i, double given) const { return given / (scale[i] * b_unit[i]); }
   double GivenGap(Eigen::Index i, double w) const { return w * (b_unit[i] / scale[i]); }
   double ScaledGap(Eigen::Index i, double given) const { return given / (b_unit[i] / scale[i]); }
-  /// Of any forces f in given units: f >= 0 but for joints, and 0 for rows that do not act.
+  /// Clips forces in given units: f >= 0 but for joints, and 0 for rows that do not act.
   void Clip(const Eigen::VectorXd& given, Eigen::VectorXd* f) const;
 
   Eigen::VectorXd scale, diagonal, b, b_unit;

@@ -18,7 +18,7 @@ namespace lcpbench {
 /// object serves one thread at a time.
 class SupernodalFactor {
  public:
-  /// Of n columns in m supernodes. Arrays of others are not owned and must stay.
+  /// n columns in m supernodes. The arrays are not owned and must stay.
   struct Structure {
     int n = 0;
     int supernodes = 0;

@@ -49,8 +49,7 @@ constexpr std::string_view kFischerBurmeister = "the norm of the Fischer-Burmeis
 constexpr std::string_view kProjectedGradient = "the norm of the projected gradient, over that at the start";
 constexpr std::string_view kInfeasibilities = "primal and dual infeasibility, absolute";
 constexpr std::string_view kInfeasibilitiesOfHighs = "primal and dual infeasibility, absolute; never below 1e-10";
-constexpr std::string_view kFallOfCost =
-    "the fall of the cost in an iteration, told as the error of f that it stands for";
+constexpr std::string_view kFallOfCost = "the fall of the cost in an iteration, as an error of f";
 constexpr std::string_view kScaledGradient = "the scaled projected gradient, absolute";
 constexpr std::string_view kInfeasibilitiesAndGap = "infeasibilities and duality gap, absolute";
 constexpr std::string_view kMeanSquare = "the root mean square of w on the rows with a force";

@@ -26,7 +26,7 @@ struct PeerProject {
 
 /// What one solver is given for its own stopping options, by requested tier.
 ///
-/// The rule for tuned keys is the same effort for every library; docs/peers.md states it, and how many problems passed.
+/// The rule for tuned keys is the same effort for every library; docs/peers.md states it, and where it fails.
 /// Limits of iterations are so high that the time limit decides.
 struct TierSettings {
   std::array<double, 3> tolerances;  ///< for the tiers 1e-3, 1e-6, 1e-9
@@ -64,7 +64,7 @@ struct LeftOutSolver {
 std::span<const LeftOutSolver> SolversLeftOut();
 
 /// The tolerance for the loosest tier that is not looser than `tolerance`; that of 1e-9 for stricter ones.
-/// @throws std::logic_error where the key is no peer's with tiers, here and below
+/// @throws std::logic_error where the key is not that of a peer with tiers, here and below
 double TierTolerance(std::string_view key, double tolerance);
 /// Largest number of iterations, the same at all tiers.
 double TierIterations(std::string_view key);

@@ -23,7 +23,7 @@ class ComplementaryBasis {
   PermutedLcp lcp;
 
   Index size() const { return m_; }
-  /// Of the row of F at position p in the order of the factor: what it had left when it entered.
+  /// The pivot of the row of F at position p in the order of the factor, when it entered.
   double pivot(Index p) const { return ldlt_.pivot(slot_[static_cast<size_t>(p)]); }
 
   /// F := the positions [0, rows) but those whose pivot, in their order, is at most `threshold` A_pp. The rows left out

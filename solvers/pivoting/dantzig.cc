@@ -14,7 +14,7 @@ namespace lcpbench {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// A step within this part of the full one is taken for the full one: a tie is no reason to pivot.
+// A step within this part of the full one is taken for the full one: a tie needs no pivot.
 constexpr double kTie = 64 * std::numeric_limits<double>::epsilon();
 // A step that raises w_d by less than this part of |w_d| is degenerate.
 constexpr double kDegenerateStep = 1e-12;

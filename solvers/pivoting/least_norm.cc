@@ -47,8 +47,8 @@ std::vector<Index> ClosedRows(const LcpProblem& problem, const Metrics& metrics,
   return closed;
 }
 
-// Of A on the closed rows: an orthonormal basis of the forces that move nothing, and what is left of given forces
-// without their part in it.
+// On the closed rows of A: an orthonormal basis of the forces that move nothing, and given forces without their part
+// in it.
 struct FreeForces {
   FreeForces(const Eigen::MatrixXd& A, const Eigen::VectorXd& f, const Eigen::VectorXd& root, double rank_tolerance)
       : across(f) {

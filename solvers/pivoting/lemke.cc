@@ -128,7 +128,7 @@ void LemkeEngine::ComputePerturbation(Index k) {
   lcp_.AddColumns(m(), open_, m(), first_order_.data(), first_order_.data());
 }
 
-// Of the rows in ties_, which reach 0 together, the one that reaches it first in the perturbed problem. `event` < 0:
+// The row of those in ties_, which reach 0 together, that reaches it first in the perturbed problem. `event` < 0:
 // they move by rate_. Otherwise by `rate` along the direction of an exchange, at the z of the event.
 Index LemkeEngine::BreakTie(const Eigen::VectorXd& rate, Index event) {
   for (Index k = 0; k <= lcp_.n && ties_.size() > 1; ++k) {
@@ -146,7 +146,7 @@ Index LemkeEngine::BreakTie(const Eigen::VectorXd& rate, Index event) {
   return ties_.front();
 }
 
-// Of the rows [joints_, end) the one whose f or w reaches 0 first by `rate`, kNoRow if none does before `limit`.
+// The row in [joints_, end) whose f or w reaches 0 first by `rate`, kNoRow if none does before `limit`.
 // `event` as for BreakTie.
 template <typename Skip>
 Index LemkeEngine::FirstToReachZero(const Eigen::VectorXd& rate, Index end, double limit, Index event, const Skip& skip,

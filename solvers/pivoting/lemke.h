@@ -17,7 +17,7 @@ struct LemkeOptions : PivotOptions {
 /// Lexicographic Lemke for symmetric positive semidefinite A, on an updated factor of the active block
 /// [Lemke 1965; Cottle, Pang, Stone, sec. 4.4, 4.5, 4.9].
 ///
-/// The problem with b + z d in the place of b, covering vector d >= 0, has a solution at z = 1 that is known; z falls
+/// The problem with b + z d instead of b, covering vector d >= 0, has a known solution at z = 1; z falls
 /// to 0 along the path of almost complementary bases. For symmetric A a basis is a set F with A_FF nonsingular, and the
 /// tableau is never formed: f_F and w follow
 ///     f_F' = A_FF^-1 d_F,   w' = -d + A_F f_F'   (per unit of falling z)

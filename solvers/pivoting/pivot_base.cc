@@ -30,7 +30,7 @@ constexpr Index kRowsPerUpdate = 8;
 constexpr double kProofTolerance = 1e-9;
 // Where an answer fails in single rows, forces up to these parts of the largest D^1/2 f are tried as zeros.
 constexpr double kTinyForces[] = {1e-14, 1e-12, 1e-10};
-// Of an attempt; those after the first are repairs, each of which must improve the residual.
+// Rounds of an attempt; those after the first are repairs, each of which must improve the residual.
 constexpr int kMaxRounds = 10;
 constexpr int kRayRefinements = 3;
 // Factors on rank_tolerance for the first attempt and the restarts.

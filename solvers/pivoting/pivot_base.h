@@ -66,8 +66,8 @@ class PivotBase {
   /// w < 0 becomes 0. Returns the position of the first of them, open_ if there is none; also where time runs out.
   Index SetViolatedApart();
 
-  /// How rows without business in F leave it. All at once is cheap, but a row may have been judged beside one that was
-  /// itself only rounding: repairs let them go one by one, the worst first, and solve anew in between.
+  /// How rows that do not belong in F leave it. All at once is cheap, but a row may have been judged beside one that
+  /// was itself only rounding: repairs let them go one by one, the worst first, and solve anew in between.
   enum class Leaving { kAll, kOneByOne };
   /// f_F = -A_FF^-1 b_F, unless F has not changed since; unilateral rows with f < 0, or f > 0 by rounding only, leave
   /// until there is none. Where time runs out F is empty and TimeIsUp says so.

@@ -25,9 +25,9 @@ struct StepAnswer {
   /// Natural residual of f (verify.h), as the solver measured it: the largest of its islands, which that over all rows
   /// does not exceed. Infinite where it was not measured, or is beyond double; never NaN.
   double rho = std::numeric_limits<double>::infinity();
-  /// Of kInfeasible: whether the ray is a proof, or holds within rounding only. False where the status is another.
+  /// For kInfeasible: whether the ray is a proof, or holds within rounding only. False where the status is another.
   bool infeasible_proved = false;
-  /// Of kInfeasible within rounding: any solution needs |D^1/2 f|_1 of this or more (FarkasVerdict). Else 0.
+  /// For kInfeasible within rounding: any solution needs |D^1/2 f|_1 of this or more (FarkasVerdict). Else 0.
   double force_min = 0;
 };
 

@@ -521,7 +521,7 @@ TEST_F(Command, ConvertWritesQuadraticProgramsAndReadsNone) {
   for (const char* name : {"p.qps", "p.mps", "p.npz"}) {
     Succeed("convert - -o " + Path(name), kProblem);
     EXPECT_GT(fs::file_size(Path(name)), 50U);
-    ExpectMistake("convert " + Path(name), "are written, not read");
+    ExpectMistake("convert " + Path(name), "can be written, but not read");
   }
   EXPECT_EQ(ReadFile(Path("p.qps")), ReadFile(Path("p.mps")));
 }

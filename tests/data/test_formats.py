@@ -109,7 +109,7 @@ _DOCUMENTS = {
                         "contacts": [contact], "A": [1], "b": [1]} for contact in (
                             _RECORDED, _RECORDED | {"kind": "rod"}, _RECORDED | {"kind": "path_joint", "normal_dt": [0, 0]})],
                       _SIZES + "|the number of contacts|another body than p|a unit vector|a fixed body"),
-    "recording": (_RECORDING, _SIZES + r"|expected a number, found|an array of|a unit (vector|quaternion)|an identity of its own|two different bodies"),
+    "recording": (_RECORDING, _SIZES + r"|expected a number, found|an array of|a unit (vector|quaternion)|an id that stands once in the step|two different bodies"),
     "scene": ([json_of(_ROOT / "tests/fuzz/corpus/every_edge.json"), json_of(_ROOT / "tests/fuzz/corpus/every_shape.json")], ".*"),
     "manifest": ([_small_manifest()], "an id of its own|ids of their own|the number of seeds|within the manifest's folder|name a file|"
                                       "/(base|origin): expected"),
@@ -185,7 +185,7 @@ class Formats(unittest.TestCase):
                 paths = [path for path in _paths(document) if isinstance(path[-1], str)][:100]
                 twice = _read(name, [_doubled(document, path) for path in paths])
                 for path, said in zip(paths, twice, strict=True):
-                    self.assertIn("this key stands twice", said, (name, path))
+                    self.assertIn("this key is given twice", said, (name, path))
                     self.assertIn(path[-1], said)
                 for said in _read(name, [_text(document, (path, word)) for path in paths for word in ("NaN", "-Infinity")]):
                     self.assertIn("not valid JSON", said)
@@ -205,7 +205,7 @@ class Formats(unittest.TestCase):
                 path.write_text(_doubled(document, (key,)).replace("\n", " ") + "\n")
                 run = subprocess.run([_COMMAND, *words, path], capture_output=True, text=True, check=False)
                 self.assertEqual((run.returncode, run.stderr.count("\n")), (2, 1), (name, run.stderr))
-                self.assertIn("this key stands twice", run.stderr)
+                self.assertIn("this key is given twice", run.stderr)
 
     def test_members_that_mean_something_elsewhere_are_refused_by_name(self):
         members = json_of(FORMATS / "problem.schema.json")["properties"]
@@ -236,7 +236,7 @@ class Formats(unittest.TestCase):
                     warnings = [line for line in run.stderr.splitlines() if "warning" in line]
                     self.assertEqual(len(warnings), 1 if told else 0, run.stderr)
                     for warning in warnings:
-                        self.assertIn("p.jsonl: warning: passed over members that no problem has: " +
+                        self.assertIn("p.jsonl: warning: ignored members that no problem has: " +
                                       ", ".join(f"'{name}'" for name in told).replace("\n", "\\n"), warning)
 
     def test_files_of_ours_are_valid(self):

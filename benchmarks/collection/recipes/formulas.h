@@ -29,7 +29,7 @@ struct Formula {
   double standard = 0;  ///< the parameter's value without a change
   double least = 0;     ///< the least value that it may have
   double most = 0;      ///< the largest
-  /// Facts about A are in the problem. @throws InputError for a number of rows that the formula has none of
+  /// Facts about A are in the problem. @throws InputError for a number of rows that the formula does not have
   FormulaProblem (*generate)(int rows, double parameter, std::uint64_t seed) = nullptr;
 };
 

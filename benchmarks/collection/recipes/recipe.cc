@@ -284,7 +284,7 @@ void SpreadMasses(Instance* instance, double ratio, std::uint64_t seed) {
 
 struct ChangeKind {
   const char* name;
-  // Of the system, or else of its rows.
+  // The change of the system, or else of its rows.
   void (*of_system)(ContactSystem* system, double amount, std::uint64_t seed);
   void (*of_rows)(Instance* instance, double amount, std::uint64_t seed);
 };

@@ -52,8 +52,8 @@ struct Recipe {
 /// "<scene>-n<rows>-s<seed>", "-<change>-<amount>" for every change, "-motion-step<k>" for a step of a motion.
 std::string RecipeId(const Recipe& recipe);
 
-/// What problems that are no independent samples have in common: the id without changes, "<scene>-n<rows>-s<seed>", or,
-/// of all steps of one motion, "<scene>-n<rows>-s<seed>-motion".
+/// What dependent samples have in common: the id without changes, "<scene>-n<rows>-s<seed>", or, for all steps of one
+/// motion, "<scene>-n<rows>-s<seed>-motion".
 std::string BaseOf(const Recipe& recipe);
 
 /// A problem of the recipe's id. A step of a motion costs all steps up to it.

@@ -90,7 +90,7 @@ def _residual_axis(axes, label: str) -> None:
 
 
 def best_of_libraries(table: pd.DataFrame) -> list[str]:
-    """Of every library the solver with the least sum of logarithms over the curve."""
+    """The solver of every library with the least sum of logarithms over the curve."""
     score = table.assign(log=np.log10(_shown(table["rho"]))).groupby("solver", sort=False)["log"].mean()
     best: dict[str, str] = {}
     for solver in score.sort_values(kind="stable").index:

@@ -102,7 +102,7 @@ def work_precision(inputs: Inputs):
     if cells["tier"].nunique() < _FEWEST_TIERS:
         return None
     table = choice.counted(delivered_table(cells))
-    # Of what has a tolerance: the line of a direct method is a point.
+    # Only solvers with a tolerance: the line of a direct method is a point.
     solvers = [key for key in choice.best_of(inputs, table) if inputs.entries[key]["uses_tolerance"]][:12]
     if not solvers:
         return None

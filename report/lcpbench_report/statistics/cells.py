@@ -17,7 +17,7 @@ from .steps import NOT_ASKED, UNSUPPORTED
 
 VERIFIED = "verified"
 FALSE_SUCCESS = "false success"
-# Of a solver that was not asked for this tier's tolerance: it takes its library's own one.
+# For a solver that was not asked for this tier's tolerance: it takes its library's own one.
 BELOW_TIER = "below the tier"
 EXCLUDED = "excluded"
 NOT_RUN = (EXCLUDED, NOT_ASKED)

@@ -33,7 +33,7 @@ _VERDICTS = {pairwise.A_FASTER: FASTER, pairwise.B_FASTER: SLOWER}
 # `ratio` is that of medians, `quickest_ratio` that of the quickest passes; p is the larger of the two.
 SPEED_COLUMNS = ["solver", "size_class", "family", *GROUP, "problems", "ratio", "ratio_low", "ratio_high",
                  "quickest_ratio", "p", "verdict"]
-# Of a solver: what it was asked; `base` and `settings` are of variants alone. The rest describes its build, or is a
+# What a solver was asked; only variants have `base` and `settings`. The rest describes its build, or is a
 # label (`setting`).
 _ASKED = {"uses_tolerance": None, "tolerance": None, "ablation": None, "base": "", "settings": {}}
 _LEAST_BASES = 6  # fewer cannot reach the level, 2 / 2^5 > 0.05, and would cost the others theirs
@@ -62,8 +62,8 @@ class Changes:
         self.regressed = not (self.slower.empty and self.lost.empty and self.false_successes.empty)
 
     def agreement(self) -> tuple[int, int, float, float]:
-        """Of the cells that both verified and timed: for how many the intervals of the time overlap, and how many there
-        are; and Wilson's interval of that share."""
+        """Among the cells that both verified and timed: for how many the intervals of the time overlap, and how many
+        there are; and Wilson's interval of that share."""
         both = self.both_verified.dropna(subset=["fresh_s_old", "fresh_s_new"])
         agree = int(((both["fresh_low_old"] <= both["fresh_high_new"]) &
                      (both["fresh_low_new"] <= both["fresh_high_old"])).sum())

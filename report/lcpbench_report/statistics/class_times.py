@@ -72,7 +72,7 @@ def _ratio(names: list[str], first: pd.Series, second: pd.Series, weights: pd.Se
 
 
 def p99(cells: pd.DataFrame) -> float:
-    """Of the fresh times of one solver's verified answers, where the class has problems enough; else NaN."""
+    """The 99 % quantile of the fresh times of one solver's verified answers; NaN where the class has too few problems."""
     if len(cells) < LEAST_FOR_P99:
         return math.nan
     timed = cells[(cells["verdict"] == VERIFIED) & cells["fresh_s"].notna()]

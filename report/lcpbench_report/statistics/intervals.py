@@ -81,8 +81,8 @@ class Bootstrap:
         return np.einsum("b,br->r", np.bincount(bases, values, len(self._drawn)).astype(np.float32), self._drawn)
 
     def _medians(self, values: np.ndarray, weights: np.ndarray, bases: np.ndarray) -> np.ndarray:
-        """Of every resample; the values are sorted. Of many values those in the middle are looked at: what lies beyond
-        them, less than either tail, is taken for the last of them."""
+        """The median of every resample; the values are sorted. Among many values only those in the middle are looked
+        at: a median beyond them, which is rarer than either tail, becomes the last of them."""
         half = self._sums(bases, weights) / 2
         chosen = half > 0
         windows = [(0, len(values))]
@@ -108,8 +108,9 @@ class Bootstrap:
 
 
 def share_interval(share: float, weight: float) -> tuple[float, float]:
-    """Of a probability whose estimate is a share of the weight (Wilson 1927). The weight counts as the number of
-    observations: bases, for what differs in one number tells hardly more than one; NaN twice where it is 0.
+    """The interval of a probability whose estimate is a share of the weight (Wilson 1927). The weight counts as the
+    number of observations: bases, since problems that differ in one number say little more than one; NaN twice where
+    it is 0.
     """
     if not weight > 0:
         return math.nan, math.nan
@@ -142,8 +143,8 @@ def _draw(families: np.ndarray) -> np.ndarray:
 
 
 def interval_of(found: np.ndarray) -> tuple[float, float]:
-    """Of what resamples gave, without those that are NaN; outwards to a value that was found: infinite ones have none
-    between them."""
+    """The interval of the resamples' results, without NaN; outwards to a value that was found, since nothing lies between
+    infinite ones."""
     found = found[~np.isnan(found)]
     if not len(found):
         return math.nan, math.nan

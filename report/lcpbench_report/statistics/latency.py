@@ -51,7 +51,7 @@ class JudgedPass:
         return np.all([r.preempted for r in self.rounds], axis=0)
 
     def latency(self) -> np.ndarray:
-        """Of every step the median over the rounds that were not disturbed [s]."""
+        """The median of every step over the rounds that were not disturbed [s]."""
         times = np.array([_or_infinite(r.latency_s) for r in self.rounds])
         counts = ~np.array([r.preempted for r in self.rounds]) | self.preempted()
         return np.nanmedian(np.where(counts, times, np.nan), axis=0)
@@ -168,7 +168,7 @@ def _cold_over_warm(warm: JudgedPass, cold: dict) -> Iterator[np.ndarray]:
 
 
 def _warm_gain(ratios: list[np.ndarray]) -> dict[str, float]:
-    """Of the steps of all sequences; drawn again are sequences, for the steps of one are alike."""
+    """The gain over the steps of all sequences; the bootstrap draws sequences, because the steps of one are alike."""
     if not ratios:
         return {}
     gain = {"warm_gain": float(np.median(np.concatenate(ratios)))}

@@ -32,7 +32,7 @@ _SOLVER = {"key": "name", "setting": "text", "origin": "text", "uses_tolerance":
 _LIMITS = {"time_per_row_s": "nonnegative", "least_s": "nonnegative", "most_s": "positive"}
 _SIZE_CLASS = {"key": "name", "least": "count", "most": "count?", "stream": "count"}
 _REFERENCES = ("certified", "bounded", "none")
-# Of problems -> in words.
+# Origins of problems -> in words.
 ORIGINS = {"placed": "own scenes", "motion": "own motions", "recorded": "engines", "literature": "literature"}
 METRICS = ("rho", "backward_error", "gap_rel", "w_error", "f_error")
 # Arrays of a judge line, a number for every problem that had its turn.
@@ -91,7 +91,7 @@ class Campaign:
         return found
 
     def time_limit(self, rows):
-        """Of one solve of a problem with so many rows, or of an array of them [s]."""
+        """The limit of one solve of a problem with so many rows, or of an array of them [s]."""
         limits = self.info["limits"]
         return np.minimum(np.maximum(limits["time_per_row_s"] * rows, limits["least_s"]), limits["most_s"])
 

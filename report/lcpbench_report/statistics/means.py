@@ -37,7 +37,7 @@ def penalised(cells: pd.DataFrame) -> pd.Series:
 
 
 def mean_time(cells: pd.DataFrame, shift: float) -> float:
-    """Of one solver's cells, failures entered with their limit: failing does not pay."""
+    """The mean over one solver's cells, failures entered with their limit: failing does not pay."""
     return shifted_geometric_mean(penalised(cells), shift, cells["weight"])
 
 

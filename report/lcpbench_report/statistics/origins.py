@@ -101,7 +101,7 @@ def _losses(cells: pd.DataFrame, solvers: list[str]) -> tuple[np.ndarray, np.nda
 
 
 def _spearman(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Of every column that is known in both; equal losses share a rank."""
+    """The correlation over the columns that are known in both; equal losses share a rank."""
     known = ~(np.isnan(first).any(axis=0) | np.isnan(second).any(axis=0))
     ranks = [stats.rankdata(losses[:, known], axis=0) for losses in (first, second)]
     one, two = (each - each.mean(axis=0) for each in ranks)

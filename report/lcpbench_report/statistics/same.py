@@ -25,7 +25,7 @@ _OUT_OF_TIME = ("time_limit", "killed")
 
 @dataclass
 class Part:
-    """Of the plan's keys, the problems or the cells: which differ between A and B."""
+    """Which of the plan's keys, the problems or the cells differ between A and B."""
 
     both: int = 0  # there in A and in B
     only_a: list[str] = field(default_factory=list)

@@ -44,7 +44,7 @@ class Tables(UserDict):
 
 def makers_of(cells: pd.DataFrame, ablated: pd.DataFrame,
               solvers: list[dict]) -> dict[str, Callable[[], pd.DataFrame]]:
-    """Of all of TABLES; the arguments are those of class_times.ablation_table."""
+    """A maker for each of TABLES; the arguments are those of class_times.ablation_table."""
     own = {entry["key"] for entry in solvers if entry["origin"] == "own"}
     return {name: partial(table, cells) for name, table in _OF_CELLS.items()} | {
         "peer_ratio": partial(peer_ratio_table, cells, own),

@@ -31,7 +31,7 @@ def weighted_median(values, weights) -> float:
 
 
 def weighted_share(holds, weights) -> float:
-    """Of the weight, where `holds`; NaN without any."""
+    """The share of the weight where `holds`; NaN without any."""
     weights = np.asarray(weights, dtype=float)
     return float(weights[np.asarray(holds, dtype=bool)].sum() / weights.sum()) if len(weights) else math.nan
 

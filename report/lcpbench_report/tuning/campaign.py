@@ -104,7 +104,7 @@ def sizes_of(text: str) -> list[int]:
 
 
 def chosen_solvers(asked: str | None, declared: list[str], available: list[str]) -> list[str]:
-    """Of --solvers, in the order of the declaration."""
+    """The solvers of --solvers, in the order of the declaration."""
     there = [key for key in declared if key in available]
     wanted = there if asked is None else asked.split(",")
     if unknown := [key for key in wanted if key not in there]:

@@ -36,7 +36,7 @@ _MACHINE = ("cpu", "cores", "memory_bytes", "os", "compiler", "flags", "solver_f
 
 @dataclass
 class Outcome:
-    """Of one configuration; `ratio` is its mean over the default's, below 1 where it is faster."""
+    """The outcome of one configuration; `ratio` is its mean over the default's, below 1 where it is faster."""
 
     problems: int
     verified: int

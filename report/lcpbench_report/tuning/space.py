@@ -19,7 +19,7 @@ Configuration = dict[str, str]
 
 @dataclass
 class Space:
-    """Of one solver: a grid, the first value of every setting being the default."""
+    """The settings of one solver: a grid, the first value of every setting being the default."""
 
     solver: str
     settings: dict[str, list[str]]

@@ -49,7 +49,7 @@ def render(inputs: Inputs, pictures: Sequence[Picture] = ()) -> str:
 
 
 def shown(inputs: Inputs) -> list[str]:
-    """Of peers the fastest of every library, a few of them."""
+    """Our well-known solvers, and the fastest peer of each of the fastest libraries."""
     chosen = [solver for solver in solver_facts.WELL_KNOWN if solver in inputs.own] or inputs.own[:8]
     means = choice.table(inputs, "means", choice.main_tier(inputs))
     libraries: dict[str, str] = {}
@@ -100,7 +100,7 @@ def _environments(inputs: Inputs) -> list[dict]:
 
 
 def _facts(info: dict) -> tuple[list, list]:
-    """Of the machine, and of the campaign."""
+    """Facts of the machine, and of the campaign."""
     found = info.get("environment", {})
     libraries = ", ".join(f"{name} {version}" for name, version in found.get("libraries", {}).items())
     commit = str(found.get("git_commit", "unknown")) + (" with uncommitted changes" if found.get("git_dirty") else "")

@@ -37,7 +37,7 @@ _MOTION_POINTS = 120  # of a curve: more are not seen
 
 def build(inputs: Inputs, shown: list[str]) -> dict:
     """@param shown  solvers that are visible when the page opens"""
-    # Of what fills up the streams there are thousands: it is in the tables, and would only stall the browser.
+    # Thousands of problems fill up the streams: they are in the tables, and would only stall the browser.
     names = [name for name, about in inputs.problems.items() if not about["fill"]]
     cells = inputs.cells[~inputs.cells["fill"].astype(bool)]
     return {

@@ -173,7 +173,7 @@ class MuJoCo : public LcpSolver {
 
  private:
   static constexpr double kRegularization = 1e-12;
-  // Of the default solimp, where a contact or a limit is met: (1 - 0.9) / 0.9.
+  // R/A by the default solimp at a contact or a limit: (1 - 0.9) / 0.9.
   static constexpr double kOwnRegularization = 0.1 / 0.9;
 
   void OrderColumnsAndRows(const LcpProblem& problem) {

@@ -39,7 +39,7 @@ namespace {
 static_assert(sizeof(dReal) == sizeof(double), "ODE was built for single precision");
 static_assert(dInfinity == std::numeric_limits<double>::infinity(), "ODE compares bounds with its own infinity");
 
-// Of the call that runs: a process solves one problem at a time, and ODE's handler takes no context.
+// State of the call that runs: a process solves one problem at a time, and ODE's handler takes no context.
 struct CallState {
   std::vector<double> b_and_x;
   std::vector<double> lower_and_upper;

@@ -89,7 +89,7 @@ class Osqp : public QpPeer {
       return;
     }
     result->iterations = solver->info->iter;
-    // Where it finds no answer it leaves what is no number.
+    // Where it finds no answer it writes NaN.
     const OSQPSolution& solution = *solver->solution;
     switch (solver->info->status_val) {
       case OSQP_SOLVED:

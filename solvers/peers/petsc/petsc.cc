@@ -310,7 +310,7 @@ class PetscPeer : public LcpSolver {
 
 class Snes : public PetscPeer {
  public:
-  // Of keys that end in "-direct": the one with the most passes among the tuning problems.
+  // For keys that end in "-direct": the value with the most passes among the tuning problems.
   static constexpr double kDirectShift = 1e-8;
 
   Snes(std::string_view key, const char* type, SettingsReader* reader) : PetscPeer(key, type, reader) {

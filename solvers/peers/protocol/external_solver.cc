@@ -53,7 +53,7 @@ Bytes ExternalSolver::Receive(MessageType expected, double limit_s) {
   if (type == expected) return payload;
   process_->Kill();
   if (expected == MessageType::kHello && type == MessageType::kRefusal) throw InputError(DecodeRefusal(payload));
-  throw WorkerFailure(How::kBroken, Name() + "sent what is no message of the protocol");
+  throw WorkerFailure(How::kBroken, Name() + "sent bytes that are not a message of the protocol");
 }
 
 // Sends, and decodes the answer. Whatever goes wrong, the worker is gone afterwards.

@@ -43,7 +43,7 @@ class WorkerFailure : public std::runtime_error {
     kTimeLimit,   ///< no answer in time: it was killed
     kEnded,       ///< by itself: a crash, an exit
     kKilled,      ///< by something else (SIGKILL, SIGTERM)
-    kBroken,      ///< sent what is no message of the protocol, and was killed
+    kBroken,      ///< broke the protocol, and was killed
   };
   /// @param what  the reason in words
   WorkerFailure(How how, const std::string& what) : std::runtime_error(what), how_(how) {}
@@ -82,7 +82,7 @@ class ExternalSolver : public LcpSolver {
   const Hello& Greet();
   /// Starts it. @throws InputError as Greet
   bool is_version_1() { return Greet().version == 1; }
-  /// Of the last solve, what forming A for a worker of version 1 took here [s]; else 0.
+  /// What forming A for a worker of version 1 took here in the last solve [s]; else 0.
   double formed_on_host_s() const { return formed_on_host_s_; }
 
   /// How workers ended that something else killed since the last call, before a new one tried again; "": none did.

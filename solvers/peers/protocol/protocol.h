@@ -18,14 +18,14 @@ namespace lcpbench {
 // worker, in any language: the host starts its command and talks to it through its standard input and output.
 // docs/protocol.md describes every message of all versions.
 
-/// Of workers written here.
+/// The version of workers written here.
 inline constexpr std::uint32_t kProtocolVersion = 3;
 /// A frame that claims more is refused before anything is allocated.
 inline constexpr std::uint64_t kLargestPayload = std::uint64_t{1} << 36U;
 
 /// What a frame holds.
 enum class MessageType : std::uint32_t {
-  kNone = 0,  ///< never sent: what is no frame of the protocol
+  kNone = 0,  ///< never sent: not a frame of the protocol
   kHello = 1,
   kProblem = 2,
   kPrepared = 3,
@@ -117,7 +117,7 @@ PassReply DecodePassReply(const Bytes& payload, const PassRequest& request, std:
 
 /// Writes one frame, as WriteAll.
 Transfer WriteFrame(int fd, MessageType type, const Bytes& payload, double until);
-/// Reads one frame, as ReadAll. The type is kNone where the header is none of the protocol's or promises more than
+/// Reads one frame, as ReadAll. The type is kNone where the header is not one of the protocol or promises more than
 /// kLargestPayload. Memory grows with what arrives, not with what the header promises.
 Transfer ReadFrame(int fd, MessageType* type, Bytes* payload, double until);
 

@@ -92,7 +92,7 @@ class Worker {
   std::unique_ptr<LcpSolver> solver_;
   int in_;
   int out_;
-  // Of single solves: as sent, the b that takes the place of the one sent, and the matrix that they share.
+  // For single solves: the problem as sent, the b that replaces its b, and the matrix that they share.
   std::optional<ProblemArrays> arrays_;
   std::optional<LcpProblem> problem_;
   std::optional<Eigen::VectorXd> other_b_;

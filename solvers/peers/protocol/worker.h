@@ -14,7 +14,7 @@ namespace lcpbench {
 int RunWorker(const Hello& hello, const SolverFactory& make);
 
 /// The same between two files, without taking standard output away from what a library prints.
-/// @throws std::exception of what is no message, or no problem; in words
+/// @throws std::exception where a message or a problem is malformed; in words
 int ServeFrames(int in, int out, const Hello& hello, const SolverFactory& make);
 
 /// Tells the host why this worker does not start, in the place of RunWorker. False where nobody listens.

@@ -72,7 +72,7 @@ PyObject* PeersModule() {
   return module;
 }
 
-// Of arrays that are this solve's own: some modules demand arrays that can be written to.
+// Arrays that are this solve's own: some modules demand arrays that can be written to.
 template <typename T>
 Object View(T* data, Index count) {
   static char nothing = 0;

@@ -136,7 +136,7 @@ void SetB(const LcpProblem& problem, QuadraticProgram* qp) {
   qp->upper.setConstant(rows, kInfinity);
 }
 
-// Of the LCP's rows those that have a bound, where the bounds are rows.
+// The LCP's rows that have a bound, where the bounds are rows.
 Eigen::VectorXd OfBounds(const QuadraticProgram& qp, const Eigen::VectorXd& of_rows) {
   Eigen::VectorXd kept(qp.rows());
   for (Index row = 0, i = 0; row < of_rows.size() && i < kept.size(); ++row) {

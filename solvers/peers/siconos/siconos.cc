@@ -456,14 +456,14 @@ class Siconos : public LcpSolver {
   LCP_SOLVER solver_;
   bool is_library_default_;
   PeerTier tier_;
-  // Of the Newton methods.
+  // Newton methods:
   LSA_ALGO search_ = SICONOS_LSA_ARMIJO;
   int reference_ = NM_LS_DISABLE;
-  // Of sweeps.
+  // Sweeps:
   double regularization_ = 0;
-  // Of projected gradients; 0: the library's own.
+  // Projected gradients; 0: the library's own.
   double first_step_ = 0;
-  // Of blocks.
+  // Blocks:
   LCP_SOLVER local_ = SICONOS_LCP_PGS;
   int local_iterations_ = 0;
   std::size_t block_rows_ = kLargestBlock;

@@ -5,7 +5,7 @@
 
 namespace lcpbench {
 
-/// One of Simbody's impulse solvers, behind plain numbers: Simbody's headers are no C++20, this project's are.
+/// One of Simbody's impulse solvers, behind plain numbers: Simbody's headers do not compile as C++20.
 class ImpulseCode {
  public:
   virtual ~ImpulseCode() = default;

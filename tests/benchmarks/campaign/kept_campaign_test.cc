@@ -158,14 +158,14 @@ TEST_F(KeptCampaign, WhatIsNotOfThePlanIsRefusedByFileAndLine) {
   const std::vector<std::pair<std::string, std::string>> wrong[] = {
       {{noise, "not valid JSON"},
        {problem.dump() + problem.dump(), "not valid JSON"},
-       {R"({"problem":"x",)" + problem.dump().substr(1), "/problem: this key stands twice"},
+       {R"({"problem":"x",)" + problem.dump().substr(1), "/problem: this key is given twice"},
        {JsonLines(folder_ / "c/problems.jsonl").at(0).dump(), "problem"},
        {with(problem, "rows", 7777), "rows 7777"},
        {with(problem, "weight", 0.123), "weight"},
        {with(problem, "floor", "x"), "floor"},
        {with(problem, "size_class", "huge"), "size_class"}},
       {{noise, "not valid JSON"},
-       {R"({"solver":"x",)" + line.dump().substr(1), "/solver: this key stands twice"},
+       {R"({"solver":"x",)" + line.dump().substr(1), "/solver: this key is given twice"},
        {JsonLines(folder_ / "c/streams.jsonl").at(0).dump(), "a second line of dantzig"},
        {with(line, "pass", -1), "field 'pass'"},
        {with(line, "pass", 1.5), "field 'pass'"},
@@ -177,7 +177,7 @@ TEST_F(KeptCampaign, WhatIsNotOfThePlanIsRefusedByFileAndLine) {
        {with(line, "pass", (1LL << 32) + line["pass"].get<int>()), "pass 42949672"},
        {with(line, "excluded", nullptr), "field 'excluded'"},
        {with(line, "exceptions", Json::array({{{"at", 1e30}}})), "field 'exceptions/0/at'"},
-       {"{\"pass\":1," + line.dump().substr(1), "/pass: this key stands twice"}}};
+       {"{\"pass\":1," + line.dump().substr(1), "/pass: this key is given twice"}}};
   for (const std::string file : {"problems.jsonl", "streams.jsonl"}) {
     const std::string before = ReadFile(folder_ / "c" / file);
     for (const auto& [text, found] : wrong[file == "streams.jsonl"]) {

@@ -199,7 +199,7 @@ TEST_F(RecordedSequence, LacksNoStepAndHasNoneTooLarge) {
     Entry(101);
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("step 300: expected it in the recording"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("step 300: the recording does not have it"), std::string::npos)
         << error.what();
   }
   EXPECT_THROW(MeasureSequence(RecordedSteps{"recordings/ode-heightfield-sequence.jsonl.gz", 199}, 2, kData),
@@ -495,7 +495,7 @@ TEST_F(SequenceCampaign, ATornTailOfStepsIsMadeAgainAndWhatIsNotOfThePlanIsRefus
   const std::pair<std::string, std::string> wrong[] = {
       {"\x01\xff\xfe{]", "not valid JSON"},
       {line.dump().substr(0, 30), "not valid JSON"},
-      {R"({"solver":"x",)" + line.dump().substr(1), "/solver: this key stands twice"},
+      {R"({"solver":"x",)" + line.dump().substr(1), "/solver: this key is given twice"},
       {Passes("c").at(0).dump(), "a second line of"},
       {with("round", -1), "field 'round'"},
       {with("round", 2), "round 2"},

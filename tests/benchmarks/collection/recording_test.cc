@@ -250,7 +250,7 @@ TEST(Recording, StepsThatAreNoneAreRefusedByName) {
   refused(R"({"b":[-1,0],"p":[0,0],"n":[1,1]})", "a unit vector");
   const std::string contact =
       R"({"b":[-1,0],"p":[0,0],"n":[0,1],"gap":0,"mu":0,"id":"c","shape":["a","b"],"radius":[null,null]})";
-  refused(contact + "," + contact, "an identity of its own");
+  refused(contact + "," + contact, "an id that stands once in the step");
 }
 
 }  // namespace

@@ -111,7 +111,7 @@ TEST_F(TunedSettings, RunBesideTheDefaults) {
 TEST_F(TunedSettings, WhatIsNoTunedFileIsRefusedByOneLine) {
   const std::pair<const char*, const char*> mistakes[] = {
       {"{", "not valid JSON"},
-      {R"({"schema": "lcpbench-tuned/1", "budget": 5, "budget": 9})", "/budget: this key stands twice"},
+      {R"({"schema": "lcpbench-tuned/1", "budget": 5, "budget": 9})", "/budget: this key is given twice"},
       {R"({"schema": "lcpbench-tuning/1"})", "lcpbench-tuned/1"},
       {R"({"schema": "lcpbench-tuned/1", "budget": 5})", "/solvers: missing field"},
       {R"({"schema": "lcpbench-tuned/1", "budget": 5, "solvers": [{"solver": "nobody", "chosen": {}}]})", "nobody"},

@@ -488,7 +488,7 @@ TEST_F(FclibFile, WhatLeadsOutOfTheFileIsRefused) {
       H5Lcreate_hard(file, W_x.c_str(), file, x.c_str(), H5P_DEFAULT, H5P_DEFAULT);
     }
   };
-  expect(share, "expected values of its own, found some that are others' too");
+  expect(share, "expected values that no other dataset shares, found shared ones");
 }
 
 // Headers whose sizes promise what the file does not hold.
