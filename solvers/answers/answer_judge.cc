@@ -42,11 +42,9 @@ void AnswerJudge::SetB(const LcpProblem& problem) {
 void AnswerJudge::Start(double tolerance) {
   tolerance_ = tolerance;
   tier_ = std::numeric_limits<double>::infinity();
-  latest_is_best_ = false;
 }
 
 bool AnswerJudge::Publish(LcpResult* result) {
-  latest_is_best_ = false;
   estimate_.ComputeW(f_, &w_);
   double rho = estimate_.Rho(f_, w_);
   const bool is_unclear = std::abs(rho - tolerance_) <= Rounding(estimate_.problem(), f_);
@@ -66,7 +64,6 @@ bool AnswerJudge::Publish(LcpResult* result) {
   tier_ = tier;
   result->f.swap(f_);
   w_best_.swap(w_);
-  latest_is_best_ = true;
   return tier <= kGoodEnough;
 }
 

@@ -34,15 +34,12 @@ class AnswerJudge {
   double tier() const { return tier_; }
   /// w = A f + b of the best candidate, in the problem's units.
   const Eigen::VectorXd& w() const { return w_best_; }
-  /// w of the latest candidate, best or not.
-  const Eigen::VectorXd& latest_w() const { return latest_is_best_ ? w_best_ : w_; }
 
  private:
   ResidualEstimate estimate_;
   GivenFormTest extended_;
   double tolerance_ = 0;
   double tier_ = std::numeric_limits<double>::infinity();
-  bool latest_is_best_ = false;
   Eigen::VectorXd f_, w_, w_best_;
 };
 

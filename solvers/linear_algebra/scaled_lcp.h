@@ -53,7 +53,6 @@ struct ScaledVectors {
 
   double GivenForce(Eigen::Index i, double f) const { return f * (scale[i] * b_unit[i]); }
   double ScaledForce(Eigen::Index i, double given) const { return given / (scale[i] * b_unit[i]); }
-  double GivenGap(Eigen::Index i, double w) const { return w * (b_unit[i] / scale[i]); }
   double ScaledGap(Eigen::Index i, double given) const { return given / (b_unit[i] / scale[i]); }
   /// Clips forces in given units: f >= 0 but for joints, and 0 for rows that do not act.
   void Clip(const Eigen::VectorXd& given, Eigen::VectorXd* f) const;
@@ -117,7 +116,6 @@ struct PermutedLcp {
   double GivenForce(Index p) const { return f[p] * (scale[row[static_cast<size_t>(p)]] / b_scale); }
   double ScaledForce(Index p, double given) const { return given * b_scale / scale[row[static_cast<size_t>(p)]]; }
   double ScaledW(Index p, double given) const { return given * b_scale * scale[row[static_cast<size_t>(p)]]; }
-  double GivenW(Index p) const { return w[p] / (b_scale * scale[row[static_cast<size_t>(p)]]); }
   /// |w_p| / (sqrt(A_pp) |D^-1/2 b|_2), the share that row p alone would have in rho.
   double ResidualShare(Index p, double w_p) const;
 
