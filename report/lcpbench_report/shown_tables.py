@@ -163,13 +163,12 @@ def means(inputs: Inputs) -> Table | None:
         interval = f"{seconds(of['mean_low'])}–{seconds(of['mean_high'])}"
         return f"{seconds(of['mean'])} ({interval}), {formats.ratio(of['over_best'])}×"
 
-    return _by_tier(inputs, "means", words, lambda table: table[table["unit"] == "s"])
+    return _by_tier(inputs, "means", words)
 
 
-def _by_tier(inputs: Inputs, name: str, words: Callable[[pd.Series], str],
-             chosen=lambda table: table) -> Table | None:
+def _by_tier(inputs: Inputs, name: str, words: Callable[[pd.Series], str]) -> Table | None:
     """A row per solver, a column per shown tier, of a table of the analysis."""
-    by = chosen(choice.table(inputs, name)).set_index(["solver", "tier"])
+    by = choice.table(inputs, name).set_index(["solver", "tier"])
     tiers = [tier for tier in choice.shown_tiers(inputs) if tier in by.index.get_level_values("tier")]
     rows = []
     for solver in inputs.in_order(by.index.get_level_values("solver")):

@@ -89,8 +89,7 @@ class Means(unittest.TestCase):
         self.assertTrue(math.isnan(means.shift_of(cells_of(pd.DataFrame({"a": [INF]})))))
 
     def test_failures_enter_with_the_limit(self):
-        table = means.mean_table(cells_of(EXAMPLE))
-        rows = table[table["unit"] == "s"].set_index("solver")
+        rows = means.mean_table(cells_of(EXAMPLE)).set_index("solver")
         shift = rows["shift"].iloc[0]
         self.assertEqual(shift, 0.1)  # the medians of what is finite are 3.5 and 3
         for solver, times in {"a": (1.0, 6.0, TIME_LIMIT), "b": (4.0, 2.0, TIME_LIMIT)}.items():
@@ -105,18 +104,6 @@ class Means(unittest.TestCase):
             times = np.exp(np.random.default_rng(seed).normal(-5, 2, (40, 1)))
             row = means.mean_table(cells_of(pd.DataFrame(times, columns=["a"]))).iloc[0]
             self.assertTrue(times.min() < row["mean_low"] < row["mean"] < row["mean_high"] < times.max())
-
-    def test_oracle_units_leave_out_problems_without_an_oracle(self):
-        cells = cells_of(EXAMPLE)
-        cells.loc[cells["problem"] == "q", "oracle_s"] = math.nan
-        rows = means.mean_table(cells)
-        rows = rows[rows["unit"] == "oracle"].set_index("solver")
-        self.assertEqual(set(rows["problems"]), {2})
-        shift = rows["shift"].iloc[0]
-        self.assertEqual(shift, 100)  # in these units a takes 1000
-        expected = math.sqrt((1.0 / 1e-3 + shift) * (TIME_LIMIT / 1e-3 + shift)) - shift
-        self.assertAlmostEqual(rows.loc["a", "mean"], expected)
-
 
 class Coverage(unittest.TestCase):
     def test_every_cell_is_counted_once(self):

@@ -97,8 +97,7 @@ class Tables(SharedFolderCase):
     def test_what_does_not_count_has_tables_of_its_own(self):
         for name in ("profiles", "means", "coverage"):
             self.assertEqual(set(self.tables[name]["set"]), {"counted"}, name)
-        for name in ("pairwise", "oracle"):
-            self.assertEqual(set(self.tables[name]["set"]), {"counted", "engine"}, name)
+        self.assertEqual(set(self.tables["pairwise"]["set"]), {"counted", "engine"})
 
     def test_what_a_solver_does_not_take_is_neither_failed_nor_in_its_share(self):
         for row in self.tables["coverage"].to_dict("records"):
@@ -126,9 +125,6 @@ class Tables(SharedFolderCase):
         cells = self.tables["cells"]
         row = cells[(cells["solver"] == "quick") & (cells["rows"] == 100)].iloc[0]
         self.assertAlmostEqual(row["oracle_ratio"], row["time_s"] / (100 * ORACLE_PER_ROW), places=5)
-        table = self.tables["oracle"].set_index(["set", "solver", "tier"])
-        self.assertEqual(table.loc[("counted", "limited", TIERS[0]), "problems"], COUNTED * 4 // 6 - len(FAMILIES))
-        self.assertNotIn(("counted", "liar", min(TIERS)), table.index)
 
     def test_accuracy_of_claims_shows_what_verified_ones_hide(self):
         table = self.tables["accuracy"]
@@ -364,8 +360,7 @@ class Files(FolderCase):
         self._expect_headers()
         self._write(change=fail)
         self._expect_headers()
-        for name in ("scaling", "oracle"):
-            self.assertTrue(pd.read_csv(self.folder / FOLDER / f"{name}.csv").empty, name)
+        self.assertTrue(pd.read_csv(self.folder / FOLDER / "scaling.csv").empty)
         profiles = pd.read_csv(self.folder / FOLDER / "profiles.csv")
         self.assertEqual(set(profiles["share"]), {0})
 

@@ -1,5 +1,4 @@
-"""Distributions over problems: performance profiles, how exact the answers are, times in units of the oracle; and how
-time grows with the number of rows.
+"""Distributions over problems: performance profiles, how exact the answers are; and how time grows with the number of rows.
 
 Performance profiles (Dolan & Moré 2002):
 
@@ -7,9 +6,6 @@ Performance profiles (Dolan & Moré 2002):
 
 t is the time that counts: failures and excluded cells lie at infinity. The ranking of all but the best depends on who
 takes part (Gould & Scott 2016): pairwise.py compares two without the others.
-
-The oracle is one sparse factorization and solve on the rows that are active in the answer, known in advance
-(benchmarks/measure/oracle.h). No method that factors can know less and be faster; 1 is a bound, not a rival.
 
 Growth: t ~ c rows^exponent. The median time of every number of rows, each base of it counting once, is a point: small
 problems come in hundreds. By least squares in log-log coordinates, with Student's interval of the slope, and by the
@@ -24,7 +20,7 @@ import pandas as pd
 from scipy import stats
 
 from .cells import NOT_RUN, VERIFIED
-from .groups import GROUP, by_solver, common, groups, wide
+from .groups import GROUP, common, groups, wide
 from .intervals import CONFIDENCE
 from .weighted import quantiles, weighted_share
 
@@ -35,7 +31,6 @@ _ANSWERS = {"verified": lambda cells: cells["verdict"] == VERIFIED,
             "claimed": lambda cells: cells["claim"] == "solved"}
 PROFILE_COLUMNS = [*GROUP, "solver", "problems", "tau", "share", "excluded_share"]
 ACCURACY_COLUMNS = [*GROUP, "solver", "reference", "answers", "metric", "problems", *quantiles([])]
-ORACLE_COLUMNS = [*GROUP, "solver", "problems", *quantiles([])]
 LEAST_SIZES = 4
 _FIT = ["exponent", "exponent_low", "exponent_high", "seconds_at_1", "r_squared", "theil_sen", "theil_sen_low",
         "theil_sen_high"]
@@ -83,13 +78,6 @@ def accuracy_table(cells: pd.DataFrame) -> pd.DataFrame:
                                      "metric": metric, "problems": len(known),
                                      **quantiles(known[metric], weights=known["weight"])})
     return pd.DataFrame(rows, columns=ACCURACY_COLUMNS)
-
-
-def oracle_table(cells: pd.DataFrame) -> pd.DataFrame:
-    """A row per group and solver, over verified answers to problems whose oracle was timed."""
-    known = cells[np.isfinite(cells["oracle_ratio"])]
-    return by_solver(groups(known), lambda own: {"problems": len(own)} | quantiles(own["oracle_ratio"],
-                                                                                   weights=own["weight"]), ORACLE_COLUMNS)
 
 
 def fit_exponent(rows, times) -> dict[str, float]:

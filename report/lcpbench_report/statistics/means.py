@@ -19,9 +19,7 @@ from .groups import GROUP, common, groups, with_label
 from .intervals import Bootstrap
 from .weighted import quantiles, weighted_median, weighted_share
 
-# Units of time: "oracle" is one factorization with the answer's active set known.
-UNITS = ("s", "oracle")
-COLUMNS = [*GROUP, "solver", "unit", "shift", "problems", "penalised", "mean", "mean_low", "mean_high", "over_best"]
+COLUMNS = [*GROUP, "solver", "shift", "problems", "penalised", "mean", "mean_low", "mean_high", "over_best"]
 DELIVERED = ("rho", "w_error")
 DELIVERED_COLUMNS = ["set", "solver", "tier", "problems", "verified_share", "shift", "mean_s", "answers",
                      *(name for metric in DELIVERED for name in quantiles([], f"{metric}_"))]
@@ -51,27 +49,23 @@ def shift_of(cells: pd.DataFrame, times: str = "time_s") -> float:
 
 
 def mean_table(cells: pd.DataFrame) -> pd.DataFrame:
-    """A row per group, solver and unit; problems that count only, and of those for the unit "oracle" the ones whose
-    oracle was timed."""
+    """A row per group and solver; problems that count only."""
     rows = []
     for label, of_group in groups(cells, counted_only=True):
         shared = common(of_group)
         bootstrap = Bootstrap(shared)
-        for unit in UNITS:
-            known = shared if unit == "s" else shared[shared["oracle_s"].notna()]
-            size = 1.0 if unit == "s" else known["oracle_s"]
-            known = known.assign(counted=penalised(known) / size, units=known["time_s"] / size)
-            shift = shift_of(known, "units")
-            shift = shift_of(known, "counted") if math.isnan(shift) else shift  # nobody solved any
-            found = []
-            for solver, own in known.groupby("solver", sort=False):
-                low, high = bootstrap.mean(own["problem"], np.log(own["counted"] + shift), own["weight"])
-                found.append(label | {"solver": solver, "unit": unit, "shift": shift, "problems": len(own),
-                                      "penalised": int((~np.isfinite(own["time_s"])).sum()),
-                                      "mean": shifted_geometric_mean(own["counted"], shift, own["weight"]),
-                                      "mean_low": math.exp(low) - shift, "mean_high": math.exp(high) - shift})
-            best = min((row["mean"] for row in found), default=math.nan)
-            rows += [row | {"over_best": row["mean"] / best} for row in found]
+        shared = shared.assign(counted=penalised(shared))
+        shift = shift_of(shared)
+        shift = shift_of(shared, "counted") if math.isnan(shift) else shift  # nobody solved any
+        found = []
+        for solver, own in shared.groupby("solver", sort=False):
+            low, high = bootstrap.mean(own["problem"], np.log(own["counted"] + shift), own["weight"])
+            found.append(label | {"solver": solver, "shift": shift, "problems": len(own),
+                                  "penalised": int((~np.isfinite(own["time_s"])).sum()),
+                                  "mean": shifted_geometric_mean(own["counted"], shift, own["weight"]),
+                                  "mean_low": math.exp(low) - shift, "mean_high": math.exp(high) - shift})
+        best = min((row["mean"] for row in found), default=math.nan)
+        rows += [row | {"over_best": row["mean"] / best} for row in found]
     return pd.DataFrame(rows, columns=COLUMNS)
 
 

@@ -11,7 +11,7 @@ from ..files import replaced
 from .cells import cell_table
 from .class_times import ablation_table, class_table, peer_ratio_table
 from .coverage import coverage_table
-from .distributions import accuracy_table, oracle_table, profile_table, scaling_table
+from .distributions import accuracy_table, profile_table, scaling_table
 from .latency import deadline_table, latency_by_solver_table, latency_table
 from .load import Campaign
 from .means import delivered_table, mean_table
@@ -23,8 +23,7 @@ FOLDER = "analysis"
 _OF_CELLS: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
     "cells": lambda cells: cells, "class_times": class_table, "profiles": profile_table, "pairwise": pairwise_table,
     "means": mean_table, "coverage": coverage_table, "scaling": scaling_table, "delivered": delivered_table,
-    "accuracy": accuracy_table, "oracle": oracle_table,
-    "origins": origin_table, "rank_correlation": rank_table,
+    "accuracy": accuracy_table, "origins": origin_table, "rank_correlation": rank_table,
 }
 # Name -> function of a campaign that has passes over sequences.
 STEP_TABLES: dict[str, Callable[[Campaign], pd.DataFrame]] = {

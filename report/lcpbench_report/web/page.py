@@ -53,7 +53,7 @@ def shown(inputs: Inputs) -> list[str]:
     chosen = [solver for solver in solver_facts.WELL_KNOWN if solver in inputs.own] or inputs.own[:8]
     means = choice.table(inputs, "means", choice.main_tier(inputs))
     libraries: dict[str, str] = {}
-    for solver in means[means["unit"] == "s"].sort_values("mean")["solver"]:
+    for solver in means.sort_values("mean")["solver"]:
         if solver in inputs.peers:
             libraries.setdefault(solver_facts.library(inputs.entries[solver]), solver)
     return chosen + list(libraries.values())[:_PEERS_SHOWN]
