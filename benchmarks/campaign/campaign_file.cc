@@ -6,7 +6,6 @@
 #include <ctime>
 #include <filesystem>
 #include <limits>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -47,41 +46,6 @@ std::string Now() {
   std::array<char, sizeof "2026-01-01T00:00:00Z"> text{};
   std::strftime(text.data(), text.size(), "%FT%TZ", &utc);
   return text.data();
-}
-
-struct Times {
-  std::vector<double> fresh_s;
-  std::string failure;
-};
-
-std::map<std::string, Times> TimesByName(const std::string& folder) {
-  std::map<std::string, std::vector<std::string>> problems;  // by size class
-  ReadJsonLines(folder + "/" + kProblemsFile, "a problem", [&](const nlohmann::json& line, const std::string&) {
-    problems[line.at("size_class").get<std::string>()].push_back(line.at("problem").get<std::string>());
-  });
-  std::map<std::string, Times> cells;
-  ReadJsonLines(folder + "/" + kStreamsFile, "a pass", [&](const nlohmann::json& line, const std::string&) {
-    if (!line.at("excluded").get<std::string>().empty()) return;
-    const std::vector<std::string>& names = problems.at(line.at("size_class").get<std::string>());
-    const auto first = line.at("first").get<std::size_t>();
-    const auto cell = [&](std::size_t at) -> Times& {
-      return cells[CellName(names.at(first + at), line.at("solver").get<std::string>(), line.at("tier").get<double>())];
-    };
-    if (line.at("kind") == "judge") {
-      for (const nlohmann::json& exception : line.at("exceptions")) {
-        if (exception.at("passes").get<bool>() || exception.at("claim") == "excluded") continue;
-        if (exception.at("claim") == ToString(LcpStatus::kUnsupported)) continue;  // not asked
-        cell(exception.at("at").get<std::size_t>()).failure =
-            exception.at("claim").get<std::string>() + ": " + exception.at("reason").get<std::string>();
-      }
-    } else if (line.at("kind") == "fresh") {
-      const nlohmann::json& times = line.at("fresh_s");
-      for (std::size_t at = 0; at < times.size(); ++at) {
-        if (times[at].is_number()) cell(at).fresh_s.push_back(times[at].get<double>());
-      }
-    }
-  });
-  return cells;
 }
 
 // That a line of problems.jsonl says what the plan says; what was measured need only be a measurement.
@@ -215,33 +179,6 @@ void WriteCampaignFile(const std::string& path, const Json& campaign) {
   file.Write(campaign.dump(1) + "\n");
   file.Synchronise();
   file.Close();
-}
-
-void WriteBenchmarkJson(const std::string& folder, const std::string& path) {
-  Json benchmarks = Json::array();
-  for (const auto& [name, times] : TimesByName(folder)) {
-    const auto add = [&, &of = name](std::size_t repetitions, double seconds, const Json& more) {
-      const double nanoseconds = 1e9 * seconds;
-      benchmarks.push_back({{"name", of},
-                            {"run_name", of},
-                            {"run_type", "iteration"},
-                            {"repetitions", repetitions},
-                            {"iterations", 1},
-                            {"real_time", nanoseconds},
-                            {"cpu_time", nanoseconds},
-                            {"time_unit", "ns"}});
-      benchmarks.back().update(more);
-    };
-    const std::size_t passes = times.fresh_s.size();
-    for (std::size_t k = 0; k < passes; ++k) add(passes, times.fresh_s[k], {{"repetition_index", k}});
-    // Without time or failure: verified, and not timed.
-    if (passes == 0 && !times.failure.empty()) {
-      add(1, 0, {{"error_occurred", true}, {"error_message", times.failure}});
-    }
-  }
-  const Json campaign = ReadCampaignFile(folder + "/" + kCampaignFile);
-  const Json all = {{"context", campaign.at("environment")}, {"benchmarks", benchmarks}};
-  WriteTextFile(path, all.dump(2) + "\n");
 }
 
 ProblemSet::ProblemSet(const std::string& path)

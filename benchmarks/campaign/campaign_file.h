@@ -22,12 +22,6 @@ bool SameCampaign(nlohmann::ordered_json a, nlohmann::ordered_json b);
 nlohmann::ordered_json ReadCampaignFile(const std::string& path);
 void WriteCampaignFile(const std::string& path, const nlohmann::ordered_json& campaign);
 
-/// Writes the times of a campaign's folder in Google Benchmark's JSON, for the tools that read it: a benchmark per
-/// cell, named by CellName, with a run per pass; cells that failed are errors with their reason. The context is the
-/// environment of campaign.json.
-/// @throws InputError where a file cannot be read or written
-void WriteBenchmarkJson(const std::string& folder, const std::string& path);
-
 inline constexpr const char* kCampaignFile = "campaign.json";
 inline constexpr const char* kLockFile = "campaign.lock";  // of the one run that writes here
 inline constexpr const char* kProblemsFile = "problems.jsonl";

@@ -124,7 +124,7 @@ std::vector<Task> PlanTasks(const CampaignPlan& plan, const std::vector<PlannedP
 /// All passes over the manifests' sequences, in the same order. @param manifests  must outlive the result
 std::vector<Task> PlanPasses(const CampaignPlan& plan, const std::vector<Manifest>& manifests);
 
-/// "solve/<problem>/<solver>/<tier>", for lists and Google Benchmark's JSON.
+/// "solve/<problem>/<solver>/<tier>", for lists.
 std::string CellName(const std::string& problem, const std::string& solver, double tier);
 /// "steps/<sequence>/<solver>/<tier>/<mode>"
 std::string PassName(const Task& pass);

@@ -75,10 +75,9 @@ constexpr FieldOf<LineSource> kLine[] = {
 };
 
 constexpr FieldOf<Answer> kColumns[] = {
-    {{"rho", "[nonnegative?]", "", "`lcpbench list metrics`, as the four that follow; null: not known"},
+    {{"rho", "[nonnegative?]", "", "`lcpbench list metrics`, as the three that follow; null: not known"},
      Metric<&Metrics::rho>},
     {{"backward_error", "[nonnegative?]", "", ""}, Metric<&Metrics::backward_error>},
-    {{"gap_rel", "[number?]", "", ""}, Metric<&Metrics::gap_rel>},
     {{"w_error", "[nonnegative?]", "", ""}, Metric<&Metrics::w_error>},
     {{"f_error", "[nonnegative?]", "", ""}, Metric<&Metrics::f_error>},
     {{"best_tier", "[nonnegative?]", "", "the strictest that it passes; null: none"},
@@ -91,7 +90,6 @@ constexpr FieldOf<Answer> kColumns[] = {
      [](const Answer& of) {
        return KnownNumber(of.result.factor_s >= 0 && of.first_s > 0 ? of.result.factor_s / of.first_s : -1);
      }},
-    {{"allocations", "[nonnegative?]", "", "of it; null: in another process"}, OfAnswer<&Answer::allocations>},
 };
 
 constexpr ResultField kPlace[] = {{"at", "count", "", "place in the lists"}};

@@ -55,7 +55,6 @@ struct MeasuredAnswer {
   double first_s = -1;
   double peak_bytes = -1;
   double formed_on_host_s = -1;
-  std::int64_t allocations = -1;
 };
 /// The lists of a judge line, each with an entry for every problem that had its turn.
 std::span<const FieldOf<MeasuredAnswer>> ColumnFields();

@@ -6,7 +6,6 @@
 
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/collection/recipes/recipe.h"
-#include "benchmarks/measure/allocation_count.h"
 #include "benchmarks/measure/process_watch.h"
 #include "solvers/lcp/verify.h"
 #include "support/input_error.h"
@@ -17,22 +16,6 @@ namespace {
 // Larger problems are made again when they are wanted again.
 constexpr Index kMostRowsKept = 10'000;
 constexpr double kJudgingLimit = 300;  // [s]
-
-// Counts allocations while it lives.
-class AllocationWatch {
- public:
-  AllocationWatch() {
-    CountAllocations(true);
-    count_ = AllocationCount();
-  }
-  ~AllocationWatch() { CountAllocations(false); }
-  AllocationWatch(const AllocationWatch&) = delete;
-  AllocationWatch& operator=(const AllocationWatch&) = delete;
-  std::int64_t count() const { return AllocationCount() - count_; }
-
- private:
-  long count_ = 0;
-};
 
 }  // namespace
 
@@ -68,15 +51,12 @@ JudgeReply TaskRunner::Run(const JudgeRequest& request, const BeginPhase& begin)
   double first_s = -1;
   double peak_bytes = -1;
   double formed_on_host_s = -1;
-  std::int64_t allocated = -1;
   JudgeReply reply;
   if (is_own) {
     ResetPeak();
-    const AllocationWatch allocations;
     const double start = SteadyNow();
     solver.Solve(LcpProblem::FromArrays(arrays), options, &result);
     first_s = SteadyNow() - start;
-    if (AllocationsAreCounted()) allocated = allocations.count();
     peak_bytes = PeakBytes();
   } else {
     solver.Solve(given.problem, options, &result);
@@ -89,7 +69,7 @@ JudgeReply TaskRunner::Run(const JudgeRequest& request, const BeginPhase& begin)
   }
   for (const double tier : request.judged) {
     const Verdict verdict = Verify(given.problem, result, tier, &given.reference);
-    reply.records.push_back(DescribeAnswer({result, verdict, first_s, peak_bytes, formed_on_host_s, allocated}));
+    reply.records.push_back(DescribeAnswer({result, verdict, first_s, peak_bytes, formed_on_host_s}));
   }
   return reply;
 }

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "benchmarks/campaign/campaign.h"
-#include "benchmarks/campaign/campaign_file.h"
 #include "benchmarks/campaign/campaign_plan.h"
 #include "benchmarks/campaign/named_campaigns.h"
 #include "benchmarks/campaign/tuned_file.h"
@@ -90,7 +89,6 @@ struct RunCampaigns {
   std::string filter;
   std::string shard = "1/1";
   std::string tuned;
-  std::string benchmark_json;
   bool ablations = false;
   bool list = false;
   CampaignOptions options;
@@ -143,9 +141,6 @@ struct RunCampaigns {
         "Adds KEY-tuned for every solver that `lcpbench tune` chose settings for [default of core and standard: "
         "data/tuned.json]");
     app.add_flag("--benchmark_list_tests", list, "Prints the names of all that would be solved, and solves nothing");
-    app.add_option("--benchmark_out", benchmark_json, "File for the times in Google Benchmark's JSON");
-    // The only one; taken so that calls of Google Benchmark's tools are.
-    app.add_option("--benchmark_out_format")->check(CLI::IsMember({"json"}))->group("");
     named.Declare(app);
   }
 
@@ -172,7 +167,6 @@ struct RunCampaigns {
       return 0;
     }
     const int status = RunCampaign(plan, options);
-    if (!benchmark_json.empty()) WriteBenchmarkJson(options.folder, benchmark_json);
     std::cout << "results: " << options.folder << (status == 0 ? "" : " (interrupted; --resume goes on)") << std::endl;
     return status;
   }

@@ -70,7 +70,8 @@ std::string WhyBehind(const Assessment& one, const Assessment& leader) {
   if (one.verified < leader.verified) return "right on fewer steps than " + leader.measured.solver;
   const double behind = kBehind + kDoubt / one.measured.passes;
   if (one.p50_s <= behind * leader.p50_s || one.time_s <= behind * leader.time_s) return "";
-  return FormatNumber(one.p50_s / leader.p50_s, "%.3g x the median of ") + leader.measured.solver;
+  const double times = one.p50_s / leader.p50_s;
+  return FormatNumber(times, times < 100 ? "%.3g x the median of " : "%.0f x the median of ") + leader.measured.solver;
 }
 
 void DropLosers(const RecommendationRequest& request, std::vector<Entrant>* entrants) {

@@ -21,8 +21,8 @@ EXPONENT = 1.5  # of the time over the rows
 TIME_LIMIT = 10.0
 FIRST, AGAIN = 3.0, 0.5  # times of the solve that is judged, and of another b, over the fresh one
 PARTS = {"problem_s": 0.25, "prepare_s": 0.5, "convert_s": 0.0, "solve_s": 0.25}  # of the fresh time
-METRICS = ("rho", "backward_error", "gap_rel", "w_error", "f_error")
-JUDGED = (*METRICS, "best_tier", "iterations", "first_s", "allocations", "factor_share")
+METRICS = ("rho", "backward_error", "w_error", "f_error")
+JUDGED = (*METRICS, "best_tier", "iterations", "first_s", "factor_share")
 FLAGS = ("passes", "at_floor", "below_floor", "false_success", "false_infeasible", "proved_infeasible",
          "infeasible_within_rounding")
 
@@ -215,6 +215,6 @@ def _cell(problem: str, solver: str, tier: float, times: list[float]) -> dict:
     return {"problem": problem, "solver": solver, "tier": tier, "excluded": "", "claim": "solved", "passes": True,
             "at_floor": False, "below_floor": False, "false_success": False, "false_infeasible": False,
             "proved_infeasible": False, "infeasible_within_rounding": False, "reason": "", "detail": "",
-            "rho": tier / 3, "backward_error": tier / 2, "gap_rel": None, "w_error": tier,
-            "f_error": None, "best_tier": tier, "iterations": 7, "first_s": FIRST * times[0], "allocations": 0,
+            "rho": tier / 3, "backward_error": tier / 2, "w_error": tier,
+            "f_error": None, "best_tier": tier, "iterations": 7, "first_s": FIRST * times[0],
             "factor_share": 0.5, "fresh_s": times, "disturbed": []}

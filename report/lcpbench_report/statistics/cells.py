@@ -31,7 +31,7 @@ _FLAGS = ("passes", "at_floor", "below_floor", "false_success", "false_infeasibl
           "infeasible_within_rounding")
 _TIMES = ("fresh_low", "fresh_high", "quickest_s", "fresh_s", *PART_TIMES, "again_s")
 COLUMNS = [*_ABOUT, "solver", "tier", "verdict", "asked", "excluded", "claim", *_FLAGS, "best_tier", "iterations",
-           *METRICS, "timed", "disturbed", *_TIMES, "first_s", "factor_share", "allocations", "time_s", "time_limit_s",
+           *METRICS, "timed", "disturbed", *_TIMES, "first_s", "factor_share", "time_s", "time_limit_s",
            "oracle_s", "oracle_ratio", "peak_bytes"]
 
 

@@ -34,9 +34,9 @@ _SIZE_CLASS = {"key": "name", "least": "count", "most": "count?", "stream": "cou
 _REFERENCES = ("certified", "bounded", "none")
 # Origins of problems -> in words.
 ORIGINS = {"placed": "own scenes", "motion": "own motions", "recorded": "engines", "literature": "literature"}
-METRICS = ("rho", "backward_error", "gap_rel", "w_error", "f_error")
+METRICS = ("rho", "backward_error", "w_error", "f_error")
 # Arrays of a judge line, a number for every problem that had its turn.
-JUDGED = (*METRICS, "best_tier", "iterations", "first_s", "allocations", "factor_share")
+JUDGED = (*METRICS, "best_tier", "iterations", "first_s", "factor_share")
 OUT = "excluded"  # the claim of a problem of a task that a rule excludes: its `reason`
 PART_TIMES = ("problem_s", "prepare_s", "convert_s", "solve_s")
 

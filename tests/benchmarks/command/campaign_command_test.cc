@@ -70,7 +70,7 @@ class CampaignCommand : public CommandTest {
       for (Json line : JsonLines(folder_ / folder / file)) {
         for (const char* field :
              {"first_s", "fresh_s", "problem_s", "prepare_s", "convert_s", "solve_s", "again_s", "group",
-              "factor_share", "peak_bytes", "allocations", "disturbance", "environment", "latency_s", "preempted"}) {
+              "factor_share", "peak_bytes", "disturbance", "environment", "latency_s", "preempted"}) {
           line.erase(field);
         }
         if (line.value("mode", "").starts_with("deadline")) {
@@ -270,7 +270,6 @@ TEST_F(CampaignCommand, EveryJudgementSaysWhatItsSolveTook) {
     EXPECT_LT(cell["factor_share"].get<double>(), 1);
     // Sweeps factorize nothing, interior points every step.
     EXPECT_TRUE(solver == "dantzig" || (cell["factor_share"] != 0) == (solver == "ipm")) << solver;
-    EXPECT_TRUE(SanitizerReservesMemory() || cell["allocations"].get<int>() > 0) << cell["problem"];
   }
   for (const auto& line : Streams()) {
     if (line["kind"] != "fresh") continue;
@@ -294,20 +293,17 @@ TEST_F(CampaignCommand, ASlowSolverIsMeasuredOnFewerProblems) {
   }
 }
 
-TEST_F(CampaignCommand, GoogleBenchmarksFiltersAndJsonWork) {
+TEST_F(CampaignCommand, GoogleBenchmarksFiltersWork) {
   const std::string filter = "--benchmark_filter='rockers-n(8|40)-' --solvers dantzig";
   const std::string campaign = std::string("run --suite ") + kManifest + " " + filter + " -o " + Path("c");
   const CommandOutcome list = Succeed(campaign + " --benchmark_list_tests");
   EXPECT_NE(list.out.find("solve/rockers-n8-s11/dantzig/1e-09\n"), std::string::npos) << list.out;
   EXPECT_FALSE(std::filesystem::exists(folder_ / "c"));
-  const CommandOutcome run = Succeed(campaign + " --benchmark_repetitions=4 --benchmark_out=" + Path("times.json"));
-  const auto json = ReadJson(folder_ / "times.json");
+  Succeed(campaign + " --benchmark_repetitions=4");
   // Four passes, judged at three tiers by one run.
   size_t times = 0;
   for (const auto& cell : Cells()) times += cell["fresh_s"].size();
-  EXPECT_EQ(json["benchmarks"].size(), times);
   EXPECT_EQ(times, 2U * 4 * 3);
-  for (const auto& benchmark : json["benchmarks"]) EXPECT_GT(benchmark["real_time"].get<double>(), 0);
   EXPECT_EQ(Run(Campaign("d", "--benchmark_color=true")).status, 2);
 }
 
