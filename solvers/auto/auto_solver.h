@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "solvers/lcp/engine_solver.h"
+#include "solvers/linear_algebra/instruction_set.h"
 
 namespace lcpbench {
 
@@ -17,8 +18,10 @@ struct AutoOptions {
   std::int64_t newton_factorizations = 150;
   /// SettingsReader::SelfCheck, of the backends too; without it a tableau's answer is taken as it is.
   bool self_check = true;
+  InstructionSet instructions = InstructionSet::kBest;  ///< of the tableau; refused where the machine lacks them
 
-  /// Keys `tableau_rows`, `hard_tableau_rows`, `newton_factorizations` and `self_check`. @throws InputError for others
+  /// Keys `tableau_rows`, `hard_tableau_rows`, `newton_factorizations`, `self_check` and `instructions` (best, sse2,
+  /// avx2, avx512). @throws InputError for others
   static AutoOptions FromSettings(const Settings& settings);
 };
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "solvers/pivoting/tableau_rules.h"
-#include "solvers/pivoting/vector_register.h"
+#include "solvers/linear_algebra/vector_register.h"
 
 namespace lcpbench {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "solvers/pivoting/vector_register.h"
+#include "solvers/linear_algebra/vector_register.h"
 
 namespace lcpbench {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
+#include "solvers/linear_algebra/instruction_set.h"
 #include "solvers/pivoting/small_pivoting.h"
 #include "solvers/rows/profile_pivoting.h"
 #include "solvers/rows/row_islands.h"
@@ -32,6 +33,9 @@ struct RowAnswer {
 class RowSolver {
  public:
   static constexpr Index kMostIslandRows = 2000;
+
+  /// @throws InputError if this machine lacks the instructions
+  explicit RowSolver(InstructionSet instructions) : tableau_(instructions) {}
 
   /// Workspace for up to `max_rows` rows and `max_bodies` bodies.
   void Reserve(Index max_rows, Index max_bodies);
