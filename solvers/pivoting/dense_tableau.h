@@ -55,6 +55,7 @@ class DenseTableau {
   // Up to so many registers a row loops over them are unrolled and whole rows are kept, which saves the gathering of
   // columns; above, tiles of so many registers of those that change are worked on at once.
   static constexpr int kUnrolled = 8;
+  static constexpr int kColumns[kUnrolled] = {0, 1, 2, 3, 4, 5, 6, 7};
   static constexpr int kTile = 4;
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   static constexpr double kLeastPivot = tableau::kLeastPivot;
@@ -73,8 +74,15 @@ class DenseTableau {
     double* y;
   };
 
-  // Rows in ascending order, to be taken one by one: up to 64 by bits, or from a list, which is faster where they are
-  // walked through more than once.
+  // Rows in ascending order, to be taken one by one: of a range, up to 64 by bits, or from a list, which is faster
+  // where they are walked through more than once.
+  struct RowRange {
+    int begin;
+    int end;
+    bool any() const { return begin != end; }
+    int first() const { return begin; }
+    void Drop() { ++begin; }
+  };
   struct RowBits {
     std::uint64_t bits;
     bool any() const { return bits != 0; }
@@ -141,7 +149,7 @@ class DenseTableau {
     return !L::Any(~is_right);
   }
 
-  // Also the tableau, whose rows beyond n are those that a column is gathered from.
+  // Also the tableau; where columns are gathered, they end with zeros.
   void ScaleMatrix() {
     for (int i = 0; i < n_; ++i) {
       const V scale = L::Set(t_.scale[i]);
@@ -154,7 +162,8 @@ class DenseTableau {
         if (v < kept) Store(to, v, a);
       }
     }
-    for (Index v = n_ * registers_; v < stride_ * registers_; ++v) Store(t_.tableau, static_cast<int>(v), L::Set(0));
+    for (int v = n_ * registers_; v < stride_ * registers_ && registers_ > kUnrolled; ++v)
+      Store(t_.tableau, v, L::Set(0));
   }
 
   // Entries of row r of the tableau, but for its diagonal.
@@ -174,7 +183,7 @@ class DenseTableau {
     if (r == waiting_.row) CatchUp<count>();
     ExchangeRow<count>(r, 1 / a, enters);
     if (n_ <= kRowsAtOnce) {
-      Update<count, false>(latest_, latest_);
+      UpdateAllRows<count>(latest_);
     } else if (waiting_.row < 0) {
       const Exchange free = waiting_;
       waiting_ = latest_;
@@ -232,12 +241,18 @@ class DenseTableau {
   void Update(const Exchange& first, const Exchange& second) {
     const int without = two ? second.row : -1;
     if constexpr (count > 0) {
-      static constexpr int kAll[] = {0, 1, 2, 3, 4, 5, 6, 7};
-      UpdateColumns<count, two>(first, second, kAll, RowBits{BitsOfRows<count>(first.y, second.y, without)});
+      UpdateColumns<count, two>(first, second, kColumns, RowBits{BitsOfRows<count>(first.y, second.y, without)});
     } else {
       const Places places = ListNonzero(first.y, second.y, without);
       UpdateFrom<kTile, two>(first, second, places.column, places.last_column, places.rows);
     }
+  }
+
+  // The tableau after one exchange. Where rows are this short, it takes longer to ask which of them change.
+  template <int count>
+  void UpdateAllRows(const Exchange& exchange) {
+    static_assert(kRowsAtOnce <= kUnrolled * kWidth);
+    if constexpr (count > 0) UpdateColumns<count, false>(exchange, exchange, kColumns, RowRange{0, n_});
   }
 
   // The tableau after all exchanges.
