@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "solvers/linear_algebra/vector_register.h"
 #include "solvers/pivoting/tableau_rules.h"
@@ -14,8 +15,10 @@ namespace {
 ///
 /// The tableau T starts as A, and q as b. Exchanging f_r and w_r, with x column r, a = T_rr and y = x / a:
 ///     T_ij -= x_i y_j,   T_ir = x_i / |a|,   T_rr = -1 / a,   and q_i, q_r as if q were another column,
-/// which is its own inverse and keeps T symmetric: q_i = w_i outside F and -f_i in F, -T_FF = A_FF^-1. Of each row the
-/// registers up to its diagonal's are kept, and the diagonal apart from them; the rest of a column lies in its row.
+/// which is its own inverse and keeps T symmetric: q_i = w_i outside F and -f_i in F, -T_FF = A_FF^-1. The diagonal is
+/// kept apart. Up to kUnrolled registers a row, all of T is kept and loops are unrolled; above, of each row the
+/// registers up to its diagonal's, the others being gathered from the column, which costs more than it saves in short
+/// rows.
 ///
 /// Above kRowsAtOnce rows only q, the diagonal and row r are those after an exchange: the other rows wait for the next
 /// one, because most of what it costs to change a row is to read and to write it.
@@ -52,10 +55,9 @@ class DenseTableau {
   using Index = std::ptrdiff_t;
   static constexpr int kWidth = L::kWidth;
   static constexpr int kRowsAtOnce = 16;
-  // Up to so many registers a row loops over them are unrolled and whole rows are kept, which saves the gathering of
-  // columns; above, tiles of so many registers of those that change are worked on at once.
   static constexpr int kUnrolled = 8;
   static constexpr int kColumns[kUnrolled] = {0, 1, 2, 3, 4, 5, 6, 7};
+  // Above, so many registers of a row are worked on at once, of those that change.
   static constexpr int kTile = 4;
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   static constexpr double kLeastPivot = tableau::kLeastPivot;
@@ -96,6 +98,7 @@ class DenseTableau {
     int first() const { return *begin; }
     void Drop() { ++begin; }
   };
+
   static double Abs(double x) { return __builtin_fabs(x); }
   static double Larger(double a, double b) { return a > b ? a : b; }
   static V Load(const double* from, int v) { return L::Load(from + Index{v} * kWidth); }
@@ -162,8 +165,8 @@ class DenseTableau {
         if (v < kept) Store(to, v, a);
       }
     }
-    for (int v = n_ * registers_; v < stride_ * registers_ && registers_ > kUnrolled; ++v)
-      Store(t_.tableau, v, L::Set(0));
+    if (registers_ <= kUnrolled) return;
+    for (int v = n_ * registers_; v < stride_ * registers_; ++v) Store(t_.tableau, v, L::Set(0));
   }
 
   // Entries of row r of the tableau, but for its diagonal.
