@@ -11,7 +11,7 @@
 
 #include "benchmarks/studies/island_batch.h"
 #include "benchmarks/studies/study.h"
-#include "solvers/batch/instructions.h"
+#include "solvers/linear_algebra/instruction_set.h"
 #include "solvers/step/step_solver.h"
 
 namespace lcpbench {
@@ -21,7 +21,7 @@ constexpr std::int32_t kIslands = 100'000;
 constexpr int kMostIslandRows = 16;
 KeptWorkload<IslandBatch> kept_islands;
 
-void TimeRows(benchmark::State& state, IslandBatch* work, bool single, BatchInstructions instructions) {
+void TimeRows(benchmark::State& state, IslandBatch* work, bool single, InstructionSet instructions) {
   StepOptions options;
   options.instructions = instructions;
   StepSolver solver(options);
@@ -53,7 +53,7 @@ void RegisterAll() {
       std::vector<std::pair<std::string, RowMethod>> methods;
       methods.emplace_back("floor", [single](auto& state, auto* work) { TimeFloor(state, work, single); });
       methods.emplace_back("one_by_one", [single](auto& state, auto* work) { TimeRowsOneByOne(state, work, single); });
-      for (const BatchInstructions instructions : AvailableBatchInstructions()) {
+      for (const InstructionSet instructions : AvailableInstructionSets()) {
         methods.emplace_back(ToString(instructions), [single, instructions](auto& state, auto* work) {
           TimeRows(state, work, single, instructions);
         });

@@ -45,6 +45,7 @@ AutoOptions AutoOptions::FromSettings(const Settings& settings) {
   options.newton_factorizations = static_cast<std::int64_t>(
       reader.Number("newton_factorizations", static_cast<double>(options.newton_factorizations), 1, 1e9));
   options.self_check = reader.SelfCheck();
+  options.instructions = InstructionSetOf(reader.Choice("instructions", "best", {"best", "sse2", "avx2", "avx512"}));
   reader.Finish();
   return options;
 }
@@ -134,7 +135,10 @@ class AutoEngine {
 };
 
 AutoEngine::AutoEngine(const AutoOptions& options)
-    : options_(options), rows_(options.only), whole_(options.newton_factorizations, options.self_check) {
+    : options_(options),
+      tableau_(options.instructions),
+      rows_(options.instructions, options.only),
+      whole_(options.newton_factorizations, options.self_check) {
   if (options.newton_factorizations < 1) throw InputError("auto: newton_factorizations must be >= 1");
   for (const Index rows : {options.tableau_rows, options.hard_tableau_rows}) {
     if (rows < 0 || rows > SmallPivoting::kMaxRows) {

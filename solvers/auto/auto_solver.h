@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "solvers/lcp/engine_solver.h"
+#include "solvers/linear_algebra/instruction_set.h"
 
 namespace lcpbench {
 
@@ -23,10 +24,12 @@ struct AutoOptions {
   bool self_check = true;
   /// Whether rows on two bodies, and matrices, are solved as they are given (AutoStage::kRows and kMatrix) first.
   bool reads_in_place = true;
+  InstructionSet instructions = InstructionSet::kBest;  ///< of the tableau; refused where the machine lacks them
   /// One method of AutoStage::kRows or kMatrix that is asked and no other; empty: all.
   std::optional<AutoMethod> only = {};
 
-  /// Keys `tableau_rows`, `hard_tableau_rows`, `newton_factorizations` and `self_check`. @throws InputError for others
+  /// Keys `tableau_rows`, `hard_tableau_rows`, `newton_factorizations`, `self_check` and `instructions` (best, sse2,
+  /// avx2, avx512). @throws InputError for others
   static AutoOptions FromSettings(const Settings& settings);
   /// Of the solver that is that method of `auto` alone. @throws InputError for any setting
   static AutoOptions Only(AutoMethod method, const Settings& settings);

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "solvers/linear_algebra/vector_register.h"
 #include "solvers/pivoting/tableau_rules.h"
-#include "solvers/pivoting/vector_register.h"
 
 namespace lcpbench {
 namespace {

@@ -31,8 +31,10 @@ struct RowAnswer {
 /// island of more than AutoFacts::kMostIslandRows. Only Reserve allocates.
 class RowSolver {
  public:
-  /// @param only  asks no other method
-  explicit RowSolver(std::optional<AutoMethod> only = {}) : only_(only), rules_(AutoRulesOf(AutoStage::kRows)) {}
+  /// @param instructions  of the tableau. @throws InputError where the machine lacks them
+  /// @param only          asks no other method
+  explicit RowSolver(InstructionSet instructions = InstructionSet::kBest, std::optional<AutoMethod> only = {})
+      : only_(only), rules_(AutoRulesOf(AutoStage::kRows)), tableau_(instructions) {}
 
   /// Workspace for up to `max_rows` rows and `max_bodies` bodies.
   void Reserve(Index max_rows, Index max_bodies);

@@ -54,7 +54,7 @@ struct BatchGroup {
   double rho[kBatchMaxLanes] = {};  ///< an upper bound, at most 4 times too large
 };
 
-/// Brings inverse_mass[at] into the cache, if there is such a number. Of no linkage: see lanes.h.
+/// Brings inverse_mass[at] into the cache, if there is such a number. Of no linkage: see vector_register.h.
 [[maybe_unused, gnu::always_inline]] static inline void FetchMass(const double* inverse_mass, std::int64_t at) {
   const auto address =
       reinterpret_cast<std::uintptr_t>(inverse_mass) + (static_cast<std::uintptr_t>(at) * sizeof(double));

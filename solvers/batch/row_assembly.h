@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "solvers/batch/kernel.h"
-#include "solvers/batch/lanes.h"
+#include "solvers/linear_algebra/vector_register.h"
 
 /// Internal to solvers/batch/: A = J M^-1 J^T of one problem per lane, straight from the rows of StepRows.
 ///

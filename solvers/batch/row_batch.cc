@@ -24,6 +24,7 @@ constexpr std::size_t kMostNumbers = std::size_t{2} * 6 * kBatchMaxRows;  // of 
 // What the first try leaves is tried once more with this part of A_ii added (BatchGroup::shift).
 constexpr double kShift = 1e-8;
 static_assert(RowBatch::kMaxRows == kBatchMaxRows);
+constexpr KernelTable<BatchKernels> kKernels{{2, &SolveGroupSse2}, {4, &SolveGroupAvx2}, {8, &SolveGroupAvx512}};
 
 // Bit i: byte i of `count` <= 8 is not 0. If `is_whole`, all 8 can be read.
 std::uint32_t BitsOfBytes(const unsigned char* bytes, int count, bool is_whole) {
@@ -52,7 +53,7 @@ std::uint32_t JointsOf(const unsigned char* bilateral, int n, std::int64_t left)
 }  // namespace
 
 struct RowBatch::Implementation {
-  explicit Implementation(BatchInstructions instructions) : kernels(FindBatchKernels(instructions)) {}
+  explicit Implementation(InstructionSet instructions) : kernels(FindKernel(kKernels, instructions)) {}
 
   // A lane's rows, filled up by rows of zeros.
   struct Padded {
@@ -280,7 +281,7 @@ struct RowBatch::Implementation {
   std::array<const std::int32_t*, (kBlock / 2) + (kSizes * kMostLanes)> full;  // groups of whole lanes
 };
 
-RowBatch::RowBatch(BatchInstructions instructions) : implementation_(std::make_unique<Implementation>(instructions)) {}
+RowBatch::RowBatch(InstructionSet instructions) : implementation_(std::make_unique<Implementation>(instructions)) {}
 RowBatch::~RowBatch() = default;
 
 void RowBatch::Solve(const StepRows& rows, std::span<const std::int32_t> start, double tolerance, double* f,

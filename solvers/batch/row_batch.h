@@ -4,7 +4,7 @@
 #include <memory>
 #include <span>
 
-#include "solvers/batch/instructions.h"
+#include "solvers/linear_algebra/instruction_set.h"
 #include "solvers/lcp/step_rows.h"
 
 namespace lcpbench {
@@ -34,7 +34,7 @@ class RowBatch {
   };
 
   /// @throws InputError if this machine lacks the instructions
-  explicit RowBatch(BatchInstructions instructions);
+  explicit RowBatch(InstructionSet instructions);
   ~RowBatch();
 
   /// Problem k has the rows start[k] to start[k + 1] - 1; sizes and arrays have been checked, numbers have not.

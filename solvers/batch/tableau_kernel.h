@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "solvers/batch/kernel.h"
-#include "solvers/batch/lanes.h"
+#include "solvers/linear_algebra/vector_register.h"
 #include "solvers/batch/row_assembly.h"
 #include "solvers/pivoting/tableau_rules.h"
 
@@ -108,11 +108,6 @@ class TableauKernel {
   static constexpr double kMostDiagonal = 0x1p192;
   static constexpr double kMostUnitOfB = 0x1p224;
 
-  // The biased exponents of numbers > 0, and powers of two by them.
-  using Exponents [[gnu::vector_size(sizeof(V))]] = unsigned long long;
-  static Exponents ExponentOf(V a) { return reinterpret_cast<Exponents>(a) >> 52U; }
-  static V PowerOfTwo(Exponents biased) { return reinterpret_cast<V>(biased << 52U); }
-
   static constexpr int At(int i, int j) { return i * (i + 1) / 2 + j; }  // j <= i
 
   // f(j) for j < i, unrolled if asked for; then i is a constant.
@@ -151,16 +146,14 @@ class TableauKernel {
     Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V d = matrix_[At(i, i)];
       const M acts = zero < d;
-      // s^2 d in [1, 4)
-      const V s = L::Select(acts, PowerOfTwo(1535U - ((ExponentOf(d) + 1U) >> 1U)), one);
+      const V s = L::Select(acts, L::ScaleOfDiagonal(d), one);
       scale_[i] = s;
       const V q = b_[i] * s;
       q_[i] = q;
       sign_[i] = zero;
       largest = L::Max(largest, L::Masked(acts, L::Abs(q)));
     });
-    const V top = L::Min(largest, L::Set(0x1p1022));  // t top in [1, 2)
-    const V t = L::Select(zero < top, PowerOfTwo(2046U - ExponentOf(top)), one);
+    const V t = L::ScaleOfLargest(largest);
     b_scale_ = t;
     inverse_b_scale_ = one / t;
     V norm = zero;

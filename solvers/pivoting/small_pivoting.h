@@ -9,7 +9,8 @@
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
-#include "solvers/pivoting/vector_register.h"
+#include "solvers/linear_algebra/instruction_set.h"
+#include "solvers/pivoting/tableau_work.h"
 
 namespace lcpbench {
 
@@ -25,8 +26,9 @@ namespace lcpbench {
 ///
 /// One and two rows have closed forms, which are tried first.
 ///
-/// All vectors and rows are padded to whole vector registers by zeros, in a scaling by powers of two that brings A_ii
-/// into [1, 4) and the largest |b_i| into [1, 2), so that no unit matters and nothing is rounded by it.
+/// A is loaded here; a kernel (DenseTableau), compiled for each instruction set and chosen at run time, does the rest.
+/// It scales by powers of two that bring A_ii into [1, 4) and the largest |b_i| into [1, 2), so that no unit matters
+/// and nothing is rounded by it.
 ///
 /// Rows that depend on F are left alone while others are violated; then the most violated of them takes the place of
 /// the row whose force it drives to 0 first [Keller 1973].
@@ -41,8 +43,11 @@ class SmallPivoting {
   static constexpr Index kMaxRows = 128;
   /// Up to this many rows no clock is read: 6 n + 20 pivots, the most there are, take some ten microseconds.
   static constexpr Index kRowsWithoutClock = 24;
-  /// Up to this many rows A is assembled by vector registers over all pairs of rows, above by lists of rows per body.
-  static constexpr Index kLaneRows = 16;
+
+  /// @throws InputError if this machine lacks the instructions
+  explicit SmallPivoting(InstructionSet instructions = InstructionSet::kBest);
+  SmallPivoting(const SmallPivoting&) = delete;
+  SmallPivoting& operator=(const SmallPivoting&) = delete;
 
   /// For up to `max_rows` <= kMaxRows rows at a time; for SolvePart also the rows of the whole problem.
   void Reserve(Index max_rows, Index problem_rows = 0);
@@ -78,133 +83,76 @@ class SmallPivoting {
   /// Writes the basic point's forces, refined once against A where that helps, to `f` (n entries, in the problem's
   /// units, f_C >= 0). Reads DenseA() and DiagonalA().
   Answer Solve(const LcpProblem& problem, const Request& request, Eigen::VectorXd* f) {
-    return SolveLoaded(
-        LoadDense(problem), [](Index i) { return i; }, request, f->data(), nullptr);
+    LoadDense(problem);
+    return SolveLoaded([](Index i) { return i; }, request, f->data(), nullptr);
   }
 
   /// The same for the LCP of `rows` (ascending) alone. Reads SparseA() and DiagonalA(), writes the entries `rows` of f.
   Answer SolvePart(const LcpProblem& problem, std::span<const Index> rows, const Request& request, Eigen::VectorXd* f) {
-    return SolveLoaded(
-        LoadPart(problem, rows), [rows](Index i) { return rows[static_cast<size_t>(i)]; }, request, f->data(), nullptr);
+    LoadPart(problem, rows);
+    return SolveLoaded([rows](Index i) { return rows[static_cast<size_t>(i)]; }, request, f->data(), nullptr);
   }
 
   /// The same for the rows `part` (ascending) of an engine's arrays, which have been checked; A is assembled straight
   /// into the tableau. Writes the entries `part` of f and w. ReserveRows comes before.
   Answer SolveRows(const StepRows& all, std::span<const std::int32_t> part, const Request& request, double* f,
                    double* w) {
-    return SolveLoaded(
-        LoadRows(all, part), [part](Index i) { return Index{part[static_cast<size_t>(i)]}; }, request, f, w);
+    LoadRows(all, part);
+    return SolveLoaded([part](Index i) { return Index{part[static_cast<size_t>(i)]}; }, request, f, w);
   }
 
   /// The same for a symmetric A that arrays give, dense or by compressed rows; they have been checked.
   /// @param diagonal  of A, n numbers
   Answer SolveArrays(const ProblemArrays& arrays, const double* diagonal, const Request& request, double* f) {
-    return SolveLoaded(
-        LoadArrays(arrays, diagonal), [](Index i) { return i; }, request, f, nullptr);
+    LoadArrays(arrays, diagonal);
+    return SolveLoaded([](Index i) { return i; }, request, f, nullptr);
   }
 
   /// Pivots of the last Solve; guessed active sets that were tried count as one each.
-  int pivots() const { return pivots_; }
+  int pivots() const { return work_.pivots; }
 
  private:
-  bool LoadDense(const LcpProblem& problem);
-  bool LoadPart(const LcpProblem& problem, std::span<const Index> rows);
-  bool LoadRows(const StepRows& all, std::span<const std::int32_t> part);
-  bool LoadArrays(const ProblemArrays& arrays, const double* diagonal);
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+  void LoadDense(const LcpProblem& problem);
+  void LoadPart(const LcpProblem& problem, std::span<const Index> rows);
+  void LoadRows(const StepRows& all, std::span<const std::int32_t> part);
+  void LoadArrays(const ProblemArrays& arrays, const double* diagonal);
   template <Index p, typename Real>
-  bool LoadRowsOf(const StepRows& all, const Real* J, std::span<const std::int32_t> part);
+  void LoadRowsOf(const StepRows& all, const Real* J, std::span<const std::int32_t> part);
   template <Index p>
-  void AssembleByRegisters();
-  template <Index p>
-  void AssembleByBodies();
+  double AddSide(const StepRows& all, std::int32_t side, std::int32_t body);
   void SetSize(Index n);
-  bool Scale();
+  double* RowOfA(Index i) { return work_.matrix + i * work_.stride; }
   template <typename Given>
-  Answer SolveLoaded(bool is_loaded, const Given& given, const Request& request, double* f, double* w);
-  template <typename Given>
-  void Store(const Given& given, double* f, double* w) const;
-  Answer Finish(const Request& request);
-  double Run(const Deadline* deadline);
-  bool RowsMeet(double limit) const;
-  bool SolveInClosedForm();
-  double TryGuess();
-  void SolveGuess();
-  bool FindActiveSet(const Deadline* deadline);
-  // Loops over `count` registers a row are unrolled; 0: any number.
-  template <int count>
-  bool DrivePivots(const Deadline* deadline);
-  template <int count>
-  bool Pivot(Index r);
-  // A pivot: the tableau's row after it, and the column that it is of.
-  struct PivotRow {
-    Index r;
-    const double* p;
-  };
-  template <int count>
-  void EliminateBoth(const PivotRow& first, const PivotRow& second, std::uint64_t second_rows);
-  static void EliminateOne(double* row, Index stride, const PivotRow& pivot);
-  void CatchUp();
-  template <int count>
-  bool Exchange();
-  template <int count>
-  Index MostViolated() const;
-  template <int count>
-  Index Registers() const {
-    return count > 0 ? count : stride_ / kRegister;
-  }
-  Index FirstViolated() const;
-  void FindForces();
-  double Rho();
-  void Refine();
-  bool violated(Index i) const { return q_[i] * weight_[i] < -noise_; }
+  Answer SolveLoaded(const Given& given, const Request& request, double* f, double* w);
 
-  Index n_ = 0;
-  Index stride_ = 0;  // n in whole registers
-  int pivots_ = 0;
-  double b_scale_ = 1;
-  double inverse_b_scale_ = 1;
-  double b_norm_ = 1;
-  double noise_ = 0;                             // violations below this are rounding
-  Eigen::VectorXd matrix_, tableau_;             // row i from i * stride_
-  Eigen::VectorXd diagonal_, b_, q_;             // q: last column of the tableau
-  Eigen::VectorXd scale_, root_, inverse_root_;  // root: A_ii^1/2
-  // By row: what q is compared in, 0 where it may have any sign; +1 in F and -1 outside; the least force.
-  Eigen::VectorXd weight_, sign_, least_force_;
-  Eigen::VectorXd force_, w_, pivot_row_, correction_;
-  Index waiting_ = -1;              // the pivot that only q_ and its own row know of; -1: none
-  std::uint64_t waiting_rows_ = 0;  // up to 64 rows, a bit for each that it changes
-  Eigen::VectorXd waiting_row_;
-  Eigen::VectorXd blocked_weight_;     // the weight of a row that may not be moved for now, else 0
-  std::vector<Index> joints_, guess_;  // guess_: active rows, ascending
-  std::vector<int> local_;             // by row of the whole problem: its place in the part where it last was in one
-
-  // Of SolveRows. Up to kLaneRows rows J lies by components, a component's rows side by side; above by rows.
-  Eigen::VectorXd jacobian_, momentum_;  // scaled J, and J M^-1
-  Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1>
-      body_of_;                              // of each row its first body, then (from stride_ on) its second; -1: none
+  const TableauKernel& kernel_;
+  TableauWork work_;
+  Eigen::VectorXd numbers_;       // what work_ points to
+  std::vector<int> integers_;     // the same
+  std::vector<int> local_;        // by row of the whole problem: its place in the part where it last was in one
+  std::vector<double> jacobian_;  // of SolveRows
   std::vector<std::int32_t> last_, before_;  // by body: its last (row, side) so far; by (row, side): the one before
 };
 
 /// Row i of what is solved is row given(i) of the problem.
 template <typename Given>
-SmallPivoting::Answer SmallPivoting::SolveLoaded(bool is_loaded, const Given& given, const Request& request, double* f,
-                                                 double* w) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  pivots_ = 0;
-  if (!is_loaded) return {kInfinity, kInfinity, false};
-  guess_.clear();
-  for (Index i = 0; i < n_ && request.initial_f != nullptr; ++i) {
-    if (least_force_[i] < 0 || request.initial_f[given(i)] > 0) guess_.push_back(i);
+SmallPivoting::Answer SmallPivoting::SolveLoaded(const Given& given, const Request& request, double* f, double* w) {
+  work_.guess_count = 0;
+  for (int i = 0, k = 0; i < work_.n && request.initial_f != nullptr; ++i) {
+    const bool is_joint = k < work_.joint_count && work_.joints[k] == i;
+    if (is_joint) ++k;
+    if (is_joint || request.initial_f[given(i)] > 0) work_.guess[work_.guess_count++] = i;
   }
-  const Answer answer = Finish(request);
-  Store(given, f, w);
-  return answer;
-}
-
-template <typename Given>
-void SmallPivoting::Store(const Given& given, double* f, double* w) const {
-  for (Index i = 0; i < n_; ++i) f[given(i)] = force_[i] * (scale_[i] * inverse_b_scale_);
-  for (Index i = 0; i < n_ && w != nullptr; ++i) w[given(i)] = w_[i] * (inverse_b_scale_ / scale_[i]);
+  work_.row_limit = request.row_limit;
+  work_.self_check = request.self_check;
+  work_.clock = work_.n > kRowsWithoutClock ? request.deadline : nullptr;
+  if (!kernel_.solve(&work_)) return {kInfinity, kInfinity, false};
+  const double inverse_b_scale = 1 / work_.b_scale;
+  for (Index i = 0; i < work_.n; ++i) f[given(i)] = work_.force[i] * (work_.scale[i] * inverse_b_scale);
+  for (Index i = 0; i < work_.n && w != nullptr; ++i) w[given(i)] = work_.w[i] * (inverse_b_scale / work_.scale[i]);
+  return {work_.rho, work_.rounding, work_.rows_meet};
 }
 
 }  // namespace lcpbench

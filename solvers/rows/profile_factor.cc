@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "solvers/pivoting/vector_register.h"
+#include "solvers/linear_algebra/vector_register.h"
 
 namespace lcpbench {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "solvers/pivoting/vector_register.h"
+#include "solvers/linear_algebra/vector_register.h"
 
 namespace lcpbench {
 namespace {

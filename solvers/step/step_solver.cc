@@ -94,7 +94,8 @@ class OwnBodies {
 }  // namespace
 
 struct StepSolver::Implementation {
-  explicit Implementation(const StepOptions& given) : options(given), batch(given.instructions) {}
+  explicit Implementation(const StepOptions& given)
+      : options(given), rows(given.instructions), batch(given.instructions) {}
 
   StepOptions options;
   RowSolver rows;
@@ -140,7 +141,8 @@ struct StepSolver::Implementation {
   // What RowSolver leaves open. `f` holds what it reached.
   StepAnswer Ask(const StepRows& of, const double* start, double* f, double* w) {
     ++fallbacks;
-    if (others == nullptr) others = std::make_unique<AutoSolver>(AutoOptions{.reads_in_place = false});
+    if (others == nullptr)
+      others = std::make_unique<AutoSolver>(AutoOptions{.reads_in_place = false, .instructions = options.instructions});
     const LcpProblem problem = LcpProblem::FromArrays(ToArrays(of));
     LcpOptions solve = SolveOptions();
     if (start != nullptr) {

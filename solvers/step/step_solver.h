@@ -5,7 +5,7 @@
 #include <memory>
 #include <span>
 
-#include "solvers/batch/instructions.h"
+#include "solvers/linear_algebra/instruction_set.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
 
@@ -15,7 +15,7 @@ namespace lcpbench {
 struct StepOptions {
   double tolerance = 1e-9;                                        ///< requested bound on rho (verify.h), in (0, 1)
   double time_limit_s = std::numeric_limits<double>::infinity();  ///< of one Solve, wall clock [s], > 0
-  BatchInstructions instructions = BatchInstructions::kBest;  ///< of SolveBatch; refused where the machine lacks them
+  InstructionSet instructions = InstructionSet::kBest;            ///< of kernels; refused where the machine lacks them
 };
 
 /// How a solve of StepSolver ended.

@@ -231,9 +231,22 @@ TEST(AutoSolver, ReturnsTheBestPointWhereNoBackendArrives) {
   EXPECT_GT(unsolved, 40);
 }
 
+TEST(AutoSolver, SolvesByEveryInstructionSet) {
+  for (const InstructionSet set : AvailableInstructionSets()) {
+    const AutoOptions options = AutoOptions::FromSettings({{"instructions", std::string(ToString(set))}});
+    EXPECT_EQ(options.instructions, set);
+    AutoSolver solver(options);
+    for (unsigned seed = 0; seed < 10; ++seed) {
+      const LcpProblem problem = Archipelago(seed);
+      ExpectSolved(problem, SolveWith(&solver, problem));
+    }
+  }
+}
+
 TEST(AutoSolver, RefusesImpossibleOptions) {
   EXPECT_THROW(AutoOptions::FromSettings({{"tableau_rows", "129"}}), InputError);
   EXPECT_THROW(AutoOptions::FromSettings({{"rows", "1"}}), InputError);
+  EXPECT_THROW(AutoOptions::FromSettings({{"instructions", "mmx"}}), InputError);
   EXPECT_THROW(AutoSolver({.newton_factorizations = 0}), InputError);
   EXPECT_THROW(AutoSolver({.hard_tableau_rows = -1}), InputError);
 }

@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "benchmarks/measure/allocation_count.h"
@@ -51,8 +52,10 @@ LcpResult Claimed(const VectorXd& f) {
   return result;
 }
 
-TEST(SmallPivoting, SolvesDefiniteProblemsOfEverySize) {
-  SmallPivoting tableau;
+class SmallPivotingTest : public testing::TestWithParam<InstructionSet> {};
+
+TEST_P(SmallPivotingTest, SolvesDefiniteProblemsOfEverySize) {
+  SmallPivoting tableau(GetParam());
   tableau.Reserve(SmallPivoting::kMaxRows);
   for (Index n = 1; n <= SmallPivoting::kMaxRows; ++n) {
     for (unsigned seed = 0; seed < (n <= 2 ? 200U : 5U); ++seed) {
@@ -71,9 +74,28 @@ TEST(SmallPivoting, SolvesDefiniteProblemsOfEverySize) {
   }
 }
 
+TEST_P(SmallPivotingTest, GivesTheSameForcesFromAnyFormAndBySse2) {
+  SmallPivoting tableau(GetParam());
+  SmallPivoting narrow(InstructionSet::kSse2);
+  for (SmallPivoting* each : {&tableau, &narrow}) each->Reserve(SmallPivoting::kMaxRows);
+  for (Index n = 1; n <= SmallPivoting::kMaxRows; ++n) {
+    const LcpProblem problem = Definite(n, static_cast<unsigned>(n));
+    VectorXd f(n);
+    VectorXd other(n);
+    tableau.Solve(problem, {}, &f);
+    narrow.Solve(problem, {}, &other);
+    EXPECT_LE((f - other).cwiseAbs().maxCoeff(), 1e-12 * (1 + f.cwiseAbs().maxCoeff())) << n;
+    for (const MatrixForm form : {MatrixForm::kDense, MatrixForm::kSparse}) {
+      const LcpProblem given = InForm(problem, form);
+      tableau.SolveArrays(ProblemArrays::Of(given), problem.DiagonalA().data(), {}, other.data());
+      EXPECT_EQ(f, other) << n;
+    }
+  }
+}
+
 // Half as many degrees of freedom as rows: most active sets leave violated rows that depend on them.
-TEST(SmallPivoting, RowsThatDependOnOthersTakeTheirPlaces) {
-  SmallPivoting tableau;
+TEST_P(SmallPivotingTest, RowsThatDependOnOthersTakeTheirPlaces) {
+  SmallPivoting tableau(GetParam());
   tableau.Reserve(SmallPivoting::kMaxRows);
   int solved = 0;
   int problems = 0;
@@ -91,7 +113,7 @@ TEST(SmallPivoting, RowsThatDependOnOthersTakeTheirPlaces) {
   EXPECT_GE(solved, 0.99 * problems) << problems;
 }
 
-TEST(SmallPivoting, APartIsSolvedAsTheProblemOfItsRows) {
+TEST_P(SmallPivotingTest, APartIsSolvedAsTheProblemOfItsRows) {
   for (unsigned seed = 0; seed < 50; ++seed) {
     std::vector<LcpProblem> parts;
     for (unsigned k = 0; k < 4; ++k) {
@@ -101,7 +123,7 @@ TEST(SmallPivoting, APartIsSolvedAsTheProblemOfItsRows) {
     Islands islands;
     islands.Reserve(problem.size());
     islands.Find(problem.SparseA(), std::vector<char>(static_cast<size_t>(problem.size()), 1));
-    SmallPivoting tableau;
+    SmallPivoting tableau(GetParam());
     tableau.Reserve(64, problem.size());
     VectorXd whole = VectorXd::Zero(problem.size());
     for (Index k = 0; k < islands.count(); ++k) {
@@ -115,8 +137,8 @@ TEST(SmallPivoting, APartIsSolvedAsTheProblemOfItsRows) {
   }
 }
 
-TEST(SmallPivoting, ARightGuessNeedsNoTableauAndAWrongOneDoesNoHarm) {
-  SmallPivoting tableau;
+TEST_P(SmallPivotingTest, ARightGuessNeedsNoTableauAndAWrongOneDoesNoHarm) {
+  SmallPivoting tableau(GetParam());
   tableau.Reserve(SmallPivoting::kMaxRows);
   for (Index n = 3; n <= SmallPivoting::kMaxRows; n += 7) {
     const LcpProblem problem = Definite(n, static_cast<unsigned>(n));
@@ -134,8 +156,8 @@ TEST(SmallPivoting, ARightGuessNeedsNoTableauAndAWrongOneDoesNoHarm) {
   }
 }
 
-TEST(SmallPivoting, PowersOfTwoChangeNoBit) {
-  SmallPivoting tableau;
+TEST_P(SmallPivotingTest, PowersOfTwoChangeNoBit) {
+  SmallPivoting tableau(GetParam());
   tableau.Reserve(40);
   for (unsigned seed = 0; seed < 100; ++seed) {
     const TestProblem planted = PlantedExactly(seed, 40, false);
@@ -157,10 +179,10 @@ TEST(SmallPivoting, PowersOfTwoChangeNoBit) {
   }
 }
 
-TEST(SmallPivoting, AllocatesInReserveOnly) {
+TEST_P(SmallPivotingTest, AllocatesInReserveOnly) {
   if (!AllocationsAreCounted()) GTEST_SKIP() << "allocations cannot be counted in this build";
   CountAllocations(true);
-  SmallPivoting tableau;
+  SmallPivoting tableau(GetParam());
   tableau.Reserve(64);
   for (Index n = 1; n <= 64; n += 9) {
     const LcpProblem problem = Definite(n, static_cast<unsigned>(n));
@@ -173,6 +195,9 @@ TEST(SmallPivoting, AllocatesInReserveOnly) {
     EXPECT_EQ(AllocationCount(), before);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Machine, SmallPivotingTest, testing::ValuesIn(AvailableInstructionSets()),
+                         [](const auto& test) { return std::string(ToString(test.param)); });
 
 }  // namespace
 }  // namespace lcpbench

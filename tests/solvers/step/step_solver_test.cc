@@ -11,6 +11,7 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "benchmarks/measure/allocation_count.h"
@@ -169,12 +170,12 @@ struct RandomCase {
 
 std::ostream& operator<<(std::ostream& out, const RandomCase& rows) { return out << rows.name; }
 
-class StepsOfRandomRows : public testing::TestWithParam<RandomCase> {};
+class StepsOfRandomRows : public testing::TestWithParam<std::tuple<RandomCase, InstructionSet>> {};
 
 TEST_P(StepsOfRandomRows, AreSolvedAndVerifiedAtEverySize) {
-  StepSolver solver;
+  StepSolver solver({.instructions = std::get<1>(GetParam())});
   int compared = 0;
-  const auto [p, name, bodies_per_row] = GetParam();
+  const auto [p, name, bodies_per_row] = std::get<0>(GetParam());
   for (const Index n : {1, 2, 3, 4, 5, 6, 7, 8, 11, 15, 16, 17, 20, 27, 40, 63, 64, 65, 100, 128, 150, 300}) {
     for (unsigned seed = 0; seed < (n <= 20 ? 10U : 3U); ++seed) {
       const auto bodies = static_cast<Index>(std::ceil(bodies_per_row * static_cast<double>(n))) + 1;
@@ -194,11 +195,12 @@ TEST_P(StepsOfRandomRows, AreSolvedAndVerifiedAtEverySize) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, StepsOfRandomRows,
-                         testing::Values(RandomCase{3, "PlanarIndependent", 1.5}, RandomCase{3, "PlanarRedundant", 0.2},
-                                         RandomCase{6, "SpatialIndependent", 1.5},
-                                         RandomCase{6, "SpatialRedundant", 0.1}),
-                         [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, StepsOfRandomRows,
+    testing::Combine(testing::Values(RandomCase{3, "PlanarIndependent", 1.5}, RandomCase{3, "PlanarRedundant", 0.2},
+                                     RandomCase{6, "SpatialIndependent", 1.5}, RandomCase{6, "SpatialRedundant", 0.1}),
+                     testing::ValuesIn(AvailableInstructionSets())),
+    [](const auto& test) { return std::get<0>(test.param).name + std::string(ToString(std::get<1>(test.param))); });
 
 // ----- by hand
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-/// Internal to solvers/batch/.
+/// Internal to solvers/: vector registers of the instruction set that a file is compiled for.
 namespace lcpbench {
 namespace {
 
@@ -18,7 +18,8 @@ struct IndexPair {
 
 /// As many doubles at once as the instruction set has lanes that this header is compiled for: 8 with AVX-512 (F, DQ and
 /// VL), 4 with AVX2 and FMA, 2 with SSE2, which every x86-64 has. In an unnamed namespace like all that kernels are
-/// made of: what is compiled for one instruction set must never be linked in place of another's.
+/// made of: what is compiled for one instruction set must never be linked in place of another's. For the same reason
+/// kernels call no inline functions of the standard library and of Eigen.
 struct Lanes {
 #if defined(__AVX512F__)
   static constexpr int kWidth = 8;
@@ -56,6 +57,41 @@ struct Lanes {
   static V Max(V a, V b) { return a > b ? a : b; }
   static V Min(V a, V b) { return a < b ? a : b; }
   static V Abs(V a) { return Masked(M{} + std::numeric_limits<long long>::max(), a); }
+  static V Sqrt(V a) {
+#if defined(__AVX512F__)
+    return _mm512_sqrt_pd(a);
+#elif defined(__AVX2__)
+    return _mm256_sqrt_pd(a);
+#else
+    return _mm_sqrt_pd(a);
+#endif
+  }
+  static double Sum(V a) {
+#if defined(__AVX512F__)
+    return _mm512_reduce_add_pd(a);
+#elif defined(__AVX2__)
+    const __m128d half = _mm256_castpd256_pd128(a) + _mm256_extractf128_pd(a, 1);
+    return half[0] + half[1];
+#else
+    return a[0] + a[1];
+#endif
+  }
+  static double Least(V a) {
+#if defined(__AVX512F__)
+    return _mm512_reduce_min_pd(a);
+#elif defined(__AVX2__)
+    const __m128d half = _mm_min_pd(_mm256_castpd256_pd128(a), _mm256_extractf128_pd(a, 1));
+    return half[0] < half[1] ? half[0] : half[1];
+#else
+    return a[0] < a[1] ? a[0] : a[1];
+#endif
+  }
+  /// from[0], from[step], from[2 step], ...
+  static V Gather(const double* from, std::ptrdiff_t step) {
+    return Gather(from, step, std::make_integer_sequence<int, kWidth>{});
+  }
+  /// 0, 1, 2, ...
+  static V Indices() { return Indices(std::make_integer_sequence<int, kWidth>{}); }
   static V Xor(V a, V b) { return reinterpret_cast<V>(reinterpret_cast<M>(a) ^ reinterpret_cast<M>(b)); }
   /// Lanes whose sign bit is set.
   static M SignOf(V a) {
@@ -68,11 +104,11 @@ struct Lanes {
   /// a where m, else b.
   static V Select(M m, V a, V b) {
 #if defined(__AVX512F__)
-    return _mm512_mask_blend_pd(static_cast<__mmask8>(Bits(m)), b, a);
+    return Select(static_cast<__mmask8>(Bits(m)), a, b);
 #elif defined(__AVX2__)
     return _mm256_blendv_pd(b, a, reinterpret_cast<V>(m));
 #else
-    return reinterpret_cast<V>((m & reinterpret_cast<M>(a)) | (~m & reinterpret_cast<M>(b)));
+    return _mm_or_pd(_mm_and_pd(reinterpret_cast<V>(m), a), _mm_andnot_pd(reinterpret_cast<V>(m), b));
 #endif
   }
   static V Masked(M m, V a) { return reinterpret_cast<V>(m & reinterpret_cast<M>(a)); }
@@ -86,9 +122,15 @@ struct Lanes {
     return static_cast<unsigned>(_mm_movemask_pd(reinterpret_cast<V>(m)));
 #endif
   }
-  /// Which lanes have the same integers, to select by.
+  /// Which lanes have the same numbers, to select by.
 #if defined(__AVX512F__)
   using Choice = __mmask8;
+  static Choice Equal(V a, V b) { return _mm512_cmp_pd_mask(a, b, _CMP_EQ_OQ); }
+  static Choice Less(V a, V b) { return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ); }
+  static Choice Either(Choice a, Choice b) { return _kor_mask8(a, b); }
+  static V Select(Choice choice, V a, V b) { return _mm512_mask_blend_pd(choice, b, a); }
+  /// 0 where `choice`, else a.
+  static V Without(Choice choice, V a) { return _mm512_maskz_mov_pd(static_cast<__mmask8>(~choice), a); }
   static Choice Equal(M a, M b) {
     return _mm512_cmpeq_epi64_mask(reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b));
   }
@@ -98,9 +140,26 @@ struct Lanes {
   }
 #else
   using Choice = M;
+  // By intrinsics: GCC 12 takes such masks apart in two lanes, if it sees where they come from.
+#if defined(__AVX2__)
+  static Choice Equal(V a, V b) { return reinterpret_cast<M>(_mm256_cmp_pd(a, b, _CMP_EQ_OQ)); }
+  static Choice Less(V a, V b) { return reinterpret_cast<M>(_mm256_cmp_pd(a, b, _CMP_LT_OQ)); }
+  static V Without(Choice choice, V a) { return _mm256_andnot_pd(reinterpret_cast<V>(choice), a); }
+#else
+  static Choice Equal(V a, V b) { return reinterpret_cast<M>(_mm_cmpeq_pd(a, b)); }
+  static Choice Less(V a, V b) { return reinterpret_cast<M>(_mm_cmplt_pd(a, b)); }
+  static V Without(Choice choice, V a) { return _mm_andnot_pd(reinterpret_cast<V>(choice), a); }
+#endif
+  static Choice Either(Choice a, Choice b) { return a | b; }
   static Choice Equal(M a, M b) { return a == b; }
   static V Choose(Choice first, V a, Choice second, V b) { return Select(first, a, Masked(second, b)); }
 #endif
+  /// Powers of two: s such that s^2 d is in [1, 4), for d > 0; and t such that t x is in [1, 2) for x > 0, 1 for 0. The
+  /// reciprocal of the largest exponents is no normal number; such x overflow elsewhere.
+  static V ScaleOfDiagonal(V d) { return PowerOfTwo(1535U - ((ExponentOf(d) + 1U) >> 1U)); }
+  static V ScaleOfLargest(V x) {
+    return Select(Set(0) < x, PowerOfTwo(2046U - ExponentOf(Min(x, Set(0x1p1022)))), Set(1));
+  }
   static M FromBits(unsigned bits) { return FromBits(bits, std::make_integer_sequence<int, kWidth>{}); }
 
   /// to[j] has from[l][offset + j] in lane l, j < count <= kWidth; nothing beyond is read.
@@ -116,6 +175,19 @@ struct Lanes {
   }
 
  private:
+  // Biased exponents of numbers > 0, and powers of two by them.
+  using Exponents [[gnu::vector_size(8 * kWidth)]] = unsigned long long;
+  static Exponents ExponentOf(V a) { return reinterpret_cast<Exponents>(a) >> 52U; }
+  static V PowerOfTwo(Exponents biased) { return reinterpret_cast<V>(biased << 52U); }
+
+  template <int... l>
+  static V Indices(std::integer_sequence<int, l...> /*lanes*/) {
+    return V{l...};
+  }
+  template <int... l>
+  static V Gather(const double* from, std::ptrdiff_t step, std::integer_sequence<int, l...> /*lanes*/) {
+    return V{from[l * step]...};
+  }
   template <int... l>
   static M FromBits(unsigned bits, std::integer_sequence<int, l...> /*lanes*/) {
     return M{-static_cast<long long>(bits >> l & 1U)...};
@@ -184,6 +256,19 @@ struct Lanes {
     *lower = __builtin_shufflevector(a, b, ((l & step) == 0 ? l + step : kWidth + l)...);
   }
 };
+
+/// Eight doubles in as many registers as that takes, for loops that add and multiply only: those the compiler divides
+/// well by itself. Loads need no alignment. Functions take pointers, since passing registers that a machine may lack
+/// has no fixed convention.
+inline constexpr std::ptrdiff_t kRegister = 8;
+using Register [[gnu::vector_size(kRegister * sizeof(double)), gnu::aligned(alignof(double)), gnu::may_alias]] = double;
+
+[[maybe_unused]] inline const Register* AsRegisters(const double* x) { return reinterpret_cast<const Register*>(x); }
+[[maybe_unused]] inline Register* AsRegisters(double* x) { return reinterpret_cast<Register*>(x); }
+[[maybe_unused]] inline double Sum(const Register* x) {
+  const auto* v = reinterpret_cast<const double*>(x);
+  return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
+}
 
 }  // namespace
 }  // namespace lcpbench
