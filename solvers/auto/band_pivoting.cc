@@ -6,6 +6,7 @@
 
 #include "solvers/pivoting/tableau_rules.h"
 #include "solvers/pivoting/vector_register.h"
+#include "solvers/rows/exchange_blocks.h"
 
 namespace lcpbench {
 namespace {
@@ -24,8 +25,6 @@ constexpr int kMostRounds = 24;
 constexpr Index kMostDenseRows = 1000;
 constexpr Index kMostRows = 20000;
 
-Index InRegisters(Index count) { return (count + kRegister - 1) / kRegister; }
-
 }  // namespace
 
 bool BandPivoting::Suits(const MatrixArrays& A) {
@@ -34,11 +33,11 @@ bool BandPivoting::Suits(const MatrixArrays& A) {
 }
 
 void BandPivoting::Reserve(Index n) {
-  if (f_.size() >= n) return;
-  for (Eigen::VectorXd* v : {&f_, &w_, &size_, &inverse_pivot_}) v->resize(n);
+  const Index width = A_->is_dense() ? n / 2 + 1 : A_->bandwidth();
+  factor_.Reserve(n, (width + 2 * kRegister) * n);
+  if (f_.size() >= n + kRegister) return;
+  for (Eigen::VectorXd* v : {&f_, &w_, &size_, &correction_}) v->setZero(n + kRegister);
   is_active_.resize(At(n));
-  active_rows_.resize(At(n));
-  place_.resize(At(n));
 }
 
 // One step of the relaxation; w_ holds A f + b of a dense A. False if nothing moved.
@@ -111,87 +110,31 @@ void BandPivoting::FindGaps() {
   }
 }
 
-// Columns of A_FF from their diagonal down.
-void BandPivoting::LoadFactor() {
+bool BandPivoting::LoadFactor() {
   const ProblemArrays& arrays = A_->arrays();
-  active_count_ = 0;
-  for (Index i = 0; i < n_; ++i) {
-    place_[At(i)] = is_active_[At(i)] != 0 ? static_cast<std::int32_t>(active_count_) : -1;
-    if (is_active_[At(i)] != 0) active_rows_[At(active_count_++)] = static_cast<std::int32_t>(i);
-  }
-  const Index m = active_count_;
-  band_ = A_->is_dense() ? std::max<Index>(m - 1, 0) : 0;
-  for (Index k = 0; k < m && !A_->is_dense(); ++k) {
-    const auto row = At(active_rows_[At(k)]);
-    for (int e = arrays.row_start[row + 1] - 1; e >= arrays.row_start[row]; --e) {
-      const std::int32_t last = place_[At(arrays.column[At(e)])];
-      if (last < 0) continue;
-      band_ = std::max(band_, last - k);
-      break;
-    }
-  }
-  // A register more, so that whole ones may be read from any place of a column.
-  stride_ = (InRegisters(band_ + 1) + 1) * kRegister;
-  if (factor_.size() < m * stride_) factor_.resize(m * stride_);
-  if (y_.size() < m + stride_) y_.resize(m + stride_);
-  factor_.head(m * stride_).setZero();
-  for (Index k = 0; k < m; ++k) {
-    double* const to = factor_.data() + k * stride_;
-    const Index row = active_rows_[At(k)];
+  const bool has_room = factor_.LayOut(
+      n_, [&](Index i) { return A_->is_dense() ? 0 : std::min(i, Index{arrays.column[At(arrays.row_start[At(i)])]}); });
+  if (has_room) factor_.Clear();
+  for (Index i = 0; i < n_ && has_room; ++i) {
+    double* const row = factor_.row(i);
     if (A_->is_dense()) {
-      const double* const from = arrays.value.data() + row * n_;
-      for (Index j = k; j < m; ++j) to[j - k] = from[active_rows_[At(j)]];
+      std::copy_n(arrays.value.data() + i * n_, i + 1, row);
       continue;
     }
-    for (int e = arrays.row_start[At(row)]; e < arrays.row_start[At(row) + 1]; ++e) {
-      const Index at = place_[At(arrays.column[At(e)])];
-      if (at >= k) to[at - k] = arrays.value[At(e)];
+    for (int e = arrays.row_start[At(i)]; e < arrays.row_start[At(i) + 1] && arrays.column[At(e)] <= i; ++e) {
+      row[arrays.column[At(e)]] = arrays.value[At(e)];
     }
   }
+  return has_room;
 }
 
 // False if a row depends on those before it.
-bool BandPivoting::Factorize() {
-  LoadFactor();
-  const Index m = active_count_;
-  for (Index k = 0; k < m; ++k) {
-    const double* const column = factor_.data() + k * stride_;
-    const double least = tableau::kLeastPivot * A_->diagonal()[At(active_rows_[At(k)])];
-    if (!(column[0] > least)) return false;
-    const double inverse = 1 / column[0];
-    inverse_pivot_[k] = inverse;
-    const Index reach = std::min(band_, m - 1 - k);
-    for (Index t = 1; t <= reach; ++t) {
-      if (column[t] == 0) continue;
-      const double factor = column[t] * inverse;
-      Register* const to = AsRegisters(factor_.data() + (k + t) * stride_);
-      const Register* const from = AsRegisters(column + t);
-      const Index registers = InRegisters(reach + 1 - t);
-      for (Index v = 0; v < registers; ++v) to[v] -= factor * from[v];
-    }
-  }
+bool BandPivoting::FindBasicPoint() {
+  if (!factor_.Factorize(is_active_.data(), 0, nullptr)) return false;
+  for (Index i = 0; i < n_; ++i) f_[i] = is_active_[At(i)] != 0 ? -A_->arrays().b[At(i)] : 0.0;
+  factor_.Solve(f_.data());
+  FindGaps();
   return true;
-}
-
-// y := (L D L^T)^-1 y.
-void BandPivoting::SolveFactor() {
-  const Index m = active_count_;
-  const Index registers = InRegisters(band_);
-  y_.segment(m, stride_).setZero();
-  for (Index k = 0; k < m; ++k) {
-    const double factor = y_[k] * inverse_pivot_[k];
-    if (factor == 0) continue;
-    const Register* const from = AsRegisters(factor_.data() + k * stride_ + 1);
-    Register* const to = AsRegisters(y_.data() + k + 1);
-    for (Index v = 0; v < registers; ++v) to[v] -= factor * from[v];
-  }
-  for (Index k = m; k-- > 0;) {
-    const Register* const column = AsRegisters(factor_.data() + k * stride_ + 1);
-    const Register* const x = AsRegisters(y_.data() + k + 1);
-    Register sum = {};
-    for (Index v = 0; v < registers; ++v) sum += column[v] * x[v];
-    y_[k] = (y_[k] - Sum(&sum)) * inverse_pivot_[k];
-  }
 }
 
 // How many rows have changed sides.
@@ -255,42 +198,27 @@ bool BandPivoting::Solve(const MatrixArrays& A, const LcpOptions& options, LcpRe
   Reserve(n_);
   const Deadline deadline(options);
   GuessActiveRows(options.initial_f);
-  Index least = n_ + 1;
-  int patience = kPatience;
-  for (int round = 1; round <= kMostRounds; ++round) {
-    if (!Factorize()) return false;
-    const Index m = active_count_;
-    for (Index k = 0; k < m; ++k) y_[k] = -A.arrays().b[At(active_rows_[At(k)])];
-    SolveFactor();
-    f_.head(n_).setZero();
-    for (Index k = 0; k < m; ++k) f_[active_rows_[At(k)]] = y_[k];
-    FindGaps();
-    const Index violated = ExchangeViolated();
-    bool is_done = violated == 0 && Meets(options.tolerance);
-    if (violated == 0 && !is_done) {
-      for (Index k = 0; k < m; ++k) y_[k] = w_[active_rows_[At(k)]];
-      SolveFactor();
-      for (Index k = 0; k < m; ++k) f_[active_rows_[At(k)]] -= y_[k];
-      is_done = Meets(options.tolerance);
-      if (!is_done) return false;
-    }
-    const bool is_late = !is_done && deadline.Expired();
-    if (is_done || is_late) {
-      ClipForces();
-      result->f = f_.head(n_);
-      result->status = is_done ? LcpStatus::kSolved : LcpStatus::kTimeLimit;
-      result->iterations = round;
-      result->detail = "band";
-      return true;
-    }
-    if (violated < least) {
-      least = violated;
-      patience = kPatience;
-    } else if (--patience == 0) {
-      return false;
-    }
+  if (!LoadFactor()) return false;
+  std::int64_t factors = 0;
+  bool is_late = false;
+  const auto find = [&] {
+    is_late = factors > 0 && deadline.Expired();
+    return !is_late && ++factors > 0 && FindBasicPoint();
+  };
+  bool is_done = ExchangeBlocks(kMostRounds, kPatience, find, [&] { return ExchangeViolated(); });
+  if (!is_done && !is_late) return false;
+  if (is_done && !Meets(options.tolerance)) {
+    for (Index i = 0; i < n_; ++i) correction_[i] = is_active_[At(i)] != 0 ? w_[i] : 0.0;
+    factor_.Solve(correction_.data());
+    f_.head(n_) -= correction_.head(n_);
+    if (!Meets(options.tolerance)) return false;
   }
-  return false;
+  ClipForces();
+  result->f = f_.head(n_);
+  result->status = is_done ? LcpStatus::kSolved : LcpStatus::kTimeLimit;
+  result->iterations = factors;
+  result->detail = "band";
+  return true;
 }
 
 }  // namespace lcpbench

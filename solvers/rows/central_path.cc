@@ -54,7 +54,7 @@ void CentralPath::Step(double mu, double contacts, double* x) {
   const Index n = scaled_->size;
   double* const dx = direction_.data();
   corrector_.head(n).setZero();
-  factor_->Factorize(all_.data(), shift_.data());
+  factor_->Factorize(all_.data(), ProfileFactor::kShift, shift_.data());
   direction_.head(n) = -gaps_.head(n);
   factor_->Solve(dx);
   const double affine = StepLength(x, dx);
@@ -92,7 +92,7 @@ std::int64_t CentralPath::Follow(const ScaledProblem& scaled, const RowKernel& r
     double contacts = 0;
     for (Index i = 0; i < n; ++i) {
       const bool is_joint = scaled.IsFree(i);
-      shift_[i] = ProfileFactor::kShift + (is_joint ? 0 : slack_[i] / x->f[i]);
+      shift_[i] = is_joint ? 0 : slack_[i] / x->f[i];
       mu += is_joint ? 0 : x->f[i] * slack_[i];
       contacts += is_joint ? 0 : 1;
     }

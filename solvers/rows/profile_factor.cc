@@ -10,44 +10,35 @@ namespace {
 
 std::size_t At(std::int64_t i) { return static_cast<std::size_t>(i); }
 
-// A pivot below is rounding; its row is left out of the factor.
+// A pivot below, in units of A_ii, is rounding; its row is left out of the factor.
 constexpr double kLeastPivot = 1e-12;
 
 }  // namespace
 
-void ProfileFactor::Reserve(Index max_rows) {
+void ProfileFactor::Reserve(Index max_rows, Index profile) {
+  if (A_.size() < profile + 4 * kRegister) {
+    for (auto* v : {&A_, &L_}) v->setZero(profile + 4 * kRegister);
+  }
   if (first_.size() >= At(max_rows)) return;
   const Index n = max_rows;
   const Index most_bodies = 2 * n;
   for (auto* v : {&first_, &last_below_, &active_first_}) v->resize(At(n));
   begin_.resize(At(n));
-  for (auto* v : {&A_, &L_}) v->setZero(kMostProfile * n + 4 * kRegister);
   for (auto* v : {&column_, &mask_}) v->setZero(n + 2 * kRegister);
   for (auto* v : {&first_row_, &sides_, &sides_begin_, &sides_end_}) v->resize(At(most_bodies) + 1);
 }
 
-bool ProfileFactor::FindProfile(const ScaledRows& rows) {
-  n_ = rows.size();
-  for (Index i = n_ - 1; i >= 0; --i) {
-    first_row_[At(rows.first_body(i))] = static_cast<std::int32_t>(i);
-    if (rows.second_body(i) >= 0) first_row_[At(rows.second_body(i))] = static_cast<std::int32_t>(i);
-  }
+bool ProfileFactor::LayOutRows() {
   Index at = 0;
+  cost_ = 0;
   for (Index i = 0; i < n_; ++i) {
-    std::int32_t first = first_row_[At(rows.first_body(i))];
-    if (rows.second_body(i) >= 0) first = std::min(first, first_row_[At(rows.second_body(i))]);
-    first_[At(i)] = first;
-    const Index begin = first / kRegister * kRegister;
+    const Index begin = first_[At(i)] / kRegister * kRegister;
     begin_[At(i)] = at - begin;
     at += (i / kRegister + 1) * kRegister - begin;
     last_below_[At(i)] = static_cast<std::int32_t>(i);
-  }
-  for (Index i = 0; i < n_; ++i) {
-    const Index first = first_[At(i)];
-    last_below_[At(first)] = std::max(last_below_[At(first)], static_cast<std::int32_t>(i));
+    last_below_[At(first_[At(i)])] = static_cast<std::int32_t>(i);
   }
   for (Index i = 1; i < n_; ++i) last_below_[At(i)] = std::max(last_below_[At(i)], last_below_[At(i) - 1]);
-  cost_ = 0;
   for (Index j = 0; j < n_; ++j) {
     const auto below = static_cast<double>(last_below_[At(j)] - j);
     cost_ += below * (8 + below / 8) + 40;
@@ -55,9 +46,24 @@ bool ProfileFactor::FindProfile(const ScaledRows& rows) {
   return at + kRegister <= A_.size();
 }
 
+void ProfileFactor::Clear() {
+  std::fill_n(A_.data(), begin_[At(n_) - 1] + (n_ - 1) / kRegister * kRegister + kRegister, 0.0);
+}
+
+bool ProfileFactor::FindProfile(const ScaledRows& rows) {
+  for (Index i = rows.size() - 1; i >= 0; --i) {
+    first_row_[At(rows.first_body(i))] = static_cast<std::int32_t>(i);
+    if (rows.second_body(i) >= 0) first_row_[At(rows.second_body(i))] = static_cast<std::int32_t>(i);
+  }
+  return LayOut(rows.size(), [&](Index i) {
+    const std::int32_t first = first_row_[At(rows.first_body(i))];
+    return rows.second_body(i) < 0 ? first : std::min(first, first_row_[At(rows.second_body(i))]);
+  });
+}
+
 template <Index p>
 void ProfileFactor::AssembleOf(const ScaledRows& rows) {
-  std::fill_n(A_.data(), begin_[At(n_) - 1] + (n_ - 1) / kRegister * kRegister + kRegister, 0.0);
+  Clear();
   std::fill_n(sides_begin_.begin(), rows.bodies() + 1, 0);
   for (Index i = 0; i < n_; ++i) {
     ++sides_begin_[At(rows.first_body(i)) + 1];
@@ -91,7 +97,8 @@ void ProfileFactor::Assemble(const ScaledRows& rows) {
 }
 
 // Column by column, each one subtracted from the rows below at once.
-void ProfileFactor::Factorize(const unsigned char* is_active, const double* shift) {
+bool ProfileFactor::Factorize(const unsigned char* is_active, double shift, const double* more) {
+  bool is_whole = true;
   for (Index i = 0; i < n_; ++i) {
     mask_[i] = is_active[i] != 0 ? 1 : 0;
     active_first_[At(i)] = is_active[i] != 0 ? first_[At(i)] : static_cast<std::int32_t>(n_);
@@ -103,7 +110,7 @@ void ProfileFactor::Factorize(const unsigned char* is_active, const double* shif
     for (Index k = first_[At(i)] / kRegister * kRegister; k <= i; k += kRegister) {
       *AsRegisters(to + k) = *AsRegisters(from + k) * *AsRegisters(mask_.data() + k);
     }
-    to[i] = 1 + shift[i];
+    to[i] += shift + (more != nullptr ? more[i] : 0.0);
   }
   double* const column = column_.data();
   for (Index j = 0; j < n_; ++j) {
@@ -111,7 +118,10 @@ void ProfileFactor::Factorize(const unsigned char* is_active, const double* shif
     if (is_active[j] == 0) continue;
     const Index last = last_below_[At(j)];
     double& pivot = L_[begin_[At(j)] + j];
-    if (!(pivot > kLeastPivot)) pivot = std::numeric_limits<double>::infinity();
+    if (!(pivot > kLeastPivot * A_[begin_[At(j)] + j])) {
+      pivot = std::numeric_limits<double>::infinity();
+      is_whole = false;
+    }
     const double inverse = 1 / pivot;
     const std::int32_t reached = static_cast<std::int32_t>(j);
     for (Index i = j + 1; i <= last; ++i) {
@@ -129,6 +139,7 @@ void ProfileFactor::Factorize(const unsigned char* is_active, const double* shif
     // What lies beyond the diagonal in a register is never read as a number of the row.
   }
   for (Index i = 0; i < n_; ++i) column[i] = 0;
+  return is_whole;
 }
 
 void ProfileFactor::Solve(double* x) const {

@@ -8,36 +8,52 @@
 
 namespace lcpbench {
 
-/// L D L^T of A~_FF + diag(shift), F the active rows of an island of ScaledRows. A~ is stored by rows from its first
-/// nonzero to the diagonal (its profile), and the factor stays within it [Jennings 1966]; rows outside F are passed
-/// over. Pivots that are rounding (below 1e-12 of A~_ii = 1) leave their row out: its x is 0.
+/// L D L^T of A_FF + diag(shift), F the active rows of a symmetric A, which is stored by rows from its first nonzero to
+/// the diagonal (its profile); the factor stays within it [Jennings 1966]; rows outside F are passed over. A pivot that
+/// is rounding (below 1e-12 of A_ii) leaves its row out: its x is 0. A is that of ScaledRows, or any that a caller lays
+/// out and fills.
 ///
 /// Cost: a factorization takes the sum of squared column heights of the profile. Only Reserve allocates.
 class ProfileFactor {
  public:
-  /// Numbers of the profile per row that room is made for, on average.
+  /// Numbers of the profile per row that room is made for, on average, unless asked for more.
   static constexpr Index kMostProfile = 256;
-  /// A shift that holds a singular A_FF up and leaves little in w, in units of A_ii = 1.
+  /// A shift that holds a singular A_FF up and leaves little in w, in units of A_ii.
   static constexpr double kShift = 1e-9;
 
-  /// For islands of up to `max_rows` rows.
-  void Reserve(Index max_rows);
+  /// For matrices of up to `max_rows` rows, with profiles of up to `profile` numbers, rows filled up to whole
+  /// registers.
+  void Reserve(Index max_rows, Index profile);
+  void Reserve(Index max_rows) { Reserve(max_rows, kMostProfile * max_rows); }
 
-  /// Where A~ has its numbers. False if that is more than there is room for.  O(n)
+  /// A has n rows, of which row i begins at column first(i) <= i. False if that is more than there is room for.  O(n)
+  template <typename First>
+  bool LayOut(Index n, const First& first) {
+    n_ = n;
+    for (Index i = 0; i < n; ++i) first_[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(first(i));
+    return LayOutRows();
+  }
+  /// A = 0.
+  void Clear();
+  /// Row i by column, to be filled: from its first one to its diagonal.
+  double* row(Index i) { return A_.data() + begin_[static_cast<std::size_t>(i)]; }
+
+  /// A~ = G G^T, by the rows that bodies share. False as LayOut.
   bool FindProfile(const ScaledRows& rows);
+  void Assemble(const ScaledRows& rows);
   /// Of a factorization with all rows active, in processor cycles, roughly.
   double cost() const { return cost_; }
 
-  /// A~ = G G^T, by the rows that bodies share. FindProfile comes before.
-  void Assemble(const ScaledRows& rows);
   /// @param is_active  n, 1 for the rows of F
-  /// @param shift      n, added to the diagonal, >= 0
-  void Factorize(const unsigned char* is_active, const double* shift);
-  /// x := (A~_FF + diag(shift))^-1 x. Entries of x outside F must be 0, and stay 0.
+  /// @param shift      added to the diagonal, >= 0; with `more`, n numbers, unless it is nullptr
+  /// @returns whether no row was left out
+  bool Factorize(const unsigned char* is_active, double shift, const double* more);
+  /// x := (A_FF + diag(shift))^-1 x. Entries of x outside F must be 0, and stay 0.
   /// @param x  n numbers, padded to whole vector registers
   void Solve(double* x) const;
 
  private:
+  bool LayOutRows();
   template <Index p>
   void AssembleOf(const ScaledRows& rows);
   bool is_in_factor(Index i) const { return active_first_[static_cast<std::size_t>(i)] < n_; }
