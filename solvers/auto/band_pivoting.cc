@@ -40,23 +40,43 @@ void BandPivoting::Reserve(Index n) {
   is_active_.resize(At(n));
 }
 
+// Entries of row i: visit(column, value).
+template <typename Visit>
+void BandPivoting::ForEntries(Index i, const Visit& visit) const {
+  const ProblemArrays& arrays = A_->arrays();
+  if (A_->is_dense()) {
+    for (Index j = 0; j < n_; ++j) visit(j, arrays.value[At(i * n_ + j)]);
+    return;
+  }
+  const int* const column = arrays.column.data();
+  const double* const value = arrays.value.data();
+  for (int e = arrays.row_start[At(i)]; e < arrays.row_start[At(i) + 1]; ++e) visit(Index{column[e]}, value[e]);
+}
+
+// (A f + b)_i in sums of type Real.
+template <typename Real>
+Real BandPivoting::Gap(Index i, double* size) const {
+  Real gap = A_->arrays().b[At(i)];
+  double sum = std::abs(static_cast<double>(gap));
+  ForEntries(i, [&](Index j, double a) {
+    const Real term = static_cast<Real>(a) * f_[j];
+    gap += term;
+    sum += std::abs(static_cast<double>(term));
+  });
+  *size = sum;
+  return gap;
+}
+
 // One step of the relaxation; w_ holds A f + b of a dense A. False if nothing moved.
 bool BandPivoting::SweepRow(Index i) {
-  const ProblemArrays& arrays = A_->arrays();
-  double gap = w_[i];
-  if (!A_->is_dense()) {
-    gap = arrays.b[At(i)];
-    const int* const column = arrays.column.data();
-    const double* const value = arrays.value.data();
-    for (int e = arrays.row_start[At(i)]; e < arrays.row_start[At(i) + 1]; ++e) gap += value[e] * f_[column[e]];
-  }
+  const double gap = A_->is_dense() ? w_[i] : Gap<double>(i, &size_[i]);
   const double wanted = f_[i] - kRelaxation * gap / A_->diagonal()[At(i)];
   const double f = A_->is_joint(i) ? wanted : std::max(wanted, 0.0);
   const double change = f - f_[i];
   if (change == 0) return false;
   f_[i] = f;
   if (A_->is_dense()) {
-    w_.head(n_) += change * Eigen::Map<const Eigen::VectorXd>(arrays.value.data() + i * n_, n_);
+    w_.head(n_) += change * Eigen::Map<const Eigen::VectorXd>(A_->arrays().value.data() + i * n_, n_);
   }
   return true;
 }
@@ -80,33 +100,20 @@ void BandPivoting::GuessActiveRows(const Eigen::VectorXd* initial_f) {
 }
 
 void BandPivoting::FindGaps() {
-  const ProblemArrays& arrays = A_->arrays();
-  if (A_->is_dense()) {
-    auto w = w_.head(n_);
-    auto size = size_.head(n_);
-    w = Eigen::Map<const Eigen::VectorXd>(arrays.b.data(), n_);
-    size = w.cwiseAbs();
-    for (Index j = 0; j < n_; ++j) {
-      if (f_[j] == 0) continue;
-      const Eigen::Map<const Eigen::VectorXd> row(arrays.value.data() + j * n_, n_);
-      w += f_[j] * row;
-      size += std::abs(f_[j]) * row.cwiseAbs();
-    }
+  if (!A_->is_dense()) {
+    for (Index i = 0; i < n_; ++i) w_[i] = Gap<double>(i, &size_[i]);
     return;
   }
-  const int* const column = arrays.column.data();
-  const double* const value = arrays.value.data();
-  int e = 0;
-  for (Index i = 0; i < n_; ++i) {
-    double w = arrays.b[At(i)];
-    double size = std::abs(w);
-    for (const int end = arrays.row_start[At(i) + 1]; e < end; ++e) {
-      const double term = value[e] * f_[column[e]];
-      w += term;
-      size += std::abs(term);
-    }
-    w_[i] = w;
-    size_[i] = size;
+  const ProblemArrays& arrays = A_->arrays();
+  auto w = w_.head(n_);
+  auto size = size_.head(n_);
+  w = Eigen::Map<const Eigen::VectorXd>(arrays.b.data(), n_);
+  size = w.cwiseAbs();
+  for (Index j = 0; j < n_; ++j) {
+    if (f_[j] == 0) continue;
+    const Eigen::Map<const Eigen::VectorXd> row(arrays.value.data() + j * n_, n_);
+    w += f_[j] * row;
+    size += std::abs(f_[j]) * row.cwiseAbs();
   }
 }
 
@@ -114,18 +121,15 @@ bool BandPivoting::LoadFactor() {
   const ProblemArrays& arrays = A_->arrays();
   const bool has_room = factor_.LayOut(
       n_, [&](Index i) { return A_->is_dense() ? 0 : std::min(i, Index{arrays.column[At(arrays.row_start[At(i)])]}); });
-  if (has_room) factor_.Clear();
-  for (Index i = 0; i < n_ && has_room; ++i) {
+  if (!has_room) return false;
+  factor_.Clear();
+  for (Index i = 0; i < n_; ++i) {
     double* const row = factor_.row(i);
-    if (A_->is_dense()) {
-      std::copy_n(arrays.value.data() + i * n_, i + 1, row);
-      continue;
-    }
-    for (int e = arrays.row_start[At(i)]; e < arrays.row_start[At(i) + 1] && arrays.column[At(e)] <= i; ++e) {
-      row[arrays.column[At(e)]] = arrays.value[At(e)];
-    }
+    ForEntries(i, [&](Index j, double a) {
+      if (j <= i) row[j] = a;
+    });
   }
-  return has_room;
+  return true;
 }
 
 // False if a row depends on those before it.
@@ -157,39 +161,26 @@ void BandPivoting::ClipForces() {
   }
 }
 
-// @param epsilon  of the sums w, of which each row has as many terms as the band is wide, and a few more
-template <typename Real>
-ResidualSums<double>::Known BandPivoting::Judge(double tolerance, const Real* w, double epsilon) const {
+// @param gap      of a row, in sums of type Real, of which each has as many terms as the band is wide, and a few more
+template <typename Real, typename OfRow>
+ResidualSums<double>::Known BandPivoting::Judge(double tolerance, const OfRow& gap) const {
   ResidualSums<double> sums(tableau::kMargin * std::sqrt(tolerance));
   for (Index i = 0; i < n_; ++i) {
-    sums.Add(A_->diagonal()[At(i)], A_->arrays().b[At(i)], static_cast<double>(w[i]), f_[i], A_->is_joint(i), size_[i]);
+    const auto w = static_cast<double>(gap(i));
+    sums.Add(A_->diagonal()[At(i)], A_->arrays().b[At(i)], w, f_[i], A_->is_joint(i), size_[i]);
   }
+  const auto epsilon = static_cast<double>(std::numeric_limits<Real>::epsilon());
   return sums.Judge(tolerance, static_cast<double>(2 * A_->bandwidth() + 5) * epsilon);
 }
 
-bool BandPivoting::MeetsInExtended(double tolerance) {
-  const ProblemArrays& arrays = A_->arrays();
-  if (extended_w_.size() < At(n_)) extended_w_.resize(At(n_));
-  for (Index i = 0; i < n_; ++i) {
-    const Index begin = A_->is_dense() ? i * n_ : arrays.row_start[At(i)];
-    const Index end = A_->is_dense() ? begin + n_ : arrays.row_start[At(i) + 1];
-    long double sum = arrays.b[At(i)];
-    for (Index e = begin; e < end; ++e) {
-      const Index j = A_->is_dense() ? e - begin : arrays.column[At(e)];
-      sum += static_cast<long double>(arrays.value[At(e)]) * f_[j];
-    }
-    extended_w_[At(i)] = sum;
-  }
-  const auto epsilon = static_cast<double>(std::numeric_limits<long double>::epsilon());
-  return Judge(tolerance, extended_w_.data(), epsilon) == ResidualSums<double>::Known::kRight;
-}
-
+// In double, and in extended precision where rounding may hide more than the tolerance.
 bool BandPivoting::Meets(double tolerance) {
   using Known = ResidualSums<double>::Known;
   ClipForces();
   FindGaps();
-  const Known known = Judge(tolerance, w_.data(), std::numeric_limits<double>::epsilon());
-  return known == Known::kRight || (known == Known::kUnclear && MeetsInExtended(tolerance));
+  const Known known = Judge<double>(tolerance, [&](Index i) { return w_[i]; });
+  if (known != Known::kUnclear) return known == Known::kRight;
+  return Judge<long double>(tolerance, [&](Index i) { return Gap<long double>(i, &size_[i]); }) == Known::kRight;
 }
 
 bool BandPivoting::Solve(const MatrixArrays& A, const LcpOptions& options, LcpResult* result) {

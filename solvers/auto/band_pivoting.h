@@ -45,16 +45,18 @@ class BandPivoting {
   Index ExchangeViolated();
   void ClipForces();
   bool Meets(double tolerance);
-  bool MeetsInExtended(double tolerance);
+  template <typename Visit>
+  void ForEntries(Index i, const Visit& visit) const;
   template <typename Real>
-  ResidualSums<double>::Known Judge(double tolerance, const Real* w, double epsilon) const;
+  Real Gap(Index i, double* size) const;
+  template <typename Real, typename OfRow>
+  ResidualSums<double>::Known Judge(double tolerance, const OfRow& gap) const;
 
   const MatrixArrays* A_ = nullptr;
   Index n_ = 0;
   std::vector<unsigned char> is_active_;
   Eigen::VectorXd f_, w_, size_, correction_;  // w = A f + b; |A| |f| + |b|
   ProfileFactor factor_;
-  std::vector<long double> extended_w_;
 };
 
 }  // namespace lcpbench

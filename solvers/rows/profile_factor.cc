@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
+#include "solvers/pivoting/tableau_rules.h"
 #include "solvers/pivoting/vector_register.h"
 
 namespace lcpbench {
 namespace {
 
 std::size_t At(std::int64_t i) { return static_cast<std::size_t>(i); }
-
-// A pivot below, in units of A_ii, is rounding; its row is left out of the factor.
-constexpr double kLeastPivot = 1e-12;
 
 }  // namespace
 
@@ -25,7 +24,7 @@ void ProfileFactor::Reserve(Index max_rows, Index profile) {
   for (auto* v : {&first_, &last_below_, &active_first_}) v->resize(At(n));
   begin_.resize(At(n));
   for (auto* v : {&column_, &mask_}) v->setZero(n + 2 * kRegister);
-  for (auto* v : {&first_row_, &sides_, &sides_begin_, &sides_end_}) v->resize(At(most_bodies) + 1);
+  for (auto* v : {&first_row_, &last_side_, &side_before_}) v->resize(At(most_bodies) + 1);
 }
 
 bool ProfileFactor::LayOutRows() {
@@ -64,15 +63,7 @@ bool ProfileFactor::FindProfile(const ScaledRows& rows) {
 template <Index p>
 void ProfileFactor::AssembleOf(const ScaledRows& rows) {
   Clear();
-  std::fill_n(sides_begin_.begin(), rows.bodies() + 1, 0);
-  for (Index i = 0; i < n_; ++i) {
-    ++sides_begin_[At(rows.first_body(i)) + 1];
-    if (rows.second_body(i) >= 0) ++sides_begin_[At(rows.second_body(i)) + 1];
-  }
-  for (Index k = 0; k < rows.bodies(); ++k) {
-    sides_begin_[At(k) + 1] += sides_begin_[At(k)];
-    sides_end_[At(k)] = sides_begin_[At(k)];
-  }
+  std::fill_n(last_side_.begin(), rows.bodies(), -1);
   const auto block = [&](Index side) __attribute__((always_inline)) {
     return BodyPart<p>(Load<BodyLanes<p>>(rows.row(0) + side * kBodyWidth<p>));
   };
@@ -82,11 +73,10 @@ void ProfileFactor::AssembleOf(const ScaledRows& rows) {
       const std::int32_t body = s == 0 ? rows.first_body(i) : rows.second_body(i);
       if (body < 0) continue;
       const auto own = block(2 * i + s);
-      for (std::int32_t e = sides_begin_[At(body)]; e < sides_end_[At(body)]; ++e) {
-        const std::int32_t side = sides_[At(e)];
+      for (std::int32_t side = last_side_[At(body)]; side >= 0; side = side_before_[At(side)]) {
         row[side / 2] += Sum(Folded(own * block(side)));
       }
-      sides_[At(sides_end_[At(body)]++)] = static_cast<std::int32_t>(2 * i + s);
+      side_before_[At(2 * i + s)] = std::exchange(last_side_[At(body)], static_cast<std::int32_t>(2 * i + s));
     }
     row[i] = 1;
   }
@@ -118,7 +108,7 @@ bool ProfileFactor::Factorize(const unsigned char* is_active, double shift, cons
     if (is_active[j] == 0) continue;
     const Index last = last_below_[At(j)];
     double& pivot = L_[begin_[At(j)] + j];
-    if (!(pivot > kLeastPivot * A_[begin_[At(j)] + j])) {
+    if (!(pivot > tableau::kLeastPivot * A_[begin_[At(j)] + j])) {
       pivot = std::numeric_limits<double>::infinity();
       is_whole = false;
     }

@@ -10,8 +10,8 @@ namespace lcpbench {
 
 /// L D L^T of A_FF + diag(shift), F the active rows of a symmetric A, which is stored by rows from its first nonzero to
 /// the diagonal (its profile); the factor stays within it [Jennings 1966]; rows outside F are passed over. A pivot that
-/// is rounding (below 1e-12 of A_ii) leaves its row out: its x is 0. A is that of ScaledRows, or any that a caller lays
-/// out and fills.
+/// is rounding (below tableau::kLeastPivot of A_ii) leaves its row out: its x is 0. A is that of ScaledRows, or any
+/// that a caller lays out and fills.
 ///
 /// Cost: a factorization takes the sum of squared column heights of the profile. Only Reserve allocates.
 class ProfileFactor {
@@ -67,8 +67,8 @@ class ProfileFactor {
   std::vector<std::int32_t> active_first_;  // first_ of active rows, n of others
   std::vector<std::int32_t> first_row_;     // by body
   Eigen::VectorXd A_, L_, column_, mask_;
-  // Of Assemble, by body: 2 row + side of the rows so far.
-  std::vector<std::int32_t> sides_, sides_begin_, sides_end_;
+  // Of Assemble: by body the last side, 2 row + (0 or 1), so far that has it; by side the one before on its body.
+  std::vector<std::int32_t> last_side_, side_before_;
 };
 
 }  // namespace lcpbench

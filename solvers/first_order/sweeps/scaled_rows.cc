@@ -149,10 +149,7 @@ bool ScaledRows::Take(const StepRows& step, std::span<const std::int32_t> given,
   for (Index k = 0; k < bodies_; ++k) {
     for (Index c = 0; c < p; ++c) root_mass_[k * p + c] = std::sqrt(step.inverse_mass[Index{given[At(k)]} * p + c]);
   }
-  const auto take = [&](const auto* J) {
-    return p == 3 ? TakeOf<3>(step, J, place, scaled) : TakeOf<6>(step, J, place, scaled);
-  };
-  return step.J != nullptr ? take(step.J) : take(step.J_single);
+  return WithNumbers(step, [&](const auto* J, auto width) { return TakeOf<width>(step, J, place, scaled); });
 }
 
 }  // namespace lcpbench
