@@ -69,7 +69,11 @@ Real BandPivoting::Gap(Index i, double* size) const {
 
 // One step of the relaxation; w_ holds A f + b of a dense A. False if nothing moved.
 bool BandPivoting::SweepRow(Index i) {
-  const double gap = A_->is_dense() ? w_[i] : Gap<double>(i, &size_[i]);
+  double gap = w_[i];
+  if (!A_->is_dense()) {
+    gap = A_->arrays().b[At(i)];
+    ForEntries(i, [&](Index j, double a) { gap += a * f_[j]; });
+  }
   const double wanted = f_[i] - kRelaxation * gap / A_->diagonal()[At(i)];
   const double f = A_->is_joint(i) ? wanted : std::max(wanted, 0.0);
   const double change = f - f_[i];

@@ -9,9 +9,9 @@
 namespace lcpbench {
 
 /// L D L^T of A_FF + diag(shift), F the active rows of a symmetric A, which is stored by rows from its first nonzero to
-/// the diagonal (its profile); the factor stays within it [Jennings 1966]; rows outside F are passed over. A pivot that
-/// is rounding (below tableau::kLeastPivot of A_ii) leaves its row out: its x is 0. A is that of ScaledRows, or any
-/// that a caller lays out and fills.
+/// the diagonal (its profile); the factor stays within that of the rows of F, which are packed [Jennings 1966]. A pivot
+/// that is rounding (below tableau::kLeastPivot of A_ii) leaves its row out: its x is 0. A is that of ScaledRows, or
+/// any that a caller lays out and fills.
 ///
 /// Cost: a factorization takes the sum of squared column heights of the profile. Only Reserve allocates.
 class ProfileFactor {
@@ -30,13 +30,13 @@ class ProfileFactor {
   template <typename First>
   bool LayOut(Index n, const First& first) {
     n_ = n;
-    for (Index i = 0; i < n; ++i) first_[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(first(i));
+    for (Index i = 0; i < n; ++i) of_A_.first[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(first(i));
     return LayOutRows();
   }
   /// A = 0.
   void Clear();
   /// Row i by column, to be filled: from its first one to its diagonal.
-  double* row(Index i) { return A_.data() + begin_[static_cast<std::size_t>(i)]; }
+  double* row(Index i) { return A_.data() + of_A_.begin[static_cast<std::size_t>(i)]; }
 
   /// A~ = G G^T, by the rows that bodies share. False as LayOut.
   bool FindProfile(const ScaledRows& rows);
@@ -48,25 +48,29 @@ class ProfileFactor {
   /// @param shift      added to the diagonal, >= 0; with `more`, n numbers, unless it is nullptr
   /// @returns whether no row was left out
   bool Factorize(const unsigned char* is_active, double shift, const double* more);
-  /// x := (A_FF + diag(shift))^-1 x. Entries of x outside F must be 0, and stay 0.
-  /// @param x  n numbers, padded to whole vector registers
-  void Solve(double* x) const;
+  /// x_F := (A_FF + diag(shift))^-1 x_F; other entries are left as they are.
+  void Solve(double* x);
 
  private:
+  // Where the rows of a lower triangle stand.
+  struct Profile {
+    std::vector<std::int32_t> first, last_below;  // by row: its first column, the lowest row that reaches its column
+    std::vector<std::int64_t> begin;              // where column 0 of it would stand, in whole registers from there on
+    void Reserve(Index max_rows);
+    Index LayOut(Index n);
+  };
+
   bool LayOutRows();
   template <Index p>
   void AssembleOf(const ScaledRows& rows);
-  bool is_in_factor(Index i) const { return active_first_[static_cast<std::size_t>(i)] < n_; }
+  void Pack(const unsigned char* is_active, double shift, const double* more);
 
-  Index n_ = 0;
+  Index n_ = 0, m_ = 0;  // rows of A, of F
   double cost_ = 0;
-  // By row: its first column, in whole registers where it begins in A_ and L_ (from column 0 on), the lowest row that
-  // reaches its column.
-  std::vector<std::int32_t> first_, last_below_;
-  std::vector<std::int64_t> begin_;
-  std::vector<std::int32_t> active_first_;  // first_ of active rows, n of others
-  std::vector<std::int32_t> first_row_;     // by body
-  Eigen::VectorXd A_, L_, column_, mask_;
+  Profile of_A_, of_L_;
+  std::vector<std::int32_t> rows_, place_;      // F; by row how many rows of F come before
+  std::vector<std::int32_t> first_row_;         // by body
+  Eigen::VectorXd A_, L_, column_, floor_, y_;  // floor_: least pivots; y_: x_F
   // Of Assemble: by body the last side, 2 row + (0 or 1), so far that has it; by side the one before on its body.
   std::vector<std::int32_t> last_side_, side_before_;
 };
