@@ -13,8 +13,7 @@ namespace {
 
 size_t At(Index i) { return static_cast<size_t>(i); }
 
-// Forward and backward, of an over-relaxed method.
-constexpr int kSymmetricSweeps = 3;
+// Of the sweep forward and backward that guesses the active set: 1 costs obstacle problems of some hundred rows 10 %.
 constexpr double kRelaxation = 1.5;
 // Violations below this part of the sum of absolute values that they are the difference of are rounding.
 constexpr double kNoise = 3e-14;
@@ -94,12 +93,9 @@ void BandPivoting::GuessActiveRows(const Eigen::VectorXd* initial_f) {
     ClipForces();
     FindGaps();
   }
-  bool moves = true;
-  for (int sweep = 0; sweep < kSymmetricSweeps && moves; ++sweep) {
-    moves = false;
-    for (Index i = 0; i < n_; ++i) moves |= SweepRow(i);
-    for (Index i = n_; moves && i-- > 0;) SweepRow(i);
-  }
+  bool moves = false;
+  for (Index i = 0; i < n_; ++i) moves |= SweepRow(i);
+  for (Index i = n_; moves && i-- > 0;) SweepRow(i);
   for (Index i = 0; i < n_; ++i) is_active_[At(i)] = f_[i] > 0 || A_->is_joint(i) ? 1 : 0;
 }
 
