@@ -23,8 +23,6 @@ constexpr double kCostOfRow = 110;
 constexpr int kIterationsWithoutClock = 16;
 // Alternations of sweeps and pivoting.
 constexpr int kMostPhases = 5;
-// rho at which pivoting takes over from interior points.
-constexpr double kCentralResidual = 1e-8;
 // Refinements of a basic point; and violations, in |D^-1/2 b|, that pivoting for exactness lets pass.
 constexpr int kMostRefinements = 4;
 constexpr int kPatienceOfPolish = 3;
@@ -189,7 +187,7 @@ double ProfilePivoting::Solve(const StepRows& all, std::span<const std::int32_t>
       if (!has_matrix) factor_.Assemble(form_);
       has_matrix = true;
       if (phase > 0) {
-        iterations_ += central_path_.Follow(scaled_, *rows_, std::min(kCentralResidual * scaled_.b_norm, limit / 4),
+        iterations_ += central_path_.Follow(scaled_, *rows_, limit / 4,
                                             deadline_, &factor_, &x_);
       }
       if (Pivot(kPatience)) TakeBasicPoint();

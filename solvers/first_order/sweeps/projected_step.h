@@ -13,8 +13,9 @@ enum class StepKind {
   kGaps,      ///< nothing moves; w goes where f does otherwise
 };
 
-/// @tparam kMixed  ScaledProblem::mixed
-template <bool kMixed, StepKind kind>
+/// @tparam kMixed    ScaledProblem::mixed
+/// @tparam kHasRate  whether `rate` may be other than 1: rows that wait for each other wait for its product, too
+template <bool kMixed, bool kHasRate, StepKind kind>
 class ProjectedStep {
  public:
   static constexpr StepKind kKind = kind;
@@ -37,7 +38,7 @@ class ProjectedStep {
     residual_.template Add<kHalf>(residual, residual);
     if constexpr (kind == StepKind::kGaps) Store(to_ + row, w);
     if constexpr (kind == StepKind::kGaps || kind == StepKind::kResidual) return w;
-    const T moved = old - rate * w;
+    const T moved = old - (kHasRate ? rate * w : w);
     const T next = AtLeast(floor, moved);
     Store(to_ + row, next);
     const T change = next - old;
@@ -103,9 +104,11 @@ class LaidOutRows : public RowKernel {
       step.AddTo(sums);
     };
     if (scaled_.mixed) {
-      with(ProjectedStep<true, kKind>(scaled_, rate, from.f.data(), to));
+      with(ProjectedStep<true, true, kKind>(scaled_, rate, from.f.data(), to));
+    } else if (rate != 1 && kKind != StepKind::kGaps && kKind != StepKind::kResidual) {
+      with(ProjectedStep<false, true, kKind>(scaled_, rate, from.f.data(), to));
     } else {
-      with(ProjectedStep<false, kKind>(scaled_, rate, from.f.data(), to));
+      with(ProjectedStep<false, false, kKind>(scaled_, rate, from.f.data(), to));
     }
   }
 };
