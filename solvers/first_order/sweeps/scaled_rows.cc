@@ -80,12 +80,11 @@ void ScaledRows::Reserve(Index max_rows, Index max_bodies) {
   Grow(max_bodies * 6, &root_mass_);
 }
 
-void ScaledRows::Clear(Index p, Index size, Index bodies) {
+void ScaledRows::LayOut(Index p, Index size, Index bodies) {
   p_ = p;
   size_ = size;
   bodies_ = bodies;
   Grow(size * 2 * width(), &rows_);
-  rows_.head(size * 2 * width()).setZero();
   Grow(bodies * p, &root_mass_);
 }
 
@@ -100,7 +99,8 @@ void ScaledRows::PlaceBodies(Index k, Index first, Index second) {
 void ScaledRows::Reset(const LcpProblem& problem, const ScaledProblem& scaled) {
   const SparseMatrix& J = problem.J();
   const Index p = problem.columns_per_body();
-  Clear(p, scaled.size, J.cols() / p);
+  LayOut(p, scaled.size, J.cols() / p);
+  rows_.head(size_ * 2 * width()).setZero();
   for (Index k = 0; k < size_; ++k) {
     std::array<Index, 2> body = {-1, -1};
     for (SparseMatrix::InnerIterator it(J, scaled.Given(k)); it; ++it) {
@@ -120,7 +120,7 @@ bool ScaledRows::TakeOf(const StepRows& step, const Real* J, const std::int32_t*
   constexpr Index kWidth = kBodyWidth<p>;
   for (Index k = 0; k < size_; ++k) {
     const Index given = scaled->Given(k);
-    double* const s = rows_.data() + k * 2 * kWidth;
+    double s[2 * kWidth] = {};
     std::array<Index, 2> body = {-1, -1};
     for (Index side = 2 * given; side < 2 * given + 2; ++side) {
       const Index at = step.body[side] < 0 ? -1 : place[step.body[side]];
@@ -135,7 +135,8 @@ bool ScaledRows::TakeOf(const StepRows& step, const Real* J, const std::int32_t*
     for (Index c = 0; c < 2 * kWidth; ++c) d += s[c] * s[c];
     if (!(d > 0)) return false;
     const double inverse = 1 / std::sqrt(d);
-    for (Index c = 0; c < 2 * kWidth; ++c) s[c] *= inverse;
+    double* const to_row = rows_.data() + k * 2 * kWidth;
+    for (Index c = 0; c < 2 * kWidth; ++c) to_row[c] = s[c] * inverse;
     scaled->inverse_root[k] = inverse;
     PlaceBodies(k, body[0], body[1]);
   }
@@ -145,7 +146,7 @@ bool ScaledRows::TakeOf(const StepRows& step, const Real* J, const std::int32_t*
 bool ScaledRows::Take(const StepRows& step, std::span<const std::int32_t> given, const std::int32_t* place,
                       ScaledProblem* scaled) {
   const Index p = step.columns_per_body;
-  Clear(p, scaled->size, static_cast<Index>(given.size()));
+  LayOut(p, scaled->size, static_cast<Index>(given.size()));
   for (Index k = 0; k < bodies_; ++k) {
     for (Index c = 0; c < p; ++c) root_mass_[k * p + c] = std::sqrt(step.inverse_mass[Index{given[At(k)]} * p + c]);
   }

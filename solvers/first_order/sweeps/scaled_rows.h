@@ -134,7 +134,7 @@ class ScaledRows {
     const int offset = (p_ == 3 ? Offsets<3>(s) : Offsets<6>(s))[side];
     return is_spare(offset) ? -1 : offset >> (p_ == 3 ? 2 : 3);
   }
-  void Clear(Index p, Index size, Index bodies);
+  void LayOut(Index p, Index size, Index bodies);
   void PlaceBodies(Index k, Index first, Index second);
   template <Index p, typename Real>
   bool TakeOf(const StepRows& step, const Real* J, const std::int32_t* place, ScaledProblem* scaled);
