@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "solvers/pivoting/vector_register.h"
-
 namespace lcpbench {
 namespace {
 
@@ -18,9 +16,9 @@ constexpr double kStart = 0.03;
 }  // namespace
 
 void CentralPath::Reserve(Index max_rows) {
-  if (gaps_.size() >= max_rows + kRegister) return;
+  if (gaps_.size() >= max_rows) return;
   all_.assign(static_cast<std::size_t>(max_rows), 1);
-  for (auto* v : {&gaps_, &slack_, &corrector_, &direction_, &shift_}) v->setZero(max_rows + kRegister);
+  for (auto* v : {&gaps_, &slack_, &corrector_, &direction_, &shift_}) v->resize(max_rows);
 }
 
 // x and z above 0, by x and its gaps.

@@ -34,9 +34,10 @@ Index ProfileFactor::Profile::LayOut(Index n) {
 }
 
 void ProfileFactor::Reserve(Index max_rows, Index profile) {
-  if (A_.size() < profile) A_.setZero(profile);
+  // Not a page is touched before it is needed.
+  if (A_.size() < profile) A_.resize(profile);
   // Packed rows may begin in one register more.
-  if (L_.size() < A_.size() + kRegister * max_rows) L_.setZero(A_.size() + kRegister * max_rows);
+  if (L_.size() < A_.size() + kRegister * max_rows) L_.resize(A_.size() + kRegister * max_rows);
   if (rows_.size() >= At(max_rows)) return;
   of_A_.Reserve(max_rows);
   of_L_.Reserve(max_rows);

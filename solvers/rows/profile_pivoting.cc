@@ -46,10 +46,10 @@ void ProfilePivoting::Reserve(Index max_rows, Index max_bodies) {
   central_path_.Reserve(max_rows);
   is_active_.resize(At(max_rows));
   for (Point* point : {&x_, &basic_}) {
-    point->f.setZero(n);
-    point->image.setZero(most_image);
+    point->f.resize(n);
+    point->image.resize(most_image);
   }
-  for (auto* v : {&gaps_, &correction_}) v->setZero(n);
+  for (auto* v : {&gaps_, &correction_}) v->resize(n);
 }
 
 // False if a row acts on no body that can move, or A_ii is 0 in double.
