@@ -41,8 +41,9 @@ struct ScaledProblem {
   /// Rows that step differently: a bilateral row is not projected (floor -inf), a row without diagonal does not step
   /// (gain 0; for PSD A the whole row is 0). Most problems have neither (`mixed` false): then nothing reads these.
   bool mixed = false;
-  Array floor;  ///< 0 or -infinity
-  Array gain;   ///< 1 or 0
+  bool has_idle = false;  ///< there are rows without diagonal
+  Array floor;            ///< 0 or -infinity
+  Array gain;             ///< 1 or 0
 
   /// Room for steps of up to `max_rows` rows: Take allocates nothing up to there.
   void Reserve(Index max_rows);
