@@ -14,7 +14,7 @@ namespace {
 std::size_t At(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 // Iterations before the first factor, at least, and rounds of pivoting that may pass without fewer violations.
-constexpr Index kFirstIterations = 4;
+constexpr Index kFirstIterations = 2;
 constexpr int kPatience = 1;
 constexpr int kMostRounds = 12;
 // Processor cycles that an iteration takes per row, roughly.
