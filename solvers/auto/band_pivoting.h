@@ -7,6 +7,7 @@
 #include "solvers/auto/matrix_arrays.h"
 #include "solvers/lcp/residual_sums.h"
 #include "solvers/lcp/solver.h"
+#include "solvers/rows/profile_factor.h"
 
 namespace lcpbench {
 
@@ -16,10 +17,10 @@ namespace lcpbench {
 /// any F, monotonically after the first exchange [Hintermueller, Ito, Kunisch 2002]; elsewhere it may cycle, and gives
 /// up.
 ///
-/// A_FF = L D L^T is made column after column, as wide as the rows of F that are left reach; a column is padded to
-/// vector registers. Rows keep their order: no analysis, no fill outside the band.
+/// A_FF = L D L^T is made within the profile of A (ProfileFactor): rows keep their order, no analysis.
 ///
-/// Cost: n (bandwidth)^2 / 2 multiply-adds a factorization at most. Memory: a band of F, kept for the next problem.
+/// Cost: n (bandwidth)^2 / 2 multiply-adds a factorization at most. Memory: twice the profile, kept for the next
+/// problem.
 class BandPivoting {
  public:
   /// True with result->status kSolved and an f that passes in sums with a bound of their rounding, or kTimeLimit.
@@ -31,23 +32,23 @@ class BandPivoting {
   void GuessActiveRows(const Eigen::VectorXd* initial_f);
   bool SweepRow(Index i);
   void FindGaps();
-  bool Factorize();
-  void LoadFactor();
-  void SolveFactor();
+  bool LoadFactor();
+  bool FindBasicPoint();
   Index ExchangeViolated();
   void ClipForces();
   bool Meets(double tolerance);
-  bool MeetsInExtended(double tolerance);
+  template <typename Visit>
+  void ForEntries(Index i, const Visit& visit) const;
   template <typename Real>
-  ResidualSums<double>::Known Judge(double tolerance, const Real* w, double epsilon) const;
+  Real Gap(Index i, double* size) const;
+  template <typename Real, typename OfRow>
+  ResidualSums<double>::Known Judge(double tolerance, const OfRow& gap) const;
 
   const MatrixArrays* A_ = nullptr;
-  Index n_ = 0, active_count_ = 0, band_ = 0, stride_ = 0;
+  Index n_ = 0;
   std::vector<unsigned char> is_active_;
-  std::vector<std::int32_t> active_rows_, place_;  // place_: by row its place among the active ones, -1: not active
-  Eigen::VectorXd f_, w_, size_;                   // w = A f + b; |A| |f| + |b|
-  Eigen::VectorXd factor_, inverse_pivot_, y_;     // column k of L D from k stride_, its diagonal first
-  std::vector<long double> extended_w_;
+  Eigen::VectorXd f_, w_, size_, correction_;  // w = A f + b; |A| |f| + |b|
+  ProfileFactor factor_;
 };
 
 }  // namespace lcpbench

@@ -6,6 +6,11 @@
 
 namespace lcpbench {
 
+/// Rounding of a gap that is summed over a row's two bodies and the rows of each, in parts of its sum of absolute
+/// values.
+template <typename Sum = double>
+inline constexpr double kRoundingOfTwoBodies = 32 * static_cast<double>(std::numeric_limits<Sum>::epsilon());
+
 /// rho (verify.h) of forces f with gaps w = A f + b, added up row by row; and, from the sums of absolute values that
 /// the gaps are made of, what rounding can hide of it and whether every row's backward error is small. The one coding
 /// of these in solvers/, but for the verifier, which stays apart so that it is independent, and for passes in vector

@@ -64,11 +64,7 @@ void Assemble(const StepRows& rows, const Number* J, double* A, Index stride) {
 }  // namespace
 
 void AssembleDenseA(const StepRows& rows, double* A, Index stride) {
-  if (rows.columns_per_body == 3) {
-    rows.J != nullptr ? Assemble<3>(rows, rows.J, A, stride) : Assemble<3>(rows, rows.J_single, A, stride);
-  } else {
-    rows.J != nullptr ? Assemble<6>(rows, rows.J, A, stride) : Assemble<6>(rows, rows.J_single, A, stride);
-  }
+  WithNumbers(rows, [&](const auto* J, auto p) { Assemble<p>(rows, J, A, stride); });
 }
 
 StepRows PartOf(const StepRows& rows, std::int64_t first, std::int64_t last) {

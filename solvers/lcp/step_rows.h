@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "solvers/lcp/problem.h"
 
@@ -24,6 +25,16 @@ struct StepRows {
   const unsigned char* bilateral = nullptr;  ///< n, 1: a joint; nullptr: every row is unilateral
   const double* inverse_mass = nullptr;      ///< p bodies, >= 0; 0: cannot move
 };
+
+/// visit(J, p) with the J of the step, in its precision, and its p as a constant: std::integral_constant<int, p>.
+template <typename Visit>
+auto WithNumbers(const StepRows& rows, const Visit& visit) {
+  const auto by = [&](const auto* J) {
+    return rows.columns_per_body == 3 ? visit(J, std::integral_constant<int, 3>())
+                                      : visit(J, std::integral_constant<int, 6>());
+  };
+  return rows.J != nullptr ? by(rows.J) : by(rows.J_single);
+}
 
 /// A_ii = sum of m^-1 j^2 over a row's bodies; where both are the same one, over the sum of its sides.
 double DiagonalOf(const StepRows& rows, std::int64_t row);

@@ -14,7 +14,7 @@ void BodyOrder::Reserve(Index max_rows, Index max_bodies) {
   if (number_.size() < At(max_bodies)) number_.resize(At(max_bodies), -1);
   if (first_.size() >= At(max_rows)) return;
   for (auto* v : {&first_, &second_}) v->resize(At(max_rows));
-  for (auto* v : {&body_, &place_, &queue_, &rows_of_body_, &rows_begin_, &rows_end_, &order_end_}) {
+  for (auto* v : {&body_, &place_, &queue_, &last_side_, &side_before_, &order_end_}) {
     v->resize(At(2 * max_rows) + 1);
   }
 }
@@ -49,19 +49,11 @@ bool BodyOrder::NumberBodies(const StepRows& all, std::span<const std::int32_t> 
   return true;
 }
 
-void BodyOrder::ListRowsOfBodies() {
-  std::fill_n(rows_begin_.begin(), count_ + 1, 0);
-  for (Index i = 0; i < n_; ++i) {
-    ++rows_begin_[At(first_[At(i)]) + 1];
-    if (second_[At(i)] >= 0) ++rows_begin_[At(second_[At(i)]) + 1];
-  }
-  for (Index k = 0; k < count_; ++k) rows_begin_[At(k) + 1] += rows_begin_[At(k)];
-  std::copy_n(rows_begin_.begin(), count_, rows_end_.begin());
-  for (Index i = 0; i < n_; ++i) {
-    rows_of_body_[At(rows_end_[At(first_[At(i)])]++)] = static_cast<std::int32_t>(i);
-    if (second_[At(i)] >= 0) {
-      rows_of_body_[At(rows_end_[At(second_[At(i)])]++)] = static_cast<std::int32_t>(i);
-    }
+void BodyOrder::ListSidesOfBodies() {
+  std::fill_n(last_side_.begin(), count_, -1);
+  for (std::int32_t side = 0; side < 2 * n_; ++side) {
+    const std::int32_t body = body_of_side(side);
+    if (body >= 0) side_before_[At(side)] = std::exchange(last_side_[At(body)], side);
   }
 }
 
@@ -77,9 +69,8 @@ void BodyOrder::OrderBodies() {
     place_[At(start)] = count++;
     for (std::int32_t head = 0; head < count; ++head) {
       const std::int32_t body = queue_[At(head)];
-      for (std::int32_t e = rows_begin_[At(body)]; e < rows_end_[At(body)]; ++e) {
-        const std::int32_t row = rows_of_body_[At(e)];
-        const std::int32_t other = first_[At(row)] == body ? second_[At(row)] : first_[At(row)];
+      for (std::int32_t side = last_side_[At(body)]; side >= 0; side = side_before_[At(side)]) {
+        const std::int32_t other = body_of_side(side ^ 1);
         if (other < 0 || place_[At(other)] >= 0) continue;
         place_[At(other)] = count;
         queue_[At(count++)] = other;
@@ -108,7 +99,7 @@ void BodyOrder::OrderRows(std::span<const std::int32_t> part, std::vector<Index>
 
 bool BodyOrder::Find(const StepRows& all, std::span<const std::int32_t> part, std::vector<Index>* order) {
   if (!NumberBodies(all, part)) return false;
-  ListRowsOfBodies();
+  ListSidesOfBodies();
   OrderBodies();
   OrderRows(part, order);
   // From here on the numbers are places; the queue has bodies in that order.

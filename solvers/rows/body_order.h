@@ -26,7 +26,10 @@ class BodyOrder {
 
  private:
   bool NumberBodies(const StepRows& all, std::span<const std::int32_t> part);
-  void ListRowsOfBodies();
+  void ListSidesOfBodies();
+  std::int32_t body_of_side(std::int32_t side) const {
+    return (side % 2 == 0 ? first_ : second_)[static_cast<std::size_t>(side / 2)];
+  }
   void OrderBodies();
   void OrderRows(std::span<const std::int32_t> part, std::vector<Index>* order);
 
@@ -35,9 +38,10 @@ class BodyOrder {
   std::vector<std::int32_t> number_, body_;
   // By row of `part` its bodies, as numbered when rows name them first; by that number the place in the order.
   std::vector<std::int32_t> first_, second_, place_;
-  std::vector<std::int32_t> rows_of_body_, rows_begin_, rows_end_;  // by that number: rows of `part`
-  std::vector<std::int32_t> queue_;                                 // of the breadth-first search
-  std::vector<std::int32_t> order_end_;                             // by place, the end of its rows so far
+  // By that number the last side, 2 row + (0 or 1), that has the body; by side the one before.
+  std::vector<std::int32_t> last_side_, side_before_;
+  std::vector<std::int32_t> queue_;      // of the breadth-first search
+  std::vector<std::int32_t> order_end_;  // by place, the end of its rows so far
 };
 
 }  // namespace lcpbench

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "solvers/pivoting/vector_register.h"
-
 namespace lcpbench {
 namespace {
 
@@ -18,9 +16,9 @@ constexpr double kStart = 0.03;
 }  // namespace
 
 void CentralPath::Reserve(Index max_rows) {
-  if (gaps_.size() >= max_rows + kRegister) return;
+  if (gaps_.size() >= max_rows) return;
   all_.assign(static_cast<std::size_t>(max_rows), 1);
-  for (auto* v : {&gaps_, &slack_, &corrector_, &direction_, &shift_}) v->setZero(max_rows + kRegister);
+  for (auto* v : {&gaps_, &slack_, &corrector_, &direction_, &shift_}) v->resize(max_rows);
 }
 
 // x and z above 0, by x and its gaps.
@@ -54,7 +52,7 @@ void CentralPath::Step(double mu, double contacts, double* x) {
   const Index n = scaled_->size;
   double* const dx = direction_.data();
   corrector_.head(n).setZero();
-  factor_->Factorize(all_.data(), shift_.data());
+  factor_->Factorize(all_.data(), ProfileFactor::kShift, shift_.data());
   direction_.head(n) = -gaps_.head(n);
   factor_->Solve(dx);
   const double affine = StepLength(x, dx);
@@ -92,7 +90,7 @@ std::int64_t CentralPath::Follow(const ScaledProblem& scaled, const RowKernel& r
     double contacts = 0;
     for (Index i = 0; i < n; ++i) {
       const bool is_joint = scaled.IsFree(i);
-      shift_[i] = ProfileFactor::kShift + (is_joint ? 0 : slack_[i] / x->f[i]);
+      shift_[i] = is_joint ? 0 : slack_[i] / x->f[i];
       mu += is_joint ? 0 : x->f[i] * slack_[i];
       contacts += is_joint ? 0 : 1;
     }

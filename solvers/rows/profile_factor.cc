@@ -2,87 +2,92 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "solvers/linear_algebra/vector_register.h"
+#include "solvers/pivoting/tableau_rules.h"
 
 namespace lcpbench {
 namespace {
 
 std::size_t At(std::int64_t i) { return static_cast<std::size_t>(i); }
 
-// A pivot below is rounding; its row is left out of the factor.
-constexpr double kLeastPivot = 1e-12;
-
 }  // namespace
 
-void ProfileFactor::Reserve(Index max_rows) {
-  if (first_.size() >= At(max_rows)) return;
-  const Index n = max_rows;
-  const Index most_bodies = 2 * n;
-  for (auto* v : {&first_, &last_below_, &active_first_}) v->resize(At(n));
-  begin_.resize(At(n));
-  for (auto* v : {&A_, &L_}) v->setZero(kMostProfile * n + 4 * kRegister);
-  for (auto* v : {&column_, &mask_}) v->setZero(n + 2 * kRegister);
-  for (auto* v : {&first_row_, &sides_, &sides_begin_, &sides_end_}) v->resize(At(most_bodies) + 1);
+void ProfileFactor::Profile::Reserve(Index max_rows) {
+  for (auto* v : {&first, &last_below}) v->resize(At(max_rows));
+  begin.resize(At(max_rows));
 }
 
+// From `first` of n rows. Returns how many numbers it takes.
+Index ProfileFactor::Profile::LayOut(Index n) {
+  Index at = 0;
+  for (Index i = 0; i < n; ++i) {
+    const Index from = first[At(i)] / kRegister * kRegister;
+    begin[At(i)] = at - from;
+    at += (i / kRegister + 1) * kRegister - from;
+    last_below[At(i)] = static_cast<std::int32_t>(i);
+    last_below[At(first[At(i)])] = static_cast<std::int32_t>(i);
+  }
+  for (Index i = 1; i < n; ++i) last_below[At(i)] = std::max(last_below[At(i)], last_below[At(i) - 1]);
+  return at;
+}
+
+void ProfileFactor::Reserve(Index max_rows, Index profile) {
+  // Not a page is touched before it is needed.
+  if (A_.size() < profile) A_.resize(profile);
+  // Packed rows may begin in one register more.
+  if (L_.size() < A_.size() + kRegister * max_rows) L_.resize(A_.size() + kRegister * max_rows);
+  if (rows_.size() >= At(max_rows)) return;
+  of_A_.Reserve(max_rows);
+  of_L_.Reserve(max_rows);
+  for (auto* v : {&rows_, &place_}) v->resize(At(max_rows));
+  for (auto* v : {&column_, &floor_, &y_}) v->setZero(max_rows + 2 * kRegister);
+  for (auto* v : {&first_row_, &last_side_, &side_before_}) v->resize(At(2 * max_rows) + 1);
+}
+
+bool ProfileFactor::LayOutRows() {
+  const Index size = of_A_.LayOut(n_);
+  cost_ = 0;
+  for (Index j = 0; j < n_; ++j) {
+    const auto below = static_cast<double>(of_A_.last_below[At(j)] - j);
+    cost_ += below * (8 + below / 8) + 40;
+  }
+  return size <= A_.size();
+}
+
+void ProfileFactor::Clear() { std::fill(A_.data(), row(n_ - 1) + (n_ - 1) / kRegister * kRegister + kRegister, 0.0); }
+
 bool ProfileFactor::FindProfile(const ScaledRows& rows) {
-  n_ = rows.size();
-  for (Index i = n_ - 1; i >= 0; --i) {
+  for (Index i = rows.size() - 1; i >= 0; --i) {
     first_row_[At(rows.first_body(i))] = static_cast<std::int32_t>(i);
     if (rows.second_body(i) >= 0) first_row_[At(rows.second_body(i))] = static_cast<std::int32_t>(i);
   }
-  Index at = 0;
-  for (Index i = 0; i < n_; ++i) {
-    std::int32_t first = first_row_[At(rows.first_body(i))];
-    if (rows.second_body(i) >= 0) first = std::min(first, first_row_[At(rows.second_body(i))]);
-    first_[At(i)] = first;
-    const Index begin = first / kRegister * kRegister;
-    begin_[At(i)] = at - begin;
-    at += (i / kRegister + 1) * kRegister - begin;
-    last_below_[At(i)] = static_cast<std::int32_t>(i);
-  }
-  for (Index i = 0; i < n_; ++i) {
-    const Index first = first_[At(i)];
-    last_below_[At(first)] = std::max(last_below_[At(first)], static_cast<std::int32_t>(i));
-  }
-  for (Index i = 1; i < n_; ++i) last_below_[At(i)] = std::max(last_below_[At(i)], last_below_[At(i) - 1]);
-  cost_ = 0;
-  for (Index j = 0; j < n_; ++j) {
-    const auto below = static_cast<double>(last_below_[At(j)] - j);
-    cost_ += below * (8 + below / 8) + 40;
-  }
-  return at + kRegister <= A_.size();
+  return LayOut(rows.size(), [&](Index i) {
+    const std::int32_t first = first_row_[At(rows.first_body(i))];
+    return rows.second_body(i) < 0 ? first : std::min(first, first_row_[At(rows.second_body(i))]);
+  });
 }
 
 template <Index p>
 void ProfileFactor::AssembleOf(const ScaledRows& rows) {
-  std::fill_n(A_.data(), begin_[At(n_) - 1] + (n_ - 1) / kRegister * kRegister + kRegister, 0.0);
-  std::fill_n(sides_begin_.begin(), rows.bodies() + 1, 0);
-  for (Index i = 0; i < n_; ++i) {
-    ++sides_begin_[At(rows.first_body(i)) + 1];
-    if (rows.second_body(i) >= 0) ++sides_begin_[At(rows.second_body(i)) + 1];
-  }
-  for (Index k = 0; k < rows.bodies(); ++k) {
-    sides_begin_[At(k) + 1] += sides_begin_[At(k)];
-    sides_end_[At(k)] = sides_begin_[At(k)];
-  }
+  Clear();
+  std::fill_n(last_side_.begin(), rows.bodies(), -1);
   const auto block = [&](Index side) __attribute__((always_inline)) {
     return BodyPart<p>(Load<BodyLanes<p>>(rows.row(0) + side * kBodyWidth<p>));
   };
   for (Index i = 0; i < n_; ++i) {
-    double* const row = A_.data() + begin_[At(i)];
+    double* const row_i = row(i);
     for (int s = 0; s < 2; ++s) {
       const std::int32_t body = s == 0 ? rows.first_body(i) : rows.second_body(i);
       if (body < 0) continue;
       const auto own = block(2 * i + s);
-      for (std::int32_t e = sides_begin_[At(body)]; e < sides_end_[At(body)]; ++e) {
-        const std::int32_t side = sides_[At(e)];
-        row[side / 2] += Sum(Folded(own * block(side)));
+      for (std::int32_t side = last_side_[At(body)]; side >= 0; side = side_before_[At(side)]) {
+        row_i[side / 2] += Sum(Folded(own * block(side)));
       }
-      sides_[At(sides_end_[At(body)]++)] = static_cast<std::int32_t>(2 * i + s);
+      side_before_[At(2 * i + s)] = std::exchange(last_side_[At(body)], static_cast<std::int32_t>(2 * i + s));
     }
-    row[i] = 1;
+    row_i[i] = 1;
   }
 }
 
@@ -90,72 +95,90 @@ void ProfileFactor::Assemble(const ScaledRows& rows) {
   rows.columns_per_body() == 3 ? AssembleOf<3>(rows) : AssembleOf<6>(rows);
 }
 
-// Column by column, each one subtracted from the rows below at once.
-void ProfileFactor::Factorize(const unsigned char* is_active, const double* shift) {
+// A_FF into L_, by the places that the rows of F have among themselves.
+void ProfileFactor::Pack(const unsigned char* is_active, double shift, const double* more) {
+  m_ = 0;
   for (Index i = 0; i < n_; ++i) {
-    mask_[i] = is_active[i] != 0 ? 1 : 0;
-    active_first_[At(i)] = is_active[i] != 0 ? first_[At(i)] : static_cast<std::int32_t>(n_);
+    place_[At(i)] = static_cast<std::int32_t>(m_);
+    rows_[At(m_)] = static_cast<std::int32_t>(i);
+    m_ += is_active[i] != 0 ? 1 : 0;
   }
-  for (Index i = 0; i < n_; ++i) {
-    if (is_active[i] == 0) continue;
-    const double* from = A_.data() + begin_[At(i)];
-    double* to = L_.data() + begin_[At(i)];
-    for (Index k = first_[At(i)] / kRegister * kRegister; k <= i; k += kRegister) {
-      *AsRegisters(to + k) = *AsRegisters(from + k) * *AsRegisters(mask_.data() + k);
+  for (Index a = 0; a < m_; ++a) of_L_.first[At(a)] = place_[At(of_A_.first[At(rows_[At(a)])])];
+  of_L_.LayOut(m_);
+  for (Index a = 0; a < m_; ++a) {
+    const Index i = rows_[At(a)];
+    const double* const from = row(i);
+    double* const to = L_.data() + of_L_.begin[At(a)];
+    const Index first = of_L_.first[At(a)];
+    for (Index k = first / kRegister * kRegister; k < first; ++k) to[k] = 0;
+    if (m_ == n_) {
+      std::copy(from + first, from + i, to + first);
+    } else {
+      Index at = first;
+      for (Index k = of_A_.first[At(i)]; k < i; ++k) {
+        to[at] = from[k];  // the next active one takes the place of one that is not
+        at += is_active[k];
+      }
     }
-    to[i] = 1 + shift[i];
+    to[a] = from[i] + shift + (more != nullptr ? more[i] : 0.0);
+    floor_[a] = tableau::kLeastPivot * from[i];
   }
+}
+
+// Column by column, each one subtracted from the rows below at once.
+bool ProfileFactor::Factorize(const unsigned char* is_active, double shift, const double* more) {
+  Pack(is_active, shift, more);
+  bool is_whole = true;
   double* const column = column_.data();
-  for (Index j = 0; j < n_; ++j) {
+  for (Index j = 0; j < m_; ++j) {
     column[j] = 0;
-    if (is_active[j] == 0) continue;
-    const Index last = last_below_[At(j)];
-    double& pivot = L_[begin_[At(j)] + j];
-    if (!(pivot > kLeastPivot)) pivot = std::numeric_limits<double>::infinity();
+    const Index last = of_L_.last_below[At(j)];
+    double& pivot = L_[of_L_.begin[At(j)] + j];
+    if (!(pivot > floor_[j])) {
+      pivot = std::numeric_limits<double>::infinity();
+      is_whole = false;
+    }
     const double inverse = 1 / pivot;
-    const std::int32_t reached = static_cast<std::int32_t>(j);
     for (Index i = j + 1; i <= last; ++i) {
-      column[i] = active_first_[At(i)] <= reached ? L_[begin_[At(i)] + j] : 0.0;
+      column[i] = of_L_.first[At(i)] <= j ? L_[of_L_.begin[At(i)] + j] : 0.0;
     }
     const Index begin = (j + 1) / kRegister * kRegister;
     for (Index i = j + 1; i <= last; ++i) {
       const double of_row = column[i];
       if (of_row == 0) continue;
-      double* const row = L_.data() + begin_[At(i)];
+      double* const row = L_.data() + of_L_.begin[At(i)];
       const double factor = of_row * inverse;
       for (Index k = begin; k <= i; k += kRegister) *AsRegisters(row + k) -= factor * *AsRegisters(column + k);
       row[j] = factor;
     }
     // What lies beyond the diagonal in a register is never read as a number of the row.
   }
-  for (Index i = 0; i < n_; ++i) column[i] = 0;
+  return is_whole;
 }
 
-void ProfileFactor::Solve(double* x) const {
-  for (Index i = 0; i < n_; ++i) {
-    if (!is_in_factor(i)) continue;
-    const double* row = L_.data() + begin_[At(i)];
-    const double own = x[i];
-    x[i] = 0;
+void ProfileFactor::Solve(double* x) {
+  double* const y = y_.data();
+  const auto row_of = [&](Index a) { return L_.data() + of_L_.begin[At(a)]; };
+  for (Index a = 0; a < m_; ++a) y[a] = x[rows_[At(a)]];
+  for (Index a = 0; a < m_; ++a) {
+    const double* const row = row_of(a);
     Register sum = {};
-    const Index begin = first_[At(i)] / kRegister * kRegister;
-    const Index end = i / kRegister * kRegister;
-    for (Index k = begin; k < end; k += kRegister) sum += *AsRegisters(row + k) * *AsRegisters(x + k);
+    const Index begin = of_L_.first[At(a)] / kRegister * kRegister;
+    const Index end = a / kRegister * kRegister;
+    for (Index k = begin; k < end; k += kRegister) sum += *AsRegisters(row + k) * *AsRegisters(y + k);
     double rest = Sum(&sum);
-    for (Index k = std::max(begin, end); k < i; ++k) rest += row[k] * x[k];
-    x[i] = own - rest;
+    for (Index k = std::max(begin, end); k < a; ++k) rest += row[k] * y[k];
+    y[a] -= rest;
   }
-  for (Index i = 0; i < n_; ++i) {
-    if (is_in_factor(i)) x[i] /= L_[begin_[At(i)] + i];
-  }
-  for (Index i = n_ - 1; i >= 0; --i) {
-    if (!is_in_factor(i)) continue;
-    const double* row = L_.data() + begin_[At(i)];
-    const double own = x[i];
-    const Index begin = first_[At(i)] / kRegister * kRegister;
-    const Index end = i / kRegister * kRegister;
-    for (Index k = begin; k < end; k += kRegister) *AsRegisters(x + k) -= own * *AsRegisters(row + k);
-    for (Index k = std::max(begin, end); k < i; ++k) x[k] -= own * row[k];
+  for (Index a = 0; a < m_; ++a) y[a] /= row_of(a)[a];
+  for (Index a = m_ - 1; a >= 0; --a) {
+    const double* const row = row_of(a);
+    const double own = y[a];
+    const Index begin = of_L_.first[At(a)] / kRegister * kRegister;
+    const Index end = a / kRegister * kRegister;
+    for (Index k = begin; k < end; k += kRegister) *AsRegisters(y + k) -= own * *AsRegisters(row + k);
+    for (Index k = std::max(begin, end); k < a; ++k) y[k] -= own * row[k];
+    x[rows_[At(a)]] = own;
   }
 }
 

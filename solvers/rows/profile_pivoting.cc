@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "solvers/linear_algebra/vector_register.h"
+#include "solvers/rows/exchange_blocks.h"
 
 namespace lcpbench {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 std::size_t At(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 // Iterations before the first factor, at least, and rounds of pivoting that may pass without fewer violations.
-constexpr Index kFirstIterations = 4;
+constexpr Index kFirstIterations = 2;
 constexpr int kPatience = 1;
 constexpr int kMostRounds = 12;
 // Processor cycles that an iteration takes per row, roughly.
@@ -22,9 +23,6 @@ constexpr double kCostOfRow = 110;
 constexpr int kIterationsWithoutClock = 16;
 // Alternations of sweeps and pivoting.
 constexpr int kMostPhases = 5;
-// Interior points are asked after so many phases; and the rho at which pivoting is to take over.
-constexpr int kPhasesBeforeInteriorPoints = 1;
-constexpr double kCentralResidual = 1e-8;
 // Refinements of a basic point; and violations, in |D^-1/2 b|, that pivoting for exactness lets pass.
 constexpr int kMostRefinements = 4;
 constexpr int kPatienceOfPolish = 3;
@@ -48,11 +46,10 @@ void ProfilePivoting::Reserve(Index max_rows, Index max_bodies) {
   central_path_.Reserve(max_rows);
   is_active_.resize(At(max_rows));
   for (Point* point : {&x_, &basic_}) {
-    point->f.setZero(n);
-    point->image.setZero(most_image);
+    point->f.resize(n);
+    point->image.resize(most_image);
   }
-  for (auto* v : {&gaps_, &correction_, &shift_}) v->setZero(n);
-  shift_.setConstant(ProfileFactor::kShift);
+  for (auto* v : {&gaps_, &correction_}) v->resize(n);
 }
 
 // False if a row acts on no body that can move, or A_ii is 0 in double.
@@ -81,29 +78,26 @@ double ProfilePivoting::Iterate() {
   return std::sqrt(backward.residual);
 }
 
-// |min(x, w)| of x_, with its image made anew; gaps_ becomes w.
+// |min(x, w)| of x_, with its image made anew.
 double ProfilePivoting::Residual() {
   rows_->MakeImage(n_, &x_);
-  return std::sqrt(rows_->ResidualSquares(0, n_, x_, &gaps_));
+  return std::sqrt(rows_->ResidualSquares(0, n_, x_, nullptr));
 }
 
 // basic_ := the basic point of the active rows, by proximal steps from x_ on them [Rockafellar 1976]: w of active rows
 // is to vanish. gaps_ becomes its w.
 void ProfilePivoting::FindBasicPoint() {
   ++iterations_;
-  factor_.Factorize(is_active_.data(), shift_.data());
+  factor_.Factorize(is_active_.data(), ProfileFactor::kShift, nullptr);
   for (Index i = 0; i < n_; ++i) basic_.f[i] = is_active_[At(i)] != 0 ? x_.f[i] : 0;
   for (int step = 0;; ++step) {
     rows_->MakeImage(n_, &basic_);
     rows_->ResidualSquares(0, n_, basic_, &gaps_);
-    double left = 0;
-    for (Index i = 0; i < n_; ++i) {
-      correction_[i] = is_active_[At(i)] != 0 ? -gaps_[i] : 0.0;
-      left = std::max(left, std::abs(correction_[i]));
-    }
+    for (Index i = 0; i < n_; ++i) correction_[i] = is_active_[At(i)] != 0 ? -gaps_[i] : 0.0;
+    const double left = correction_.head(n_).cwiseAbs().maxCoeff();
     if ((step > 0 && left <= violation_) || step == kMostRefinements) return;
     factor_.Solve(correction_.data());
-    for (Index i = 0; i < n_; ++i) basic_.f[i] += correction_[i];
+    basic_.f.head(n_) += correction_.head(n_);
   }
 }
 
@@ -128,28 +122,21 @@ void ProfilePivoting::TakeBasicPoint() {
   std::swap(x_.f, basic_.f);
 }
 
-// Block principal pivoting from the active set that x_, whose w is in gaps_, suggests. True if no violation is left:
-// basic_ is the answer.
+// Block principal pivoting from the active set that x_, with its image, suggests. True if no violation is left: basic_
+// is the answer.
 bool ProfilePivoting::Pivot(int most_patience) {
+  rows_->ResidualSquares(0, n_, x_, &gaps_);
   for (Index i = 0; i < n_; ++i) {
     // What the next sweep would make of the row.
     is_active_[At(i)] = scaled_.IsFree(i) || x_.f[i] - gaps_[i] > 0 ? 1 : 0;
   }
   basic_.f.head(n_) = x_.f.head(n_);
-  Index least = n_ + 1;
-  int patience = most_patience;
-  for (int round = 0; round < kMostRounds && !TimeIsUp(); ++round) {
+  const auto find = [&] {
+    if (TimeIsUp()) return false;
     FindBasicPoint();
-    const Index violations = ExchangeViolated();
-    if (violations == 0) return true;
-    if (violations < least) {
-      least = violations;
-      patience = most_patience;
-    } else if (--patience == 0) {
-      return false;
-    }
-  }
-  return false;
+    return true;
+  };
+  return ExchangeBlocks(kMostRounds, most_patience, find, [&] { return ExchangeViolated(); });
 }
 
 // Pivots until no sign is violated but by rounding, and takes forces that are rounding for none: where all forces
@@ -196,21 +183,16 @@ double ProfilePivoting::Solve(const StepRows& all, std::span<const std::int32_t>
       arrived = Iterate() <= limit / 2;
       if (iterations_ % kIterationsWithoutClock == 0 && TimeIsUp()) break;
     }
-    residual = Residual();
     if (!arrived && has_profile_) {
       if (!has_matrix) factor_.Assemble(form_);
       has_matrix = true;
-      if (phase >= kPhasesBeforeInteriorPoints) {
-        iterations_ += central_path_.Follow(scaled_, *rows_, std::min(kCentralResidual * scaled_.b_norm, limit / 4),
-                                            deadline_, &factor_, &x_);
-        residual = Residual();
+      if (phase > 0) {
+        iterations_ += central_path_.Follow(scaled_, *rows_, limit / 4, deadline_, &factor_, &x_);
       }
-      if (Pivot(kPatience)) {
-        TakeBasicPoint();
-        residual = Residual();
-      }
+      if (Pivot(kPatience)) TakeBasicPoint();
       sweeps_.Restart();
     }
+    residual = Residual();
     if (residual <= limit || TimeIsUp()) break;
     budget *= 2;
   }

@@ -83,7 +83,7 @@ class ProfilePivoting {
   Point x_;
   std::vector<unsigned char> is_active_;
   Point basic_;
-  Array gaps_, correction_, shift_;
+  Array gaps_, correction_;
 };
 
 }  // namespace lcpbench

@@ -1,7 +1,6 @@
 #include "solvers/rows/row_judge.h"
 
 #include <cmath>
-#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -13,8 +12,6 @@ namespace {
 
 // Of bodies in space.
 constexpr Index kMostColumns = 6;
-// Rounding of a sum over a row's two bodies and the rows of each, in units of epsilon times the sum of absolute values.
-constexpr double kRoundings = 32;
 
 }  // namespace
 
@@ -89,7 +86,7 @@ bool RowJudge::Passes(const StepRows& rows, std::span<const std::int32_t> part, 
         }
       }
       *rho = sums.rho();
-      return sums.Judge(tolerance, kRoundings * static_cast<double>(std::numeric_limits<Sum>::epsilon()));
+      return sums.Judge(tolerance, kRoundingOfTwoBodies<Sum>);
     });
   };
   const Known known = judge(velocity_.data());

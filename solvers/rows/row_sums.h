@@ -65,14 +65,4 @@ ResidualSums<double> SumRows(const StepRows& rows, const Real* J, std::span<cons
   return sums;
 }
 
-/// visit(J) with that of the step, in its precision, and its p as a constant: std::integral_constant<int, p>.
-template <typename Visit>
-auto WithNumbers(const StepRows& rows, const Visit& visit) {
-  const auto by = [&](const auto* J) {
-    return rows.columns_per_body == 3 ? visit(J, std::integral_constant<int, 3>())
-                                      : visit(J, std::integral_constant<int, 6>());
-  };
-  return rows.J != nullptr ? by(rows.J) : by(rows.J_single);
-}
-
 }  // namespace lcpbench

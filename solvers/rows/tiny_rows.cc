@@ -15,8 +15,6 @@ namespace {
 // Active sets that are tried at most; and first by moving all wrong rows at once.
 constexpr int kMostRounds = 12;
 constexpr int kBlockRounds = 3;
-// Part of the largest |b| below which wrong signs are rounding. Passes looks at what that leaves.
-constexpr double kNoise = 1e-14;
 // What the gap of a dependent row may be, in noise; and the change of a force with another below which it has none.
 constexpr double kDependentNoise = 1e4;
 constexpr double kLeastSlope = 1e-9;
@@ -108,7 +106,7 @@ struct Tiny {
     unsigned set = joints;
     for (int i = 0; i < n; ++i) {
       set |= (b[i] < 0 ? 1U : 0U) << i;
-      noise = std::max(noise, kNoise * std::abs(b[i]));
+      noise = std::max(noise, tableau::kNoise * std::abs(b[i]));
     }
     for (int round = 0; round < kMostRounds; ++round) {
       const unsigned wrong = Try(set);
@@ -151,8 +149,7 @@ struct Tiny {
       sums.Add(A[i][i], b[i], w[i], f[i], (joints >> i & 1U) != 0, size);
     }
     *rho = sums.rho();
-    constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-    return sums.Judge(tolerance, kRoundings * kEpsilon) == ResidualSums<double>::Known::kRight;
+    return sums.Judge(tolerance, kRoundingOfTwoBodies<>) == ResidualSums<double>::Known::kRight;
   }
 
   void Store(std::span<const std::int32_t> part, double* all_f, double* all_w) const {
@@ -162,9 +159,6 @@ struct Tiny {
       all_w[row] = w[i];
     }
   }
-
-  // Of sums of 2 p products and n of these, in epsilon times the sum of absolute values.
-  static constexpr double kRoundings = 2 * 12 + 8;
 };
 
 template <int n, int p, typename Real>
@@ -220,11 +214,8 @@ bool SolveSize(const StepRows& all, const Real* J, std::span<const std::int32_t>
 
 bool TinyRows::Solve(const StepRows& all, std::span<const std::int32_t> part, double tolerance, double row_limit,
                      double* f, double* w, double* rho) {
-  const auto by = [&](const auto* J) {
-    return all.columns_per_body == 3 ? SolveSize<3>(all, J, part, tolerance, row_limit, f, w, rho)
-                                     : SolveSize<6>(all, J, part, tolerance, row_limit, f, w, rho);
-  };
-  return all.J != nullptr ? by(all.J) : by(all.J_single);
+  return WithNumbers(
+      all, [&](const auto* J, auto p) { return SolveSize<p>(all, J, part, tolerance, row_limit, f, w, rho); });
 }
 
 }  // namespace lcpbench

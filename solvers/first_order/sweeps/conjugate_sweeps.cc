@@ -39,8 +39,8 @@ struct ConjugateSweeps::Combination {
 
 void ConjugateSweeps::Reserve(Index max_rows, Index max_image) {
   for (Point* point : {&x_, &previous_, &extra_}) {
-    if (point->f.size() < max_rows) point->f.setZero(max_rows);
-    if (point->image.size() < max_image) point->image.setZero(max_image);
+    if (point->f.size() < max_rows) point->f.resize(max_rows);
+    if (point->image.size() < max_image) point->image.resize(max_image);
   }
 }
 

@@ -64,6 +64,17 @@ LCPBENCH_ALWAYS_INLINE T AtLeast(const T& floor, const T& value) {
 #endif
   return floor > value ? floor : value;
 }
+/// a b + c, rounded once where the machine can: not where rows alone and among others must give the same bits.
+template <typename T>
+LCPBENCH_ALWAYS_INLINE T Fused(const T& a, const T& b, const T& c) {
+#ifdef __FMA__
+  if constexpr (std::is_same_v<T, Lanes>) return _mm256_fmadd_pd(a, b, c);
+#endif
+#ifdef __AVX512F__
+  if constexpr (std::is_same_v<T, WideLanes>) return _mm512_fmadd_pd(a, b, c);
+#endif
+  return a * b + c;
+}
 LCPBENCH_ALWAYS_INLINE double Sum(const Lanes& lanes) { return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]); }
 /// Lanes of the same sum.
 LCPBENCH_ALWAYS_INLINE const Lanes& Folded(const Lanes& lanes) { return lanes; }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <type_traits>
+
 #include "solvers/first_order/sweeps/lanes.h"
 #include "solvers/first_order/sweeps/row_kernel.h"
 
@@ -13,11 +15,13 @@ enum class StepKind {
   kGaps,      ///< nothing moves; w goes where f does otherwise
 };
 
-/// @tparam kMixed  ScaledProblem::mixed
-template <bool kMixed, StepKind kind>
+/// @tparam kMixed    ScaledProblem::mixed
+/// @tparam kHasRate  whether a row's rate may be other than 1; where it is 1, a sweep's steps are the residuals
+template <bool kMixed, bool kHasRate, StepKind kind>
 class ProjectedStep {
  public:
   static constexpr StepKind kKind = kind;
+  static constexpr bool kSumsResidual = kHasRate || kind != StepKind::kSweep;
 
   ProjectedStep(const ScaledProblem& scaled, double rate, const double* from, double* to)
       : from_(from), to_(to), gain_(scaled.gain.data()), floor_(scaled.floor.data()), rate_(rate) {}
@@ -28,16 +32,16 @@ class ProjectedStep {
     const T old = Load<T>(from_ + row);
     T rate = Filled<T>(rate_);
     T floor = Filled<T>(0);
-    T residual = old < w ? old : w;
-    if constexpr (kMixed) {
-      rate *= Load<T>(gain_ + row);
-      floor = Load<T>(floor_ + row);
-      residual = floor != Filled<T>(0) ? w : residual;
+    if constexpr (kMixed && kHasRate) rate *= Load<T>(gain_ + row);
+    if constexpr (kMixed) floor = Load<T>(floor_ + row);
+    if constexpr (kSumsResidual) {
+      T residual = old < w ? old : w;
+      if constexpr (kMixed) residual = floor != Filled<T>(0) ? w : residual;
+      residual_.template Add<kHalf>(residual, residual);
     }
-    residual_.template Add<kHalf>(residual, residual);
     if constexpr (kind == StepKind::kGaps) Store(to_ + row, w);
     if constexpr (kind == StepKind::kGaps || kind == StepKind::kResidual) return w;
-    const T moved = old - rate * w;
+    const T moved = old - (kHasRate ? rate * w : w);
     const T next = AtLeast(floor, moved);
     Store(to_ + row, next);
     const T change = next - old;
@@ -49,7 +53,7 @@ class ProjectedStep {
   }
 
   void AddTo(StepSums* sums) const {
-    sums->residual += residual_.Total();
+    sums->residual += kSumsResidual ? residual_.Total() : change_.Total();
     sums->change += change_.Total();
     sums->energy += energy_.Total();
   }
@@ -98,15 +102,19 @@ class LaidOutRows : public RowKernel {
   template <StepKind kKind>
   void Pass(Index begin, Index end, bool backward, double rate, const Point& from, double* to, Array* image,
             StepSums* sums) const {
+    constexpr bool moves = kKind == StepKind::kSweep || kKind == StepKind::kGradient;
     const auto with = [&](auto step) {
       static_cast<const Layout*>(this)->Visit(begin, end, backward, from, image, &step);
       step.AddTo(sums);
     };
-    if (scaled_.mixed) {
-      with(ProjectedStep<true, kKind>(scaled_, rate, from.f.data(), to));
-    } else {
-      with(ProjectedStep<false, kKind>(scaled_, rate, from.f.data(), to));
-    }
+    const auto of_rows = [&](auto mixed) {
+      if (moves && (rate != 1 || scaled_.has_idle)) {
+        with(ProjectedStep<mixed, moves, kKind>(scaled_, rate, from.f.data(), to));
+      } else {
+        with(ProjectedStep<mixed, false, kKind>(scaled_, rate, from.f.data(), to));
+      }
+    };
+    scaled_.mixed ? of_rows(std::true_type()) : of_rows(std::false_type());
   }
 };
 

@@ -96,8 +96,7 @@ constexpr Index kAssembledRowLimitColoured = 4;
 bool UsesFactors(const LcpProblem& problem, RowForm form, bool coloured) {
   if (form != RowForm::kAuto) return form == RowForm::kMatrixFree;
   const Index limit = coloured ? kAssembledRowLimitColoured : kAssembledRowLimit;
-  return problem.columns_per_body() == 3 && problem.has_two_body_rows() &&
-         BoundEntriesOfA(problem) > limit * problem.size();
+  return problem.has_two_body_rows() && BoundEntriesOfA(problem) > limit * problem.size();
 }
 
 }  // namespace

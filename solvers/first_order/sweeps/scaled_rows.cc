@@ -19,7 +19,7 @@ void Grow(Index size, Array* array) {
 
 void ScaledProblem::Reserve(Index max_rows) {
   order.reserve(At(max_rows));
-  for (Array* array : {&b, &unit, &inverse_root, &floor, &gain}) Grow(max_rows, array);
+  for (Array* array : {&b, &unit, &inverse_root, &floor}) Grow(max_rows, array);
 }
 
 void ScaledProblem::Reset(const LcpProblem& problem, std::vector<Index> new_order) {
@@ -28,7 +28,8 @@ void ScaledProblem::Reset(const LcpProblem& problem, std::vector<Index> new_orde
   const Eigen::VectorXd& D = problem.DiagonalA();
   for (Array* array : {&b, &unit, &inverse_root}) Grow(size, array);
   for (Index k = 0; k < size; ++k) inverse_root[k] = D[Given(k)] == 0 ? 1.0 : 1.0 / std::sqrt(D[Given(k)]);
-  mixed = !problem.bilateral_rows().empty() || (D.array() == 0).any();
+  has_idle = (D.array() == 0).any();
+  mixed = has_idle || !problem.bilateral_rows().empty();
   if (!mixed) return;
   for (Array* array : {&floor, &gain}) Grow(size, array);
   for (Index k = 0; k < size; ++k) {
@@ -39,11 +40,10 @@ void ScaledProblem::Reset(const LcpProblem& problem, std::vector<Index> new_orde
 
 void ScaledProblem::Take(const StepRows& rows) {
   size = static_cast<Index>(order.size());
-  mixed = false;
+  mixed = has_idle = false;
   for (Index k = 0; k < size && rows.bilateral != nullptr; ++k) {
     const bool is_joint = rows.bilateral[Given(k)] != 0;
     floor[k] = is_joint ? -std::numeric_limits<double>::infinity() : 0.0;
-    gain[k] = 1;
     mixed = mixed || is_joint;
   }
 }
@@ -65,7 +65,7 @@ void ScaledProblem::Start(const double* given, Array* f) const {
   Grow(size, f);
   f->head(size).setZero();
   for (Index k = 0; k < size && given != nullptr; ++k) {
-    if (mixed && gain[k] == 0) continue;
+    if (has_idle && gain[k] == 0) continue;
     const double start = given[Given(k)] / unit[k];
     (*f)[k] = IsFree(k) ? start : std::max(start, 0.0);
   }
@@ -80,12 +80,11 @@ void ScaledRows::Reserve(Index max_rows, Index max_bodies) {
   Grow(max_bodies * 6, &root_mass_);
 }
 
-void ScaledRows::Clear(Index p, Index size, Index bodies) {
+void ScaledRows::LayOut(Index p, Index size, Index bodies) {
   p_ = p;
   size_ = size;
   bodies_ = bodies;
   Grow(size * 2 * width(), &rows_);
-  rows_.head(size * 2 * width()).setZero();
   Grow(bodies * p, &root_mass_);
 }
 
@@ -100,7 +99,8 @@ void ScaledRows::PlaceBodies(Index k, Index first, Index second) {
 void ScaledRows::Reset(const LcpProblem& problem, const ScaledProblem& scaled) {
   const SparseMatrix& J = problem.J();
   const Index p = problem.columns_per_body();
-  Clear(p, scaled.size, J.cols() / p);
+  LayOut(p, scaled.size, J.cols() / p);
+  rows_.head(size_ * 2 * width()).setZero();
   for (Index k = 0; k < size_; ++k) {
     std::array<Index, 2> body = {-1, -1};
     for (SparseMatrix::InnerIterator it(J, scaled.Given(k)); it; ++it) {
@@ -120,24 +120,33 @@ bool ScaledRows::TakeOf(const StepRows& step, const Real* J, const std::int32_t*
   constexpr Index kWidth = kBodyWidth<p>;
   for (Index k = 0; k < size_; ++k) {
     const Index given = scaled->Given(k);
-    double* const s = rows_.data() + k * 2 * kWidth;
-    std::array<Index, 2> body = {-1, -1};
-    for (Index side = 2 * given; side < 2 * given + 2; ++side) {
-      const Index at = step.body[side] < 0 ? -1 : place[step.body[side]];
-      if (at < 0) continue;
-      const size_t block = body[0] < 0 || body[0] == at ? 0 : 1;
-      body[block] = at;
-      double* const to = s + kWidth * static_cast<Index>(block);
-      const double* const root = root_mass_.data() + at * p;
-      for (Index c = 0; c < p; ++c) to[c] += static_cast<double>(J[side * p + c]) * root[c];
+    const Real* first = J + 2 * p * given;
+    const Real* second = first + p;
+    const auto place_of = [&](Index side) { return step.body[side] < 0 ? -1 : place[step.body[side]]; };
+    std::int32_t at = place_of(2 * given);
+    std::int32_t other = place_of(2 * given + 1);
+    if (at < 0) {
+      std::swap(first, second);
+      std::swap(at, other);
     }
+    if (at < 0) return false;
+    double s[2 * kWidth] = {};
     double d = 0;
-    for (Index c = 0; c < 2 * kWidth; ++c) d += s[c] * s[c];
+    const bool is_joined = other == at;  // both sides on one body
+    const double* const root = root_mass_.data() + at * p;
+    const double* const other_root = root_mass_.data() + std::max(other, 0) * p;
+    if (is_joined) other = -1;
+    for (Index c = 0; c < p; ++c) {
+      s[c] = (static_cast<double>(first[c]) + (is_joined ? static_cast<double>(second[c]) : 0.0)) * root[c];
+      s[kWidth + c] = other < 0 ? 0.0 : static_cast<double>(second[c]) * other_root[c];
+      d += s[c] * s[c] + s[kWidth + c] * s[kWidth + c];
+    }
     if (!(d > 0)) return false;
     const double inverse = 1 / std::sqrt(d);
-    for (Index c = 0; c < 2 * kWidth; ++c) s[c] *= inverse;
+    double* const to_row = rows_.data() + k * 2 * kWidth;
+    for (Index c = 0; c < 2 * kWidth; ++c) to_row[c] = s[c] * inverse;
     scaled->inverse_root[k] = inverse;
-    PlaceBodies(k, body[0], body[1]);
+    PlaceBodies(k, at, other);
   }
   return true;
 }
@@ -145,14 +154,11 @@ bool ScaledRows::TakeOf(const StepRows& step, const Real* J, const std::int32_t*
 bool ScaledRows::Take(const StepRows& step, std::span<const std::int32_t> given, const std::int32_t* place,
                       ScaledProblem* scaled) {
   const Index p = step.columns_per_body;
-  Clear(p, scaled->size, static_cast<Index>(given.size()));
+  LayOut(p, scaled->size, static_cast<Index>(given.size()));
   for (Index k = 0; k < bodies_; ++k) {
     for (Index c = 0; c < p; ++c) root_mass_[k * p + c] = std::sqrt(step.inverse_mass[Index{given[At(k)]} * p + c]);
   }
-  const auto take = [&](const auto* J) {
-    return p == 3 ? TakeOf<3>(step, J, place, scaled) : TakeOf<6>(step, J, place, scaled);
-  };
-  return step.J != nullptr ? take(step.J) : take(step.J_single);
+  return WithNumbers(step, [&](const auto* J, auto width) { return TakeOf<width>(step, J, place, scaled); });
 }
 
 }  // namespace lcpbench

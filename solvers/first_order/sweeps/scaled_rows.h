@@ -41,8 +41,9 @@ struct ScaledProblem {
   /// Rows that step differently: a bilateral row is not projected (floor -inf), a row without diagonal does not step
   /// (gain 0; for PSD A the whole row is 0). Most problems have neither (`mixed` false): then nothing reads these.
   bool mixed = false;
-  Array floor;  ///< 0 or -infinity
-  Array gain;   ///< 1 or 0
+  bool has_idle = false;  ///< there are rows without diagonal
+  Array floor;            ///< 0 or -infinity
+  Array gain;             ///< 1 or 0
 
   /// Room for steps of up to `max_rows` rows: Take allocates nothing up to there.
   void Reserve(Index max_rows);
@@ -134,7 +135,7 @@ class ScaledRows {
     const int offset = (p_ == 3 ? Offsets<3>(s) : Offsets<6>(s))[side];
     return is_spare(offset) ? -1 : offset >> (p_ == 3 ? 2 : 3);
   }
-  void Clear(Index p, Index size, Index bodies);
+  void LayOut(Index p, Index size, Index bodies);
   void PlaceBodies(Index k, Index first, Index second);
   template <Index p, typename Real>
   bool TakeOf(const StepRows& step, const Real* J, const std::int32_t* place, ScaledProblem* scaled);

@@ -34,7 +34,7 @@ constexpr bool kStepsInPlace = Step::kKind == StepKind::kSweep;
 size_t At(Index i) { return static_cast<size_t>(i); }
 
 // A row in registers, with its bodies in `in`.
-template <Index p>
+template <Index p, bool kFused>
 struct Loaded {
   using Block = BodyLanes<p>;
   Block first_block;  // b behind the body's numbers
@@ -54,6 +54,7 @@ struct Loaded {
     second_body = Load<Block>(in + second);
   }
   LCPBENCH_ALWAYS_INLINE Lanes Products() const {
+    if constexpr (kFused) return Folded(Fused<Block>(second_block, second_body, first_block * first_body));
     return Folded(first_block * first_body + second_block * second_body);
   }
   // kInPlace: `out` is what the bodies were loaded from.
@@ -61,8 +62,13 @@ struct Loaded {
   LCPBENCH_ALWAYS_INLINE void Push(const Block& df, double* out) const {
     const Block to_first = kInPlace ? first_body : Load<Block>(out + first);
     const Block to_second = kInPlace ? second_body : Load<Block>(out + second);
-    Store(out + first, to_first + BodyPart<p>(first_block) * df);
-    Store(out + second, to_second + second_block * df);
+    if constexpr (kFused) {
+      Store(out + first, Fused<Block>(BodyPart<p>(first_block), df, to_first));
+      Store(out + second, Fused<Block>(second_block, df, to_second));
+    } else {
+      Store(out + first, to_first + BodyPart<p>(first_block) * df);
+      Store(out + second, to_second + second_block * df);
+    }
   }
 };
 
@@ -121,11 +127,14 @@ LCPBENCH_ALWAYS_INLINE __m512d AddPairs(__m512d a, __m512d b) {
 // Passes over ScaledRows. Sets of consecutive rows that share no body are found when the rows are laid out, and stepped
 // by eights, a register a row, with the eight dot products added up in one transposition; by fours, half a row a
 // register, in space and where there is no AVX-512; what is left of a set by fours and one by one. All give the same
-// bits. Measured cost: docs/solvers/first_order.md.
-template <Index p>
-class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p>> {
+// bits. Measured cost: docs/solvers/first_order.md. Without sets all rows go one by one, with fused operations.
+template <Index p, bool kInSets>
+class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>> {
  public:
-  TwoBodyRows(const ScaledProblem& scaled, ScaledRows* rows) : LaidOutRows<TwoBodyRows<p>>(scaled), rows_(*rows) {}
+  TwoBodyRows(const ScaledProblem& scaled, ScaledRows* rows)
+      : LaidOutRows<TwoBodyRows<p, kInSets>>(scaled), rows_(*rows) {
+    if (kInSets) FindSets();
+  }
 
   void SetB() override {
     for (Index k = 0; k < rows_.size(); ++k) rows_.row(k)[p] = this->scaled_.b[k];
@@ -143,10 +152,10 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p>> {
     }
   }
   void AddRowToImage(Index row, double df, Array* image) const override {
-    Loaded<p>(rows_.row(row), image->data()).template Push<true>(Filled<BodyLanes<p>>(df), image->data());
+    Loaded<p, !kInSets>(rows_.row(row), image->data()).template Push<true>(Filled<BodyLanes<p>>(df), image->data());
   }
   double W(Index row, const Point& x) const override {
-    return Sum(Loaded<p>(rows_.row(row), x.image.data()).Products());
+    return Sum(Loaded<p, !kInSets>(rows_.row(row), x.image.data()).Products());
   }
   template <typename Step>
   void Visit(Index begin, Index end, bool backward, const Point& from, Array* image, Step* step) const {
@@ -157,6 +166,9 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p>> {
       VisitRows<false>(begin, end, from.image.data(), out, step);
     }
   }
+
+ private:
+  static constexpr Index kRow = 2 * kBodyWidth<p>;  // numbers of one
 
   void FindSets() {
     std::vector<Index> last_set(At(ImageSize() / kBodyWidth<p>), -1);  // the last set with a row on the body
@@ -182,22 +194,19 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p>> {
     if (static_cast<double>(in_fours) < kLeastShareInFours * static_cast<double>(rows_.size())) set_end_.clear();
   }
 
- private:
-  static constexpr Index kRow = 2 * kBodyWidth<p>;  // numbers of one
-
   template <typename Step>
   LCPBENCH_ALWAYS_INLINE static void VisitOne(const double* row, Index k, const double* in, double* out, Step* step) {
-    const Loaded<p> loaded(row, in);
+    const Loaded<p, !kInSets> loaded(row, in);
     const double value = step->Take(k, Sum(loaded.Products()));
     if constexpr (kMoves<Step>) loaded.template Push<kStepsInPlace<Step>>(Filled<BodyLanes<p>>(value), out);
   }
 
   template <HalfOfEight kHalf, typename Step>
   LCPBENCH_ALWAYS_INLINE static void VisitFour(const double* row, Index k, const double* in, double* out, Step* step) {
-    const Loaded<p> r0(row, in);
-    const Loaded<p> r1(row + kRow, in);
-    const Loaded<p> r2(row + 2 * kRow, in);
-    const Loaded<p> r3(row + 3 * kRow, in);
+    const Loaded<p, !kInSets> r0(row, in);
+    const Loaded<p, !kInSets> r1(row + kRow, in);
+    const Loaded<p, !kInSets> r2(row + 2 * kRow, in);
+    const Loaded<p, !kInSets> r3(row + 3 * kRow, in);
     const Lanes p0 = r0.Products();
     const Lanes p1 = r1.Products();
     const Lanes p2 = r2.Products();
@@ -263,6 +272,14 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p>> {
     // A copy, so that its sums stay in registers: nothing that `out` points to can be it.
     Step step = *step_of_all;
     const double* const rows = rows_.row(0);
+    if constexpr (!kInSets) {
+      for (Index k = begin; k < end; ++k) {
+        const Index row = kBackward ? begin + end - 1 - k : k;
+        VisitOne(rows + row * kRow, row, in, out, &step);
+      }
+      *step_of_all = step;
+      return;
+    }
     const bool from_memory = rows_.size() * kRow * Index{sizeof(double)} >= kFromMemory;
     const auto by_eights = [&](Index k) __attribute__((always_inline)) {
       if (from_memory) FetchAhead<kBackward, kEight>(k, in);
@@ -319,12 +336,10 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p>> {
 }  // namespace
 
 std::unique_ptr<RowKernel> MakeTwoBodyRows(const ScaledProblem& scaled, Index p, bool in_sets, ScaledRows* rows) {
-  const auto make = [&](auto kernel) -> std::unique_ptr<RowKernel> {
-    if (in_sets) kernel->FindSets();
-    return kernel;
-  };
-  return p == 3 ? make(std::make_unique<TwoBodyRows<3>>(scaled, rows))
-                : make(std::make_unique<TwoBodyRows<6>>(scaled, rows));
+  if (p == 3 && in_sets) return std::make_unique<TwoBodyRows<3, true>>(scaled, rows);
+  if (p == 3) return std::make_unique<TwoBodyRows<3, false>>(scaled, rows);
+  if (in_sets) return std::make_unique<TwoBodyRows<6, true>>(scaled, rows);
+  return std::make_unique<TwoBodyRows<6, false>>(scaled, rows);
 }
 
 }  // namespace lcpbench

@@ -166,7 +166,7 @@ TEST(ProfileFactor, SolvesAsEigenForEveryActiveSet) {
       Eigen::MatrixXd shifted = A(active, active);
       shifted.diagonal() += shift(active);
       const Eigen::VectorXd expected = shifted.ldlt().solve(x(active));
-      factor.Factorize(is_active.data(), shift.data());
+      EXPECT_TRUE(factor.Factorize(is_active.data(), 0, shift.data()));
       factor.Solve(x.data());
       EXPECT_LT((x(active) - expected).norm(), 1e-11 * (1 + expected.norm()));
       for (Index i = 0; i < n; ++i) {
