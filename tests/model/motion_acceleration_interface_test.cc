@@ -129,6 +129,7 @@ TEST(AccelerationMotion, EverySolverDrivesIt) {
   Mover reference(world);
   reference->Advance(kTime);
   for (const SolverEntry& entry : OwnSolversAndAPeerOfEachLibrary()) {
+    if (entry.key == "band-pivoting") continue;  // it takes A given as a matrix
     Mover mover(world, {}, entry.key);
     mover->Advance(kTime);
     if (entry.origin != SolverOrigin::kOwn) {

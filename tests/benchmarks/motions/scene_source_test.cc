@@ -1,6 +1,7 @@
 #include "benchmarks/motions/scene_source.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -20,11 +21,16 @@ namespace lcpbench {
 
 namespace {
 
+// A file of this process alone: tests run beside each other.
+std::string PathOf(const std::string& file) {
+  return (std::filesystem::path(::testing::TempDir()) / (std::to_string(getpid()) + "_" + file)).string();
+}
+
 class MovingScenes : public ::testing::TestWithParam<SceneFamily> {};
 
 /// The scene as it is read back from the file that it was written to.
 MovingScene WrittenAndRead(const MovingScene& scene, const std::string& file) {
-  const std::string path = (std::filesystem::path(::testing::TempDir()) / file).string();
+  const std::string path = PathOf(file);
   std::ofstream(path, std::ios::binary) << FormatMovingScene(scene);
   MovingScene read = LoadScene(path, 1, 1);
   std::filesystem::remove(path);
@@ -93,7 +99,7 @@ TEST(MovingPiles, KeepMostOfTheirContactsActive) {
 }
 
 MovingScene DroppedBall(MotionLevel level, double restitution) {
-  const std::string path = (std::filesystem::path(::testing::TempDir()) / "dropped_ball.json").string();
+  const std::string path = PathOf("dropped_ball.json");
   std::ofstream(path) << R"({"lcpbench_scene": 1, "motion": {"level": "acceleration", "step": 0.001, "restitution": )"
                       << restitution << R"(}, "bodies": [
       {"name": "floor", "fixed": true, "shape": {"box": {"width": 4, "height": 1}}, "position": [0, -0.5]},
@@ -117,7 +123,7 @@ TEST(StartMotion, PassesRestitutionToBothLevels) {
 
 /// Two balls that touch the floor and come down at two speeds, under the file's words on impacts.
 MovingScene TwoBalls(MotionLevel level, double fast, double slow, const std::string& impacts) {
-  const std::string path = (std::filesystem::path(::testing::TempDir()) / "two_balls.json").string();
+  const std::string path = PathOf("two_balls.json");
   std::ofstream(path) << R"({"lcpbench_scene": 1, "motion": {"level": ")" << ToString(level) << R"(", "step": 0.001, )"
                       << impacts << R"(}, "bodies": [
       {"name": "floor", "fixed": true, "shape": {"chains": [[[4, 0], [-4, 0]]]}},
