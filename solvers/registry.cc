@@ -91,9 +91,8 @@ const Factory kMakeHybrid = nullptr;
 const Factory kMakeIpm = nullptr;
 #endif
 
-// What is not in this build has no `make`, and stays in the table.
-std::vector<SolverEntry> OwnSolvers() {
-  std::vector<SolverEntry> own = {
+std::vector<SolverEntry> ActiveSetSolvers() {
+  return {
       {.key = "dantzig",
        .method = "incremental pivoting on a dense updated factor, joints first",
        .source = "Baraff 1994, sec. 4",
@@ -151,6 +150,11 @@ std::vector<SolverEntry> OwnSolvers() {
        .source = "Portugal, Judice, Vicente 1994; Davis, Hager 2001",
        .why_not_guaranteed = &NoBoundOnBlocks,
        .make = &Make<ActiveSetSolver>},
+  };
+}
+
+std::vector<SolverEntry> FirstOrderSolvers() {
+  return {
       {.key = "pgs",
        .method = "projected Gauss-Seidel, assembled or matrix-free",
        .source = "Cottle, Pang, Stone, ch. 5",
@@ -177,6 +181,12 @@ std::vector<SolverEntry> OwnSolvers() {
        .uses_tolerance = true,
        .why_not_guaranteed = &Never,
        .make = &Make<ApgdSolver>},
+  };
+}
+
+// What is not in this build has no `make`, and stays in the table.
+std::vector<SolverEntry> InteriorPointSolvers() {
+  return {
       {.key = "ipopt-qp",
        .method = "interior point on the convex QP min 1/2 f.A f + b.f, f_C >= 0",
        .source = "Ipopt (Waechter 2006)",
@@ -202,6 +212,13 @@ std::vector<SolverEntry> OwnSolvers() {
        .why_not_guaranteed = &AnyPsd,
        .make = kMakeHybrid},
   };
+}
+
+std::vector<SolverEntry> OwnSolvers() {
+  std::vector<SolverEntry> own;
+  for (const auto& group : {ActiveSetSolvers(), FirstOrderSolvers(), InteriorPointSolvers()}) {
+    own.insert(own.end(), group.begin(), group.end());
+  }
   for (SolverEntry& entry : own) entry.available = static_cast<bool>(entry.make);
   return own;
 }

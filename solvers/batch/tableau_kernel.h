@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "solvers/batch/kernel.h"
-#include "solvers/linear_algebra/vector_register.h"
 #include "solvers/batch/row_assembly.h"
+#include "solvers/linear_algebra/vector_register.h"
 #include "solvers/pivoting/tableau_rules.h"
 
 namespace lcpbench {

@@ -47,6 +47,7 @@ class ResidualSums {
 
   /// |D^-1/2 min(w, D f)|_2
   Real defect_norm() const { return std::sqrt(defects_); }
+  /// rho (verify.h).
   Real rho() const { return std::sqrt(defects_ / (loads_ > 0 ? loads_ : 1)); }
   /// kRight: rho and what rounding hides of it are within the tolerance, and all rows meet their limit.
   /// @param roundings  bound of the rounding of a gap in parts of its magnitude

@@ -23,7 +23,9 @@ std::vector<InstructionSet> AvailableInstructionSets();
 /// Internal to solvers/: a kernel as it is compiled for each instruction set.
 template <typename Kernel>
 struct KernelTable {
-  Kernel sse2, avx2, avx512;
+  Kernel sse2;    ///< for every x86-64
+  Kernel avx2;    ///< with FMA
+  Kernel avx512;  ///< F, DQ and VL
 };
 /// `set`, or the widest that this machine has for kBest.
 /// @throws InputError if this machine lacks the instructions

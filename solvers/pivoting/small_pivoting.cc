@@ -150,7 +150,7 @@ void SmallPivoting::LoadRowsOf(const StepRows& all, const Real* J, std::span<con
     RowOfA(i)[i] = work_.diagonal[i];
   }
   for (const std::int32_t row : part) {
-    for (Index side = 2 * row; side < 2 * row + 2; ++side) {
+    for (Index side = Index{2} * row; side < Index{2} * row + 2; ++side) {
       if (all.body[side] >= 0) last_[At(all.body[side])] = -1;
     }
   }

@@ -5,9 +5,9 @@
 #include <memory>
 #include <span>
 
-#include "solvers/linear_algebra/instruction_set.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
+#include "solvers/linear_algebra/instruction_set.h"
 
 namespace lcpbench {
 
