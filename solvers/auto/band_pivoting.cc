@@ -162,7 +162,8 @@ ResidualSums<double>::Known BandPivoting::Judge(double tolerance, const OfRow& g
     sums.Add(A_->diagonal()[At(i)], A_->arrays().b[At(i)], w, f_[i], A_->is_joint(i), size_[i]);
   }
   const auto epsilon = static_cast<double>(std::numeric_limits<Real>::epsilon());
-  return sums.Judge(tolerance, static_cast<double>(2 * A_->bandwidth() + 5) * epsilon);
+  double rho = 0;
+  return sums.Judge(tolerance, static_cast<double>(2 * A_->bandwidth() + 5) * epsilon, &rho);
 }
 
 // In double, and in extended precision where rounding may hide more than the tolerance.

@@ -18,6 +18,9 @@ constexpr double kRoundingOfForces[] = {1e-13, 1e-11, 1e-9};
 }  // namespace
 
 void RowSolver::Reserve(Index max_rows, Index max_bodies) {
+  if (max_rows <= reserved_rows_ && max_bodies <= reserved_bodies_) return;
+  max_rows = reserved_rows_ = std::max(max_rows, reserved_rows_);
+  max_bodies = reserved_bodies_ = std::max(max_bodies, reserved_bodies_);
   islands_.Reserve(max_rows, max_bodies);
   tableau_.ReserveRows(std::min(max_rows, SmallPivoting::kMaxRows), max_bodies);
   profile_.Reserve(std::min(max_rows, AutoFacts::kMostIslandRows), max_bodies);

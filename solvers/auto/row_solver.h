@@ -75,6 +75,7 @@ class RowSolver {
   const std::optional<AutoMethod> only_;
   const std::span<const AutoRule> rules_;
   AutoFacts facts_;  // of the part at hand
+  Index reserved_rows_ = 0, reserved_bodies_ = 0;
   RowIslands islands_;
   ProfilePivoting profile_;
   RowJudge judge_;

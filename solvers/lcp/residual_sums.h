@@ -51,10 +51,13 @@ class ResidualSums {
   Real rho() const { return std::sqrt(defects_ / (loads_ > 0 ? loads_ : 1)); }
   /// kRight: rho and what rounding hides of it are within the tolerance, and all rows meet their limit.
   /// @param roundings  bound of the rounding of a gap in parts of its magnitude
-  Known Judge(double tolerance, double roundings) const {
-    const Real found = rho();
+  /// @param rho        written
+  Known Judge(double tolerance, double roundings, double* rho) const {
+    const Real inverse = 1 / (loads_ > 0 ? loads_ : 1);
+    const Real found = std::sqrt(defects_ * inverse);
+    const Real rounding = roundings * std::sqrt(magnitudes_ * inverse);
+    *rho = static_cast<double>(found);
     if (!(found <= tolerance && meets_)) return Known::kWrong;
-    const Real rounding = roundings * std::sqrt(magnitudes_ / (loads_ > 0 ? loads_ : 1));
     return found + rounding <= tolerance ? Known::kRight : Known::kUnclear;
   }
 

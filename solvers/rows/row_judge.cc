@@ -85,8 +85,7 @@ bool RowJudge::Passes(const StepRows& rows, std::span<const std::int32_t> part, 
             velocity[slot(side) + c] = size_[static_cast<std::size_t>(slot(side) + c)] = 0;
         }
       }
-      *rho = sums.rho();
-      return sums.Judge(tolerance, kRoundingOfTwoBodies<Sum>);
+      return sums.Judge(tolerance, kRoundingOfTwoBodies<Sum>, rho);
     });
   };
   const Known known = judge(velocity_.data());

@@ -148,8 +148,7 @@ struct Tiny {
       for (int j = 0; j < n; ++j) size += std::abs(A[i][j] * f[j]);
       sums.Add(A[i][i], b[i], w[i], f[i], (joints >> i & 1U) != 0, size);
     }
-    *rho = sums.rho();
-    return sums.Judge(tolerance, kRoundingOfTwoBodies<>) == ResidualSums<double>::Known::kRight;
+    return sums.Judge(tolerance, kRoundingOfTwoBodies<>, rho) == ResidualSums<double>::Known::kRight;
   }
 
   void Store(std::span<const std::int32_t> part, double* all_f, double* all_w) const {
