@@ -22,7 +22,9 @@ Index InRegisters(Index n, Index width) { return (n + width - 1) / width * width
 }  // namespace
 
 SmallPivoting::Answer::Judgement SmallPivoting::Answer::Judge(double tolerance) const {
-  if (!(rho - rounding <= std::min(tableau::kMostRho, tolerance) && rows_meet)) return Judgement::kWrong;
+  // Rounding of this form may be all that is in the way; where it hides more than kMostRho, others do better.
+  const double hidden = std::min(rounding, tableau::kMostRho);
+  if (!(rho - hidden <= std::min(tableau::kMostRho, tolerance) && rows_meet)) return Judgement::kWrong;
   return rho + rounding <= tolerance ? Judgement::kRight : Judgement::kUnclear;
 }
 
