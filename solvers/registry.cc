@@ -68,8 +68,15 @@ std::string NcpLocal(const LcpProblem& /*problem*/, double /*tolerance*/) {
 }
 
 template <AutoMethod method>
-std::unique_ptr<LcpSolver> MakeMethodOfAuto(const Settings& settings) {
-  return std::make_unique<AutoSolver>(AutoOptions::Only(method, settings));
+SolverEntry MethodOfAuto(const std::string& text, std::string source) {
+  return {.key = std::string(KeyOf(method)),
+          .method = text + "; a method of auto alone",
+          .source = std::move(source),
+          .uses_tolerance = true,
+          .why_not_guaranteed = &LeavesHardOnes,
+          .make = [](const Settings& settings) -> std::unique_ptr<LcpSolver> {
+            return std::make_unique<AutoSolver>(AutoOptions::Only(method, settings));
+          }};
 }
 
 #ifdef LCPBENCH_WITH_IPOPT
@@ -105,30 +112,14 @@ std::vector<SolverEntry> ActiveSetSolvers() {
        .uses_tolerance = true,
        .why_not_guaranteed = &AnyPsd,
        .make = &Make<AutoSolver>},
-      {.key = "fixed-size-bpp",
-       .method = "block principal pivoting in registers, islands of up to 6 rows; a method of auto alone",
-       .source = "Judice, Pires 1994; Keller 1973",
-       .uses_tolerance = true,
-       .why_not_guaranteed = &LeavesHardOnes,
-       .make = &MakeMethodOfAuto<AutoMethod::kFixedSizeBpp>},
-      {.key = "principal-pivoting",
-       .method = "principal pivoting on a dense tableau, islands of up to 128 rows; a method of auto alone",
-       .source = "Tucker 1963; Keller 1973; Murty 1974",
-       .uses_tolerance = true,
-       .why_not_guaranteed = &LeavesHardOnes,
-       .make = &MakeMethodOfAuto<AutoMethod::kPrincipalPivoting>},
-      {.key = "profile-pivoting",
-       .method = "conjugate gradients, then block pivoting on a profile factor; a method of auto alone",
-       .source = "Silcowitz, Niebe, Erleben 2010; Judice, Pires 1994; Jennings 1966",
-       .uses_tolerance = true,
-       .why_not_guaranteed = &LeavesHardOnes,
-       .make = &MakeMethodOfAuto<AutoMethod::kProfilePivoting>},
-      {.key = "band-pivoting",
-       .method = "sweeps, then block pivoting on a banded factor of a given A; a method of auto alone",
-       .source = "Kostreva 1978; Portugal, Judice, Vicente 1994",
-       .uses_tolerance = true,
-       .why_not_guaranteed = &LeavesHardOnes,
-       .make = &MakeMethodOfAuto<AutoMethod::kBandPivoting>},
+      MethodOfAuto<AutoMethod::kFixedSizeBpp>("block principal pivoting in registers, islands of up to 6 rows",
+                                              "Judice, Pires 1994; Keller 1973"),
+      MethodOfAuto<AutoMethod::kPrincipalPivoting>("principal pivoting on a dense tableau, islands of up to 128 rows",
+                                                   "Tucker 1963; Keller 1973; Murty 1974"),
+      MethodOfAuto<AutoMethod::kProfilePivoting>("conjugate gradients, then block pivoting on a profile factor",
+                                                 "Silcowitz, Niebe, Erleben 2010; Judice, Pires 1994; Jennings 1966"),
+      MethodOfAuto<AutoMethod::kBandPivoting>("sweeps, then block pivoting on a banded factor of a given A",
+                                              "Kostreva 1978; Portugal, Judice, Vicente 1994"),
       {.key = "semismooth-newton",
        .method = "proximal semismooth Newton with exact line search on a sparse factor",
        .source = "Rockafellar 1976; Qi, Sun 1999",

@@ -586,7 +586,7 @@ class Stage : public Scene {
   }
 
  private:
-  /// Of one of Box2D's lists, as they were made.
+  /// The items of one of Box2D's lists in the order in which they were made.
   template <class Item>
   static std::vector<Item*> InOrder(Item* first) {
     std::vector<Item*> list;

@@ -50,7 +50,7 @@ struct JointRow {
   bool is_limit = false;  ///< unilateral: w >= 0
 };
 
-/// Of the header; 0 for what has no mass.
+/// A body of the header. Both are 0 for a body that cannot move.
 inline Json BodyOf(double inverse_mass, Json inverse_inertia) {
   return {{"inverse_mass", Rounded(inverse_mass)}, {"inverse_inertia", std::move(inverse_inertia)}};
 }

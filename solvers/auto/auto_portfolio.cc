@@ -186,7 +186,7 @@ void AutoPortfolio::StartAt(const Eigen::VectorXd* f) {
   if (has_start_) start_ = *f;
 }
 
-// What sweeps leave is where the next ones start.
+// The next method starts at the forces that sweeps have reached.
 bool AutoPortfolio::AskSweeps(LcpSolver* solver, std::string_view name, std::int64_t granted, LcpResult* result) {
   if (Try(solver, name, granted, result)) return true;
   if (result->f.allFinite()) StartAt(&result->f);
@@ -194,7 +194,8 @@ bool AutoPortfolio::AskSweeps(LcpSolver* solver, std::string_view name, std::int
 }
 
 bool AutoPortfolio::AskBpp(std::int64_t granted, LcpResult* result) {
-  if (!has_bpp_ && !PrepareBpp(*problem_)) return false;
+  // Prepare has tried it already, unless sweeps come before.
+  if (!has_bpp_ && !(facts_.is_wide_sparse && PrepareBpp(*problem_))) return false;
   if (Try(&bpp_, "bpp", granted, result)) return true;
   // What it has when it runs out of factorizations is mostly right but for a few rows.
   if (facts_.is_large && result->iterations > 1 && result->f.allFinite()) StartAt(&result->f);
@@ -202,7 +203,7 @@ bool AutoPortfolio::AskBpp(std::int64_t granted, LcpResult* result) {
   return false;
 }
 
-// By a method after which the next one starts anew.
+// Asks a method after which the next one starts anew.
 bool AutoPortfolio::AskFromStart(LcpSolver* solver, std::string_view name, std::int64_t granted, LcpResult* result) {
   if (Try(solver, name, granted, result)) return true;
   StartAt(options_->initial_f);

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "solvers/pivoting/small_pivoting.h"
-#include "solvers/rows/tiny_rows.h"
+#include "solvers/rows/fixed_size_bpp.h"
 #ifdef LCPBENCH_WITH_SUITESPARSE
 #include "solvers/interior_point/hybrid.h"
 #endif
@@ -28,7 +28,7 @@ constexpr std::int64_t kLeastNncgIterations = 16;
 constexpr double kSweepsPerRootOfRows = 8;
 // Block pivoting that needs more than this has met cycles, which cost it more than the Newton method.
 constexpr std::int64_t kMostFactorizationsOfBpp = 24;
-// A dense A of 0.2 GB, and minutes.
+// Its A takes 0.2 GB, and a solve minutes.
 constexpr Index kMostRowsOfDantzig = 5000;
 #ifdef LCPBENCH_WITH_SUITESPARSE
 constexpr std::int64_t kSweepsOfPacking = HybridOptions{}.most_iterations;
@@ -38,7 +38,7 @@ constexpr std::int64_t kSweepsOfPacking = 0;
 
 std::int64_t If(bool holds) { return holds ? kOwnLimit : 0; }
 
-// For the price of so many factorizations.
+// How many iterations cost as much as so many factorizations.
 std::int64_t NncgIterations(const Facts& facts, double factorizations) {
   const double iterations = factorizations * facts.factor_time / facts.iteration_time;
   return std::max(kLeastNncgIterations, static_cast<std::int64_t>(iterations));
@@ -49,10 +49,16 @@ bool HasDearFactor(const Facts& facts) {
   return HasFullRank(facts) && facts.factor_time > kDearFactor * facts.iteration_time;
 }
 
+// The words of the table below have these numbers.
+static_assert(Facts::IsNarrow(45) && !Facts::IsNarrow(46) && Facts::kMostRowsInOneIsland == 0.75 &&
+              Facts::kSmallRows == 900 && kDearFactor == 6 && kFactorizationsForPsor == 4 &&
+              kFactorizationsOfBpp == 6 && kFactorizationsOfNewton == 12 && kSweepsPerRootOfRows == 8 &&
+              kMostFactorizationsOfBpp == 24 && (kSweepsOfPacking == 600 || kSweepsOfPacking == 0));
+
 using enum AutoStage;
 using enum AutoMethod;
 constexpr std::array kRules = {
-    AutoRule{kRows, TinyRows::kMostRows, "", kFixedSizeBpp},
+    AutoRule{kRows, FixedSizeBpp::kMostRows, "", kFixedSizeBpp},
     AutoRule{kRows, SmallPivoting::kMaxRows, "", kPrincipalPivoting},
     AutoRule{kRows, Facts::kMostIslandRows, "", kProfilePivoting,
              [](const Facts& facts) { return If(!facts.is_undivided); }},

@@ -76,6 +76,9 @@ class AutoEngine {
   bool SolveInPlace(const StepRows& rows, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
   bool SolveRows(const StepRows& rows, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
   bool SolveMatrix(const LcpOptions& options, const Deadline* deadline, LcpResult* result);
+  template <typename Meets>
+  bool TakeTableau(const SmallPivoting::Answer& answer, bool is_exact, const LcpOptions& options, const Meets& meets,
+                   LcpResult* result) const;
   bool TryTableauOfMatrix(const LcpOptions& options, const Deadline* deadline, LcpResult* result);
 
   void PrepareProblem(const LcpProblem& problem);
@@ -107,8 +110,9 @@ class AutoEngine {
   // Rows or a matrix, read in place: the caller's arrays, or of the prepared problem.
   ProblemArrays given_;
   Taken taken_ = Taken::kNothing;
-  bool asked_in_place_ = false;      // what SolveArrays was given, in vain
-  bool was_asked_in_place_ = false;  // the prepared problem
+  // Whether the methods in place have been asked in vain: for the arrays of the latest SolveArrays, and for the
+  // prepared problem, which is of these arrays then.
+  bool asked_in_place_ = false, was_asked_in_place_ = false;
   TwoBodyCopy step_;
   RowSolver rows_;
   Eigen::VectorXd gaps_;
@@ -167,18 +171,19 @@ bool AutoEngine::IsReadInPlace(MatrixForm form, Index rows) const {
   return options_.self_check && options_.reads_in_place && rows <= most;
 }
 
-// What is refused becomes an LcpProblem.
+// Arrays that are not taken become an LcpProblem.
 AutoEngine::Taken AutoEngine::Take(const ProblemArrays& arrays) {
   if (!IsReadInPlace(arrays.form, arrays.rows)) return Taken::kNothing;
   if (arrays.form != MatrixForm::kFactors) return matrix_.Take(arrays) ? Taken::kMatrix : Taken::kNothing;
   return step_.Take(arrays) ? Taken::kRows : Taken::kNothing;
 }
 
-// True where that is the end of it.
+// True where the solve ends here: it is solved, or no other method is allowed.
 bool AutoEngine::SolveInPlace(const StepRows& rows, const LcpOptions& options, const Deadline* deadline,
                               LcpResult* result) {
-  if (taken_ == Taken::kRows ? SolveRows(rows, options, deadline, result) : SolveMatrix(options, deadline, result))
-    return true;
+  const bool is_solved =
+      taken_ == Taken::kRows ? SolveRows(rows, options, deadline, result) : SolveMatrix(options, deadline, result);
+  if (is_solved) return true;
   if (!options_.only.has_value() || !result->f.allFinite()) result->f.setZero();
   if (!options_.only.has_value()) return false;
   const bool is_late = result->status != LcpStatus::kUnsupported && deadline != nullptr && deadline->Expired();
@@ -215,46 +220,50 @@ bool AutoEngine::SolveMatrix(const LcpOptions& options, const Deadline* deadline
   for (const AutoRule& rule : AutoRulesOf(AutoStage::kMatrix)) {
     if (rule.Grants(facts) == 0 || !Allows(rule.method)) continue;
     is_for_one = true;
-    const bool is_over = rule.method == AutoMethod::kPrincipalPivoting ? TryTableauOfMatrix(options, deadline, result)
-                                                                       : band_.Solve(matrix_, options, result);
+    const bool is_over = rule.method == AutoMethod::kPrincipalPivoting
+                             ? TryTableauOfMatrix(options, deadline, result)
+                             : band_.Solve(matrix_, options, deadline, result);
     if (is_over) return true;
   }
-  if (!is_for_one && options_.only.has_value())
+  if (!is_for_one && options_.only.has_value()) {
     Refuse("the matrix has more rows or a wider band than it takes", result);
+  }
   return false;
+}
+
+// Whether the tableau's answer passes; where its sums in double do not tell, or A is not that of the tableau in all
+// bits, `meets` does, by the given form.
+template <typename Meets>
+bool AutoEngine::TakeTableau(const SmallPivoting::Answer& answer, bool is_exact, const LcpOptions& options,
+                             const Meets& meets, LcpResult* result) const {
+  const Judgement judgement = answer.Judge(options.tolerance);
+  if (judgement == Judgement::kWrong || ((judgement == Judgement::kUnclear || !is_exact) && !meets())) return false;
+  result->status = LcpStatus::kSolved;
+  result->iterations = tableau_.pivots();
+  result->detail = "tableau";
+  return true;
 }
 
 bool AutoEngine::TryTableauOfMatrix(const LcpOptions& options, const Deadline* deadline, LcpResult* result) {
   const ProblemArrays& arrays = matrix_.arrays();
   tableau_.Reserve(arrays.rows);
-  const Judgement judgement =
-      tableau_.SolveArrays(arrays, matrix_.diagonal().data(), RequestFor(options, deadline), result->f.data())
-          .Judge(options.tolerance);
-  if (judgement == Judgement::kWrong) return false;
-  if (judgement == Judgement::kUnclear || !matrix_.is_exactly_symmetric()) {
-    const LcpProblem problem = LcpProblem::FromArrays(arrays);
-    test_.Reset(problem, GivenFormTest::Rows::kGivenWhenNeeded);
-    if (!test_.Meets(options.tolerance, result->f)) return false;
-  }
-  result->status = LcpStatus::kSolved;
-  result->iterations = tableau_.pivots();
-  result->detail = "tableau";
-  return true;
+  const SmallPivoting::Answer answer =
+      tableau_.SolveArrays(arrays, matrix_.diagonal().data(), RequestFor(options, deadline), result->f.data());
+  const auto meets = [&] {
+    test_.Reset(LcpProblem::FromArrays(arrays), GivenFormTest::Rows::kGivenWhenNeeded);
+    return test_.Meets(options.tolerance, result->f);
+  };
+  return TakeTableau(answer, matrix_.is_exactly_symmetric(), options, meets, result);
 }
 
 bool AutoEngine::TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline,
                             LcpResult* result) {
-  const Judgement judgement =
-      tableau_.Solve(problem, RequestFor(options, &deadline), &result->f).Judge(options.tolerance);
-  if (judgement == Judgement::kWrong) return false;
-  if (judgement == Judgement::kUnclear) {
+  const SmallPivoting::Answer answer = tableau_.Solve(problem, RequestFor(options, &deadline), &result->f);
+  const auto meets = [&] {
     test_.SetB(problem);
-    if (!test_.Meets(options.tolerance, result->f)) return false;
-  }
-  result->status = LcpStatus::kSolved;
-  result->iterations = tableau_.pivots();
-  result->detail = "tableau";
-  return true;
+    return test_.Meets(options.tolerance, result->f);
+  };
+  return TakeTableau(answer, true, options, meets, result);
 }
 
 // Small islands by tableau, the rest by a portfolio of its own. False if dividing does not pay or led to nothing.
@@ -398,7 +407,7 @@ void AutoEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lcp
   if (is_taken) {
     StepRows rows = step_.rows();
     rows.b = problem.b().data();
-    given_.b.assign(problem.b().begin(), problem.b().end());
+    if (taken_ == Taken::kMatrix) given_.b.assign(problem.b().begin(), problem.b().end());
     if (SolveInPlace(rows, options, limit.has_value() ? &*limit : nullptr, result)) return;
   }
   if (!problem_is_ready_) PrepareProblem(problem);
@@ -424,7 +433,7 @@ void AutoEngine::SolveProblem(const LcpProblem& problem, const LcpOptions& optio
   whole_.Solve(problem, options, deadline, result);
 }
 
-// What is left open goes on as an LcpProblem, by Prepare and Solve, which come next then.
+// Where this leaves the arrays open, LcpSolver calls Prepare and Solve next, with an LcpProblem of them.
 bool AutoEngine::SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
   asked_in_place_ = false;
   if (!MayChoose(options)) return false;

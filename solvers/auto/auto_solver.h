@@ -31,7 +31,7 @@ struct AutoOptions {
   /// Keys `tableau_rows`, `hard_tableau_rows`, `newton_factorizations`, `self_check` and `instructions` (best, sse2,
   /// avx2, avx512). @throws InputError for others
   static AutoOptions FromSettings(const Settings& settings);
-  /// Of the solver that is that method of `auto` alone. @throws InputError for any setting
+  /// The options of a solver that is one method of `auto` and no other. @throws InputError for any setting
   static AutoOptions Only(AutoMethod method, const Settings& settings);
 };
 

@@ -25,7 +25,8 @@ class BandPivoting {
  public:
   /// True with result->status kSolved and an f that passes in sums with a bound of their rounding, or kTimeLimit.
   /// False, with f anything, where the exchanges do not get ahead, rows depend on others, or f does not pass.
-  bool Solve(const MatrixArrays& A, const LcpOptions& options, LcpResult* result);
+  /// @param deadline  of the solve, or nullptr for none
+  bool Solve(const MatrixArrays& A, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
 
  private:
   void Reserve(Index n);

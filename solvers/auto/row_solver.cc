@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "solvers/pivoting/tableau_rules.h"
-#include "solvers/rows/tiny_rows.h"
+#include "solvers/rows/fixed_size_bpp.h"
 
 namespace lcpbench {
 namespace {
@@ -76,7 +76,7 @@ RowSolver::PartEnd RowSolver::SolvePart(const Request& request, Part part, RowAn
   for (const AutoRule& rule : rules_) {
     if (rule.Grants(facts_) == 0 || rule.method != only_.value_or(rule.method)) continue;
     if (end != PartEnd::kNoRule && request.deadline != nullptr && request.deadline->Expired()) break;
-    // Of inexact forces most of the active set is right.
+    // Most of the active set of inexact forces is right.
     const double* const initial_f = end == PartEnd::kInexact ? request.f : request.initial_f;
     end = Ask(rule.method, request, part, initial_f, answer);
     if (end == PartEnd::kSolved) break;
@@ -95,7 +95,8 @@ RowSolver::PartEnd RowSolver::AskFixedSizeBpp(const Request& request, Part part,
   const double tolerance = request.tolerance;
   const double row_limit = tableau::kMargin * std::sqrt(tolerance);
   double rho = 0;
-  if (!TinyRows::Solve(request.rows, part, tolerance, row_limit, request.f, request.w, &rho)) return PartEnd::kGaveUp;
+  if (!FixedSizeBpp::Solve(request.rows, part, tolerance, row_limit, request.f, request.w, &rho))
+    return PartEnd::kGaveUp;
   ++answer->iterations;
   answer->rho = std::max(answer->rho, rho);
   return PartEnd::kSolved;

@@ -62,7 +62,7 @@ struct BatchGroup {
   __builtin_prefetch(reinterpret_cast<const void*>(address));
 }
 
-/// Of one instruction set.
+/// The kernel of one instruction set.
 struct BatchKernels {
   std::size_t lanes;
   void (*solve)(BatchGroup* group);

@@ -62,7 +62,7 @@ constexpr std::string_view kViolation =
     "the largest violation of a constraint, absolute; for a singular matrix proximal steps, too";
 constexpr std::string_view kFeasibility = "feasibility and complementarity, absolute";
 
-// Of both builds of ProxQP.
+// The values for both builds of ProxQP.
 constexpr TierSettings kProxQpDual{{1e-6, 1e-6, 1e-9}, 1e6, kLargestResidual};
 constexpr TierSettings kProxQpPrimal{{1e-3, 1e-6, 1e-9}, 1e6, kLargestResidual};
 

@@ -280,7 +280,7 @@ class DenseTableau {
     return L::Bits((Load(a, v) != L::Set(0)) | (Load(b, v) != L::Set(0)));
   }
 
-  // Of any number of rows, also the registers that they are in.
+  // Places of rows, and the registers that they are in.
   struct Places {
     const int* column;
     const int* last_column;
@@ -416,7 +416,7 @@ class DenseTableau {
     }
     if (r < 0) return false;
     CatchUp<count>();
-    // Of F, row r of the tableau has by how much a unit of force at r lowers each force.
+    // On the rows of F, row r of the tableau says by how much a unit of force at r lowers each force.
     const double* const change = t_.correction;
     for (int v = 0; v < registers_; ++v) Store(t_.correction, v, EntriesOf<count>(r, v));
     int leaving = -1;

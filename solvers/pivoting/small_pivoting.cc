@@ -59,11 +59,9 @@ void SmallPivoting::Reserve(Index max_rows, Index problem_rows) {
 
 void SmallPivoting::ReserveRows(Index max_rows, Index max_bodies) {
   Reserve(max_rows);
-  if (before_.size() < At(2 * max_rows)) {
-    before_.resize(At(2 * max_rows));
-    jacobian_.resize(At(2 * max_rows * kMostColumnsPerBody));
-  }
-  if (last_.size() < At(max_bodies)) last_.resize(At(max_bodies), -1);
+  const std::size_t numbers = At(2 * max_rows * kMostColumnsPerBody);
+  if (jacobian_.size() < numbers) jacobian_.resize(numbers);
+  sides_.Reserve(max_rows, max_bodies);
 }
 
 void SmallPivoting::SetSize(Index n) {
@@ -127,10 +125,7 @@ void SmallPivoting::LoadArrays(const ProblemArrays& arrays, const double* diagon
 }
 
 void SmallPivoting::LoadRows(const StepRows& all, std::span<const std::int32_t> part) {
-  if (all.columns_per_body == 3) {
-    return all.J != nullptr ? LoadRowsOf<3>(all, all.J, part) : LoadRowsOf<3>(all, all.J_single, part);
-  }
-  return all.J != nullptr ? LoadRowsOf<6>(all, all.J, part) : LoadRowsOf<6>(all, all.J_single, part);
+  WithNumbers(all, [&](const auto* J, auto p) { LoadRowsOf<p>(all, J, part); });
 }
 
 template <Index p, typename Real>
@@ -153,7 +148,7 @@ void SmallPivoting::LoadRowsOf(const StepRows& all, const Real* J, std::span<con
   }
   for (const std::int32_t row : part) {
     for (Index side = Index{2} * row; side < Index{2} * row + 2; ++side) {
-      if (all.body[side] >= 0) last_[At(all.body[side])] = -1;
+      if (all.body[side] >= 0) sides_.Forget(all.body[side]);
     }
   }
 }
@@ -174,14 +169,14 @@ double SmallPivoting::AddSide(const StepRows& all, std::int32_t side, std::int32
   }
   if (!moves) return 0;
   const Index i = side / 2;
-  before_[At(side)] = last_[At(body)];
-  for (std::int32_t other = last_[At(body)]; other >= 0; other = before_[At(other)]) {
-    const double* const J_other = jacobian_.data() + other * p;
-    double sum = RowOfA(i)[other / 2];
-    for (Index c = 0; c < p; ++c) sum += momentum[c] * J_other[c];
-    RowOfA(i)[other / 2] = RowOfA(other / 2)[i] = sum;
-  }
-  last_[At(body)] = side;
+  sides_.ForEach(
+      body, [&](std::int32_t other) __attribute__((always_inline)) {
+        const double* const J_other = jacobian_.data() + other * p;
+        double sum = RowOfA(i)[other / 2];
+        for (Index c = 0; c < p; ++c) sum += momentum[c] * J_other[c];
+        RowOfA(i)[other / 2] = RowOfA(other / 2)[i] = sum;
+      });
+  sides_.Add(body, side);
   return own;
 }
 

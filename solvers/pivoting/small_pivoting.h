@@ -10,6 +10,7 @@
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
 #include "solvers/linear_algebra/instruction_set.h"
+#include "solvers/linear_algebra/sides_of_bodies.h"
 #include "solvers/pivoting/tableau_work.h"
 
 namespace lcpbench {
@@ -77,6 +78,7 @@ class SmallPivoting {
       kUnclear,  ///< the given form decides
       kWrong,
     };
+    /// By rho and what rounding may hide of it.
     Judgement Judge(double tolerance) const;
   };
 
@@ -133,7 +135,7 @@ class SmallPivoting {
   std::vector<int> integers_;     // the same
   std::vector<int> local_;        // by row of the whole problem: its place in the part where it last was in one
   std::vector<double> jacobian_;  // of SolveRows
-  std::vector<std::int32_t> last_, before_;  // by body: its last (row, side) so far; by (row, side): the one before
+  SidesOfBodies sides_;           // the same: of the rows loaded so far
 };
 
 /// Row i of what is solved is row given(i) of the problem.

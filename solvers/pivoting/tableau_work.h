@@ -50,7 +50,7 @@ struct TableauWork {
   int* columns = nullptr;
 };
 
-/// Of one instruction set.
+/// The kernel of one instruction set.
 struct TableauKernel {
   int width;                         ///< of a register
   bool (*solve)(TableauWork* work);  ///< false, with nothing written, unless all of the diagonal is positive

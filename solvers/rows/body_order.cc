@@ -14,9 +14,8 @@ void BodyOrder::Reserve(Index max_rows, Index max_bodies) {
   if (number_.size() < At(max_bodies)) number_.resize(At(max_bodies), -1);
   if (first_.size() >= At(max_rows)) return;
   for (auto* v : {&first_, &second_}) v->resize(At(max_rows));
-  for (auto* v : {&body_, &place_, &queue_, &last_side_, &side_before_, &order_end_}) {
-    v->resize(At(2 * max_rows) + 1);
-  }
+  for (auto* v : {&body_, &place_, &queue_, &order_end_}) v->resize(At(2 * max_rows) + 1);
+  sides_.Reserve(max_rows, 2 * max_rows);
 }
 
 // Bodies that can move, as the rows name them; the first one of a row is always such a body.
@@ -46,15 +45,11 @@ bool BodyOrder::NumberBodies(const StepRows& all, std::span<const std::int32_t> 
     first_[At(i)] = first;
     second_[At(i)] = second;
   }
-  return true;
-}
-
-void BodyOrder::ListSidesOfBodies() {
-  std::fill_n(last_side_.begin(), count_, -1);
+  for (Index k = 0; k < count_; ++k) sides_.Forget(k);
   for (std::int32_t side = 0; side < 2 * n_; ++side) {
-    const std::int32_t body = body_of_side(side);
-    if (body >= 0) side_before_[At(side)] = std::exchange(last_side_[At(body)], side);
+    if (body_of_side(side) >= 0) sides_.Add(body_of_side(side), side);
   }
+  return true;
 }
 
 // Breadth-first from the first body, by the rows that bodies share; then from where that ends. What is not connected
@@ -69,12 +64,12 @@ void BodyOrder::OrderBodies() {
     place_[At(start)] = count++;
     for (std::int32_t head = 0; head < count; ++head) {
       const std::int32_t body = queue_[At(head)];
-      for (std::int32_t side = last_side_[At(body)]; side >= 0; side = side_before_[At(side)]) {
+      sides_.ForEach(body, [&](std::int32_t side) {
         const std::int32_t other = body_of_side(side ^ 1);
-        if (other < 0 || place_[At(other)] >= 0) continue;
+        if (other < 0 || place_[At(other)] >= 0) return;
         place_[At(other)] = count;
         queue_[At(count++)] = other;
-      }
+      });
       if (head + 1 < count || count == count_) continue;
       while (place_[At(unplaced)] >= 0) ++unplaced;
       place_[At(unplaced)] = count;
@@ -99,7 +94,6 @@ void BodyOrder::OrderRows(std::span<const std::int32_t> part, std::vector<Index>
 
 bool BodyOrder::Find(const StepRows& all, std::span<const std::int32_t> part, std::vector<Index>* order) {
   if (!NumberBodies(all, part)) return false;
-  ListSidesOfBodies();
   OrderBodies();
   OrderRows(part, order);
   // From here on the numbers are places; the queue has bodies in that order.

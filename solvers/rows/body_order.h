@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "solvers/lcp/step_rows.h"
+#include "solvers/linear_algebra/sides_of_bodies.h"
 
 namespace lcpbench {
 
@@ -26,7 +27,6 @@ class BodyOrder {
 
  private:
   bool NumberBodies(const StepRows& all, std::span<const std::int32_t> part);
-  void ListSidesOfBodies();
   std::int32_t body_of_side(std::int32_t side) const {
     return (side % 2 == 0 ? first_ : second_)[static_cast<std::size_t>(side / 2)];
   }
@@ -38,8 +38,7 @@ class BodyOrder {
   std::vector<std::int32_t> number_, body_;
   // By row of `part` its bodies, as numbered when rows name them first; by that number the place in the order.
   std::vector<std::int32_t> first_, second_, place_;
-  // By that number the last side, 2 row + (0 or 1), that has the body; by side the one before.
-  std::vector<std::int32_t> last_side_, side_before_;
+  SidesOfBodies sides_;                  // by that number, rows of `part`
   std::vector<std::int32_t> queue_;      // of the breadth-first search
   std::vector<std::int32_t> order_end_;  // by place, the end of its rows so far
 };

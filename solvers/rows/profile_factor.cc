@@ -43,7 +43,8 @@ void ProfileFactor::Reserve(Index max_rows, Index profile) {
   of_L_.Reserve(max_rows);
   for (auto* v : {&rows_, &place_}) v->resize(At(max_rows));
   for (auto* v : {&column_, &floor_, &y_}) v->setZero(max_rows + 2 * kRegister);
-  for (auto* v : {&first_row_, &last_side_, &side_before_}) v->resize(At(2 * max_rows) + 1);
+  first_row_.resize(At(2 * max_rows) + 1);
+  sides_.Reserve(max_rows, 2 * max_rows);
 }
 
 bool ProfileFactor::LayOutRows() {
@@ -72,7 +73,7 @@ bool ProfileFactor::FindProfile(const ScaledRows& rows) {
 template <Index p>
 void ProfileFactor::AssembleOf(const ScaledRows& rows) {
   Clear();
-  std::fill_n(last_side_.begin(), rows.bodies(), -1);
+  for (Index body = 0; body < rows.bodies(); ++body) sides_.Forget(body);
   const auto block = [&](Index side) __attribute__((always_inline)) {
     return BodyPart<p>(Load<BodyLanes<p>>(rows.row(0) + side * kBodyWidth<p>));
   };
@@ -82,10 +83,10 @@ void ProfileFactor::AssembleOf(const ScaledRows& rows) {
       const std::int32_t body = s == 0 ? rows.first_body(i) : rows.second_body(i);
       if (body < 0) continue;
       const auto own = block(2 * i + s);
-      for (std::int32_t side = last_side_[At(body)]; side >= 0; side = side_before_[At(side)]) {
-        row_i[side / 2] += Sum(Folded(own * block(side)));
-      }
-      side_before_[At(2 * i + s)] = std::exchange(last_side_[At(body)], static_cast<std::int32_t>(2 * i + s));
+      sides_.ForEach(
+          body, [&](std::int32_t side)
+                    __attribute__((always_inline)) { row_i[side / 2] += Sum(Folded(own * block(side))); });
+      sides_.Add(body, static_cast<std::int32_t>(2 * i + s));
     }
     row_i[i] = 1;
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "solvers/first_order/sweeps/scaled_rows.h"
+#include "solvers/linear_algebra/sides_of_bodies.h"
 
 namespace lcpbench {
 
@@ -71,8 +72,7 @@ class ProfileFactor {
   std::vector<std::int32_t> rows_, place_;      // F; by row how many rows of F come before
   std::vector<std::int32_t> first_row_;         // by body
   Eigen::VectorXd A_, L_, column_, floor_, y_;  // floor_: least pivots; y_: x_F
-  // Of Assemble: by body the last side, 2 row + (0 or 1), so far that has it; by side the one before on its body.
-  std::vector<std::int32_t> last_side_, side_before_;
+  SidesOfBodies sides_;                         // of the rows that Assemble has been through
 };
 
 }  // namespace lcpbench

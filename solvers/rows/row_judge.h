@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "solvers/lcp/step_rows.h"
+#include "solvers/linear_algebra/sides_of_bodies.h"
 
 namespace lcpbench {
 
@@ -23,10 +24,10 @@ class RowJudge {
  private:
   template <int p, typename Real>
   double SizeOfGap(const StepRows& rows, const Real* J, const double* f, std::int32_t row) const;
-  void ListSides(const StepRows& rows, std::span<const std::int32_t> part);
+  template <typename Change>
+  static void ForSides(const StepRows& rows, std::span<const std::int32_t> part, const Change& change);
 
-  // By body: its last side (2 row + 0 or 1) of the part at hand, -1 between calls; and by side the one before.
-  std::vector<std::int32_t> last_, before_;
+  SidesOfBodies sides_;  // of the part at hand; none between calls
   // By body, 0 between calls.
   std::vector<double> velocity_, size_;
   std::vector<long double> extended_velocity_;

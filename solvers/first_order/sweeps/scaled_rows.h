@@ -23,7 +23,7 @@
 ///           ▼                 ▼                 │
 ///        StepRows: two bodies a row, in place   │
 ///           │                                   │
-///           ├─▶ TinyRows, tableau: A in registers or dense, by the bodies that rows share
+///           ├─▶ FixedSizeBpp, tableau: A in registers or dense, by the bodies that rows share
 ///           └─▶ ScaledProblem + ScaledRows ◀────┘    two bodies a row, scaled: sweeps
 ///                      └─▶ ProfileFactor: A~ = G G^T within its profile
 namespace lcpbench {

@@ -406,16 +406,18 @@ TEST_P(DirectSolversLaw, SolvingAgainDoesNotAllocate) {
 TEST(Solvers, AllThatClaimSuccessAgreeInW) {
   for (const SolverEntry& entry : AllSolvers()) {
     if (entry.origin != SolverOrigin::kOwn || !entry.available) continue;
+    // None of these problems has so few rows, or rows on two bodies alone: their own tests in rows/ have others.
+    if (entry.key == "fixed-size-bpp" || entry.key == "profile-pivoting") continue;
     const std::unique_ptr<LcpSolver> solver = entry.make({});
     LcpOptions options;
     options.max_iterations = entry.uses_tolerance ? 2000 : 0;  // sweeps
     int claims = 0;
-    int refused = 0;
     for (const ExactFamily& family : SolvableFamilies()) {
       for (unsigned seed = 0; seed < 15; ++seed) {
-        const TestProblem test = family.make(seed);
+        TestProblem test = family.make(seed);
+        // Their entries of A are exact, too.
+        if (!solver->WhyUnsupported(test.problem).empty()) test.problem = InForm(test.problem, MatrixForm::kDense);
         const LcpResult result = SolveWith(solver.get(), test.problem, options);
-        refused += result.status == LcpStatus::kUnsupported ? 1 : 0;
         if (result.status != LcpStatus::kSolved) continue;
         ++claims;
         const Verdict verdict = Verify(test.problem, result, options.tolerance, &test.reference);
@@ -423,7 +425,7 @@ TEST(Solvers, AllThatClaimSuccessAgreeInW) {
         EXPECT_LE(verdict.metrics.w_error, 1e-7) << entry.key << " on " << test.problem.id();
       }
     }
-    EXPECT_GT(claims + refused, 15) << entry.key;
+    EXPECT_GT(claims, 15) << entry.key;
   }
 }
 

@@ -1,4 +1,4 @@
-#include "solvers/rows/tiny_rows.h"
+#include "solvers/rows/fixed_size_bpp.h"
 
 #include <algorithm>
 #include <array>
@@ -205,14 +205,14 @@ bool SolveSize(const StepRows& all, const Real* J, std::span<const std::int32_t>
   static constexpr auto kBySize = []<int... n>(std::integer_sequence<int, n...>) {
     return std::array{&SolveRows<n + 1, p, Real>...};
   }
-  (std::make_integer_sequence<int, TinyRows::kMostRows>{});
+  (std::make_integer_sequence<int, FixedSizeBpp::kMostRows>{});
   return kBySize[part.size() - 1](all, J, part, tolerance, row_limit, f, w, rho);
 }
 
 }  // namespace
 
-bool TinyRows::Solve(const StepRows& all, std::span<const std::int32_t> part, double tolerance, double row_limit,
-                     double* f, double* w, double* rho) {
+bool FixedSizeBpp::Solve(const StepRows& all, std::span<const std::int32_t> part, double tolerance, double row_limit,
+                         double* f, double* w, double* rho) {
   return WithNumbers(
       all, [&](const auto* J, auto p) { return SolveSize<p>(all, J, part, tolerance, row_limit, f, w, rho); });
 }

@@ -1,4 +1,4 @@
-#include "solvers/rows/tiny_rows.h"
+#include "solvers/rows/fixed_size_bpp.h"
 
 #include <gtest/gtest.h>
 
@@ -46,13 +46,13 @@ Eigen::VectorXd GapsByEnumeration(const LcpProblem& problem) {
   return best;
 }
 
-TEST(TinyRows, FindsTheGapsThatEnumerationFinds) {
+TEST(FixedSizeBpp, FindsTheGapsThatEnumerationFinds) {
   constexpr double kTolerance = 1e-6;
   const double row_limit = 0.1 * std::sqrt(kTolerance);
   int solved = 0;
   int asked = 0;
   for (unsigned seed = 0; seed < 600; ++seed) {
-    const Index n = 1 + seed % TinyRows::kMostRows;
+    const Index n = 1 + seed % FixedSizeBpp::kMostRows;
     const StepArrays arrays = RandomStep(n, 1 + seed / 6 % 5, seed % 4 == 3 ? 6 : 3, seed);
     const StepRows rows = arrays.View();
     const LcpProblem problem = ProblemOf(rows);
@@ -63,7 +63,7 @@ TEST(TinyRows, FindsTheGapsThatEnumerationFinds) {
     Eigen::VectorXd w = Eigen::VectorXd::Zero(n);
     double rho = 0;
     ++asked;
-    if (!TinyRows::Solve(rows, part, kTolerance, row_limit, f.data(), w.data(), &rho)) continue;
+    if (!FixedSizeBpp::Solve(rows, part, kTolerance, row_limit, f.data(), w.data(), &rho)) continue;
     ++solved;
     const double size = 1 + problem.b().norm();
     EXPECT_LT((problem.DenseA() * f + problem.b() - w).norm(), 1e-12 * size) << seed;

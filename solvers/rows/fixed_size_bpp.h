@@ -11,7 +11,7 @@ namespace lcpbench {
 /// that fresh problems mispredict. Block principal pivoting [Judice, Pires 1994] from the rows with negative b finds F
 /// with one or two factors as a rule; then single rows enter, and where A_FF becomes singular the row whose force
 /// vanishes first leaves [Keller 1973].
-struct TinyRows {
+struct FixedSizeBpp {
   static constexpr int kMostRows = 6;
 
   /// Writes the entries `part` of f and w. False if no active set passes clearly: rho and the rounding of A f + b below
