@@ -13,9 +13,11 @@
 namespace lcpbench {
 
 void RequireFinite(const LcpProblem& problem, const LcpResult& result) {
-  if (result.f.size() == problem.size() && result.f.allFinite()) return;
-  std::string detail = "the solver gave no finite forces or impulses for problem '" + problem.id() + "' (" +
-                       std::string(ToString(result.status)) + ")";
+  const bool is_refused = result.status == LcpStatus::kUnsupported;
+  if (!is_refused && result.f.size() == problem.size() && result.f.allFinite()) return;
+  const std::string what = is_refused ? "does not take" : "gave no finite forces or impulses for";
+  std::string detail =
+      "the solver " + what + " problem '" + problem.id() + "' (" + std::string(ToString(result.status)) + ")";
   if (!result.detail.empty()) detail += ": " + result.detail;
   throw NoFinitePoint{detail};
 }

@@ -58,11 +58,11 @@ struct MotionStatistics {
   double solve_time_s = 0;       ///< wall clock inside LcpSolver::Prepare and Solve
 };
 
-/// A solver gave forces or impulses that are not finite: the motion cannot go on.
+/// A solver does not take a problem, or gave forces or impulses that are not finite: the motion cannot go on.
 struct NoFinitePoint {
   std::string detail;
 };
-/// @throws NoFinitePoint if an answer has no finite forces or impulses
+/// @throws NoFinitePoint if the problem was refused, or its answer has no finite forces or impulses
 void RequireFinite(const LcpProblem& problem, const LcpResult& result);
 
 /// Hands LCPs to a solver and keeps the books of a motion: number of solves, failures, time. Failed solves go on with

@@ -184,7 +184,7 @@ TEST_F(SequenceCommand, MotionComparesEverySolverWithTheReference) {
   std::string solvers;
   std::size_t motions = 0;
   for (const SolverEntry& solver : OwnSolversAndAPeerOfEachLibrary()) {
-    // Some of these problems are too large, or of another form, and a motion without forces takes all its time.
+    // These do not take some of the problems, which ends a motion early.
     if (solver.key == "fixed-size-bpp" || solver.key == "band-pivoting") continue;
     solvers += " " + solver.key;
     motions += solver.uses_tolerance ? 2 : 1;

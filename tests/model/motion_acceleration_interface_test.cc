@@ -129,7 +129,7 @@ TEST(AccelerationMotion, EverySolverDrivesIt) {
   Mover reference(world);
   reference->Advance(kTime);
   for (const SolverEntry& entry : OwnSolversAndAPeerOfEachLibrary()) {
-    if (entry.key == "band-pivoting") continue;  // it takes A given as a matrix
+    if (entry.key == "band-pivoting") continue;  // RefusedProblemsEndAMotion
     Mover mover(world, {}, entry.key);
     mover->Advance(kTime);
     if (entry.origin != SolverOrigin::kOwn) {
@@ -143,6 +143,15 @@ TEST(AccelerationMotion, EverySolverDrivesIt) {
       EXPECT_NEAR(Norm(mover.body(i).x - reference.body(i).x), 0, 1e-5) << entry.key;
     }
   }
+}
+
+TEST(AccelerationMotion, RefusedProblemsEndAMotion) {
+  const World world = WorldWith("resting", {Floor(), Movable(Disc(0.1), {0, 0.1})});
+  Mover mover(world, {}, "band-pivoting");  // takes A given as a matrix
+  mover->Advance(0.1);
+  EXPECT_EQ(mover->status(), MotionStatus::kSolverFailed);
+  EXPECT_NE(mover->detail().find("does not take problem"), std::string::npos) << mover->detail();
+  EXPECT_NE(mover->detail().find("A given as a matrix"), std::string::npos) << mover->detail();
 }
 
 TEST(AccelerationMotion, RefusesWhatMakesNoSense) {
