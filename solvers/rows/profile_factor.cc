@@ -1,6 +1,7 @@
 #include "solvers/rows/profile_factor.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 
@@ -42,7 +43,8 @@ void ProfileFactor::Reserve(Index max_rows, Index profile) {
   of_A_.Reserve(max_rows);
   of_L_.Reserve(max_rows);
   for (auto* v : {&rows_, &place_}) v->resize(At(max_rows));
-  for (auto* v : {&column_, &floor_, &y_}) v->setZero(max_rows + 2 * kRegister);
+  for (auto* v : {&floor_, &y_}) v->setZero(max_rows + 2 * kRegister);
+  columns_.setZero(kPanel * (max_rows + 2 * kRegister));
   first_row_.resize(At(2 * max_rows) + 1);
   sides_.Reserve(max_rows, 2 * max_rows);
 }
@@ -109,7 +111,7 @@ void ProfileFactor::Pack(const unsigned char* is_active, double shift, const dou
   for (Index a = 0; a < m_; ++a) {
     const Index i = rows_[At(a)];
     const double* const from = row(i);
-    double* const to = L_.data() + of_L_.begin[At(a)];
+    double* const to = row_of_L(a);
     const Index first = of_L_.first[At(a)];
     for (Index k = first / kRegister * kRegister; k < first; ++k) to[k] = 0;
     if (m_ == n_) {
@@ -126,43 +128,95 @@ void ProfileFactor::Pack(const unsigned char* is_active, double shift, const dou
   }
 }
 
-// Column by column, each one subtracted from the rows below at once.
+// The diagonal block at column j; false if a row is left out.
+bool ProfileFactor::FactorizeBlock(Index j, Panel* panel) {
+  bool is_whole = true;
+  auto& [block, inverse] = *panel;
+  for (Index r = 0; r < std::min(kPanel, m_ - j); ++r) {
+    double* const own = row_of_L(j + r) + j;
+    for (Index c = 0; c <= r; ++c) {
+      block[r][c] = own[c];
+      for (Index k = 0; k < c; ++k) block[r][c] -= own[k] * block[c][k];
+      if (c < r) own[c] = block[r][c] * inverse[c];
+    }
+    own[r] = block[r][r];
+    if (!(own[r] > floor_[j + r])) {
+      own[r] = std::numeric_limits<double>::infinity();
+      is_whole = false;
+    }
+    inverse[r] = 1 / own[r];
+  }
+  return is_whole;
+}
+
+// The panel's columns below its block, to row `last`: into columns_ as they are, into L over their pivots.
+void ProfileFactor::DivideBelow(Index j, Index last, const Panel& panel) {
+  const Panel own = panel;  // a copy, so that it stays in registers
+  const auto& [block, inverse] = own;
+  const Index stride = columns_.size() / kPanel;
+  double* const column[kPanel] = {columns_.data(), columns_.data() + stride, columns_.data() + 2 * stride,
+                                  columns_.data() + 3 * stride};
+  for (double* const c : column) std::fill_n(c + j, kPanel, 0.0);
+  for (Index i = j + kPanel; i <= last; ++i) {
+    double v[kPanel] = {};
+    if (of_L_.first[At(i)] < j + kPanel) {
+      double* const row = row_of_L(i) + j;
+      v[0] = row[0];
+      const double f0 = v[0] * inverse[0];
+      v[1] = row[1] - f0 * block[1][0];
+      const double f1 = v[1] * inverse[1];
+      v[2] = row[2] - f0 * block[2][0] - f1 * block[2][1];
+      const double f2 = v[2] * inverse[2];
+      v[3] = row[3] - f0 * block[3][0] - f1 * block[3][1] - f2 * block[3][2];
+      row[0] = f0;
+      row[1] = f1;
+      row[2] = f2;
+      row[3] = v[3] * inverse[3];
+    }
+    for (int c = 0; c < kPanel; ++c) column[c][i] = v[c];
+  }
+}
+
+// What the panel takes from the rows below it.
+void ProfileFactor::SubtractBelow(Index j, Index last) {
+  const Index stride = columns_.size() / kPanel;
+  const double* const column = columns_.data();
+  const Index begin = (j + kPanel) / kRegister * kRegister;
+  for (Index i = j + kPanel; i <= last; ++i) {
+    if (of_L_.first[At(i)] >= j + kPanel) continue;
+    double* const own = row_of_L(i);
+    const std::array<double, kPanel> factor = {own[j], own[j + 1], own[j + 2], own[j + 3]};
+    // What lies beyond the diagonal in a register is never read as a number of the row.
+    for (Index k = begin; k <= i; k += kRegister) {
+      Register rest = *AsRegisters(own + k);
+      for (std::size_t c = 0; c < factor.size(); ++c) {
+        rest -= factor[c] * *AsRegisters(column + static_cast<Index>(c) * stride + k);
+      }
+      *AsRegisters(own + k) = rest;
+    }
+  }
+}
+
+// Panel by panel, each one subtracted from the rows below at once.
 bool ProfileFactor::Factorize(const unsigned char* is_active, double shift, const double* more) {
   Pack(is_active, shift, more);
   bool is_whole = true;
-  double* const column = column_.data();
-  for (Index j = 0; j < m_; ++j) {
-    column[j] = 0;
-    const Index last = of_L_.last_below[At(j)];
-    double& pivot = L_[of_L_.begin[At(j)] + j];
-    if (!(pivot > floor_[j])) {
-      pivot = std::numeric_limits<double>::infinity();
-      is_whole = false;
-    }
-    const double inverse = 1 / pivot;
-    for (Index i = j + 1; i <= last; ++i) {
-      column[i] = of_L_.first[At(i)] <= j ? L_[of_L_.begin[At(i)] + j] : 0.0;
-    }
-    const Index begin = (j + 1) / kRegister * kRegister;
-    for (Index i = j + 1; i <= last; ++i) {
-      const double of_row = column[i];
-      if (of_row == 0) continue;
-      double* const row = L_.data() + of_L_.begin[At(i)];
-      const double factor = of_row * inverse;
-      for (Index k = begin; k <= i; k += kRegister) *AsRegisters(row + k) -= factor * *AsRegisters(column + k);
-      row[j] = factor;
-    }
-    // What lies beyond the diagonal in a register is never read as a number of the row.
+  Panel panel;
+  for (Index j = 0; j < m_; j += kPanel) {
+    is_whole = FactorizeBlock(j, &panel) && is_whole;
+    if (j + kPanel >= m_) break;
+    const Index last = of_L_.last_below[At(j + kPanel - 1)];
+    DivideBelow(j, last, panel);
+    SubtractBelow(j, last);
   }
   return is_whole;
 }
 
 void ProfileFactor::Solve(double* x) {
   double* const y = y_.data();
-  const auto row_of = [&](Index a) { return L_.data() + of_L_.begin[At(a)]; };
   for (Index a = 0; a < m_; ++a) y[a] = x[rows_[At(a)]];
   for (Index a = 0; a < m_; ++a) {
-    const double* const row = row_of(a);
+    const double* const row = row_of_L(a);
     Register sum = {};
     const Index begin = of_L_.first[At(a)] / kRegister * kRegister;
     const Index end = a / kRegister * kRegister;
@@ -171,9 +225,9 @@ void ProfileFactor::Solve(double* x) {
     for (Index k = std::max(begin, end); k < a; ++k) rest += row[k] * y[k];
     y[a] -= rest;
   }
-  for (Index a = 0; a < m_; ++a) y[a] /= row_of(a)[a];
+  for (Index a = 0; a < m_; ++a) y[a] /= row_of_L(a)[a];
   for (Index a = m_ - 1; a >= 0; --a) {
-    const double* const row = row_of(a);
+    const double* const row = row_of_L(a);
     const double own = y[a];
     const Index begin = of_L_.first[At(a)] / kRegister * kRegister;
     const Index end = a / kRegister * kRegister;

@@ -61,18 +61,30 @@ class ProfileFactor {
     Index LayOut(Index n);
   };
 
+  // Columns that are subtracted from the rows below together; divides a register.
+  static constexpr Index kPanel = 4;
+  // A panel's diagonal block: L D by rows, and the inverse of D.
+  struct Panel {
+    double block[kPanel][kPanel];
+    double inverse[kPanel];
+  };
+
+  double* row_of_L(Index a) { return L_.data() + of_L_.begin[static_cast<std::size_t>(a)]; }
   bool LayOutRows();
   template <Index p>
   void AssembleOf(const ScaledRows& rows);
   void Pack(const unsigned char* is_active, double shift, const double* more);
+  bool FactorizeBlock(Index j, Panel* panel);
+  void DivideBelow(Index j, Index last, const Panel& panel);
+  void SubtractBelow(Index j, Index last);
 
   Index n_ = 0, m_ = 0;  // rows of A, of F
   double cost_ = 0;
   Profile of_A_, of_L_;
-  std::vector<std::int32_t> rows_, place_;      // F; by row how many rows of F come before
-  std::vector<std::int32_t> first_row_;         // by body
-  Eigen::VectorXd A_, L_, column_, floor_, y_;  // floor_: least pivots; y_: x_F
-  SidesOfBodies sides_;                         // of the rows that Assemble has been through
+  std::vector<std::int32_t> rows_, place_;       // F; by row how many rows of F come before
+  std::vector<std::int32_t> first_row_;          // by body
+  Eigen::VectorXd A_, L_, columns_, floor_, y_;  // columns_: of a panel, L D; floor_: least pivots; y_: x_F
+  SidesOfBodies sides_;                          // of the rows that Assemble has been through
 };
 
 }  // namespace lcpbench
