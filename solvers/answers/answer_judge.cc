@@ -34,21 +34,19 @@ void AnswerJudge::Reset(const LcpProblem& problem, bool dense) {
   for (Eigen::VectorXd* v : {&f_, &w_, &w_best_}) v->setZero(problem.size());
 }
 
-void AnswerJudge::SetB(const LcpProblem& problem) {
+void AnswerJudge::Start(const LcpProblem& problem, double tolerance, LcpResult* result) {
   estimate_.SetB(problem);
   extended_.SetB(problem);
-}
-
-void AnswerJudge::Start(double tolerance) {
+  result_ = result;
   tolerance_ = tolerance;
   tier_ = std::numeric_limits<double>::infinity();
 }
 
-bool AnswerJudge::Publish(LcpResult* result) {
+bool AnswerJudge::Publish() {
   estimate_.ComputeW(f_, &w_);
   double rho = estimate_.Rho(f_, w_);
   const bool is_unclear = std::abs(rho - tolerance_) <= Rounding(estimate_.problem(), f_);
-  if (!(rho < tier_) && !is_unclear) return false;
+  if (!(rho < tier_) && !is_unclear) return tier_ <= kGoodEnough;
   double backward = estimate_.BackwardError(f_, w_);
   // The verdict is made in extended precision, so the estimate is, too, where rounding may matter: where it could
   // decide about rho, and where sums cancel in a row whose own terms are all (nearly) 0, so that its backward error is
@@ -60,11 +58,12 @@ bool AnswerJudge::Publish(LcpResult* result) {
     backward = estimate_.BackwardError(f_, w_);
   }
   const double tier = std::max(rho, backward * backward);
-  if (!(tier < tier_)) return false;
-  tier_ = tier;
-  result->f.swap(f_);
-  w_best_.swap(w_);
-  return tier <= kGoodEnough;
+  if (tier < tier_) {
+    tier_ = tier;
+    result_->f.swap(f_);
+    w_best_.swap(w_);
+  }
+  return tier_ <= kGoodEnough;
 }
 
 std::optional<Eigen::VectorXd> FindZeroRowRay(const LcpProblem& problem, double threshold) {

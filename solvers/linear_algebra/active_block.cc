@@ -8,6 +8,7 @@
 #include "solvers/lcp/in_sequence.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/linear_algebra/cost_model.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
@@ -16,8 +17,6 @@ Index WholeBlocks(Index rows, Index block) { return (rows + block - 1) / block *
 
 constexpr int kNone = -1;
 constexpr int kLongestChain = 4;
-
-size_t At(int i) { return static_cast<size_t>(i); }
 
 }  // namespace
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <utility>
 
+#include "support/array_index.h"
+
 namespace lcpbench {
 namespace {
-
-size_t At(Index i) { return static_cast<size_t>(i); }
 
 // The bodies of the given rows, renumbered without gaps; -1 for bodies not touched.
 std::vector<Index> RenumberBodies(const SparseMatrix& J, Index width, std::span<const Index> rows, Index* count) {
