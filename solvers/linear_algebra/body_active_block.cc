@@ -103,7 +103,7 @@ bool BodyActiveBlock::Factor(const std::vector<char>& active, double shift, cons
   if (!fresh && entering_.empty() && leaving_.empty()) return true;
   valid_ = false;
   if (deadline != nullptr && deadline->Expired()) return false;
-  if (fresh || !may_update_ || UpdateTime() >= NewFactorTime()) {
+  if (fresh || UpdateTime() >= NewFactorTime()) {
     FactorAnew();
   } else {
     ++updates_;

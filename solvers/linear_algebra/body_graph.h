@@ -5,7 +5,6 @@
 
 #include "solvers/lcp/problem.h"
 #include "solvers/linear_algebra/cholmod_factor.h"
-#include "solvers/linear_algebra/kept_order.h"
 
 namespace lcpbench {
 
@@ -15,11 +14,8 @@ namespace lcpbench {
 /// which has one 3 x 3 block per body and one per pair of bodies that share a row. [docs/model.md section 8]
 ///
 /// The order comes from the graph of bodies, a ninth of the entries of K, and is expanded by three. In a sequence
-/// (LcpSolver::SetInSequence) it outlasts the problem: where the next one joins pairs of bodies that are all in the
-/// pattern of K, pattern and analysis are kept, blocks of pairs that no longer meet are zero; where a few pairs are
-/// new, the order is kept and analysed anew; else, and where the work has grown too much, bodies are ordered anew.
-/// Problems of less than KeptOrder::kLeastRows keep what they have only where rows and pairs are the very same.
-/// Internal to solvers/.
+/// (LcpSolver::SetInSequence) order and analysis are kept for a problem whose rows join the same bodies. Internal to
+/// solvers/.
 class BodyGraph {
  public:
   /// A row's two bodies by their places in the order, -1 for none, first < second; and where their common block begins
@@ -44,7 +40,7 @@ class BodyGraph {
   void Prepare(const LcpProblem& problem, const std::vector<char>& taking_part, bool will_update,
                CholmodFactor* factor);
 
-  /// In the order. Some may be in no row of this problem: their part of K is I.
+  /// In the order.
   int bodies() const { return bodies_; }
   const std::vector<Ends>& ends() const { return ends_; }
   /// Place of the body that a column of J belongs to, -1 for none.
@@ -52,33 +48,15 @@ class BodyGraph {
   /// Symbolic analyses of the latest Prepare: 0 if the one before was kept, else one for every order tried and, where
   /// the first one is taken after all, one more.
   int analyses() const { return analyses_; }
-  GraphOrder order() const { return order_; }
 
  private:
-  using Graph = CholmodFactor::ColumnMatrix;
-
-  void ReadRows(const LcpProblem& problem, const std::vector<char>& taking_part);
-  bool KeepAnalysis();
-  Graph NumberBodies();
-  bool KeepOrder(const Graph& graph);
-  void OrderAnew(const Graph& graph);
-  void Analyze(const Graph& graph, const Eigen::VectorXi& nodes);
-  void TakeOrder(const Eigen::VectorXi& nodes);
+  void Order(Index triples, bool will_update, CholmodFactor* factor);
 
   std::vector<Ends> ends_;
-  std::vector<Ends> ends_before_;  // of a small problem, by triples of columns of J
-  std::vector<int> found_;         // bodies of this problem by their triples of columns of J, as they appear
+  std::vector<Ends> ends_before_;  // of the problem analysed last, by triples of columns of J
   std::vector<int> place_;         // of every triple
   int bodies_ = 0;
-  bool analysed_ = false;
-  Index blocks_ = 0;  // below the diagonal, of the latest analysis
   int analyses_ = 0;
-  bool will_update_ = false;
-  CholmodFactor* factor_ = nullptr;
-  GraphOrder order_ = GraphOrder::kMinimumDegree;
-  KeptOrder kept_;
-  std::vector<KeptOrder::Name> kept_pairs_;  // ascending; of the graph that kept_ orders
-  std::vector<char> seen_;
 };
 
 }  // namespace lcpbench

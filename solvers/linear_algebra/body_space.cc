@@ -23,13 +23,8 @@ double Dot(const double* j, const double* x, int body) {
 
 void BodySpace::Prepare(const LcpProblem& problem, const std::vector<char>& taking_part, bool will_update) {
   graph_.Prepare(problem, taking_part, will_update, &factor_);
-  rows_.assign(static_cast<size_t>(problem.size()), {});
-  for (size_t i = 0; i < rows_.size(); ++i) {
-    const BodyGraph::Ends& ends = graph_.ends()[i];
-    rows_[i].first = ends.first;
-    rows_[i].second = ends.second;
-    rows_[i].below = ends.below;
-  }
+  rows_.clear();
+  for (const BodyGraph::Ends& ends : graph_.ends()) rows_.push_back({ends});
   for (Eigen::VectorXd* v : {&weight_, &product_}) v->setZero(rows());
   for (Eigen::VectorXd* v : {&body_, &image_}) v->setZero(kAxes * bodies());
 }

@@ -25,13 +25,10 @@ class BodySpace {
   static constexpr Index kAxes = 3;
   static constexpr double kOut = 1e24;
 
-  /// BodyGraph::Ends, and J^ on the two bodies.
-  struct alignas(64) Row {
+  /// With J^ on the two bodies.
+  struct alignas(64) Row : BodyGraph::Ends {
     double first_j[kAxes] = {0, 0, 0};
     double second_j[kAxes] = {0, 0, 0};
-    int first = -1;
-    int second = -1;
-    int below = -1;
   };
 
   /// Whether the problem has the form for it: factors, rows on at most two movable bodies each.
