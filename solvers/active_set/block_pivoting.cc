@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <utility>
 
-#include "solvers/answers/accepted_ray.h"
 #include "solvers/answers/answer_judge.h"
 #include "solvers/lcp/verify.h"
 #include "support/array_index.h"

@@ -56,4 +56,11 @@ class AnswerJudge final : public AnswerSink {
 /// such row, +-e_i as a ray that VerifyFarkasRay accepts. O(n); allocates for a ray only. Internal to solvers/.
 std::optional<Eigen::VectorXd> FindZeroRowRay(const LcpProblem& problem, double threshold);
 
+/// A direction found in doubles as a Farkas ray that VerifyFarkasRay accepts: as it is, or without entries that are
+/// rounding of zeros; where that is a ray within rounding only, with entries of a few digits if this is a proof (ratios
+/// of small whole numbers are frequent). Nothing where it is not accepted.  Up to six calls of VerifyFarkasRay;
+/// allocates. Internal to solvers/.
+/// @param direction  n numbers
+std::optional<Eigen::VectorXd> AcceptedRay(const LcpProblem& problem, const Eigen::VectorXd& direction);
+
 }  // namespace lcpbench

@@ -240,7 +240,7 @@ class IpmEngine {
     system_.SetB(problem);
     statistics_.factorizations = statistics_.interior_steps = statistics_.pivots = 0;
     test_.SetB(problem);
-    IpmRun run(system_, test_, options_, options, statistics_);
+    IpmRun run(system_, test_, {options_.proximal, options_.correctors, options_.self_check}, options, statistics_);
     BlockPivoting::Task task;
     task.problem = &problem;
     task.scaled = &system_.rows();

@@ -8,19 +8,36 @@
 #include <string>
 
 #include "solvers/active_set/block_pivoting.h"
-#include "solvers/interior_point/ipm.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/linear_algebra/scaled_system.h"
 
 namespace lcpbench {
 
+/// What happened below an IpmSolver, for tests and tuning.
+struct IpmStatistics {
+  std::int64_t analyses = 0;        ///< symbolic, in the latest Prepare; 0 if those of the problem before serve
+  std::int64_t factorizations = 0;  ///< numeric, in the latest Solve
+  std::int64_t interior_steps = 0;  ///< of these, interior-point steps
+  std::int64_t pivots = 0;          ///< of these, active sets tried
+  bool body_space = false;          ///< the systems live on the bodies
+  double fill = 0;                  ///< entries of L
+  double factor_flops = 0;          ///< of one factorization
+};
+
 /// One solve of the `ipm` backend: limits, counters and the best iterate so far, shared by its two methods; the system
 /// as the block that active sets are tried on.
 class IpmRun final : public AnswerSink, public ActiveBlock {
  public:
+  /// Those of IpmOptions.
+  struct Own {
+    double proximal;
+    int correctors;
+    bool self_check;
+  };
+
   /// @param test  of the system's problem
-  IpmRun(ScaledSystem& system, GivenFormTest& test, const IpmOptions& own, const LcpOptions& options,
+  IpmRun(ScaledSystem& system, GivenFormTest& test, const Own& own, const LcpOptions& options,
          IpmStatistics& statistics)
       : system_(system),
         test_(test),
@@ -153,7 +170,7 @@ class IpmRun final : public AnswerSink, public ActiveBlock {
 
   ScaledSystem& system_;
   GivenFormTest& test_;
-  const IpmOptions& own_;
+  const Own own_;
   const LcpOptions& options_;
   Deadline deadline_;
   std::int64_t limit_;

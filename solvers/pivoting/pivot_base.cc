@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "solvers/answers/accepted_ray.h"
 #include "solvers/answers/answer_judge.h"
 #include "solvers/lcp/engine_solver.h"
 
