@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <utility>
 
-#include "solvers/answers/accepted_ray.h"
 #include "solvers/answers/answer_judge.h"
 #include "solvers/lcp/verify.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
@@ -47,8 +47,6 @@ constexpr int kRayCorrections = 6;
 // Rays are looked at in this size, so that b does not round A y away in w = A y + b.
 constexpr double kLift = 0x1p200;
 constexpr double kRayWeight = 1e-10;
-
-size_t At(Index i) { return static_cast<size_t>(i); }
 
 }  // namespace
 

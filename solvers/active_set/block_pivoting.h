@@ -15,39 +15,6 @@
 
 namespace lcpbench {
 
-/// Where candidate answers go, in the problem's units.
-class AnswerSink {
- public:
-  virtual ~AnswerSink() = default;
-  /// To be filled with the next candidate, n numbers.
-  virtual Eigen::VectorXd& candidate() = 0;
-  /// Judges the candidate, keeps the best one. True if it is good enough to stop.
-  virtual bool Publish() = 0;
-  /// The smallest tier that the best one passes; infinite without one.
-  virtual double tier() const = 0;
-  /// An estimate of the latest candidate's rho; 0 where there is none.
-  virtual double rho() const { return 0; }
-};
-
-/// The sink of solvers whose answer is an AnswerJudge's best candidate.
-class JudgedAnswer final : public AnswerSink {
- public:
-  void Reset(const LcpProblem& problem, bool dense) { judge_.Reset(problem, dense); }  ///< as AnswerJudge
-  /// @param result  its f takes over the best candidate
-  void Start(const LcpProblem& problem, double tolerance, LcpResult* result) {
-    judge_.SetB(problem);
-    judge_.Start(tolerance);
-    result_ = result;
-  }
-  Eigen::VectorXd& candidate() override { return judge_.candidate(); }
-  bool Publish() override { return judge_.Publish(result_) || tier() <= AnswerJudge::kGoodEnough; }
-  double tier() const override { return judge_.tier(); }
-
- private:
-  AnswerJudge judge_;
-  LcpResult* result_ = nullptr;
-};
-
 /// Block principal pivoting inside a proximal-point loop, on any ActiveBlock: what `bpp`, `semismooth-newton` and `ipm`
 /// share. The method is described at BppSolver. Internal to solvers/. Vectors are by row of the problem, in the units
 /// of ScaledVectors. Only Reserve and a ray allocate.
@@ -181,7 +148,7 @@ struct PivotingSetup {
   ActiveBlockChoice blocks;
   ActiveBlock* block = nullptr;
   ScaledVectors scaled;
-  JudgedAnswer answer;
+  AnswerJudge answer;
   BlockPivoting pivoting;
 };
 

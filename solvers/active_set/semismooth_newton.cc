@@ -101,7 +101,7 @@ class SemismoothNewtonEngine {
   SemismoothNewtonOptions options_;
   PivotingSetup setup_;
   BlockPivoting& pivoting_ = setup_.pivoting;  // of which the finish and the rays are used
-  const JudgedAnswer& answer_ = setup_.answer;
+  const AnswerJudge& answer_ = setup_.answer;
   const ScaledVectors& scaled_ = setup_.scaled;
   double tolerance_ = 0;
   std::optional<Deadline> deadline_;

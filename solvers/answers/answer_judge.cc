@@ -25,6 +25,18 @@ double Rounding(const LcpProblem& problem, const Eigen::VectorXd& f) {
   return (rows + kTermsBesideRows) * std::numeric_limits<double>::epsilon() * std::sqrt(rows) * relative;
 }
 
+// Entries of D^1/2 y below this part of the largest may be rounding of zeros.
+constexpr double kNoise = 1e-12;
+// A ray is multiplied by these, then its entries are cut to so many bits.
+constexpr double kMultiples[] = {1, 3, 5, 7};
+constexpr int kFewBits = 20;
+
+double WithFewBits(double value) {
+  int exponent = 0;
+  const double fraction = std::frexp(value, &exponent);
+  return std::ldexp(std::nearbyint(std::ldexp(fraction, kFewBits)), exponent - kFewBits);
+}
+
 }  // namespace
 
 void AnswerJudge::Reset(const LcpProblem& problem, bool dense) {
@@ -34,21 +46,19 @@ void AnswerJudge::Reset(const LcpProblem& problem, bool dense) {
   for (Eigen::VectorXd* v : {&f_, &w_, &w_best_}) v->setZero(problem.size());
 }
 
-void AnswerJudge::SetB(const LcpProblem& problem) {
+void AnswerJudge::Start(const LcpProblem& problem, double tolerance, LcpResult* result) {
   estimate_.SetB(problem);
   extended_.SetB(problem);
-}
-
-void AnswerJudge::Start(double tolerance) {
+  result_ = result;
   tolerance_ = tolerance;
   tier_ = std::numeric_limits<double>::infinity();
 }
 
-bool AnswerJudge::Publish(LcpResult* result) {
+bool AnswerJudge::Publish() {
   estimate_.ComputeW(f_, &w_);
   double rho = estimate_.Rho(f_, w_);
   const bool is_unclear = std::abs(rho - tolerance_) <= Rounding(estimate_.problem(), f_);
-  if (!(rho < tier_) && !is_unclear) return false;
+  if (!(rho < tier_) && !is_unclear) return tier_ <= kGoodEnough;
   double backward = estimate_.BackwardError(f_, w_);
   // The verdict is made in extended precision, so the estimate is, too, where rounding may matter: where it could
   // decide about rho, and where sums cancel in a row whose own terms are all (nearly) 0, so that its backward error is
@@ -60,11 +70,12 @@ bool AnswerJudge::Publish(LcpResult* result) {
     backward = estimate_.BackwardError(f_, w_);
   }
   const double tier = std::max(rho, backward * backward);
-  if (!(tier < tier_)) return false;
-  tier_ = tier;
-  result->f.swap(f_);
-  w_best_.swap(w_);
-  return tier <= kGoodEnough;
+  if (tier < tier_) {
+    tier_ = tier;
+    result_->f.swap(f_);
+    w_best_.swap(w_);
+  }
+  return tier_ <= kGoodEnough;
 }
 
 std::optional<Eigen::VectorXd> FindZeroRowRay(const LcpProblem& problem, double threshold) {
@@ -78,6 +89,23 @@ std::optional<Eigen::VectorXd> FindZeroRowRay(const LcpProblem& problem, double 
     if (VerifyFarkasRay(problem, ray).accepted) return ray;
   }
   return std::nullopt;
+}
+
+std::optional<Eigen::VectorXd> AcceptedRay(const LcpProblem& problem, const Eigen::VectorXd& direction) {
+  Eigen::VectorXd ray = direction;
+  FarkasVerdict verdict = VerifyFarkasRay(problem, ray);
+  if (!verdict.accepted) {
+    const Eigen::ArrayXd size = problem.DiagonalA().cwiseAbs().cwiseSqrt().cwiseProduct(ray).array().abs();
+    ray = (size < kNoise * size.maxCoeff()).select(0.0, ray.array());
+    verdict = VerifyFarkasRay(problem, ray);
+    if (!verdict.accepted) return std::nullopt;
+  }
+  if (verdict.proved) return ray;
+  for (const double multiple : kMultiples) {
+    Eigen::VectorXd short_ray = ray.unaryExpr([&](double y) { return WithFewBits(multiple * y); });
+    if (VerifyFarkasRay(problem, short_ray).proved) return short_ray;
+  }
+  return ray;
 }
 
 }  // namespace lcpbench

@@ -305,10 +305,9 @@ bool AutoEngine::TryIslands(const LcpProblem& problem, const LcpOptions& options
   if (result->status != LcpStatus::kSolved) return result->status != LcpStatus::kNumericalFailure;
   if (!options_.self_check) return true;
   // All parts passed; what joins them, and rows left out, have not been looked at.
-  judge_.SetB(problem);
-  judge_.Start(options.tolerance);
+  judge_.Start(problem, options.tolerance, result);
   judge_.candidate() = result->f;
-  judge_.Publish(result);
+  judge_.Publish();
   if (judge_.tier() <= options.tolerance) return true;
   result->status = LcpStatus::kNumericalFailure;
   return false;

@@ -7,11 +7,10 @@
 #include "solvers/linear_algebra/vector_register.h"
 #include "solvers/pivoting/tableau_rules.h"
 #include "solvers/rows/exchange_blocks.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
-
-size_t At(Index i) { return static_cast<size_t>(i); }
 
 // The relaxation of the two sweeps that guess the active set. With 1 obstacle problems of some hundred rows take 10 %
 // more time.

@@ -4,11 +4,10 @@
 #include <cmath>
 
 #include "solvers/lcp/number_range.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
-
-size_t At(Index i) { return static_cast<size_t>(i); }
 
 // Rows and columns of a tile that stays in the cache while it is read both ways.
 constexpr Index kTile = 16;

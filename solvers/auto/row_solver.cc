@@ -7,11 +7,11 @@
 
 #include "solvers/pivoting/tableau_rules.h"
 #include "solvers/rows/fixed_size_bpp.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
 
-std::size_t At(std::int64_t i) { return static_cast<std::size_t>(i); }
 // Parts of the largest force of an island below which forces are taken for rounding, where a row's error asks for it.
 constexpr double kRoundingOfForces[] = {1e-13, 1e-11, 1e-9};
 

@@ -21,7 +21,7 @@
 #include <utility>
 #include <vector>
 
-#include "solvers/answers/accepted_ray.h"
+#include "solvers/answers/answer_judge.h"
 #include "solvers/ipopt/quadratic_program.h"
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/residual.h"

@@ -9,6 +9,7 @@
 
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/residual_sums.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
 
@@ -150,8 +151,6 @@ class Residual {
   }
 
  private:
-  static size_t At(Index i) { return static_cast<size_t>(i); }
-
   // Which rows are bilateral, asked in ascending order.
   class Joints {
    public:

@@ -170,6 +170,19 @@ void MarkUseless(Index n, Metrics* m) {
   m->gap = m->gap_rel = m->energy_bound = m->energy_shift = kInfinity;
 }
 
+// Where entries of A cancel (perpendicular normals, say) the terms of w do not: a defect within the rounding of its own
+// evaluation cannot be told from 0, and must not be divided by a scale that is 0 as well. Nor can one below the
+// smallest normal double: no force could be given finely enough to do better.
+Extended BackwardError(Extended defect, Extended b, Extended magnitude, Extended summed) {
+  const Extended rounding = std::max<Extended>(kRounding * (summed + std::abs(b)), std::numeric_limits<double>::min());
+  return defect <= rounding ? 0 : defect / (magnitude + std::abs(b));
+}
+
+Extended FischerBurmeister(Extended p, Extended q) {
+  const Extended hypotenuse = std::hypot(p, q);
+  return p + q > 0 ? -2 * p * q / (hypotenuse + p + q) : hypotenuse - p - q;
+}
+
 // By the largest difference, over one more than the largest of `scale`; of no rows 0.
 double ErrorOf(const Eigen::VectorXd& found, const Eigen::VectorXd& known, const Eigen::VectorXd& scale) {
   if (found.size() == 0) return 0;
@@ -213,22 +226,14 @@ Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, cons
     b_scaled_squared += (b[i] / root) * (b[i] / root);
     b_squared += static_cast<Extended>(b[i]) * b[i];
 
-    const Extended scale = Af.magnitude[i] + std::abs(static_cast<Extended>(b[i]));
     const Extended defect = std::abs(bilateral ? wi : std::min(diagonal[i] * fi, wi));
-    // Where entries of A cancel (perpendicular normals, say) the terms of w do not: a defect within the rounding of its
-    // own evaluation cannot be told from 0, and must not be divided by a scale that is 0 as well.
-    // Nor can one below the smallest normal double: no force could be given finely enough to do better.
-    const Extended rounding = std::max<Extended>(kRounding * (Af.summed[i] + std::abs(static_cast<Extended>(b[i]))),
-                                                 std::numeric_limits<double>::min());
-    RaiseTo(defect <= rounding ? Extended(0) : defect / scale, &backward);
+    RaiseTo(BackwardError(defect, b[i], Af.magnitude[i], Af.summed[i]), &backward);
 
     const Extended plain = bilateral ? wi : std::min(fi, wi);
     siconos_squared += plain * plain;
     RaiseTo(std::abs(plain), &natural);
 
-    const Extended hypotenuse = std::hypot(p, q);
-    Extended phi = q;
-    if (!bilateral) phi = p + q > 0 ? -2 * p * q / (hypotenuse + p + q) : hypotenuse - p - q;
+    const Extended phi = bilateral ? q : FischerBurmeister(p, q);
     merit += phi * phi / 2;
 
     if (bilateral) {

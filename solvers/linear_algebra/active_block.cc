@@ -8,6 +8,7 @@
 #include "solvers/lcp/in_sequence.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/linear_algebra/cost_model.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
@@ -16,8 +17,6 @@ Index WholeBlocks(Index rows, Index block) { return (rows + block - 1) / block *
 
 constexpr int kNone = -1;
 constexpr int kLongestChain = 4;
-
-size_t At(int i) { return static_cast<size_t>(i); }
 
 }  // namespace
 
@@ -184,30 +183,12 @@ bool SparseActiveBlock::HasPattern(const SparseMatrix& A) const {
 
 void SparseActiveBlock::Analyze(const LcpProblem& problem) {
   const SparseMatrix& A = problem.SparseA();
-  const bool in_sequence = InSequence::on();
-  if (in_sequence && HasPattern(A)) return;
+  if (InSequence::on() && HasPattern(A)) return;
   outer_.clear();  // until the analysis has succeeded
   n_ = static_cast<int>(A.rows());
-  const std::vector<KeptOrder::Name> names = in_sequence ? NamesOfRows(problem) : std::vector<KeptOrder::Name>();
-  const Eigen::VectorXi found = kept_.Find(names, A.outerIndexPtr(), A.innerIndexPtr());
-  bool serves = found.size() > 0;
-  if (serves) {
-    order_.assign(found.begin(), found.end());
-    Permute(A);
-    try {
-      FindPatterns();
-      serves = kept_.Serves(factor_work_);
-    } catch (const MemoryRefusal&) {
-      serves = false;  // an order anew may need less
-    }
-  }
-  if (!serves) {
-    kept_.Clear();
-    OrderAnew(A);
-    Permute(A);
-    FindPatterns();
-    kept_.Keep(names, Eigen::Map<const Eigen::VectorXi>(order_.data(), n_), factor_work_);
-  }
+  Order(A);
+  Permute(A);
+  FindPatterns();
   values_.assign(column_.size(), 0);
   lower_.assign(rows_.size(), 0);
   for (std::vector<double>* v : {&diagonal_, &pivots_, &y_, &in_, &out_}) v->assign(At(n_), 0);
@@ -217,7 +198,7 @@ void SparseActiveBlock::Analyze(const LcpProblem& problem) {
   inner_.assign(A.innerIndexPtr(), A.innerIndexPtr() + outer_.back());
 }
 
-void SparseActiveBlock::OrderAnew(const SparseMatrix& A) {
+void SparseActiveBlock::Order(const SparseMatrix& A) {
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
   const Eigen::SparseMatrix<double, Eigen::ColMajor, int> columns = A;
   Eigen::AMDOrdering<int>()(columns, permutation);

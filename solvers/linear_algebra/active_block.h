@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "solvers/lcp/solver.h"
-#include "solvers/linear_algebra/kept_order.h"
 
 namespace lcpbench {
 
@@ -86,8 +85,7 @@ class DenseActiveBlock final : public ActiveBlock {
 /// after a small change of F computes the changed rows and their ancestors anew and keeps the others. Columns of equal
 /// structure are handled up to four together, which shares the indices and the accumulator.
 ///
-/// In a sequence the analysis is kept for a next problem of the same pattern, the order for one that differs little
-/// (KeptOrder).
+/// In a sequence (LcpSolver::SetInSequence) the analysis is kept for a next problem of the same pattern.
 class SparseActiveBlock final : public ActiveBlock {
  public:
   void Analyze(const LcpProblem& problem) override;
@@ -100,14 +98,13 @@ class SparseActiveBlock final : public ActiveBlock {
 
  private:
   bool HasPattern(const SparseMatrix& A) const;
-  void OrderAnew(const SparseMatrix& A);
+  void Order(const SparseMatrix& A);
   void Permute(const SparseMatrix& A);
   void FindPatterns();
   void ComputeRow(int r);
 
-  // The A analysed last: its pattern, by rows, and its order.
+  // The pattern of the A analysed last, by rows.
   std::vector<int> outer_, inner_;
-  KeptOrder kept_;
 
   // A in elimination order: the diagonal, and the entries left of it by rows.
   int n_ = 0;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "solvers/linear_algebra/cost_model.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
@@ -19,8 +20,6 @@ constexpr double kSlow = 0.25;
 constexpr int kMaxRefinements = 4;
 // A residual above this is not what rounding of a good factor leaves.
 constexpr double kWornOut = 1e-11;
-
-size_t At(Index i) { return static_cast<size_t>(i); }
 
 }  // namespace
 
@@ -104,7 +103,7 @@ bool BodyActiveBlock::Factor(const std::vector<char>& active, double shift, cons
   if (!fresh && entering_.empty() && leaving_.empty()) return true;
   valid_ = false;
   if (deadline != nullptr && deadline->Expired()) return false;
-  if (fresh || !may_update_ || UpdateTime() >= NewFactorTime()) {
+  if (fresh || UpdateTime() >= NewFactorTime()) {
     FactorAnew();
   } else {
     ++updates_;

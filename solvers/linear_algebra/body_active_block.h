@@ -36,9 +36,7 @@ class BodyActiveBlock final : public ActiveBlock {
   double factor_time() const override;
   Index CountDependentRows() const override;
 
-  /// For tests and measurements: whether updates are allowed (yes at the start), and how often each way was taken since
-  /// Load.
-  void set_may_update(bool may) { may_update_ = may; }
+  /// For tests: how often each way was taken since Load.
   std::int64_t factorizations() const { return factorizations_; }
   std::int64_t updates() const { return updates_; }
 
@@ -56,7 +54,6 @@ class BodyActiveBlock final : public ActiveBlock {
   Eigen::VectorXd diagonal_;    // of S A S
 
   // State.
-  bool may_update_ = true;
   bool valid_ = false;    // there is a factor
   bool updated_ = false;  // and it is not as FactorAnew left it
   double shift_ = 0;

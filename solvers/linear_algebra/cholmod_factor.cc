@@ -210,7 +210,6 @@ CholmodFactor::CholmodFactor() : state_(std::make_unique<State>()) {
   // One ordering method, which Analyze chooses, keeps the set-up cheap and independent of how CHOLMOD was built (METIS
   // or not).
   common.nmethods = 1;
-  common.postorder = 1;
   common.quick_return_if_not_posdef = 1;
   common.supernodal_switch = kWorthSupernodes;
   // Supernodes of up to these columns may take in zeros: twice CHOLMOD's own numbers, as the factors of contact
@@ -223,27 +222,20 @@ CholmodFactor::CholmodFactor() : state_(std::make_unique<State>()) {
 CholmodFactor::~CholmodFactor() = default;
 
 void CholmodFactor::Analyze(Definiteness definiteness, const ColumnMatrix& lower, const Eigen::VectorXi& order) {
-  const bool given = order.size() > 0;
-  if (given && order.size() != lower.cols()) {
-    throw std::runtime_error("symbolic analysis: " + StatusText(CHOLMOD_INVALID));
-  }
-  state_->common.method[0].ordering = given ? CHOLMOD_GIVEN : CHOLMOD_AMD;
-  state_->common.postorder = 1;
-  // CHOLMOD takes the order as non-const and only reads it.
-  AnalyzeBy(definiteness, lower, given ? const_cast<int*>(order.data()) : nullptr);
+  if (order.size() == 0) return AnalyzeBy(definiteness, lower, CHOLMOD_AMD, nullptr);
+  if (order.size() != lower.cols()) throw std::runtime_error("symbolic analysis: " + StatusText(CHOLMOD_INVALID));
+  AnalyzeBy(definiteness, lower, CHOLMOD_GIVEN, order.data());
 }
 
 void CholmodFactor::AnalyzeAsOrdered(const ColumnMatrix& lower, bool will_update) {
   State& s = *state_;
-  s.common.method[0].ordering = CHOLMOD_NATURAL;
-  s.common.postorder = 0;
-  AnalyzeBy(Definiteness::kPositiveDefinite, lower, nullptr);
+  AnalyzeBy(Definiteness::kPositiveDefinite, lower, CHOLMOD_NATURAL, nullptr);
   if (!will_update) return;
   s.analysis = cholmod_copy_factor(s.factor, &s.common);
   if (s.analysis == nullptr) throw std::runtime_error("symbolic analysis: " + StatusText(s.common.status));
 }
 
-void CholmodFactor::AnalyzeBy(Definiteness definiteness, const ColumnMatrix& lower, int* order) {
+void CholmodFactor::AnalyzeBy(Definiteness definiteness, const ColumnMatrix& lower, int ordering, const int* order) {
   ++WorkCounts::OfThread().analyses;
   State& s = *state_;
   const SingleThread one(true);
@@ -256,7 +248,10 @@ void CholmodFactor::AnalyzeBy(Definiteness definiteness, const ColumnMatrix& low
   s.view = ViewOf(s.lower, CHOLMOD_REAL, -1);
   s.positive_definite = definiteness == Definiteness::kPositiveDefinite;
   s.common.supernodal = s.positive_definite ? CHOLMOD_AUTO : CHOLMOD_SIMPLICIAL;
-  s.factor = cholmod_analyze_p(&s.view, order, nullptr, 0, &s.common);
+  s.common.method[0].ordering = ordering;
+  s.common.postorder = ordering == CHOLMOD_NATURAL ? 0 : 1;
+  // CHOLMOD takes the order as non-const and only reads it.
+  s.factor = cholmod_analyze_p(&s.view, const_cast<int*>(order), nullptr, 0, &s.common);
   if (s.factor == nullptr || s.common.status < CHOLMOD_OK) {
     throw std::runtime_error("symbolic analysis: " + StatusText(s.common.status));
   }
@@ -283,9 +278,6 @@ bool CholmodFactor::TakeValues(const ColumnMatrix& lower) {
 }
 
 Eigen::Index CholmodFactor::size() const { return state_->lower.cols(); }
-Eigen::VectorXi CholmodFactor::order() const {
-  return Eigen::Map<const Eigen::VectorXi>(static_cast<const int*>(state_->factor->Perm), size());
-}
 double CholmodFactor::flops() const { return state_->flops; }
 double CholmodFactor::fill() const { return state_->fill; }
 const std::string& CholmodFactor::why() const { return state_->why; }
@@ -377,23 +369,13 @@ Eigen::VectorXi OrderGraph(const CholmodFactor::ColumnMatrix& graph, GraphOrder 
                           ? cholmod_amd(&pattern, nullptr, 0, nodes.data(), &c.common)
                           : cholmod_metis(&pattern, nullptr, 0, /*postorder=*/0, nodes.data(), &c.common);
   if (ordered == 0) return {};
-  return Postordered(graph, nodes);
-}
-
-Eigen::VectorXi Postordered(const CholmodFactor::ColumnMatrix& graph, const Eigen::VectorXi& nodes) {
-  const Eigen::Index n = graph.cols();
-  Eigen::VectorXi order = nodes;  // CHOLMOD only reads it
-  if (n == 0) return order;
-  Common c;
-  cholmod_sparse pattern = ViewOf(graph, CHOLMOD_PATTERN, -1);
-  const Eigen::VectorXi parent = EliminationTree(pattern, order.data(), &c.common);
+  const Eigen::VectorXi parent = EliminationTree(pattern, nodes.data(), &c.common);
   Eigen::VectorXi post(n);
   if (parent.size() != n || cholmod_postorder(const_cast<int*>(parent.data()), static_cast<size_t>(n), nullptr,
                                               post.data(), &c.common) != n) {
     return {};
   }
-  for (Eigen::Index k = 0; k < n; ++k) order[k] = nodes[post[k]];
-  return order;
+  return nodes(post);
 }
 
 }  // namespace lcpbench

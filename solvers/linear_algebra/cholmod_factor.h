@@ -48,8 +48,6 @@ class CholmodFactor {
   bool TakeValues(const ColumnMatrix& lower);
 
   Eigen::Index size() const;
-  /// The order of elimination that the latest analysis chose: order()[k] is the row to eliminate k-th.
-  Eigen::VectorXi order() const;
   /// Predicted work of one factorization [flop] and entries of L.
   double flops() const;
   double fill() const;
@@ -83,7 +81,7 @@ class CholmodFactor {
 
  private:
   struct State;
-  void AnalyzeBy(Definiteness definiteness, const ColumnMatrix& lower, int* order);
+  void AnalyzeBy(Definiteness definiteness, const ColumnMatrix& lower, int ordering, const int* order);
   std::unique_ptr<State> state_;
 };
 
@@ -97,9 +95,5 @@ enum class GraphOrder {
 /// follow each other. Empty where this build cannot order so.
 /// @param graph  lower triangle of the adjacency matrix; only its pattern is read; the diagonal does not matter
 Eigen::VectorXi OrderGraph(const Eigen::SparseMatrix<double, Eigen::ColMajor, int>& graph, GraphOrder order);
-
-/// The order `nodes` of this graph, postordered: of equal fill. Empty where there is no memory for it.
-Eigen::VectorXi Postordered(const Eigen::SparseMatrix<double, Eigen::ColMajor, int>& graph,
-                            const Eigen::VectorXi& nodes);
 
 }  // namespace lcpbench

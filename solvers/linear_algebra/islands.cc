@@ -5,25 +5,9 @@
 #include <string>
 #include <utility>
 
+#include "support/array_index.h"
+
 namespace lcpbench {
-namespace {
-
-size_t At(Index i) { return static_cast<size_t>(i); }
-
-// The bodies of the given rows, renumbered without gaps; -1 for bodies not touched.
-std::vector<Index> RenumberBodies(const SparseMatrix& J, Index width, std::span<const Index> rows, Index* count) {
-  std::vector<Index> number(At((J.cols() + width - 1) / width), -1);
-  *count = 0;
-  for (const Index i : rows) {
-    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
-      Index& body = number[At(it.col() / width)];
-      if (body < 0) body = (*count)++;
-    }
-  }
-  return number;
-}
-
-}  // namespace
 
 void IdleRows::Prepare(const LcpProblem& problem) {
   const SparseMatrix& A = problem.SparseA();
@@ -197,6 +181,16 @@ void BasicIslands<Row>::Collect(Index n, const std::vector<char>* keep) {
 template class BasicIslands<Index>;
 template class BasicIslands<std::int32_t>;
 
+std::pair<int, int> BodiesOfRow(const LcpProblem& problem, Index row) {
+  std::pair<int, int> bodies = {-1, -1};
+  for (SparseMatrix::InnerIterator it(problem.J(), row); it; ++it) {
+    if (it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
+    const int body = static_cast<int>(it.col() / problem.columns_per_body());
+    (bodies.first < 0 || bodies.first == body ? bodies.first : bodies.second) = body;
+  }
+  return bodies;
+}
+
 LcpProblem Subproblem(const LcpProblem& problem, std::span<const Index> rows) {
   const auto m = static_cast<Index>(rows.size());
   Eigen::VectorXd b(m);
@@ -210,40 +204,39 @@ LcpProblem Subproblem(const LcpProblem& problem, std::span<const Index> rows) {
   MatrixFacts facts;
   facts.symmetric = problem.facts().symmetric;
   facts.positive_semidefinite = problem.facts().positive_semidefinite;
-  std::vector<Eigen::Triplet<double, int>> entries;
-  if (problem.has_factors()) {
-    const SparseMatrix& J = problem.J();
-    const Index width = facts.columns_per_body = problem.columns_per_body();
-    Index bodies = 0;
-    const std::vector<Index> number = RenumberBodies(J, width, rows, &bodies);
-    Eigen::VectorXd inverse_mass = Eigen::VectorXd::Zero(width * bodies);
-    for (Index column = 0; column < J.cols(); ++column) {
-      if (number[At(column / width)] >= 0) {
-        inverse_mass[width * number[At(column / width)] + column % width] = problem.inverse_mass()[column];
-      }
-    }
-    for (Index k = 0; k < m; ++k) {
-      for (SparseMatrix::InnerIterator it(J, rows[At(k)]); it; ++it) {
-        const Index column = width * number[At(it.col() / width)] + it.col() % width;
-        entries.emplace_back(static_cast<int>(k), static_cast<int>(column), it.value());
-      }
-    }
-    SparseMatrix part(m, width * bodies);
-    part.setFromTriplets(entries.begin(), entries.end());
-    return LcpProblem::FromFactors(id, part, std::move(inverse_mass), std::move(b), bounds, facts);
-  }
-  const SparseMatrix& A = problem.SparseA();
-  std::vector<Index> number(At(problem.size()), -1);
-  for (Index k = 0; k < m; ++k) number[At(rows[At(k)])] = k;
+  const bool has_factors = problem.has_factors();
+  if (has_factors) facts.columns_per_body = problem.columns_per_body();
+  const SparseMatrix& given = has_factors ? problem.J() : problem.SparseA();
+  // Bodies and, where A is given, rows: numbered without gaps as the rows name them; -1 for what is left out.
+  const Index width = has_factors ? facts.columns_per_body : 1;
+  std::vector<Index> number(At((given.cols() + width - 1) / width), -1);
+  Index count = has_factors ? 0 : m;
   for (Index k = 0; k < m; ++k) {
-    for (SparseMatrix::InnerIterator it(A, rows[At(k)]); it; ++it) {
-      const Index column = number[At(it.col())];
-      if (column >= 0) entries.emplace_back(static_cast<int>(k), static_cast<int>(column), it.value());
+    if (!has_factors) number[At(rows[At(k)])] = k;
+    for (SparseMatrix::InnerIterator it(given, rows[At(k)]); it && has_factors; ++it) {
+      Index& body = number[At(it.col() / width)];
+      if (body < 0) body = count++;
     }
   }
-  SparseMatrix part(m, m);
+  const auto place = [&](Index column) {
+    const Index block = number[At(column / width)];
+    return block < 0 ? -1 : width * block + column % width;
+  };
+  std::vector<Eigen::Triplet<double, int>> entries;
+  for (Index k = 0; k < m; ++k) {
+    for (SparseMatrix::InnerIterator it(given, rows[At(k)]); it; ++it) {
+      const auto column = static_cast<int>(place(it.col()));
+      if (column >= 0) entries.emplace_back(static_cast<int>(k), column, it.value());
+    }
+  }
+  SparseMatrix part(m, width * count);
   part.setFromTriplets(entries.begin(), entries.end());
-  return LcpProblem::FromSparse(id, part, std::move(b), bounds, facts);
+  if (!has_factors) return LcpProblem::FromSparse(id, part, std::move(b), bounds, facts);
+  Eigen::VectorXd inverse_mass = Eigen::VectorXd::Zero(part.cols());
+  for (Index column = 0; column < given.cols(); ++column) {
+    if (place(column) >= 0) inverse_mass[place(column)] = problem.inverse_mass()[column];
+  }
+  return LcpProblem::FromFactors(id, part, std::move(inverse_mass), std::move(b), bounds, facts);
 }
 
 }  // namespace lcpbench

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "solvers/lcp/problem.h"
@@ -86,6 +87,9 @@ using Islands = BasicIslands<Index>;
 using RowIslands = BasicIslands<std::int32_t>;
 extern template class BasicIslands<Index>;
 extern template class BasicIslands<std::int32_t>;
+
+/// The movable bodies of a row with at most two, by their place among the bodies that J has columns for; -1 for none.
+std::pair<int, int> BodiesOfRow(const LcpProblem& problem, Index row);
 
 /// The LCP of some rows alone: in the given form, with the bodies that they touch.
 /// @param rows  ascending

@@ -13,12 +13,6 @@ namespace {
 // Entries between two looks at the clock, some 10 us.
 constexpr Index kWorkPerClockRead = 1 << 14;
 
-// Whole cache lines, but no multiple of 4 KiB: walking along a row would then hit one cache set only.
-Index PaddedStride(Index rows) {
-  const Index stride = (rows + 7) / 8 * 8;
-  return stride % 512 == 0 ? stride + 8 : stride;
-}
-
 }  // namespace
 
 void ScaledVectors::Reset(const LcpProblem& problem) {

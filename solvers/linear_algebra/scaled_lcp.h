@@ -34,6 +34,12 @@ inline double ScaleOfLargest(double x) {
   return x > 0 ? PowerOfTwo(std::clamp<std::int64_t>(-Exponent(x), -1022, 1023)) : 1.0;
 }
 
+/// Whole cache lines, but no multiple of 4 KiB: walking along a row would then hit one cache set only.
+inline Eigen::Index PaddedStride(Eigen::Index rows) {
+  const Eigen::Index stride = (rows + 7) / 8 * 8;
+  return stride % 512 == 0 ? stride + 8 : stride;
+}
+
 /// The vectors of an LCP in scaled units, by row of the problem: S A S, S b / t, S^-1 f / t with S = diag(scale) and
 /// t = b_unit, for methods that leave A to an ActiveBlock. Internal to solvers/.
 ///
@@ -114,7 +120,6 @@ struct PermutedLcp {
 
   /// The units of the problem as given.
   double GivenForce(Index p) const { return f[p] * (scale[row[static_cast<size_t>(p)]] / b_scale); }
-  double ScaledForce(Index p, double given) const { return given * b_scale / scale[row[static_cast<size_t>(p)]]; }
   double ScaledW(Index p, double given) const { return given * b_scale * scale[row[static_cast<size_t>(p)]]; }
   /// |w_p| / (sqrt(A_pp) |D^-1/2 b|_2), the share that row p alone would have in rho.
   double ResidualShare(Index p, double w_p) const;

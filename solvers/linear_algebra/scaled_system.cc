@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "solvers/lcp/in_sequence.h"
-#include "solvers/lcp/memory_budget.h"
 
 namespace lcpbench {
 namespace {
@@ -94,27 +93,9 @@ void ScaledSystem::BuildContactSpace() {
   const SparseMatrix upper = scaled_A_.triangularView<Eigen::Upper>();
   const Eigen::Map<const CholmodFactor::ColumnMatrix> lower(n, n, upper.nonZeros(), upper.outerIndexPtr(),
                                                             upper.innerIndexPtr(), upper.valuePtr());
-  if (!InSequence::on() || !factor_.TakeValues(lower)) AnalyzeContactSpace(lower);
-}
-
-// Contacts come and go from problem to problem; the others keep their order while it serves.
-void ScaledSystem::AnalyzeContactSpace(const CholmodFactor::ColumnMatrix& lower) {
-  constexpr auto kDefinite = CholmodFactor::Definiteness::kPositiveDefinite;
-  std::vector<KeptOrder::Name> names;
-  if (InSequence::on()) names = NamesOfRows(*problem_);
-  const Eigen::VectorXi order = kept_.Find(names, lower.outerIndexPtr(), lower.innerIndexPtr());
-  if (order.size() > 0) {
-    ++analyses_;
-    try {
-      factor_.Analyze(kDefinite, lower, order);
-      if (kept_.Serves(factor_.flops())) return;
-    } catch (const MemoryRefusal&) {  // an order anew may need less
-    }
-  }
-  kept_.Clear();
+  if (InSequence::on() && factor_.TakeValues(lower)) return;
   ++analyses_;
-  factor_.Analyze(kDefinite, lower);
-  kept_.Keep(names, factor_.order(), factor_.flops());
+  factor_.Analyze(CholmodFactor::Definiteness::kPositiveDefinite, lower);
 }
 
 void ScaledSystem::BuildBodySpace() {

@@ -8,7 +8,6 @@
 #include "solvers/linear_algebra/body_space.h"
 #include "solvers/linear_algebra/cholmod_factor.h"
 #include "solvers/linear_algebra/islands.h"
-#include "solvers/linear_algebra/kept_order.h"
 #include "solvers/linear_algebra/scaled_lcp.h"
 
 namespace lcpbench {
@@ -58,8 +57,7 @@ class ScaledSystem {
   void Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x);
 
   bool in_body_space() const { return body_space_; }
-  /// Symbolic, of the latest Prepare; 0 where those of the problem before could be kept. In a sequence
-  /// the order is kept for a problem that differs little (BodyGraph, KeptOrder).
+  /// Symbolic, of the latest Prepare; 0 where those of the problem before are kept, as in a sequence of one pattern.
   int analyses() const { return analyses_; }
   double fill() const { return factor().fill(); }
   double flops() const { return factor().flops(); }
@@ -72,7 +70,6 @@ class ScaledSystem {
   const CholmodFactor& factor() const { return body_space_ ? bodies_.factor() : factor_; }
   void ScaleRows();
   void BuildContactSpace();
-  void AnalyzeContactSpace(const CholmodFactor::ColumnMatrix& lower);
   void BuildBodySpace();
   bool ChooseBodySpace(Space space, double contact_entries);
 
@@ -82,7 +79,6 @@ class ScaledSystem {
   Eigen::VectorXd pivots_;  // theta, kOut at idle rows
   SparseMatrix scaled_A_;
   CholmodFactor factor_;  // of contact space
-  KeptOrder kept_;        // for it
   BodySpace bodies_;
   bool body_space_ = false;
   int analyses_ = 0;

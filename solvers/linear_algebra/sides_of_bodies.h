@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "solvers/lcp/problem.h"
+#include "support/array_index.h"
 
 /// Internal to solvers/.
 namespace lcpbench {
@@ -29,8 +30,6 @@ class SidesOfBodies {
   }
 
  private:
-  static std::size_t At(Index i) { return static_cast<std::size_t>(i); }
-
   std::vector<std::int32_t> last_, before_;  // by body its latest side, -1: none; by side the one before on its body
 };
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "support/array_index.h"
+
 // The Fortran interface, which every BLAS and LAPACK has; lengths of character arguments come last.
 extern "C" {
 void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha, const double* a,
@@ -35,8 +37,6 @@ constexpr int kNone = -1;
 // it begins to multiply: measured on the narrow supernodes of piles, three of four products.
 constexpr std::size_t kSmallProduct = 6000;
 constexpr int kSmallTriangle = 8;
-
-std::size_t At(int i) { return static_cast<std::size_t>(i); }
 
 // C = B B_1^T below its diagonal: B has `outer` rows, of which the first `inner` are B_1, and `columns`.
 void MultiplySmall(const double* b, std::size_t stride, int columns, int inner, int outer, double* c) {

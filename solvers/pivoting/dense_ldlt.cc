@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "solvers/lcp/factor_clock.h"
+#include "solvers/linear_algebra/scaled_lcp.h"
 
 namespace lcpbench {
 namespace {
@@ -21,12 +22,6 @@ using ReadLanes = Eigen::Map<const Lanes, Eigen::AlignedMax>;
 constexpr Index kWorkPerClockRead = 1 << 17;
 
 Index FirstLane(Index row) { return row / kLanes * kLanes; }
-
-// Whole cache lines, but no multiple of 4 KiB: walking along a row would then hit one cache set only.
-Index PaddedStride(Index rows) {
-  const Index stride = (rows + 7) / 8 * 8;
-  return stride % 512 == 0 ? stride + 8 : stride;
-}
 
 }  // namespace
 

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "solvers/answers/accepted_ray.h"
 #include "solvers/answers/answer_judge.h"
 #include "solvers/lcp/engine_solver.h"
 
@@ -81,7 +80,6 @@ void PivotBase::Start(const LcpOptions& options) {
   out_of_time_ = false;
   pivots_ = 0;
   pivot_limit_ = options.max_iterations > 0 ? options.max_iterations : kPivotsPerRow * problem_->size() + kExtraPivots;
-  judge_.Start(tolerance_);
 }
 
 bool PivotBase::TimeIsUp(Index work) {
@@ -106,7 +104,7 @@ PermutedLcp::Loaded PivotBase::Load(const PermutedLcp::Guess& guess) {
 
 void PivotBase::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   problem_ = problem;
-  if (pivot_options_.self_check) judge_.SetB(problem);
+  if (pivot_options_.self_check) judge_.Start(problem, options.tolerance, result);
   Start(options);
   End end = End::kNotMet;
   char text[160];
@@ -359,7 +357,7 @@ bool PivotBase::Publish(LcpResult* result) {
     return true;
   }
   GiveForces(&judge_.candidate());
-  return judge_.Publish(result);
+  return judge_.Publish();
 }
 
 void PivotBase::GiveForces(Eigen::VectorXd* f) const {

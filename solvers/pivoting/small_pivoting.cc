@@ -3,13 +3,12 @@
 #include <algorithm>
 
 #include "solvers/pivoting/tableau_rules.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
 
 using Index = Eigen::Index;
-
-size_t At(Index i) { return static_cast<size_t>(i); }
 
 // Of bodies in space.
 constexpr Index kMostColumnsPerBody = 6;

@@ -3,13 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "support/array_index.h"
+
 namespace lcpbench {
-namespace {
-
-std::size_t At(std::int64_t i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 void BodyOrder::Reserve(Index max_rows, Index max_bodies) {
   if (number_.size() < At(max_bodies)) number_.resize(At(max_bodies), -1);
   if (first_.size() >= At(max_rows)) return;

@@ -7,14 +7,9 @@
 
 #include "solvers/linear_algebra/vector_register.h"
 #include "solvers/pivoting/tableau_rules.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
-namespace {
-
-std::size_t At(std::int64_t i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 void ProfileFactor::Profile::Reserve(Index max_rows) {
   for (auto* v : {&first, &last_below}) v->resize(At(max_rows));
   begin.resize(At(max_rows));

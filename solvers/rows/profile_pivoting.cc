@@ -7,11 +7,10 @@
 
 #include "solvers/linear_algebra/vector_register.h"
 #include "solvers/rows/exchange_blocks.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
-
-std::size_t At(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 // Iterations before the first factor, at least, and rounds of pivoting that may pass without fewer violations.
 constexpr Index kFirstIterations = 2;

@@ -3,14 +3,9 @@
 #include <bit>
 
 #include "solvers/lcp/number_range.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
-namespace {
-
-std::size_t At(std::int64_t i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 // Columns that do not ascend or are out of range end it as a third body does: LcpProblem finds the words for them.
 template <Index p>
 bool TwoBodyCopy::TakeRows(const ProblemArrays& arrays) {

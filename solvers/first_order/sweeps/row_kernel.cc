@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "support/array_index.h"
+
 namespace lcpbench {
 namespace {
-
-constexpr size_t At(Index i) { return static_cast<size_t>(i); }
 
 // As many colours as a block has rows always suffice.
 class ColourSet {

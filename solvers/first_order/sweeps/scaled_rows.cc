@@ -6,10 +6,10 @@
 #include <span>
 #include <utility>
 
+#include "support/array_index.h"
+
 namespace lcpbench {
 namespace {
-
-size_t At(Index i) { return static_cast<size_t>(i); }
 
 void Grow(Index size, Array* array) {
   if (array->size() < size) array->resize(size);

@@ -1,4 +1,5 @@
 #include "solvers/linear_algebra/supernodal_factor.h"
+#include "support/array_index.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +11,6 @@
 
 namespace lcpbench {
 namespace {
-
-std::size_t At(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
 // What CHOLMOD's analysis would say of a dense picture of A: the pattern of L by elimination, columns of like structure
 // together.
