@@ -40,8 +40,7 @@ std::uintmax_t ReadJsonLines(const std::string& path, const std::string& expecte
     } catch (const InputError& error) {
       // The most characters of a line that are shown, to fit a terminal.
       constexpr std::size_t kLongest = 200;
-      const std::string found = Printable(error.what());
-      throw InputError(where + ": expected " + expected + ", found " + found.substr(0, kLongest));
+      throw InputError(where + ": expected " + expected + ", found " + Excerpt(error.what(), kLongest));
     }
     bytes += line.size() + 1;
   }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "support/input_error.h"
+#include "support/printable.h"
 
 namespace lcpbench {
 
@@ -18,12 +19,10 @@ const Json& Missing() {
   return missing;
 }
 
-// A string of the document's author, printed in one line of ASCII and cut off where it is long.
-std::string Excerpt(const Json& value) {
-  constexpr size_t kLongest = 60;
-  std::string text = value.dump(-1, ' ', /*ensure_ascii=*/true);
-  if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
-  return text;
+// The document author's text as JSON writes it, in one line of ASCII and cut off where it is long.
+std::string Ascii(const Json& value) {
+  constexpr std::size_t kLongest = 60;
+  return Excerpt(value.dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace), kLongest);
 }
 
 // Builds the document while the parser reads it, so that errors can name the place and nothing is looked at twice.
@@ -109,18 +108,10 @@ Json ParseFollowed(std::string_view text, const std::string& where) {
 }
 
 // The library's words from the line number on; they may quote a token of any length.
-std::string SyntaxError(const std::string& what) {
+std::string SyntaxError(std::string_view what) {
   constexpr std::size_t kLongest = 200;
   const auto begin = what.find("line ");
-  std::string text = begin == std::string::npos ? what : what.substr(begin);
-  if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
-  for (char& c : text) {
-    constexpr unsigned char kFirstPrintable = 0x20;
-    constexpr unsigned char kLastPrintable = 0x7e;
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < kFirstPrintable || byte > kLastPrintable) c = '?';
-  }
-  return text;
+  return Excerpt(begin == std::string_view::npos ? what : what.substr(begin), kLongest);
 }
 
 }  // namespace
@@ -140,7 +131,7 @@ void JsonField::RequireOnlyKeys(std::span<const char* const> known) const {
   for (const char* name : known) names += (names.empty() ? "" : ", ") + std::string(name);
   for (const auto& [key, value] : value_.items()) {
     if (std::find(known.begin(), known.end(), key) == known.end()) {
-      Fail("unknown key " + Excerpt(key) + ", expected one of " + names);
+      Fail("unknown key " + Ascii(key) + ", expected one of " + names);
     }
   }
 }
@@ -223,20 +214,19 @@ void JsonField::Mismatch(const std::string& expected) const {
   // A nested value is only named: printing it could be long, and as deep as its author liked.
   const std::string found = value_.is_structured()
                                 ? std::string("an ") + value_.type_name() + " of " + std::to_string(value_.size())
-                                : Excerpt(value_);
+                                : Ascii(value_);
   throw InputError(where_ + ": " + Path() + ": expected " + expected + ", found " + found);
 }
 
 void JsonField::Fail(const std::string& problem) const { throw InputError(where_ + ": " + Path() + ": " + problem); }
 
 std::string PointerToken(std::string_view key) {
-  constexpr size_t kLongest = 60;
+  constexpr std::size_t kLongest = 60;
   // Printed as a JSON string without its quotes.
   const std::string text = Json(key).dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace);
   std::string token;
   for (const char c : text.substr(1, text.size() - 2)) token += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
-  if (token.size() > kLongest) token = token.substr(0, kLongest) + "...";
-  return token;
+  return Excerpt(token, kLongest);
 }
 
 Json ParseJsonDocument(std::string_view text, const std::string& where) {

@@ -1,7 +1,6 @@
 #include "support/printable.h"
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 
 namespace lcpbench {
@@ -52,6 +51,10 @@ std::string Printable(std::string_view text) {
     text.remove_prefix(bytes);
   }
   return shown;
+}
+
+std::string Excerpt(std::string_view text, std::size_t longest) {
+  return Printable(text.substr(0, longest)) + (text.size() > longest ? "..." : "");
 }
 
 }  // namespace lcpbench

@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cerrno>
 #include <climits>
 #include <cmath>
@@ -70,21 +69,11 @@ std::array<int, 2> SocketPair() {
   return ends;
 }
 
-// The leaders of the groups there are, for a handler of signals; 0 for a free place. Beyond so many, a group is not
-// known to the handler.
-constexpr std::size_t kMostGroups = 256;
-std::array<std::atomic<pid_t>, kMostGroups> groups;
-static_assert(std::atomic<pid_t>::is_always_lock_free);
-
-void Replace(pid_t before, pid_t after) {
-  for (std::atomic<pid_t>& group : groups) {
-    pid_t expected = before;
-    if (group.compare_exchange_strong(expected, after)) return;
-  }
-}
+constexpr std::size_t kMostGroups = 256;  // beyond so many, the guard does not know a group
 
 // A process that is told of the groups, > 0 where one begins and < 0 where it ends, and kills those that are left when
-// this process is gone: also by SIGKILL, which has no handler.
+// this process is gone, however it ended: also by SIGKILL, or the keys of a terminal, which reach its foreground group
+// only.
 [[noreturn]] void StandGuard(int socket) {
   sigset_t all;
   sigfillset(&all);
@@ -110,7 +99,7 @@ void Replace(pid_t before, pid_t after) {
 
 int guard = -1;  // the socket to it
 
-// The guard starts with the first group. Where the system has no process for it, signals with handlers have to do.
+// The guard starts with the first group. Where the system has no process for it, PR_SET_PDEATHSIG has to do.
 void TellGuard(pid_t told) {
   static std::mutex mutex;
   const std::lock_guard lock(mutex);
@@ -124,13 +113,6 @@ void TellGuard(pid_t told) {
     guard = ends[1];
   }
   send(guard, &told, sizeof told, MSG_NOSIGNAL);
-}
-
-extern "C" void EndWithGroups(int signal) {
-  for (const std::atomic<pid_t>& group : groups) {
-    if (const pid_t leader = group.load(); leader > 0) kill(-leader, SIGKILL);
-  }
-  raise(signal);  // SA_RESETHAND: as if there were no handler
 }
 
 // In the child of vfork, which has the memory of its parent, but handlers of signals of its own.
@@ -173,17 +155,6 @@ int Become(const SubprocessOptions& options, char** arguments, int socket, pid_t
 
 }  // namespace
 
-void EndSubprocessesOnSignals() {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    struct sigaction action = {};
-    if (sigaction(signal, nullptr, &action) != 0 || action.sa_handler != SIG_DFL) continue;
-    action.sa_handler = &EndWithGroups;
-    sigemptyset(&action.sa_mask);
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
-    sigaction(signal, &action, nullptr);
-  }
-}
-
 Transfer WriteAll(int fd, const void* data, std::size_t size, double until) {
   return MoveAll(fd, POLLOUT, static_cast<const char*>(data), size, until, WriteSome);
 }
@@ -219,10 +190,7 @@ Subprocess::Subprocess(const SubprocessOptions& options) {
     _exit(1);
   }
   if (pid_ < 0) error = errno;
-  if (pid_ > 0 && error == 0) {
-    Replace(0, pid_);
-    TellGuard(pid_);
-  }
+  if (pid_ > 0 && error == 0) TellGuard(pid_);
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
   close(ends[1]);
   if (error != 0) {
@@ -244,7 +212,6 @@ Subprocess::Subprocess(const std::function<void(int socket)>& body) {
   pid_ = fork();
   if (pid_ == 0) {
     setpgid(0, 0);
-    for (std::atomic<pid_t>& group : groups) group.store(0);  // none is its own
     close(std::exchange(guard, -1));
     close(ends[0]);
     body(ends[1]);
@@ -254,7 +221,6 @@ Subprocess::Subprocess(const std::function<void(int socket)>& body) {
   close(ends[1]);
   if (pid_ > 0) {
     setpgid(pid_, pid_);  // here too: whoever comes first
-    Replace(0, pid_);
     TellGuard(pid_);
   }
   if (pid_ < 0) {
@@ -302,7 +268,6 @@ int Subprocess::WaitOrKill(double limit_s) {
   kill(-pid_, SIGKILL);
   while (waitpid(pid_, &status_, 0) < 0 && errno == EINTR) {
   }
-  Replace(pid_, 0);
   TellGuard(-pid_);
   pid_ = -1;
   return status_;

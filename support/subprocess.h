@@ -67,10 +67,6 @@ class Subprocess {
   std::string buffer_;
 };
 
-/// From now on SIGINT, SIGTERM and SIGHUP kill the groups of all children before they end this process as ever: keys of
-/// a terminal reach its foreground group only. Where such a signal is ignored or has a handler, that stays.
-void EndSubprocessesOnSignals();
-
 /// "was killed by signal 11 (Segmentation fault)" or "ended with exit status 3", of a status as WaitOrKill gives it.
 std::string DescribeEnd(int status);
 

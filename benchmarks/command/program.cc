@@ -14,7 +14,6 @@
 #include "support/input_error.h"
 #include "support/output_error.h"
 #include "support/printable.h"
-#include "support/subprocess.h"
 #include "support/text_file.h"
 
 namespace lcpbench {
@@ -27,7 +26,6 @@ int RunProgram(const std::string& name, const std::function<int()>& run) {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of a file's size is reported as a full disk is
   try {
     const CheckedStandardOutput checked;
-    EndSubprocessesOnSignals();
     const int status = run();
     std::cout << std::flush;
     return status;

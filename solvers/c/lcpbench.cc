@@ -341,13 +341,13 @@ void Judge(const LcpProblem& problem, const LcpResult& result, double tolerance,
   if (w != nullptr) std::copy(m.w.begin(), m.w.end(), w);
 }
 
-// Writes one thing of a result.
-template <typename Value, typename Get>
-lcpbench_error Tell(const char* function, const lcpbench_result* result, Value* value, const char* name, Get get) {
+// Writes one thing of an object.
+template <typename Object, typename Value, typename Get>
+lcpbench_error Tell(const char* function, const Object* object, Value* value, const char* name, Get get) {
   return Guard(function, [&] {
-    Require(result);
+    Require(object);
     RequireOutput(value, name);
-    *value = get(result->result);
+    *value = get(*object);
   });
 }
 
@@ -415,14 +415,11 @@ lcpbench_step_rows StepRowsDefaults() {
   return defaults;
 }
 
-// Whether the arrays are there, and kinds; the numbers in them are the step solver's to check.
+// What only this interface knows of; the arrays are the step solver's to check.
 StepRows ReadStepRows(const lcpbench_step_rows* given) {
   RequireNotNull(given, "rows", "the arrays of a step");
   const lcpbench_step_rows read =
       CopyIn(given, StepRowsDefaults(), kFirstStepRows, "rows", "lcpbench_step_rows (call lcpbench_step_rows_init)");
-  if (read.columns_per_body != 3 && read.columns_per_body != 6) {
-    Refuse("rows.columns_per_body", read.columns_per_body, "3 (bodies in the plane) or 6 (in space)");
-  }
   RequireSize(read.rows, "rows.rows");
   RequireSize(read.bodies, "rows.bodies");
   if (read.reserved != 0) Refuse("rows.reserved", read.reserved, "0");
@@ -431,13 +428,9 @@ StepRows ReadStepRows(const lcpbench_step_rows* given) {
   rows.rows = read.rows;
   rows.bodies = read.bodies;
   if (read.rows == 0) return rows;
-  RequireNotNull(read.body, "rows.body", "two numbers a row");
-  RequireNotNull(read.b, "rows.b", "a number a row");
   if (read.J != nullptr && read.J_single != nullptr) {
     throw InputError("rows.J and rows.J_single are both given, expected one of them");
   }
-  if (read.J_single == nullptr) RequireNotNull(read.J, "rows.J", "numbers, or rows.J_single in its place");
-  if (read.bodies > 0) RequireNotNull(read.inverse_mass, "rows.inverse_mass", "numbers of each body");
   RequireKinds(read.kinds, read.rows, "rows.kinds");
   rows.body = read.body;
   rows.J = read.J;
@@ -502,11 +495,7 @@ lcpbench_error lcpbench_problem_from_body_factors(int64_t n, int64_t columns, in
 }
 
 lcpbench_error lcpbench_problem_size(const lcpbench_problem* problem, int64_t* n) {
-  return Guard(__func__, [&] {
-    Require(problem);
-    RequireOutput(n, "n");
-    *n = problem->problem.size();
-  });
+  return Tell(__func__, problem, n, "n", [](const lcpbench_problem& of) { return of.problem.size(); });
 }
 
 void lcpbench_problem_free(lcpbench_problem* problem) { delete problem; }
@@ -520,15 +509,16 @@ lcpbench_error lcpbench_result_create(lcpbench_result** result) {
 
 lcpbench_error lcpbench_result_status(const lcpbench_result* result, lcpbench_status* status) {
   return Tell(__func__, result, status, "status",
-              [](const LcpResult& of) { return static_cast<lcpbench_status>(of.status); });
+              [](const lcpbench_result& of) { return static_cast<lcpbench_status>(of.result.status); });
 }
 
 lcpbench_error lcpbench_result_iterations(const lcpbench_result* result, int64_t* iterations) {
-  return Tell(__func__, result, iterations, "iterations", [](const LcpResult& of) { return of.iterations; });
+  return Tell(__func__, result, iterations, "iterations",
+              [](const lcpbench_result& of) { return of.result.iterations; });
 }
 
 lcpbench_error lcpbench_result_detail(const lcpbench_result* result, const char** detail) {
-  return Tell(__func__, result, detail, "detail", [](const LcpResult& of) { return of.detail.c_str(); });
+  return Tell(__func__, result, detail, "detail", [](const lcpbench_result& of) { return of.result.detail.c_str(); });
 }
 
 lcpbench_error lcpbench_result_f(const lcpbench_result* result, const double** f, int64_t* n) {
@@ -756,11 +746,7 @@ lcpbench_error lcpbench_step_solve_batch(lcpbench_step* step, const lcpbench_ste
 }
 
 lcpbench_error lcpbench_step_fallbacks(const lcpbench_step* step, int64_t* fallbacks) {
-  return Guard(__func__, [&] {
-    Require(step);
-    RequireOutput(fallbacks, "fallbacks");
-    *fallbacks = step->solver.fallbacks();
-  });
+  return Tell(__func__, step, fallbacks, "fallbacks", [](const lcpbench_step& of) { return of.solver.fallbacks(); });
 }
 
 void lcpbench_step_free(lcpbench_step* step) { delete step; }

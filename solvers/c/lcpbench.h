@@ -125,10 +125,7 @@ LCPBENCH_API lcpbench_error lcpbench_problem_from_dense(int64_t n, const double*
 /// @param indices  `entries` numbers in [0, n), none twice in one column (or row)
 /// @param values   `entries` numbers, finite
 /// @param entries  stored entries, 0 <= entries < 2^31
-/// @param b        n numbers, finite
-/// @param kinds    as in lcpbench_problem_from_dense
-/// @param facts    as in lcpbench_problem_from_dense
-/// @param problem  the new problem, to be freed by lcpbench_problem_free
+/// @param b,kinds,facts,problem  as in lcpbench_problem_from_dense
 LCPBENCH_API lcpbench_error lcpbench_problem_from_sparse(int64_t n, lcpbench_layout layout, const int32_t* starts,
                                                          const int32_t* indices, const double* values, int64_t entries,
                                                          const double* b, const uint8_t* kinds, uint32_t facts,
@@ -157,20 +154,11 @@ LCPBENCH_API lcpbench_error lcpbench_problem_from_factors(int64_t n, int64_t col
                                                           const uint8_t* kinds, lcpbench_problem** problem);
 
 /// As lcpbench_problem_from_factors, for bodies in the plane or in space.  O(n + columns + entries).
-/// @param n                 rows of J, 0 <= n < 2^31
-/// @param columns           columns of J, 0 <= columns < 2^31
+/// @param n,columns         as in lcpbench_problem_from_factors
 /// @param columns_per_body  3: bodies in the plane, as in lcpbench_problem_from_factors; 6: in space, body k has the
 ///                          columns 6k to 6k + 2 (its translations) and 6k + 3 to 6k + 5 (its rotations about its
 ///                          principal axes, so that M^-1 is diagonal)
-/// @param layout            as in lcpbench_problem_from_factors, and so are the arguments below
-/// @param starts            columns + 1 numbers (or n + 1)
-/// @param indices           `entries` numbers
-/// @param values            `entries` numbers
-/// @param entries           stored entries of J
-/// @param inverse_mass      `columns` numbers
-/// @param b                 n numbers
-/// @param kinds             n bytes; NULL: every row is unilateral
-/// @param problem           the new problem, to be freed by lcpbench_problem_free
+/// @param layout,starts,indices,values,entries,inverse_mass,b,kinds,problem  as in lcpbench_problem_from_factors
 LCPBENCH_API lcpbench_error lcpbench_problem_from_body_factors(int64_t n, int64_t columns, int32_t columns_per_body,
                                                                lcpbench_layout layout, const int32_t* starts,
                                                                const int32_t* indices, const double* values,
@@ -230,8 +218,7 @@ LCPBENCH_API lcpbench_error lcpbench_solver_create(const char* key, const lcpben
 /// so that it is no part of the solve. lcpbench_solve does it where the caller did not. A second call with the same
 /// problem costs nothing. LCPBENCH_OUT_OF_MEMORY where a method would need more memory than there is; a problem that
 /// the solver does not take is left to lcpbench_solve, whose status says so.
-/// @param solver   not NULL
-/// @param problem  not NULL
+/// @param solver,problem  not NULL
 LCPBENCH_API lcpbench_error lcpbench_solver_prepare(lcpbench_solver* solver, const lcpbench_problem* problem);
 
 /// Frees a solver, and ends its worker process where it has one.
@@ -255,8 +242,7 @@ LCPBENCH_API lcpbench_error lcpbench_solve_options_init(lcpbench_solve_options* 
 
 /// Solves. A solve that fails is LCPBENCH_OK with a status that says so. Nothing carries over from one solve to the
 /// next but workspace: repeated solves of one problem with the same options give the same bits.
-/// @param solver   not NULL
-/// @param problem  not NULL
+/// @param solver,problem  not NULL
 /// @param options  NULL: the defaults
 /// @param result   not NULL; replaced as a whole, or left as it was where an argument is refused
 LCPBENCH_API lcpbench_error lcpbench_solve(lcpbench_solver* solver, const lcpbench_problem* problem,
@@ -381,9 +367,8 @@ typedef struct lcpbench_step_answer {
 LCPBENCH_API lcpbench_error lcpbench_step_create(const lcpbench_step_options* options, lcpbench_step** step);
 
 /// Workspace for steps of that size. Larger ones are welcome, and allocate once by themselves.
-/// @param step        not NULL
-/// @param max_rows    0 <= max_rows < 2^31
-/// @param max_bodies  0 <= max_bodies < 2^31
+/// @param step                 not NULL
+/// @param max_rows,max_bodies  in [0, 2^31)
 LCPBENCH_API lcpbench_error lcpbench_step_reserve(lcpbench_step* step, int64_t max_rows, int64_t max_bodies);
 
 /// Solves. A solve that fails is LCPBENCH_OK with a status that says so.

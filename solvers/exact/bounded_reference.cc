@@ -16,12 +16,6 @@
 namespace lcpbench {
 namespace {
 
-// What FindVertex finds.
-struct Vertex {
-  std::vector<Index> basis;   // G, ascending: the active rows
-  std::vector<BigInteger> f;  // by the digits of DyadicScale
-};
-
 // Gaps are decided upon at this part of the loads: doubles round at 2^-53 of terms that may be 10^6 times larger.
 constexpr long kDecidingBits = 120;
 // Parts of the largest entry of a ray that are taken for rounding.
@@ -36,15 +30,25 @@ constexpr double kProximal = 0x1p-30;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// One FindVertex.
+// Where rows depend on others to the rounding of doubles, the problem as its doubles say it still tells which of them
+// are active: at the last digits of b, forces being moved along each other by any amount. This finds out, by pivots as
+// of the primal simplex method.
+//
+// Dependent rows are first brought to f = 0, each by the ray of forces that leaves the gaps of a basis G of
+// independent rows alone, up to the first force of G that becomes 0, whose place it takes. Then, with gaps in
+// integers, the row of the most negative gap enters G in the same way, until there is none.
+//
+// O(fill) of a sparse factor a pivot, some hundred pivots per hundred dependent rows
 class VertexSearch {
  public:
   VertexSearch(const LcpProblem& problem, const DyadicLcp& lcp, const DyadicScale& scale, const Deadline& deadline)
       : problem_(problem), lcp_(lcp), scale_(scale), deadline_(deadline) {}
 
-  // False where it comes to no end.
+  // False where pivoting does not end, or where the problem may have no solution.
+  // @param f  forces >= 0 with small gaps on all rows with f > 0
   bool Run(const std::vector<Index>& independent, const std::vector<Index>& dependent, std::vector<BigInteger> f) {
-    vertex_ = {independent, std::move(f)};
+    basis_ = independent;
+    f_ = std::move(f);
     Factorize();
     for (const Index k : dependent) {
       if (problem_.is_bilateral(k) || force(k) == 0) continue;
@@ -52,7 +56,7 @@ class VertexSearch {
     }
     const int most = pivots_ + kMostPivotsPerRow * static_cast<int>(dependent.size() + 1);
     while (pivots_ < most && !deadline_.Expired()) {
-      RefineForces(problem_, lcp_, scale_, *factor_, {}, kDecidingBits, deadline_, &vertex_.f, &w_);
+      RefineForces(problem_, lcp_, scale_, *factor_, {}, kDecidingBits, deadline_, &f_, &w_);
       if (DropNegative()) continue;
       const Index k = MostNegativeGap();
       if (k < 0) return true;
@@ -61,7 +65,10 @@ class VertexSearch {
     return false;
   }
 
-  Vertex& vertex() { return vertex_; }
+  // G, ascending: the active rows.
+  const std::vector<Index>& basis() const { return basis_; }
+  // By the digits of DyadicScale.
+  const std::vector<BigInteger>& f() const { return f_; }
   int pivots() const { return pivots_; }
 
  private:
@@ -70,34 +77,32 @@ class VertexSearch {
     double stiffness;   // A_kk - A_kG d, as a part of A_kk
   };
 
-  BigInteger& force(Index i) { return vertex_.f[At(i)]; }
+  BigInteger& force(Index i) { return f_[At(i)]; }
   double ForceOf(Index i) { return ToDouble(force(i), scale_.force_bits); }
   BigInteger Digits(double value) const { return Scaled(value, scale_.force_bits); }
-  std::vector<Index>::iterator PlaceOf(Index i) {
-    return std::lower_bound(vertex_.basis.begin(), vertex_.basis.end(), i);
-  }
-  bool IsInBasis(Index i) { return std::binary_search(vertex_.basis.begin(), vertex_.basis.end(), i); }
+  std::vector<Index>::iterator PlaceOf(Index i) { return std::lower_bound(basis_.begin(), basis_.end(), i); }
+  bool IsInBasis(Index i) { return std::binary_search(basis_.begin(), basis_.end(), i); }
 
   // Factorizes a basis that is exactly singular, with the proximal part.
   void Factorize() {
-    factor_.emplace(problem_, vertex_.basis, 0.0);
-    if (!factor_->IsFactorized()) factor_.emplace(problem_, vertex_.basis, kProximal);
+    factor_.emplace(problem_, basis_, 0.0);
+    if (!factor_->IsFactorized()) factor_.emplace(problem_, basis_, kProximal);
   }
   void Leave(Index i) {
-    vertex_.basis.erase(PlaceOf(i));
+    basis_.erase(PlaceOf(i));
     force(i) = 0;
   }
   void Replace(Index leaving, Index entering) {
     if (leaving >= 0) Leave(leaving);
-    vertex_.basis.insert(PlaceOf(entering), entering);
+    basis_.insert(PlaceOf(entering), entering);
     ++pivots_;
     Factorize();
   }
 
   Ray FindRay(Index k) {
-    Eigen::VectorXd column = Eigen::VectorXd::Zero(static_cast<Index>(vertex_.basis.size()));
+    Eigen::VectorXd column = Eigen::VectorXd::Zero(static_cast<Index>(basis_.size()));
     for (SparseMatrix::InnerIterator it(problem_.SparseA(), k); it; ++it) {
-      if (IsInBasis(it.col())) column[PlaceOf(it.col()) - vertex_.basis.begin()] = it.value();
+      if (IsInBasis(it.col())) column[PlaceOf(it.col()) - basis_.begin()] = it.value();
     }
     Ray ray{factor_->Solve(column), 0};
     const double diagonal = problem_.DiagonalA()[k];
@@ -109,7 +114,7 @@ class VertexSearch {
   Index Bound(const Eigen::VectorXd& d, double* t) {
     double largest = 0;
     for (Index k = 0; k < d.size(); ++k) {
-      largest = std::max(largest, std::abs(d[k]) * RootOfDiagonal(problem_, vertex_.basis[At(k)]));
+      largest = std::max(largest, std::abs(d[k]) * RootOfDiagonal(problem_, basis_[At(k)]));
     }
     Index found = -1;
     double pivot = 0;
@@ -117,7 +122,7 @@ class VertexSearch {
     for (const bool ties : {false, true}) {
       const double least = *t;
       for (Index k = 0; k < d.size(); ++k) {
-        const Index i = vertex_.basis[At(k)];
+        const Index i = basis_[At(k)];
         const double scaled = -d[k] * RootOfDiagonal(problem_, i);
         if (problem_.is_bilateral(i) || scaled <= kPivotTolerance * largest) continue;
         const double bound = std::max(0.0, ForceOf(i)) / -d[k];
@@ -134,7 +139,7 @@ class VertexSearch {
   }
 
   void Move(const Eigen::VectorXd& d, double t) {
-    for (Index k = 0; k < d.size(); ++k) force(vertex_.basis[At(k)]) += Digits(t * d[k]);
+    for (Index k = 0; k < d.size(); ++k) force(basis_[At(k)]) += Digits(t * d[k]);
   }
 
   bool BringToZero(Index k) {
@@ -174,7 +179,7 @@ class VertexSearch {
   // Forces that rounding has taken below 0.
   bool DropNegative() {
     std::vector<Index> negative;
-    for (const Index i : vertex_.basis) {
+    for (const Index i : basis_) {
       if (!problem_.is_bilateral(i) && force(i) < 0) negative.push_back(i);
     }
     if (negative.empty()) return false;
@@ -202,32 +207,12 @@ class VertexSearch {
   const DyadicLcp& lcp_;
   const DyadicScale& scale_;
   const Deadline& deadline_;
-  Vertex vertex_;
+  std::vector<Index> basis_;
+  std::vector<BigInteger> f_;
   std::optional<ProximalFactor> factor_;
   std::vector<BigInteger> w_;
   int pivots_ = 0;
 };
-
-// Where rows depend on others to the rounding of doubles, the problem as its doubles say it still tells which of them
-// are active: at the last digits of b, forces being moved along each other by any amount. This finds out, by pivots as
-// of the primal simplex method.
-//
-// Dependent rows are first brought to f = 0, each by the ray of forces that leaves the gaps of a basis G of
-// independent rows alone, up to the first force of G that becomes 0, whose place it takes. Then, with gaps in
-// integers, the row of the most negative gap enters G in the same way, until there is none.
-// @param f       forces >= 0 with small gaps on all rows with f > 0
-// @param pivots  how many were made
-// @return nothing where pivoting does not end, or where the problem may have no solution
-// O(fill) of a sparse factor a pivot, some hundred pivots per hundred dependent rows
-std::optional<Vertex> FindVertex(const LcpProblem& problem, const DyadicLcp& lcp, const DyadicScale& scale,
-                                 const std::vector<Index>& independent, const std::vector<Index>& dependent,
-                                 std::vector<BigInteger> f, const Deadline& deadline, int* pivots) {
-  VertexSearch search(problem, lcp, scale, deadline);
-  const bool found = search.Run(independent, dependent, std::move(f));
-  *pivots = search.pivots();
-  if (!found) return std::nullopt;
-  return std::move(search.vertex());
-}
 
 // Bits of forces beyond |D^-1/2 b|_inf / max D^1/2, the size of a force that moves anything.
 constexpr long kForceBits = 200;
@@ -397,12 +382,13 @@ class Refinement {
   bool TakeVertex(const IndependentBlock& factor) {
     const Index dependent = Count(factor.dependent());
     if (dependent == 0 || dependent > most_dependent_rows_) return false;
-    std::optional<Vertex> vertex =
-        FindVertex(problem_, lcp_, scale_, factor.independent(), factor.dependent(), f_, deadline_, &reference_.pivots);
-    if (!vertex.has_value()) return false;
-    f_ = std::move(vertex->f);
+    VertexSearch search(problem_, lcp_, scale_, deadline_);
+    const bool found = search.Run(factor.independent(), factor.dependent(), f_);
+    reference_.pivots = search.pivots();
+    if (!found) return false;
+    f_ = search.f();
     active_.assign(At(size()), 0);
-    for (const Index i : vertex->basis) active_[At(i)] = 1;
+    for (const Index i : search.basis()) active_[At(i)] = 1;
     return true;
   }
 

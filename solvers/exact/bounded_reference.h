@@ -52,7 +52,7 @@ struct BoundedReference {
   Index dependent = 0;  ///< of these, those that doubles take to depend on the others
   int exchanges = 0;    ///< active sets tried
   int refinements = 0;  ///< solves with the factor
-  int pivots = 0;       ///< of FindVertex, among dependent rows
+  int pivots = 0;       ///< among dependent rows
   std::string detail;   ///< why the proof is no better
 };
 const char* ToString(BoundedReference::Proof proof);

@@ -4,51 +4,32 @@
 #include <cstdint>
 #include <utility>
 
+#include "solvers/exact/flint_matrix.h"
+
 namespace lcpbench {
 namespace {
 
 using Row = std::vector<Rational>;
 
-// Row i of A.
-Row RowOf(const LcpProblem& problem, Index i) {
-  Row row(At(problem.size()));
-  if (problem.given_form() == MatrixForm::kDense) {
-    for (Index j = 0; j < problem.size(); ++j) row[At(j)] = problem.DenseA()(i, j);
-    return row;
-  }
-  for (SparseMatrix::InnerIterator it(problem.SparseA(), i); it; ++it) row[At(it.col())] = it.value();
-  return row;
-}
-
 // x of A_FF x = -b_F; nothing where A_FF is singular.
 std::optional<Row> SolveActive(const std::vector<Row>& A, const Eigen::VectorXd& b, const std::vector<Index>& active) {
-  const size_t m = active.size();
-  std::vector<Row> system(m, Row(m + 1));
-  for (size_t i = 0; i < m; ++i) {
-    for (size_t j = 0; j < m; ++j) system[i][j] = A[At(active[i])][At(active[j])];
-    system[i][m] = -Rational(b[active[i]]);
+  const auto m = static_cast<Index>(active.size());
+  RationalMatrix block(m, m), right(m, 1), x(m, 1);
+  for (Index i = 0; i < m; ++i) {
+    for (Index j = 0; j < m; ++j) Assign(block.at(i, j), A[At(active[At(i)])][At(active[At(j)])]);
+    Assign(right.at(i, 0), -Rational(b[active[At(i)]]));
   }
-  for (size_t k = 0; k < m; ++k) {
-    size_t pivot = k;
-    while (pivot < m && system[pivot][k] == 0) ++pivot;
-    if (pivot == m) return std::nullopt;
-    std::swap(system[k], system[pivot]);
-    for (size_t i = 0; i < m; ++i) {
-      if (i == k || system[i][k] == 0) continue;
-      const Rational factor = system[i][k] / system[k][k];
-      for (size_t j = k; j <= m; ++j) system[i][j] -= factor * system[k][j];
-    }
-  }
-  Row x(m);
-  for (size_t k = 0; k < m; ++k) x[k] = system[k][m] / system[k][k];
-  return x;
+  if (m > 0 && fmpq_mat_solve(x.get(), block.get(), right.get()) == 0) return std::nullopt;
+  Row values;
+  for (Index i = 0; i < m; ++i) values.push_back(ToRational(x.at(i, 0)));
+  return values;
 }
 
 // One SolveByEnumeration.
 class Enumeration {
  public:
   explicit Enumeration(const LcpProblem& problem) : problem_(problem) {
-    for (Index i = 0; i < problem.size(); ++i) A_.push_back(RowOf(problem, i));
+    for (const auto& row : problem.DenseA().rowwise()) A_.emplace_back(row.begin(), row.end());
   }
 
   void Try(const std::vector<Index>& active) {
@@ -112,17 +93,11 @@ class Enumeration {
 
 std::optional<std::vector<Rational>> GapsOfAnswer(const LcpProblem& problem, const std::vector<Rational>& f) {
   std::vector<Rational> w(At(problem.size()));
-  const bool is_dense = problem.given_form() == MatrixForm::kDense;
   for (Index i = 0; i < problem.size(); ++i) {
     Rational& gap = w[At(i)];
     gap = problem.b()[i];
-    const auto add = [&](Index j, double value) {
-      if (f[At(j)] != 0) gap += Rational(value) * f[At(j)];
-    };
-    if (is_dense) {
-      for (Index j = 0; j < problem.size(); ++j) add(j, problem.DenseA()(i, j));
-    } else {
-      for (SparseMatrix::InnerIterator it(problem.SparseA(), i); it; ++it) add(it.col(), it.value());
+    for (SparseMatrix::InnerIterator it(problem.SparseA(), i); it; ++it) {
+      if (f[At(it.col())] != 0) gap += Rational(it.value()) * f[At(it.col())];
     }
     const bool solves = problem.is_bilateral(i) ? gap == 0 : gap >= 0 && f[At(i)] >= 0 && (gap == 0 || f[At(i)] == 0);
     if (!solves) return std::nullopt;

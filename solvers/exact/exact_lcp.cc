@@ -329,16 +329,15 @@ class ExactSolve {
     for (Index i = 0; i < n; ++i) {
       if (answer_.w[At(i)] == 0) active.push_back(i);
     }
-    SolutionSet set{Block(A_, active, active), Block(b_, active, {0}), {}, {}, 0};
+    SolutionSet set{Block(A_, active, active), Block(b_, active, {0}), {}, {}};
     for (const Index i : active) {
       set.bilateral.push_back(problem_.bilateral[At(i)]);
       set.f.push_back(answer_.f[At(i)] / force_unit);
     }
     const auto rows = static_cast<Index>(active.size());
-    set.nullity = rows - static_cast<Index>(IndependentRows(set.A, AllRows(rows)).size());
-    answer_.nullity_on_active = set.nullity;
+    answer_.nullity_on_active = rows - static_cast<Index>(IndependentRows(set.A, AllRows(rows)).size());
     std::optional<LeastNorm> least;
-    if (set.nullity == 0) {
+    if (answer_.nullity_on_active == 0) {
       answer_.f_least_norm = answer_.f;
       answer_.f_unique = true;
     } else {
@@ -382,8 +381,7 @@ class ExactSolve {
 // A x in common denominators: sums of rationals would reduce every one of them.
 std::vector<Rational> Product(const ExactLcp& problem, const std::vector<Rational>& x) {
   const BigInteger a = CommonDenominator(problem.A), d = CommonDenominator(x);
-  IntegerMatrix scaled(problem.size, 1);
-  fmpz_mat_mul(scaled.get(), Scaled(problem.A, problem.size, a).get(), Scaled(x, problem.size, d).get());
+  const IntegerMatrix scaled = Product(Scaled(problem.A, problem.size, a), Scaled(x, problem.size, d));
   std::vector<Rational> product;
   for (Index i = 0; i < problem.size; ++i) product.push_back(ToRational(scaled.at(i, 0)) / Rational(a * d));
   return product;

@@ -26,7 +26,6 @@ class ExactPivoting {
   bool TryRay(const std::vector<char>& support);
 
   // f_i = f_numerator / denominator, denominator > 0, and w likewise.
-  const std::vector<Index>& basis() const { return basis_; }
   const IntegerMatrix& f() const { return f_; }
   const IntegerMatrix& w() const { return w_; }
   const Integer& denominator() const { return denominator_; }

@@ -106,6 +106,19 @@ inline std::vector<Index> OtherRows(Index n, const std::vector<Index>& rows) {
   return others;
 }
 
+inline IntegerMatrix Transposed(const IntegerMatrix& A) {
+  IntegerMatrix transposed(A.columns(), A.rows());
+  fmpz_mat_transpose(transposed.get(), A.get());
+  return transposed;
+}
+
+/// A B.
+inline IntegerMatrix Product(const IntegerMatrix& A, const IntegerMatrix& B) {
+  IntegerMatrix product(A.rows(), B.columns());
+  fmpz_mat_mul(product.get(), A.get(), B.get());
+  return product;
+}
+
 /// X = A^-1 B for a nonsingular A. Some word operations for small A, p-adic lifting [Dixon 1982] for larger ones.
 inline RationalMatrix Solve(const IntegerMatrix& A, const IntegerMatrix& B) {
   RationalMatrix X(A.rows(), B.columns());

@@ -49,9 +49,7 @@ IntegerMatrix NullBasis(const IntegerMatrix& A) {
 // N (N^T N)^-1 N^T; false where the columns of N are dependent.
 bool MakeProjector(const IntegerMatrix& N, RationalMatrix* projector) {
   const Index k = N.columns();
-  IntegerMatrix transposed(k, N.rows()), gram(k, k);
-  fmpz_mat_transpose(transposed.get(), N.get());
-  fmpz_mat_mul(gram.get(), transposed.get(), N.get());
+  const IntegerMatrix transposed = Transposed(N), gram = Product(transposed, N);
   if (fmpz_mat_rank(gram.get()) < k) return false;
   RationalMatrix left(N.rows(), k);
   fmpq_mat_set_fmpz_mat(left.get(), N.get());
@@ -127,25 +125,16 @@ std::optional<LeastNorm> FindLeastNorm(const SolutionSet& set, std::vector<char>
       if (set.bilateral[At(i)] != 0 || positive[At(i)] != 0) acting.push_back(i);
     }
     // f = G^T l on the acting rows, G their columns of A: G G^T l = -b, on independent rows of G.
-    IntegerMatrix gram(n, n);
-    {
-      const IntegerMatrix G = Block(set.A, all, acting);
-      IntegerMatrix transposed(G.columns(), G.rows());
-      fmpz_mat_transpose(transposed.get(), G.get());
-      fmpz_mat_mul(gram.get(), G.get(), transposed.get());
-    }
+    const IntegerMatrix G = Block(set.A, all, acting), gram = Product(G, Transposed(G));
     const std::vector<Index> rows = IndependentRows(gram, all);
     IntegerMatrix right = Block(set.b, rows, {0});
     fmpz_mat_neg(right.get(), right.get());
     Integer denominator;
     const IntegerMatrix l = Numerators(Solve(Block(gram, rows, rows), right), &denominator);
-    IntegerMatrix product(n, 1);  // A l, in units of 1 / denominator
-    fmpz_mat_mul(product.get(), Block(set.A, all, rows).get(), l.get());
-
+    const IntegerMatrix product = Product(Block(set.A, all, rows), l);  // A l, in units of 1 / denominator
     IntegerMatrix f(n, 1);
     for (const Index i : acting) fmpz_set(f.at(i, 0), product.at(i, 0));
-    IntegerMatrix gap(n, 1);
-    fmpz_mat_mul(gap.get(), set.A.get(), f.get());
+    IntegerMatrix gap = Product(set.A, f);
     Index unmet = 0;  // rows that these acting ones cannot close
     for (Index i = 0; i < n; ++i) {
       fmpz_addmul(gap.at(i, 0), denominator.get(), set.b.at(i, 0));

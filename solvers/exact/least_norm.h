@@ -15,7 +15,6 @@ struct SolutionSet {
   IntegerMatrix b;  ///< one column
   std::vector<char> bilateral;
   std::vector<Rational> f;  ///< one solution
-  Index nullity = 0;        ///< of A
 };
 
 struct LeastNorm {

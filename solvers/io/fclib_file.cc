@@ -13,6 +13,7 @@
 #include "solvers/io/hdf5_file.h"
 #include "solvers/io/same_bits.h"
 #include "support/input_error.h"
+#include "support/printable.h"
 
 namespace lcpbench {
 namespace {
@@ -147,27 +148,12 @@ std::vector<Entry> EveryNth(const std::vector<Entry>& entries, int row_step, int
   return kept;
 }
 
-// Sorted, one of a place, none 0.
-std::vector<Entry> Summed(std::vector<Entry> entries) {
-  const auto place = [](const Entry& entry) { return std::pair(entry.row(), entry.col()); };
-  std::stable_sort(entries.begin(), entries.end(), [&](const Entry& a, const Entry& b) { return place(a) < place(b); });
-  std::vector<Entry> sums;
-  for (const Entry& entry : entries) {
-    const bool is_new = sums.empty() || place(sums.back()) != place(entry);
-    const double before = is_new ? 0 : sums.back().value();
-    if (!is_new) sums.pop_back();
-    sums.emplace_back(entry.row(), entry.col(), before + entry.value());
-  }
-  std::erase_if(sums, [](const Entry& entry) { return entry.value() == 0; });
+// By place, without those that are 0.
+std::map<std::pair<int, int>, double> Summed(const std::vector<Entry>& entries) {
+  std::map<std::pair<int, int>, double> sums;
+  for (const Entry& entry : entries) sums[{entry.row(), entry.col()}] += entry.value();
+  std::erase_if(sums, [](const auto& sum) { return sum.second == 0; });
   return sums;
-}
-
-bool HaveSameEntries(const std::vector<Entry>& a, const std::vector<Entry>& b) {
-  const auto same = [](const Entry& x, const Entry& y) {
-    return x.row() == y.row() && x.col() == y.col() && x.value() == y.value();
-  };
-  const std::vector<Entry> sums = Summed(a), others = Summed(b);
-  return std::equal(sums.begin(), sums.end(), others.begin(), others.end(), same);
 }
 
 // The matrices of one file. One program wrote it, so that p has the rows, or the columns, of all its triplets.
@@ -201,7 +187,7 @@ class Matrices {
     if (!matrix.is_ambiguous || triplets_ == FclibTriplets::kRowsFirst) return by_rows;
     std::vector<Entry> by_columns = EveryNth(matrix.entries, row_step, column_step, true);
     if (triplets_ == FclibTriplets::kColumnsFirst) return by_columns;
-    if (HaveSameEntries(by_rows, by_columns)) return by_rows;
+    if (Summed(by_rows) == Summed(by_columns)) return by_rows;
     file_.Reject(
         matrix.name,
         "triplets of which one reading is possible, or `lcpbench convert --fclib-triplets rows-first` (as fclib.h "
@@ -499,10 +485,7 @@ FclibProblem ReadFclibProblem(const std::string& path, const FclibOptions& optio
   } catch (const InputError& error) {  // a negative mass, or entries of one place whose sum overflows
     std::string what = error.what();
     if (!what.starts_with(path)) what = path + ": " + what;
-    // An id may be any text, an error is one line.
-    std::replace_if(
-        what.begin(), what.end(), [](char c) { return c >= 0 && c < ' '; }, '?');
-    throw InputError(what);
+    throw InputError(Printable(what));  // an id may be any text
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <hdf5.h>
-#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -13,7 +12,7 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
+#include <limits>
 #include <new>
 #include <optional>
 #include <set>
@@ -21,6 +20,7 @@
 
 #include "support/clock.h"
 #include "support/input_error.h"
+#include "support/printable.h"
 #include "support/subprocess.h"
 #include "support/text_file.h"
 
@@ -64,69 +64,21 @@ struct Refusal {
   std::string message;
 };
 
-// Memory that the child writes and its parent reads: how far it came, where the values of every wanted dataset are, and
-// the values.
-class Report {
- public:
-  struct Place {
-    bool is_there = false;
-    std::uint64_t begin = 0;
-    std::uint64_t size = 0;  // bytes
-  };
-  struct alignas(Place) Outcome {  // the places follow it
-    bool is_complete = false;
-    char refusal[1000] = {};  // a message without the file's name
-  };
-
-  // @throws std::runtime_error where there is no memory
-  Report(std::size_t wanted, std::uint64_t file_size)
-      : file_size_(file_size),
-        first_value_(sizeof(Outcome) + wanted * sizeof(Place)),
-        size_(first_value_ + file_size + wanted * kAlignment),
-        memory_(mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) {
-    if (memory_ == MAP_FAILED) throw std::runtime_error(kTooLarge);
-  }
-  ~Report() { munmap(memory_, size_); }
-  Report(const Report&) = delete;
-  Report& operator=(const Report&) = delete;
-
-  Outcome& outcome() { return *static_cast<Outcome*>(memory_); }
-  Place& place(std::size_t k) { return *reinterpret_cast<Place*>(bytes() + sizeof(Outcome) + k * sizeof(Place)); }
-
-  // Room for the values of a dataset. All together they are no more than the file, or some are there twice.
-  char* Take(std::size_t k, std::uint64_t size, const std::string& path) {
-    if (size > file_size_ - used_)
-      throw Refusal{path + ": expected values that no other dataset shares, found shared ones"};
-    used_ += size;
-    place(k) = {true, end_, size};
-    char* const values = bytes() + first_value_ + end_;
-    end_ += (size + kAlignment - 1) / kAlignment * kAlignment;
-    return values;
-  }
-  // Reads the dataset into `values`; what the child sends is checked.
-  template <typename List>
-  bool Copy(std::size_t k, List* values) {
-    const Place found = place(k);
-    const std::uint64_t room = size_ - first_value_;
-    if (found.size > room || found.begin > room - found.size) return false;
-    values->resize(found.size / sizeof(typename List::value_type));
-    if (values->empty()) return true;
-    std::memcpy(values->data(), bytes() + first_value_ + found.begin,
-                values->size() * sizeof(typename List::value_type));
-    return true;
-  }
-
- private:
-  static constexpr std::uint64_t kAlignment = 8;
-  char* bytes() { return static_cast<char*>(memory_); }
-
-  std::uint64_t file_size_;
-  std::size_t first_value_;
-  std::size_t size_;
-  void* memory_;
-  std::uint64_t used_ = 0;  // by values
-  std::uint64_t end_ = 0;   // of what is taken
+// The child sends one before the values of each wanted dataset that is there, in their order, and a last one, of no
+// dataset, before the message of a refusal or nothing.
+struct Header {
+  std::uint64_t index = 0;  // among the wanted datasets; their number for the last
+  std::uint64_t size = 0;   // bytes that follow
 };
+constexpr std::size_t kLongestRefusal = 1000;
+
+void Send(int socket, Header header, const char* bytes) {
+  constexpr double kForever = std::numeric_limits<double>::infinity();
+  if (WriteAll(socket, &header, sizeof header, kForever) != Transfer::kDone ||
+      WriteAll(socket, bytes, header.size, kForever) != Transfer::kDone) {
+    _exit(1);
+  }
+}
 
 // By the index of Hdf5Dataset's alternatives.
 constexpr const char* kTypeNames[] = {"32-bit integers", "64-bit IEEE numbers", "a text of fixed length"};
@@ -191,7 +143,7 @@ std::uint64_t CountOf(hid_t dataset, std::size_t value_size, std::uint64_t file_
   return count;
 }
 
-// The names of what lies at the top of the file, in one line of ASCII and cut off where it is long.
+// The names of what lies at the top of the file, in one line and cut off where it is long.
 std::string TopNames(hid_t file) {
   constexpr std::size_t kLongest = 300;
   std::string names;
@@ -200,11 +152,8 @@ std::string TopNames(hid_t file) {
     *all += (all->empty() ? "" : ", ") + std::string(name);
     return all->size() > kLongest ? 1 : 0;
   };
-  if (H5Literate(file, H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &names) != 0)
-    names = names.substr(0, kLongest) + "...";
-  std::replace_if(
-      names.begin(), names.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return names.empty() ? "nothing" : names;
+  H5Literate(file, H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &names);
+  return names.empty() ? "nothing" : Excerpt(names, kLongest);
 }
 
 void RequireOneOf(hid_t file, const std::vector<std::string>& groups) {
@@ -216,9 +165,10 @@ void RequireOneOf(hid_t file, const std::vector<std::string>& groups) {
   if (!groups.empty()) throw Refusal{"expected " + expected + ", found " + TopNames(file)};
 }
 
-void ReadDataset(hid_t file, const std::string& path, std::size_t type_index, std::uint64_t file_size, std::size_t k,
-                 Report* report) {
-  if (!Exists(file, path)) return;
+// @param left  bytes of the file that no dataset before has had: all together are no more than it, or some are shared
+std::optional<std::vector<char>> ReadDataset(hid_t file, const std::string& path, std::size_t type_index,
+                                             std::uint64_t file_size, std::uint64_t* left) {
+  if (!Exists(file, path)) return std::nullopt;
   const std::string expected = path + ": expected a dataset of " + kTypeNames[type_index];
   H5O_info_t object{};
   if (H5Oget_info_by_name2(file, path.c_str(), &object, H5O_INFO_BASIC, H5P_DEFAULT) < 0) {
@@ -235,10 +185,14 @@ void ReadDataset(hid_t file, const std::string& path, std::size_t type_index, st
   const std::uint64_t count = CountOf(dataset.id(), value_size, file_size, path);
   if (type_index == kText && count != 1) throw Refusal{expected + ", found " + std::to_string(count) + " texts"};
   const hid_t memory_types[] = {H5T_NATIVE_INT, H5T_NATIVE_DOUBLE, type.id()};
-  char* const values = report->Take(k, count * value_size, path);
-  if (count > 0 && H5Dread(dataset.id(), memory_types[type_index], H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) {
+  const std::uint64_t size = count * value_size;
+  if (size > *left) throw Refusal{path + ": expected values that no other dataset shares, found shared ones"};
+  *left -= size;
+  std::vector<char> values(size);
+  if (count > 0 && H5Dread(dataset.id(), memory_types[type_index], H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
     throw Refusal{expected + ", found values that libhdf5 cannot read"};
   }
+  return values;
 }
 
 void Limit(decltype(RLIMIT_AS) resource, std::uint64_t value) {
@@ -273,29 +227,29 @@ void BecomeHarmless(int socket, std::uint64_t file_size) {
   if (!SanitizerReservesMemory()) Limit(RLIMIT_AS, AddressSpaceInUse() + MemoryLimit(file_size));
 }
 
-// Reads the wanted datasets of a file of `file_size` bytes.
+// Reads and sends the wanted datasets of a file of `file_size` bytes.
 void RunChild(int socket, const std::string& path, const Hdf5Datasets& wanted, const std::vector<std::string>& groups,
-              std::uint64_t file_size, Report* report) {
+              std::uint64_t file_size) {
   BecomeHarmless(socket, file_size);
-  const auto refuse = [&](const std::string& message) {
-    message.copy(report->outcome().refusal, sizeof report->outcome().refusal - 1);
-  };
+  std::string refusal;
   try {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     H5PLset_loading_state(0);
     const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
     if (file < 0) throw Refusal{"expected an HDF5 file that libhdf5 can read, found one that it refuses"};
-    Limit(RLIMIT_NOFILE, 0);
+    Limit(RLIMIT_NOFILE, 1);  // none but standard input, which is open; poll() takes as many descriptors as this
     RequireOneOf(file, groups);
+    std::uint64_t left = file_size;
     for (std::size_t k = 0; k < wanted.size(); ++k) {
-      ReadDataset(file, wanted[k].first, wanted[k].second.index(), file_size, k, report);
+      const auto values = ReadDataset(file, wanted[k].first, wanted[k].second.index(), file_size, &left);
+      if (values) Send(socket, {k, values->size()}, values->data());
     }
-    report->outcome().is_complete = true;
-  } catch (const Refusal& refusal) {
-    refuse(refusal.message);
+  } catch (const Refusal& found) {
+    refusal = found.message.substr(0, kLongestRefusal);
   } catch (const std::bad_alloc&) {
-    refuse(kTooLarge);
+    refusal = kTooLarge;
   }
+  Send(socket, {wanted.size(), refusal.size()}, refusal.data());
   _exit(0);  // closing a malformed file is one more chance to crash
 }
 
@@ -328,31 +282,43 @@ class Silence {
 Hdf5Datasets ReadHdf5(const std::string& path, const Hdf5Datasets& wanted, const std::vector<std::string>& groups) {
   constexpr double kWaitPerTime = 4;  // the machine may have other things to do
   const std::uint64_t file_size = SizeOf(path);
-  std::optional<Report> report;
   std::optional<Subprocess> child;
   try {
-    report.emplace(wanted.size(), file_size);
-    child.emplace([&](int socket) { RunChild(socket, path, wanted, groups, file_size, &*report); });
+    child.emplace([&](int socket) { RunChild(socket, path, wanted, groups, file_size); });
   } catch (const std::runtime_error& error) {
     throw InputError(path + ": " + error.what());
   }
-  // Nothing is sent: the socket is closed where the child ends.
-  char none = 0;
   const double until = SteadyNow() + kWaitPerTime * static_cast<double>(TimeLimit(file_size));
-  const bool has_ended = ReadAll(child->socket(), &none, sizeof none, until) == Transfer::kClosed;
-  const std::string how = has_ended ? DescribeEnd(child->WaitOrKill(1)) : (child->Kill(), "did not end in time");
-  Report::Outcome& outcome = report->outcome();
-  outcome.refusal[sizeof outcome.refusal - 1] = '\0';
-  if (outcome.refusal[0] != '\0') throw InputError(path + ": " + outcome.refusal);
-  bool is_complete = outcome.is_complete;
+  Transfer last = Transfer::kDone;
+  const auto receive = [&](void* to, std::uint64_t size) {
+    last = ReadAll(child->socket(), to, size, until);
+    return last == Transfer::kDone;
+  };
+  // What the child sends is checked, as a file may have taken it over.
   Hdf5Datasets found;
-  for (std::size_t k = 0; k < wanted.size() && is_complete; ++k) {
-    if (!report->place(k).is_there) continue;
-    Hdf5Dataset& values = found.emplace_back(wanted[k]).second;
-    is_complete = std::visit([&](auto& list) { return report->Copy(k, &list); }, values);
+  std::uint64_t left = file_size;
+  std::size_t least = 0;
+  for (Header next; receive(&next, sizeof next) && next.index >= least;) {
+    if (next.index == wanted.size() && next.size <= kLongestRefusal) {
+      std::string refusal(next.size, '\0');
+      if (!receive(refusal.data(), next.size)) break;
+      if (!refusal.empty()) throw InputError(path + ": " + refusal);
+      return found;
+    }
+    if (next.index >= wanted.size() || next.size > left) break;
+    left -= next.size;
+    least = next.index + 1;
+    Hdf5Dataset& values = found.emplace_back(wanted[next.index]).second;
+    const bool is_whole = std::visit(
+        [&](auto& list) {
+          list.resize(next.size / sizeof list[0]);
+          return receive(list.data(), list.size() * sizeof list[0]);
+        },
+        values);
+    if (!is_whole) break;
     if (auto* text = std::get_if<std::string>(&values)) text->resize(std::min(text->size(), text->find('\0')));
   }
-  if (is_complete) return found;
+  const std::string how = last == Transfer::kTimeout ? "did not end in time" : DescribeEnd(child->WaitOrKill(1));
   throw InputError(path + ": expected an HDF5 file that libhdf5 can read, found one on which it " + how);
 }
 

@@ -19,7 +19,7 @@ using Hdf5Datasets = std::vector<std::pair<std::string, Hdf5Dataset>>;
 /// libhdf5 was not made for hostile files: it crashes on some, and allocates what others promise. So it runs in a
 /// forked child, which may open no other file, write none, and whose memory and processor time are limited in
 /// proportion to the file's size (memory not under sanitizers, which reserve more than any limit); datasets come back
-/// in shared memory. All of them together take no more memory than the file, whatever it promises. The child runs
+/// through its socket. All of them together take no more memory than the file, whatever it promises. The child runs
 /// libhdf5 after fork without exec, so that where other threads use libhdf5 themselves at that moment (its builds
 /// without thread safety do not allow that anyhow) the child may fail or, until its time is up, hang; the caller's
 /// memory is safe.

@@ -9,7 +9,6 @@
 #include <set>
 #include <utility>
 
-#include "solvers/io/gzip_file.h"
 #include "solvers/lcp/verify.h"
 #include "support/input_error.h"
 #include "support/json_field.h"
@@ -273,16 +272,6 @@ LcpRecord ParseLcpRecord(std::string_view line, const std::string& where) {
     const std::string text = error.what();
     throw InputError(text.starts_with(where) ? text : where + ": " + text);
   }
-}
-
-std::vector<LcpRecord> ReadLcpFile(const std::string& path) {
-  std::vector<LcpRecord> records;
-  LineReader lines(path);
-  for (std::string line; lines.Next(&line);) {
-    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    records.push_back(ParseLcpRecord(line, path + ":" + std::to_string(lines.number())));
-  }
-  return records;
 }
 
 std::string FormatLcpRecord(const LcpProblem& problem, bool with_matrix, std::optional<double> symmetrized,

@@ -42,10 +42,6 @@ struct LcpRecord {
 /// @throws InputError naming where, the field, what was expected and what was found
 LcpRecord ParseLcpRecord(std::string_view line, const std::string& where);
 
-/// All problems of a file, one a line, plain or compressed by gzip; empty lines are skipped.
-/// @throws InputError also when the file cannot be opened
-std::vector<LcpRecord> ReadLcpFile(const std::string& path);
-
 /// One line that ParseLcpRecord reads back bit for bit: the given form, b, bilateral rows.
 /// @param with_matrix  also writes A (as coordinates) where the problem is given by factors
 /// @param symmetrized  of LcpRecord

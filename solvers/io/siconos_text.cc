@@ -203,36 +203,20 @@ std::vector<Block> ReadBlocks(TextWords* words, std::int64_t equations, std::int
   return blocks;
 }
 
-// M = [A C; D B] and q = [a; b].
-struct Parts {
-  Eigen::MatrixXd A, B, C, D;
-  std::vector<double> a, b;
-};
-
-Parts ReadParts(TextWords* words, std::int64_t n, std::int64_t m) {
+// M = [A C; D B] and q = [a; b], dense, equations first.
+MixedProblem ReadParts(TextWords* words, std::int64_t n, std::int64_t m) {
   const auto read = [words](Index rows, Index columns, const char* name) {
     return ReadPart<Eigen::RowMajor>(words, rows, columns, name);
   };
-  Parts parts;
-  parts.A = read(n, n, "A");
-  parts.B = read(m, m, "B");
-  parts.C = read(n, m, "C");
-  parts.D = read(m, n, "D");
-  parts.a = words->NumbersOfAnyLine(n, "a");
-  parts.b = words->NumbersOfAnyLine(m, "b");
-  return parts;
-}
-
-// Dense, equations first.
-MixedProblem Assemble(const Parts& parts) {
-  const Index n = parts.A.rows(), m = parts.B.rows();
   MixedProblem problem;
   problem.M.rows = problem.M.columns = n + m;
-  problem.q = parts.a;
-  problem.q.insert(problem.q.end(), parts.b.begin(), parts.b.end());
   problem.equations = {{0, n}};
+  const Eigen::MatrixXd A = read(n, n, "A"), B = read(m, m, "B"), C = read(n, m, "C"), D = read(m, n, "D");
   problem.M.dense.resize(n + m, n + m);
-  problem.M.dense << parts.A, parts.C, parts.D, parts.B;
+  problem.M.dense << A, C, D, B;
+  problem.q = words->NumbersOfAnyLine(n, "a");
+  const std::vector<double> b = words->NumbersOfAnyLine(m, "b");
+  problem.q.insert(problem.q.end(), b.begin(), b.end());
   return problem;
 }
 
@@ -241,44 +225,29 @@ void RequireEqual(TextWords* words, double expected, double found, const std::st
   words->Reject("A to b as M and q have them, " + RoundTripDigits(expected) + " " + where, RoundTripDigits(found));
 }
 
-void RequireSame(TextWords* words, const MixedProblem& given, const MixedProblem& parts) {
-  const SparseMatrix sparse = given.M.is_dense ? SparseMatrix() : given.M.Sparse();
-  const RowBounds bounds = given.Bounds();
-  std::vector<Index> order(static_cast<size_t>(given.size()));  // the row of M for every row of the parts
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_partition(order.begin(), order.end(),
-                        [&](Index row) { return bounds.bilateral[static_cast<size_t>(row)] != 0; });
-  for (Index j = 0; j < given.size(); ++j) {
-    const Index column = order[static_cast<size_t>(j)];
-    for (Index i = 0; i < given.size(); ++i) {
-      const Index row = order[static_cast<size_t>(i)];
-      RequireEqual(words, given.M.is_dense ? given.M.dense(row, column) : sparse.coeff(row, column),
-                   parts.M.dense(i, j), "in row " + std::to_string(row) + " and column " + std::to_string(column));
+// M and q, and the parts that the file has besides, must agree. What Siconos prints of A, C and a is of n equations,
+// whatever M has.
+// @param first  row of the parts; the others are those of `rows` of M and q, in their order
+void RequireSame(TextWords* words, const StoredMatrix& M, const std::vector<double>& q, const MixedProblem& parts,
+                 Index first, const std::vector<Index>& rows, const std::vector<Index>& columns) {
+  const SparseMatrix sparse = M.is_dense ? SparseMatrix() : M.Sparse();
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const Index row = rows[i], part = first + static_cast<Index>(i);
+    const std::string where = "in row " + std::to_string(row);
+    for (size_t j = 0; j < columns.size(); ++j) {
+      const Index column = columns[j];
+      RequireEqual(words, M.is_dense ? M.dense(row, column) : sparse.coeff(row, column),
+                   parts.M.dense(part, static_cast<Index>(j)), where + " and column " + std::to_string(column));
     }
-  }
-  for (size_t i = 0; i < order.size(); ++i) {
-    RequireEqual(words, given.q[static_cast<size_t>(order[i])], parts.q[i], "in row " + std::to_string(order[i]));
+    if (row >= static_cast<Index>(q.size())) continue;
+    RequireEqual(words, q[static_cast<size_t>(row)], parts.q[static_cast<size_t>(part)], where);
   }
 }
 
-// The last m rows of M and q and the parts D, B and b. What Siconos prints of A, C and a is of n equations, whatever M
-// has.
-void RequireSameComplementarity(TextWords* words, const StoredMatrix& M, const std::vector<double>& q,
-                                const Parts& parts) {
-  const SparseMatrix sparse = M.is_dense ? SparseMatrix() : M.Sparse();
-  const Index n = parts.A.rows(), m = parts.B.rows();
-  for (Index i = 0; i < m; ++i) {
-    const Index row = M.rows - m + i;
-    for (Index j = 0; j < n + m; ++j) {
-      RequireEqual(words, M.is_dense ? M.dense(row, j) : sparse.coeff(row, j),
-                   j < n ? parts.D(i, j) : parts.B(i, j - n),
-                   "in row " + std::to_string(row) + " and column " + std::to_string(j));
-    }
-    if (row < static_cast<Index>(q.size())) {
-      RequireEqual(words, q[static_cast<size_t>(row)], parts.b[static_cast<size_t>(i)],
-                   "in row " + std::to_string(row));
-    }
-  }
+std::vector<Index> Range(Index first, Index end) {
+  std::vector<Index> range(static_cast<size_t>(end - first));
+  std::iota(range.begin(), range.end(), first);
+  return range;
 }
 
 // Rows and columns 0 beside the n free unknowns, or below the equations, until there is one equation for each: an
@@ -323,10 +292,10 @@ MixedProblem ReadRectangular(TextWords* words, const StoredMatrix& M, const std:
     words->Reject("q of " + text(M.rows) + " rows, in q and b together", text(known) + (has_parts ? " and b" : ""));
   }
   if (has_parts) {
-    const Parts parts = ReadParts(words, n, m);
+    const MixedProblem parts = ReadParts(words, n, m);
     q.resize(static_cast<size_t>(std::min<Index>(known, M.rows)));
-    RequireSameComplementarity(words, M, q, parts);
-    for (Index row = known; row < M.rows; ++row) q.push_back(parts.b[static_cast<size_t>(row - (M.rows - m))]);
+    RequireSame(words, M, q, parts, n, Range(M.rows - m, M.rows), Range(0, known));
+    for (Index row = known; row < M.rows; ++row) q.push_back(parts.q[static_cast<size_t>(row - M.rows + known)]);
   }
   return MakeSquare(M, q, n, m);
 }
@@ -349,7 +318,7 @@ MixedProblem ReadMixed(TextWords* words, bool has_M, bool has_parts, std::int64_
   const std::int64_t size = n + m;
   if (size > kMost) words->Reject("at most " + std::to_string(kMost) + " rows", std::to_string(size));
   if (!has_M && !has_parts) words->Reject("M and q, or A to b, or both", "0 0");
-  if (!has_M) return Assemble(ReadParts(words, n, m));
+  if (!has_M) return ReadParts(words, n, m);
   const std::vector<Block> equations = ReadBlocks(words, n, size);
   const std::int64_t storage = words->IntegerOfAnyLine(0, kMost, "a storage");
   const std::int64_t rows = words->IntegerOfAnyLine(0, kMost - size, "a number of rows");
@@ -359,7 +328,14 @@ MixedProblem ReadMixed(TextWords* words, bool has_M, bool has_parts, std::int64_
   if (rows != size) return ReadRectangular(words, problem.M, equations, has_parts, n, m);
   problem.q = words->NumbersOfAnyLine(size, "q");
   problem.equations = equations;
-  if (has_parts) RequireSame(words, problem, Assemble(ReadParts(words, n, m)));
+  if (has_parts) {
+    const MixedProblem parts = ReadParts(words, n, m);
+    const RowBounds bounds = problem.Bounds();
+    std::vector<Index> order = Range(0, size);  // the row of M for every row of the parts
+    std::stable_partition(order.begin(), order.end(),
+                          [&](Index row) { return bounds.bilateral[static_cast<size_t>(row)] != 0; });
+    RequireSame(words, problem.M, problem.q, parts, 0, order, order);
+  }
   return problem;
 }
 

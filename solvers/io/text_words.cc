@@ -11,6 +11,7 @@
 #include "solvers/io/gzip_file.h"
 #include "support/input_error.h"
 #include "support/number_text.h"
+#include "support/printable.h"
 
 namespace lcpbench {
 namespace {
@@ -103,11 +104,8 @@ void TextWords::Expect(std::string_view expected) {
 
 void TextWords::Reject(const std::string& expected, std::string_view found) const {
   constexpr std::size_t kLongest = 40;
-  std::string text(found.substr(0, kLongest));
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  if (found.size() > kLongest) text += "...";
-  throw InputError(Place() + "expected " + expected + ", found " + (found.empty() ? "nothing" : "'" + text + "'"));
+  throw InputError(Place() + "expected " + expected + ", found " +
+                   (found.empty() ? "nothing" : "'" + Excerpt(found, kLongest) + "'"));
 }
 
 void TextWords::RejectEnd(const std::string& expected) const {

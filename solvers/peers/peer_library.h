@@ -14,13 +14,19 @@
 namespace lcpbench {
 
 /// What one worker executable is built from: an adapter file defines ThisPeerLibrary() and is linked with
-/// worker_main.cc and the one library. Of the peers of linked_peers.h their worker.cc does.
+/// worker_main.cc and the one library. For the peers of linked_peers.h the build names their function in its place.
 struct PeerLibrary {
   std::string version;  ///< as the library itself says, where it does
   /// One of its solvers, by the key in peer_table.h. @throws InputError for impossible settings
   std::unique_ptr<LcpSolver> (*make)(std::string_view key, SettingsReader* reader) = nullptr;
 };
 PeerLibrary ThisPeerLibrary();
+
+/// PeerLibrary::make of a library with one adapter for all of its keys.
+template <typename Adapter>
+std::unique_ptr<LcpSolver> MakePeer(std::string_view key, SettingsReader* reader) {
+  return std::make_unique<Adapter>(key, reader);
+}
 
 /// max_iterations if given, else `usual`; what an int holds of it.
 inline int IterationLimit(const LcpOptions& options, double usual) {
@@ -63,6 +69,17 @@ Value Choose(SettingsReader* reader, const char* setting, const std::pair<std::s
   };
   const std::string chosen = read(std::make_index_sequence<n>());
   return std::find_if(choices, choices + n, [&](const auto& choice) { return choice.first == chosen; })->second;
+}
+
+/// The status that a library's code of its end stands for, kNumericalFailure where it is not `known`, and the detail of
+/// a failure or infeasibility.
+/// @param said  in the library's words
+template <typename Code, std::size_t n>
+void Report(const std::pair<Code, LcpStatus> (&known)[n], Code code, const std::string& said, LcpResult* result) {
+  const auto* found = std::find_if(known, known + n, [code](const auto& end) { return end.first == code; });
+  result->status = found == known + n ? LcpStatus::kNumericalFailure : found->second;
+  const bool failed = result->status == LcpStatus::kNumericalFailure || result->status == LcpStatus::kInfeasible;
+  if (failed) result->detail = said;
 }
 
 /// Adds the seconds that `work` takes to `*sum`, which is negative while nothing is known, where parts are wanted.

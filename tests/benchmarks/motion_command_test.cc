@@ -11,10 +11,10 @@
 
 #include "benchmarks/motions/scene_source.h"
 #include "model/contact/assembly.h"
-#include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "tests/benchmarks/command_fixture.h"
+#include "tests/solvers/io/read_lcp_file.h"
 #include "tests/solvers_under_test.h"
 
 namespace lcpbench {

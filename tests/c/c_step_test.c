@@ -411,7 +411,7 @@ static void MistakesAreRefused(void) {
     CHECK_REFUSED(SOLVE(), words); \
   } while (0)
   WITH(size, 8, "size is 8, expected sizeof(lcpbench_step_rows (call lcpbench_step_rows_init))");
-  WITH(columns_per_body, 4, "rows.columns_per_body is 4, expected 3");
+  WITH(columns_per_body, 4, "columns per body must be 3 or 6, found 4");
   WITH(rows, -1, "rows.rows is -1");
   WITH(rows, (int64_t)1 << 31, "rows.rows is 2147483648");
   WITH(bodies, -1, "rows.bodies is -1");
@@ -419,11 +419,11 @@ static void MistakesAreRefused(void) {
   WITH(bodies, 3, "body of row ");
   WITH(bodies, 0, "body of row 0 is ");
   WITH(reserved, 1, "rows.reserved is 1, expected 0");
-  WITH(body, NULL, "rows.body is NULL, expected");
-  WITH(b, NULL, "rows.b is NULL, expected");
-  WITH(J, NULL, "rows.J is NULL, expected numbers, or rows.J_single");
+  WITH(body, NULL, "body is missing");
+  WITH(b, NULL, "b is missing");
+  WITH(J, NULL, "J is missing");
   WITH(J_single, arrays.J_single, "rows.J and rows.J_single are both given");
-  WITH(inverse_mass, NULL, "rows.inverse_mass is NULL, expected");
+  WITH(inverse_mass, NULL, "inverse mass is missing");
 #define WITH_NUMBER(place, value, words) \
   do {                                   \
     const Arrays kept = arrays;          \

@@ -13,11 +13,11 @@
 #include <string>
 #include <utility>
 
-#include "solvers/io/json_lines.h"
 #include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
+#include "tests/solvers/io/read_lcp_file.h"
 #include "tests/solvers/rounded_problems.h"
 #include "tests/solvers/test_problems.h"
 #include "tests/solvers_under_test.h"

@@ -9,7 +9,7 @@
 #include <random>
 #include <utility>
 
-#include "solvers/io/json_lines.h"
+#include "tests/solvers/io/read_lcp_file.h"
 
 namespace lcpbench {
 namespace {

@@ -95,7 +95,6 @@ TEST(Subprocess, DoesNotOutliveItsParent) {
     ASSERT_EQ(pipe(ends.data()), 0);
     Subprocess parent([&](int socket) {
       if (one.signal != SIGKILL) std::signal(one.signal, SIG_DFL);  // a shell's background has it ignored
-      EndSubprocessesOnSignals();
       Subprocess child(Shell(one.script));
       std::string line;
       child.ReadLine(&line, kForever);

@@ -183,12 +183,8 @@ class Alglib : public LcpSolver {
   std::unique_ptr<alglib::minqpstate> state_;
 };
 
-std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
-  return std::make_unique<Alglib>(key, reader);
-}
-
 }  // namespace
 
-PeerLibrary ThisPeerLibrary() { return {LCPBENCH_ALGLIB_VERSION, &Make}; }
+PeerLibrary ThisPeerLibrary() { return {LCPBENCH_ALGLIB_VERSION, &MakePeer<Alglib>}; }
 
 }  // namespace lcpbench

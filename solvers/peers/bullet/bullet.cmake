@@ -5,7 +5,7 @@ if(LCPBENCH_WITH_BULLET)
     pkg_check_modules(bullet_float64 QUIET IMPORTED_TARGET bullet-float64)
   endif()
   if(TARGET PkgConfig::bullet_float64)
-    lcpbench_add_linked_peer(bullet SOURCES bullet/bullet.cc bullet/sequential_impulses.cc
+    lcpbench_add_linked_peer(bullet BulletLibrary SOURCES bullet/bullet.cc bullet/sequential_impulses.cc
                              LIBRARIES PkgConfig::bullet_float64)
   else()
     lcpbench_peer_missing(BULLET Bullet libbullet-dev)

@@ -121,12 +121,8 @@ class Clp : public LcpSolver {
   std::unique_ptr<ClpSimplex> model_;
 };
 
-std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
-  return std::make_unique<Clp>(key, reader);
-}
-
 }  // namespace
 
-PeerLibrary ThisPeerLibrary() { return {CLP_VERSION, &Make}; }
+PeerLibrary ThisPeerLibrary() { return {CLP_VERSION, &MakePeer<Clp>}; }
 
 }  // namespace lcpbench

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "solvers/peers/qp/quadratic_program.h"
@@ -98,39 +99,22 @@ class Daqp : public QpPeer {
       if (answer.exitflag > 0) daqp_solve(&answer, &workspace.work);
     });
     result->iterations = answer.iter;
-    Report(answer.exitflag, result);
+    Report(kEnds, answer.exitflag, "DAQP: exit flag " + std::to_string(answer.exitflag), result);
     // Multipliers of a lower bound are negative.
     if (result->status != LcpStatus::kInfeasible) SetAnswer(qp, x.data(), y.data() + bounds, -1, result);
   }
 
  private:
-  static void Report(int flag, LcpResult* result) {
-    switch (flag) {
-      case EXIT_OPTIMAL:
-        result->status = LcpStatus::kSolved;
-        return;
-      case EXIT_ITERLIMIT:
-        result->status = LcpStatus::kIterationLimit;
-        return;
-      case EXIT_INFEASIBLE:
-      case EXIT_UNBOUNDED:
-        result->status = LcpStatus::kInfeasible;
-        break;
-      default:
-        break;
-    }
-    result->detail = "DAQP: exit flag " + std::to_string(flag);
-  }
+  static constexpr std::pair<int, LcpStatus> kEnds[] = {{EXIT_OPTIMAL, LcpStatus::kSolved},
+                                                        {EXIT_ITERLIMIT, LcpStatus::kIterationLimit},
+                                                        {EXIT_INFEASIBLE, LcpStatus::kInfeasible},
+                                                        {EXIT_UNBOUNDED, LcpStatus::kInfeasible}};
 
   double proximal_ = 0;  // a share of the largest diagonal entry of H
 };
 
-std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
-  return std::make_unique<Daqp>(key, reader);
-}
-
 }  // namespace
 
-PeerLibrary ThisPeerLibrary() { return {LCPBENCH_DAQP_VERSION, &Make}; }
+PeerLibrary ThisPeerLibrary() { return {LCPBENCH_DAQP_VERSION, &MakePeer<Daqp>}; }
 
 }  // namespace lcpbench

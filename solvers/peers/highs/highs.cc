@@ -100,12 +100,8 @@ class HighsQp : public QpPeer {
   double regularization_ = 0;
 };
 
-std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
-  return std::make_unique<HighsQp>(key, reader);
-}
-
 }  // namespace
 
-PeerLibrary ThisPeerLibrary() { return {Highs_version(), &Make}; }
+PeerLibrary ThisPeerLibrary() { return {Highs_version(), &MakePeer<HighsQp>}; }
 
 }  // namespace lcpbench

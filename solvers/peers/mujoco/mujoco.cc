@@ -66,25 +66,20 @@ const mjModel& SmallestModel() {
 
 /// Compressed rows as MuJoCo has them.
 struct Rows {
-  std::vector<double> value;
-  std::vector<int> column, count, start, same;
+  SparseMatrix matrix;
+  std::vector<int> count, same;
 
-  void Clear(std::size_t rows) {
-    value.clear();
-    column.clear();
-    count.clear();
-    start.clear();
-    count.reserve(rows);
-    start.reserve(rows);
-  }
-  /// For each row how many rows right behind it have the same columns.
-  void CountSame() {
-    same.assign(count.size(), 0);
-    for (std::size_t row = count.size(); row-- > 1;) {
-      const auto begin = column.begin() + start[row - 1];
-      const bool is_same =
-          count[row - 1] == count[row] && std::equal(begin, begin + count[row], column.begin() + start[row]);
-      same[row - 1] = is_same ? same[row] + 1 : 0;
+  /// The lengths of rows, and for each how many rows right behind it have the same columns.
+  void Count() {
+    const auto rows = static_cast<std::size_t>(matrix.rows());
+    const int *const start = matrix.outerIndexPtr(), *const column = matrix.innerIndexPtr();
+    count.resize(rows);
+    same.assign(rows, 0);
+    for (std::size_t row = rows; row-- > 0;) {
+      count[row] = start[row + 1] - start[row];
+      if (row + 1 == rows || count[row] != count[row + 1]) continue;
+      const int* const begin = column + start[row];
+      if (std::equal(begin, begin + count[row], column + start[row + 1])) same[row] = same[row + 1] + 1;
     }
   }
 };
@@ -241,49 +236,24 @@ class MuJoCo : public LcpSolver {
   }
 
   void FillJacobian(const LcpProblem& problem) {
-    const std::size_t columns = mass_.size();
-    J_.Clear(order_.size());
-    JT_.Clear(columns);
-    if (!IsSparse()) {
-      J_.value.assign(order_.size() * columns, 0);
-      for (std::size_t i = 0; i < order_.size(); ++i) {
-        for (SparseMatrix::InnerIterator entry(problem.J(), order_[i]); entry; ++entry) {
-          const int column = place_[static_cast<std::size_t>(entry.col())];
-          if (column >= 0) J_.value[i * columns + static_cast<std::size_t>(column)] = entry.value();
-        }
+    const auto rows = static_cast<Index>(order_.size()), columns = static_cast<Index>(mass_.size());
+    SparseMatrix& J = J_.matrix;
+    J.resize(rows, columns);
+    for (Index i = 0; i < rows; ++i) {
+      J.startVec(i);
+      for (SparseMatrix::InnerIterator entry(problem.J(), order_[static_cast<std::size_t>(i)]); entry; ++entry) {
+        const int column = place_[static_cast<std::size_t>(entry.col())];
+        if (column >= 0) J.insertBack(i, column) = entry.value();
       }
+    }
+    J.finalize();
+    if (!IsSparse()) {
+      dense_J_ = J;
       return;
     }
-    JT_.count.assign(columns, 0);
-    for (const Index row : order_) {
-      J_.start.push_back(static_cast<int>(J_.value.size()));
-      for (SparseMatrix::InnerIterator entry(problem.J(), row); entry; ++entry) {
-        const int column = place_[static_cast<std::size_t>(entry.col())];
-        if (column < 0) continue;
-        J_.value.push_back(entry.value());
-        J_.column.push_back(column);
-        ++JT_.count[static_cast<std::size_t>(column)];
-      }
-      J_.count.push_back(static_cast<int>(J_.value.size()) - J_.start.back());
-    }
-    JT_.value.resize(J_.value.size());
-    JT_.column.resize(J_.value.size());
-    int end = 0;
-    for (const int count : JT_.count) {
-      JT_.start.push_back(end);
-      end += count;
-    }
-    std::vector<int> next = JT_.start;
-    for (std::size_t i = 0; i < order_.size(); ++i) {
-      for (int k = J_.start[i]; k < J_.start[i] + J_.count[i]; ++k) {
-        const auto from = static_cast<std::size_t>(k);
-        const auto to = static_cast<std::size_t>(next[static_cast<std::size_t>(J_.column[from])]++);
-        JT_.value[to] = J_.value[from];
-        JT_.column[to] = static_cast<int>(i);
-      }
-    }
-    J_.CountSame();
-    JT_.CountSame();
+    JT_.matrix = J.transpose();
+    J_.Count();
+    JT_.Count();
   }
 
   void PointAtArrays() {
@@ -316,16 +286,16 @@ class MuJoCo : public LcpSolver {
     data.efc_type = type_.data();
     data.efc_id = number_.data();
     data.efc_state = state_.data();
-    data.efc_J = J_.value.data();
+    data.efc_J = IsSparse() ? J_.matrix.valuePtr() : dense_J_.data();
     data.efc_J_rownnz = J_.count.data();
-    data.efc_J_rowadr = J_.start.data();
+    data.efc_J_rowadr = J_.matrix.outerIndexPtr();
     data.efc_J_rowsuper = J_.same.data();
-    data.efc_J_colind = J_.column.data();
-    data.efc_JT = JT_.value.data();
+    data.efc_J_colind = J_.matrix.innerIndexPtr();
+    data.efc_JT = JT_.matrix.valuePtr();
     data.efc_JT_rownnz = JT_.count.data();
-    data.efc_JT_rowadr = JT_.start.data();
+    data.efc_JT_rowadr = JT_.matrix.outerIndexPtr();
     data.efc_JT_rowsuper = JT_.same.data();
-    data.efc_JT_colind = JT_.column.data();
+    data.efc_JT_colind = JT_.matrix.innerIndexPtr();
     data.efc_frictionloss = none_.data();
     data.efc_R = R_.data();
     data.efc_D = D_.data();
@@ -360,6 +330,7 @@ class MuJoCo : public LcpSolver {
   std::vector<double> R_, D_, reference_, row_b_, force_, none_;
   std::vector<int> type_, number_, state_, AR_count_, AR_start_;
   Rows J_, JT_;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> dense_J_;
   std::unique_ptr<double[]> stack_, AR_;  // NOLINT(modernize-avoid-c-arrays): not to be cleared
   std::unique_ptr<int[]> AR_column_;      // NOLINT(modernize-avoid-c-arrays)
   std::size_t stack_size_ = 0;

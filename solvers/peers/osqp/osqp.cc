@@ -8,7 +8,7 @@
 #include <limits>
 #include <memory>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "solvers/peers/qp/quadratic_program.h"
 
@@ -19,18 +19,14 @@ struct Cleanup {
   void operator()(OSQPSolver* solver) const { osqp_cleanup(solver); }
 };
 
-// Indices as wide as the library's.
-struct Matrix {
-  explicit Matrix(const Eigen::SparseMatrix<double>& from)
-      : starts(from.outerIndexPtr(), from.outerIndexPtr() + from.outerSize() + 1),
-        inner(from.innerIndexPtr(), from.innerIndexPtr() + from.nonZeros()),
-        values(from.valuePtr(), from.valuePtr() + from.nonZeros()) {
-    OSQPCscMatrix_set_data(&csc, from.rows(), from.cols(), from.nonZeros(), values.data(), inner.data(), starts.data());
-  }
-  std::vector<OSQPInt> starts, inner;
-  std::vector<double> values;
+using Matrix = Eigen::SparseMatrix<double, Eigen::ColMajor, OSQPInt>;
+
+OSQPCscMatrix View(Matrix& matrix) {
   OSQPCscMatrix csc{};
-};
+  OSQPCscMatrix_set_data(&csc, matrix.rows(), matrix.cols(), matrix.nonZeros(), matrix.valuePtr(),
+                         matrix.innerIndexPtr(), matrix.outerIndexPtr());
+  return csc;
+}
 
 class Osqp : public QpPeer {
  public:
@@ -60,10 +56,13 @@ class Osqp : public QpPeer {
     } else if (options.max_iterations > 0) {
       settings.max_iter = IterationLimit(options, 0);
     }
-    std::unique_ptr<Matrix> P, A;
+    Matrix P, A;
+    OSQPCscMatrix P_view{}, A_view{};
     TimeConversion(options, result, [&] {
-      P = std::make_unique<Matrix>(qp.H.triangularView<Eigen::Upper>());
-      A = std::make_unique<Matrix>(qp.C);
+      P = Eigen::SparseMatrix<double>(qp.H.triangularView<Eigen::Upper>());
+      A = qp.C;
+      P_view = View(P);
+      A_view = View(A);
       qp.lower = qp.lower.cwiseMax(-OSQP_INFTY);
       qp.upper = qp.upper.cwiseMin(OSQP_INFTY);
     });
@@ -74,7 +73,7 @@ class Osqp : public QpPeer {
     OSQPInt error = 0;
     TimeLibraryCall(options, result, [&] {
       OSQPSolver* made = nullptr;
-      error = osqp_setup(&made, &P->csc, qp.g.data(), &A->csc, qp.lower.data(), qp.upper.data(), qp.rows(),
+      error = osqp_setup(&made, &P_view, qp.g.data(), &A_view, qp.lower.data(), qp.upper.data(), qp.rows(),
                          qp.variables(), &settings);
       solver.reset(made);
       if (error != 0) return;
@@ -91,31 +90,21 @@ class Osqp : public QpPeer {
     result->iterations = solver->info->iter;
     // Where it finds no answer it writes NaN.
     const OSQPSolution& solution = *solver->solution;
-    switch (solver->info->status_val) {
-      case OSQP_SOLVED:
-        result->status = LcpStatus::kSolved;
-        break;
-      case OSQP_MAX_ITER_REACHED:
-      case OSQP_SOLVED_INACCURATE:
-        result->status = LcpStatus::kIterationLimit;
-        break;
-      case OSQP_TIME_LIMIT_REACHED:
-        result->status = LcpStatus::kTimeLimit;
-        break;
-      case OSQP_PRIMAL_INFEASIBLE:
-      case OSQP_DUAL_INFEASIBLE:
-        result->status = LcpStatus::kInfeasible;
-        SetRay(qp, solution.dual_inf_cert, solution.prim_inf_cert, -1, result);
-        result->detail = std::string("OSQP: ") + solver->info->status;
-        return;
-      default:
-        result->detail = std::string("OSQP: ") + solver->info->status;
-        return;
+    Report(kEnds, solver->info->status_val, std::string("OSQP: ") + solver->info->status, result);
+    if (result->status == LcpStatus::kInfeasible) {
+      SetRay(qp, solution.dual_inf_cert, solution.prim_inf_cert, -1, result);
+    } else if (result->status != LcpStatus::kNumericalFailure) {
+      SetAnswer(qp, solution.x, solution.y, -1, result);
     }
-    SetAnswer(qp, solution.x, solution.y, -1, result);
   }
 
  private:
+  static constexpr std::pair<OSQPInt, LcpStatus> kEnds[] = {{OSQP_SOLVED, LcpStatus::kSolved},
+                                                            {OSQP_MAX_ITER_REACHED, LcpStatus::kIterationLimit},
+                                                            {OSQP_SOLVED_INACCURATE, LcpStatus::kIterationLimit},
+                                                            {OSQP_TIME_LIMIT_REACHED, LcpStatus::kTimeLimit},
+                                                            {OSQP_PRIMAL_INFEASIBLE, LcpStatus::kInfeasible},
+                                                            {OSQP_DUAL_INFEASIBLE, LcpStatus::kInfeasible}};
   static constexpr double kLeastTime = 1e-6;  // s; 0 would be no limit
 
   bool polishing_ = false;
@@ -124,12 +113,8 @@ class Osqp : public QpPeer {
   int interval_ = 0;
 };
 
-std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
-  return std::make_unique<Osqp>(key, reader);
-}
-
 }  // namespace
 
-PeerLibrary ThisPeerLibrary() { return {osqp_version(), &Make}; }
+PeerLibrary ThisPeerLibrary() { return {osqp_version(), &MakePeer<Osqp>}; }
 
 }  // namespace lcpbench

@@ -112,7 +112,7 @@ class Reader {
       status = LcpStatusFromString(text);
     } catch (const InputError&) {
       constexpr std::size_t kLongest = 60;
-      Fail("unknown status '" + Printable(text.substr(0, kLongest)) + "'");
+      Fail("unknown status '" + Excerpt(text, kLongest) + "'");
     }
   }
   void Size(const char* field, Index& size, std::size_t bytes) {

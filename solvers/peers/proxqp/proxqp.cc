@@ -176,20 +176,15 @@ class ProxQp : public QpPeer {
     for (std::size_t i = 0; i < split.equal.size(); ++i) y[split.equal[i]] = results.y[static_cast<Index>(i)];
     for (std::size_t i = 0; i < split.unequal.size(); ++i) y[split.unequal[i]] = results.z[static_cast<Index>(i)];
     result->iterations = results.info.iter;
-    switch (results.info.status) {
-      case proxqp::QPSolverOutput::PROXQP_SOLVED:
-        result->status = LcpStatus::kSolved;
-        break;
-      case proxqp::QPSolverOutput::PROXQP_MAX_ITER_REACHED:
-        result->status = LcpStatus::kIterationLimit;
-        break;
-      case proxqp::QPSolverOutput::PROXQP_PRIMAL_INFEASIBLE:
-      case proxqp::QPSolverOutput::PROXQP_DUAL_INFEASIBLE:
-        result->status = LcpStatus::kInfeasible;
-        result->detail = "ProxQP: primal or dual infeasible";
-        return;
-      default:
-        result->detail = "ProxQP: no answer";
+    using Output = proxqp::QPSolverOutput;
+    constexpr std::pair<Output, LcpStatus> kEnds[] = {{Output::PROXQP_SOLVED, LcpStatus::kSolved},
+                                                      {Output::PROXQP_MAX_ITER_REACHED, LcpStatus::kIterationLimit},
+                                                      {Output::PROXQP_PRIMAL_INFEASIBLE, LcpStatus::kInfeasible},
+                                                      {Output::PROXQP_DUAL_INFEASIBLE, LcpStatus::kInfeasible}};
+    Report(kEnds, results.info.status, "ProxQP: no answer", result);
+    if (result->status == LcpStatus::kInfeasible) {
+      result->detail = "ProxQP: primal or dual infeasible";
+      return;
     }
     SetAnswer(qp, results.x.data(), y.data(), -1, result);
   }
@@ -198,10 +193,6 @@ class ProxQp : public QpPeer {
   InitialGuessStatus guess_ = InitialGuessStatus::EQUALITY_CONSTRAINED_INITIAL_GUESS;
   proxsuite::optional<double> rho_;  // none: the library's own
 };
-
-std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
-  return std::make_unique<ProxQp>(key, reader);
-}
 
 }  // namespace
 
@@ -223,6 +214,6 @@ extern "C" void* __wrap_realloc(void* block, std::size_t size) {  // NOLINT
   return other;
 }
 
-PeerLibrary ThisPeerLibrary() { return {PROXSUITE_VERSION, &Make}; }
+PeerLibrary ThisPeerLibrary() { return {PROXSUITE_VERSION, &MakePeer<ProxQp>}; }
 
 }  // namespace lcpbench

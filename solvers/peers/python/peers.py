@@ -34,7 +34,9 @@ def numbers(buffer):
 
 
 def answer(status, iterations, detail, f):
-    return status, int(iterations), detail, None if f is None else np.ascontiguousarray(f, np.float64)
+    """The detail is left out of a success."""
+    return (status, int(iterations), "" if status == SOLVED else detail,
+            None if f is None else np.ascontiguousarray(f, np.float64))
 
 
 class Program:
@@ -62,6 +64,13 @@ class Program:
 
     def equal(self):
         return self.lower == self.upper
+
+    def equations_first(self):
+        """The order of the rows that cones want, how many equations there are, and C and the lower bounds in it."""
+        equal = self.equal()
+        order = np.concatenate([np.flatnonzero(equal), np.flatnonzero(~equal)])
+        zeros = int(equal.sum())
+        return order, zeros, self.C if zeros in (0, self.m) else self.C[order], self.lower[order]
 
     def f(self, x, y):
         """y: multipliers of C x >= lower, >= 0."""
@@ -106,8 +115,7 @@ class Piqp(Adapter):
                 f[rows] = result.z_l
         words = {piqp.PIQP_SOLVED: SOLVED, piqp.PIQP_MAX_ITER_REACHED: ITERATION_LIMIT,
                  piqp.PIQP_PRIMAL_INFEASIBLE: INFEASIBLE, piqp.PIQP_DUAL_INFEASIBLE: INFEASIBLE}
-        word = words.get(status, FAILURE)
-        return answer(word, result.info.iter, "" if word == SOLVED else "PIQP: " + str(status), f)
+        return answer(words.get(status, FAILURE), result.info.iter, "PIQP: " + str(status), f)
 
 
 class Clarabel(Adapter):
@@ -128,21 +136,16 @@ class Clarabel(Adapter):
             settings.max_iter = int(min(most, 2**31 - 1))
         if math.isfinite(time_limit):
             settings.time_limit = time_limit
-        equal = q.equal()
-        # A x + s = b: zeros first, then s >= 0.
-        order = np.concatenate([np.flatnonzero(equal), np.flatnonzero(~equal)])
-        zeros = int(equal.sum())
+        order, zeros, A, lower = q.equations_first()  # A x + s = b: zeros first, then s >= 0
         cones = ([clarabel.ZeroConeT(zeros)] if zeros else []) + (
             [clarabel.NonnegativeConeT(q.m - zeros)] if q.m > zeros else [])
-        A = q.C if zeros in (0, q.m) else q.C[order]
-        solution = clarabel.DefaultSolver(triu(q.H, format="csc"), q.g, -A, -q.lower[order], cones, settings).solve()
+        solution = clarabel.DefaultSolver(triu(q.H, format="csc"), q.g, -A, -lower, cones, settings).solve()
         y = np.empty(q.m)
         y[order] = solution.z
         status = str(solution.status)
         words = {"Solved": SOLVED, "MaxIterations": ITERATION_LIMIT, "MaxTime": TIME_LIMIT,
                  "PrimalInfeasible": INFEASIBLE, "DualInfeasible": INFEASIBLE}
-        word = words.get(status, FAILURE)
-        return answer(word, solution.iterations, "" if word == SOLVED else "Clarabel: " + status,
+        return answer(words.get(status, FAILURE), solution.iterations, "Clarabel: " + status,
                       q.f(np.asarray(solution.x), y))
 
 
@@ -172,8 +175,7 @@ class Qpalm(Adapter):
         info = solver.info
         words = {info.SOLVED: SOLVED, info.MAX_ITER_REACHED: ITERATION_LIMIT, info.TIME_LIMIT_REACHED: TIME_LIMIT,
                  info.PRIMAL_INFEASIBLE: INFEASIBLE, info.DUAL_INFEASIBLE: INFEASIBLE}
-        word = words.get(info.status_val, FAILURE)
-        return answer(word, info.iter, "" if word == SOLVED else "QPALM: " + info.status,
+        return answer(words.get(info.status_val, FAILURE), info.iter, "QPALM: " + info.status,
                       q.f(solver.solution.x, -solver.solution.y))
 
 
@@ -195,11 +197,8 @@ class Scs(Adapter):
             options["max_iters"] = int(min(most, 2**31 - 1))
         if math.isfinite(time_limit):
             options["time_limit_secs"] = max(time_limit, 1e-6)
-        equal = q.equal()
-        order = np.concatenate([np.flatnonzero(equal), np.flatnonzero(~equal)])
-        zeros = int(equal.sum())
-        A = q.C if zeros in (0, q.m) else q.C[order]
-        data = {"P": triu(q.H, format="csc"), "A": -A, "b": -q.lower[order], "c": q.g}
+        order, zeros, A, lower = q.equations_first()
+        data = {"P": triu(q.H, format="csc"), "A": -A, "b": -lower, "c": q.g}
         solver = scs.SCS(data, {"z": zeros, "l": q.m - zeros}, **options)
         if q.start is None:
             result = solver.solve(warm_start=False)
@@ -209,11 +208,10 @@ class Scs(Adapter):
         info = result["info"]
         y = np.empty(q.m)
         y[order] = result["y"]
-        value = info["status_val"]
         words = {scs.SOLVED: SOLVED, scs.SOLVED_INACCURATE: ITERATION_LIMIT, scs.INFEASIBLE: INFEASIBLE,
                  scs.UNBOUNDED: INFEASIBLE}
-        word = words.get(value, FAILURE)
-        return answer(word, info["iter"], "" if word == SOLVED else "SCS: " + info["status"], q.f(result["x"], y))
+        return answer(words.get(info["status_val"], FAILURE), info["iter"], "SCS: " + info["status"],
+                      q.f(result["x"], y))
 
 
 class Quadprog(Adapter):

@@ -209,17 +209,13 @@ class PythonPeer : public QpPeer {
   Object solver_;
 };
 
-std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
-  return std::make_unique<PythonPeer>(key, reader);
-}
-
 }  // namespace
 
 PeerLibrary ThisPeerLibrary() {
   const Object version = Own(PyObject_CallMethod(PeersModule(), "version", "s", LCPBENCH_PEER));
   const char* text = PyUnicode_AsUTF8(version.get());
   if (text == nullptr) ThrowPythonError();
-  return {text, &Make};
+  return {text, &MakePeer<PythonPeer>};
 }
 
 }  // namespace lcpbench

@@ -20,11 +20,11 @@ void TakeFactors(const LcpProblem& problem, QuadraticProgram* qp) {
   const Eigen::VectorXd& inverse_mass = problem.inverse_mass();
   const Index n = problem.size();
   std::vector<int> place(static_cast<std::size_t>(inverse_mass.size()), -1);
-  std::vector<double> mass;
+  std::vector<Index> kept;
   for (Index k = 0; k < inverse_mass.size(); ++k) {
     if (!(inverse_mass[k] > 0)) continue;
-    place[static_cast<std::size_t>(k)] = static_cast<int>(mass.size());
-    mass.push_back(1 / inverse_mass[k]);
+    place[static_cast<std::size_t>(k)] = static_cast<int>(kept.size());
+    kept.push_back(k);
   }
   std::vector<Eigen::Triplet<double, int>> entries;
   entries.reserve(static_cast<std::size_t>(problem.J().nonZeros()));
@@ -34,13 +34,9 @@ void TakeFactors(const LcpProblem& problem, QuadraticProgram* qp) {
       if (column >= 0) entries.emplace_back(static_cast<int>(row), column, it.value());
     }
   }
-  const auto columns = static_cast<Index>(mass.size());
-  qp->C = Columns(n, columns);
+  qp->C = Columns(n, static_cast<Index>(kept.size()));
   qp->C.setFromTriplets(entries.begin(), entries.end());
-  qp->H = Columns(columns, columns);
-  qp->H.reserve(Eigen::VectorXi::Constant(columns, 1));
-  for (Index k = 0; k < columns; ++k) qp->H.insert(k, k) = mass[static_cast<std::size_t>(k)];
-  qp->H.makeCompressed();
+  qp->H = Eigen::VectorXd(inverse_mass(kept).cwiseInverse()).asDiagonal();
 }
 
 // A = (P^T L) D (P^T L)^T in the place of J M^-1 J^T; what D has of rounding is left out.
@@ -56,17 +52,8 @@ void FactorA(const LcpProblem& problem, QuadraticProgram* qp) {
   for (Index k = 0; k < n; ++k) {
     if (D[k] > least) kept.push_back(k);
   }
-  const auto columns = static_cast<Index>(kept.size());
-  Eigen::MatrixXd J(n, columns);
-  qp->H = Columns(columns, columns);
-  qp->H.reserve(Eigen::VectorXi::Constant(columns, 1));
-  for (Index k = 0; k < columns; ++k) {
-    const Index from = kept[static_cast<std::size_t>(k)];
-    J.col(k) = L.col(from);
-    qp->H.insert(k, k) = 1 / D[from];
-  }
-  qp->H.makeCompressed();
-  qp->C = J.sparseView();
+  qp->H = Eigen::VectorXd(D(kept).cwiseInverse()).asDiagonal();
+  qp->C = Eigen::MatrixXd(L(Eigen::all, kept)).sparseView();
 }
 
 QuadraticProgram MakePrimal(const LcpProblem& problem, const QpLayout& layout) {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <qpOASES.hpp>
 #include <string>
+#include <utility>
 
 #include "solvers/peers/qp/quadratic_program.h"
 
@@ -86,8 +87,10 @@ class QpOases : public QpPeer {
       }
     });
     result->iterations = changes;
-    Report(code, deadline, result);
-    if (result->status == LcpStatus::kSolved || result->status == LcpStatus::kIterationLimit) {
+    Report(kEnds, code, std::string("qpOASES: ") + qpOASES::getGlobalMessageHandler()->getErrorCodeMessage(code),
+           result);
+    const bool in_time = result->status == LcpStatus::kIterationLimit && !deadline.Expired();
+    if (result->status == LcpStatus::kSolved || in_time) {
       SetAnswer(qp, x.data(), y.data() + n, 1, result);
     }
   }
@@ -95,25 +98,13 @@ class QpOases : public QpPeer {
  private:
   using Set = returnValue (qpOASES::Options::*)();
 
-  static void Report(returnValue code, const Deadline& deadline, LcpResult* result) {
-    switch (code) {
-      case qpOASES::SUCCESSFUL_RETURN:
-        result->status = LcpStatus::kSolved;
-        return;
-      case qpOASES::RET_MAX_NWSR_REACHED:
-        result->status = deadline.Expired() ? LcpStatus::kTimeLimit : LcpStatus::kIterationLimit;
-        return;
-      case qpOASES::RET_INIT_FAILED_INFEASIBILITY:
-      case qpOASES::RET_INIT_FAILED_UNBOUNDEDNESS:
-      case qpOASES::RET_QP_INFEASIBLE:
-      case qpOASES::RET_QP_UNBOUNDED:
-        result->status = LcpStatus::kInfeasible;
-        break;
-      default:
-        break;
-    }
-    result->detail = std::string("qpOASES: ") + qpOASES::getGlobalMessageHandler()->getErrorCodeMessage(code);
-  }
+  static constexpr std::pair<returnValue, LcpStatus> kEnds[] = {
+      {qpOASES::SUCCESSFUL_RETURN, LcpStatus::kSolved},
+      {qpOASES::RET_MAX_NWSR_REACHED, LcpStatus::kIterationLimit},
+      {qpOASES::RET_INIT_FAILED_INFEASIBILITY, LcpStatus::kInfeasible},
+      {qpOASES::RET_INIT_FAILED_UNBOUNDEDNESS, LcpStatus::kInfeasible},
+      {qpOASES::RET_QP_INFEASIBLE, LcpStatus::kInfeasible},
+      {qpOASES::RET_QP_UNBOUNDED, LcpStatus::kInfeasible}};
 
   static constexpr double kMostChanges = 1e9;  // the time limit decides
 
@@ -121,12 +112,8 @@ class QpOases : public QpPeer {
   bool regularization_ = true;
 };
 
-std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
-  return std::make_unique<QpOases>(key, reader);
-}
-
 }  // namespace
 
-PeerLibrary ThisPeerLibrary() { return {LCPBENCH_QPOASES_VERSION, &Make}; }
+PeerLibrary ThisPeerLibrary() { return {LCPBENCH_QPOASES_VERSION, &MakePeer<QpOases>}; }
 
 }  // namespace lcpbench

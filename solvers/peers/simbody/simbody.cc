@@ -82,15 +82,11 @@ class Simbody : public LcpSolver {
   std::vector<double> A_;
 };
 
-std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
-  return std::make_unique<Simbody>(key, reader);
-}
-
 }  // namespace
 
 PeerLibrary ThisPeerLibrary() {
   LimitLibraryThreads(1);
-  return {SimbodyVersion(), &Make};
+  return {SimbodyVersion(), &MakePeer<Simbody>};
 }
 
 }  // namespace lcpbench

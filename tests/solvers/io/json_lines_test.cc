@@ -1,4 +1,4 @@
-#include "solvers/io/json_lines.h"
+#include "tests/solvers/io/read_lcp_file.h"
 
 #include <gtest/gtest.h>
 

@@ -202,7 +202,7 @@ TEST(SiconosText, WhatIsWrongIsOneLineWithItsPlace) {
       {"1 1 1 1  0 1 2  0 1  0 2 2 2 2  1 2 3 4  -1 -2  1 4 3 2  -1 -3",
        "expected A to b as M and q have them, -2 in row 1, found '-3'"},
       {"1 1 1 1  0 1 2  0 1  0 2 2 2 2  1 2 3 4  -1 -2  1 4 2 3  -1 -2",
-       "expected A to b as M and q have them, 2 in row 1 and column 0, found '3'"},
+       "expected A to b as M and q have them, 3 in row 0 and column 1, found '2'"},
   };
   for (const auto& [text, expected] : cases) ExpectRefused([&] { Parse(text); }, expected, "file.dat:");
 }

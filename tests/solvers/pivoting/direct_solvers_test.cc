@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "benchmarks/measure/allocation_count.h"
-#include "solvers/io/json_lines.h"
+#include "tests/solvers/io/read_lcp_file.h"
 #include "tests/solvers/rounded_problems.h"
 
 namespace lcpbench {
