@@ -71,7 +71,7 @@ class Curves(FolderCase):
         inputs = load_inputs([write_cells(self.folder / "campaign")], curves=write_curves(self.folder / "curves"))
         with canvas.look():
             for figure in figures.figures(inputs):
-                self.assertIn(b"svg", canvas.address(figure.draw()).encode())
+                self.assertIn(b"svg", canvas.svg(figure.draw()))
         with mock.patch.object(plotly_bundle, "minified", return_value=""):
             text = page.render(inputs)
         for name in curves.CURVES:

@@ -112,9 +112,9 @@ def mass_ratio(inputs: Inputs):
             pane.plot(median.index, median, **canvas.line(styles[solver]) | _told_apart(index, styles[solver]))
         canvas.log_axis(pane.xaxis, "ratio of masses", canvas.power_tick)
         pane.set_title(title)
-        made = [canvas.Line2D([], [], label=solver, **canvas.line(styles[solver]) | _told_apart(index, styles[solver]))
+        made = [canvas.handle(solver, styles[solver], **_told_apart(index, styles[solver]))
                 for index, solver in enumerate(solvers)]
-        pane.legend(handles=made, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncol=2, borderaxespad=0, fontsize=6)
+        canvas.legend_below(pane, made, -0.17, fontsize=6)
     _residual_axis(panes[0], "residual $\\rho$")
     return figure
 
@@ -149,12 +149,9 @@ def regularization(inputs: Inputs):
                 if not single and (round(math.log10(shift)) % 5 == 0 or shift in (1e-12, 1e-2)):
                     pane.annotate(canvas.power_tick(shift), (point["seconds"], point["value"]), fontsize=6,
                                   textcoords="offset points", xytext=(4, 3))
-        canvas.time_axis(pane, "time of a solve", "x")
-        # Powers of ten alone would be one label.
-        pane.xaxis.set_minor_formatter(canvas.FuncFormatter(lambda x, _: canvas.time_tick(x) if f"{x:.0e}"[0] in "25" else ""))
+        canvas.time_axis(pane.xaxis, "time of a solve", finer=True)
         _residual_axis(pane, label)
-    canvas.legend_outside(figure, [canvas.Line2D([], [], label=solver, **canvas.line(styles[solver]))
-                                   for solver in dict.fromkeys(table["solver"])], 5)
+    canvas.legend_outside(figure, [canvas.handle(solver, styles[solver]) for solver in dict.fromkeys(table["solver"])], 5)
     return figure
 
 
@@ -191,7 +188,7 @@ def precision(inputs: Inputs):
             pane.plot(mine["seconds"], _shown(mine["rho"]), color=colours[scene], linestyle="-" if kind == "double" else ":",
                       marker="s" if method == "tableau" else "o", markersize=5 if method == "tableau" else 3,
                       markerfacecolor=colours[scene] if kind == "double" else "white")
-        canvas.time_axis(pane, "time", "x")
+        canvas.time_axis(pane.xaxis, "time")
         pane.set_title(f"ratio of masses {canvas.power_tick(ratio)}")
     _residual_axis(panes[0], "residual $\\rho$")
     grey = {"color": canvas.FAINT, "markersize": 4}
