@@ -7,21 +7,18 @@ from collections.abc import Callable
 
 import pandas as pd
 
-from . import choice, decision, formats, motion, solver_facts
+from . import choice, decision, formats, solver_facts
 from .formats import DASH, power, residual, seconds, share_of, size_class, times
 from .headline_table import Entry, Headline, headline, verdicts
 from .inputs import PATHOLOGICAL, Inputs
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_ASKED, VERIFIED, within_rounding
 from .statistics.class_times import ALL, RIGHT
 from .statistics.load import ORIGINS
-from .table import Table, code
+from .table import Table
+from .table import code as key
 
 NOT_ASKED_MARK = "○"
 _MOST_SOLVERS = 25  # of the table of sequences
-
-
-def key(solver: str) -> str:
-    return code(solver)
 
 
 def _table(columns: list[str], rows: list[list], align: str = "") -> Table | None:
@@ -239,8 +236,9 @@ def sequences(inputs: Inputs, detailed: bool = False) -> Table | None:
 def motions(inputs: Inputs) -> list[tuple[str, str, Table]]:
     """(scene, level, table): worst values of every solver and tolerance, and counts at the end."""
     found = []
-    for scene, level in motion.scenes(inputs.motion):
-        table, rows = motion.of_scene(inputs.motion, scene, level), []
+    scenes = () if inputs.motion is None else inputs.motion.groupby(["scene", "level"], sort=False)
+    for (scene, level), table in scenes:
+        rows = []
         loosest_first = table.sort_values("tolerance", ascending=False, kind="stable")
         runs = loosest_first.groupby(["solver", "tolerance"], sort=False)
         order = list(dict.fromkeys(table["solver"]))
@@ -275,5 +273,5 @@ def settings(inputs: Inputs) -> Table:
 # Name of the file -> table of papers.
 PAPERS: dict[str, Callable[[Inputs], Table | None]] = {
     "headline": lambda inputs: by_solver(headline(inputs)) if len(inputs.cells) and headline(inputs).solvers else None,
-    "coverage": coverage, "origins": origins, "sequences": sequences, "deadlines": within_deadlines,
+    "coverage": coverage, "origins": origins, "sequences": sequences,
 }

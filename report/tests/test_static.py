@@ -17,7 +17,7 @@ from lcpbench_report.table import Table, html, latex
 from .cases import SharedFolderCase
 from .synthetic_report import FAILING, write_motion, write_problems, write_steps
 
-TABLES = {"headline", "coverage", "sequences", "deadlines"}
+TABLES = {"headline", "coverage", "sequences"}
 _DRAWN = "{http://www.w3.org/2000/svg}path"
 
 
@@ -66,12 +66,12 @@ class Static(SharedFolderCase):
     def test_without_sequences_those_tables_are_left_out(self):
         inputs = load_inputs([self.path / "standard"])
         names = {path.stem for path in write.write_tables(inputs, self.path / "less") if path.suffix == ".tex"}
-        self.assertEqual(names, TABLES - {"sequences", "deadlines"})
+        self.assertEqual(names, TABLES - {"sequences"})
 
     def test_of_sequences_alone_there_are_those_tables_only(self):
         inputs = load_inputs([write_steps(self.path / "alone")])
         written = write_static(inputs, self.path / "steps")
-        self.assertEqual({path.stem for path in written if path.suffix in (".svg", ".tex")}, {"sequences", "deadlines"})
+        self.assertEqual({path.stem for path in written if path.suffix in (".svg", ".tex")}, {"sequences"})
 
     def test_csv_tables_are_those_of_the_analysis(self):
         table = pd.read_csv(self.path / "out/tables/coverage.csv")

@@ -45,6 +45,7 @@ def write_tables(inputs: Inputs, folder: Path) -> list[Path]:
 
 def write_figure_of_times(inputs: Inputs, path: Path) -> None:
     """The one that README.md shows, where there are sizes enough."""
+    path.parent.mkdir(parents=True, exist_ok=True)
     with canvas.look():
         if (figure := times.by_size(inputs)) is not None:
             with replaced(path) as beside:
