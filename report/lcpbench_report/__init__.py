@@ -2,7 +2,7 @@
 (benchmarks/RESULTS.md), and every number comes from them.
 
     statistics                  reads a campaign, and the tables that `lcpbench analyse` writes
-    inputs, motion              all that one report is made of
+    inputs, studies             all that one report is made of
     choice, decision            what is shown where not all can be; which solver to take, by one rule
     headline_table, shown_tables, table   tables that people read, as Markdown, HTML and LaTeX
     summary, fairness           sentences made of the data

@@ -10,7 +10,7 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-from . import curves, motion
+from . import studies
 from .errors import ReportError
 from .files import replaced
 from .statistics.jsonl import packed, read_lines
@@ -27,7 +27,7 @@ _FILES: dict[str, tuple[Callable[[dict], tuple], int, int]] = {
                                  line["kind"] != "judge", line["kind"], line["pass"]), 3, 2),
     STEPS_FILE: (lambda step: (step["sequence"], step["solver"], -step["tier"], step["mode"], step["round"]), 3, 2),
 }
-_TABLES = (motion.FILE, *map(curves.file_of, curves.CURVES))  # of studies
+_TABLES = (studies.MOTION_FILE, *map(studies.file_of, studies.CURVES))  # of studies
 _AS_IT_IS = ("tier", "best_tier", "weight", "deadline_s")
 
 
@@ -37,7 +37,7 @@ def archive(folder: Path, output: Path) -> dict[str, int]:
     """
     tables = [name for name in _TABLES if (folder / name).is_file()]
     if not tables and not (folder / CAMPAIGN).is_file():
-        raise ReportError(str(folder), f"has no {CAMPAIGN} and no {motion.FILE}",
+        raise ReportError(str(folder), f"has no {CAMPAIGN} and no {studies.MOTION_FILE}",
                           "the folder of a campaign, of motions or of curves")
     if output.exists() and any(output.iterdir()):
         raise ReportError(str(output), "has files already", "a new folder")

@@ -12,7 +12,7 @@ from .solver_facts import library, method
 
 TIER = 1e-6  # that every solver here is meant for
 # Columns of tables that are not there.
-_ASKED_FOR = ["solver", "tier", "mean", "a", "answers", "reference", "problems", "metric"]
+_ASKED_FOR = ["solver", "tier", "mean", "a", "problems"]
 TIERS = (1e-3, 1e-6, 1e-9)  # of the collection; what has many more is a study of precision
 
 
@@ -45,21 +45,13 @@ def size_classes(inputs: Inputs, cells: pd.DataFrame) -> list[str]:
     return [of["key"] for of in inputs.size_classes if of["key"] in there]
 
 
-def families(inputs: Inputs) -> list[str]:
-    """In the order of the collection."""
-    return list(dict.fromkeys(about["family"] for about in inputs.problems.values()))
-
-
-def table(inputs: Inputs, name: str, tier: float | None = None) -> pd.DataFrame:
-    """As counted(), of a table of inputs.analysis; none where there is no such table."""
+def table(inputs: Inputs, name: str, tier: float) -> pd.DataFrame:
+    """Rows of a table of inputs.analysis: problems that count, and the tier; none where there is no such table."""
     found = inputs.analysis.get(name)
-    return pd.DataFrame(columns=_ASKED_FOR) if found is None else counted(found, tier)
-
-
-def counted(table: pd.DataFrame, tier: float | None = None) -> pd.DataFrame:
-    """Rows of a table of the statistics: problems that count, and the tier if one is asked for."""
-    chosen = (table["set"] == COUNTED) & (True if tier is None else table["tier"] == tier)
-    return table[chosen].drop(columns=[column for column in GROUP if column != "tier"])
+    if found is None:
+        return pd.DataFrame(columns=_ASKED_FOR)
+    chosen = (found["set"] == COUNTED) & (found["tier"] == tier)
+    return found[chosen].drop(columns=[column for column in GROUP if column != "tier"])
 
 
 def best_own(inputs: Inputs, most: int = 12) -> list[str]:
@@ -72,12 +64,6 @@ def best_peers(inputs: Inputs, most: int = 12) -> list[str]:
     where it is excluded from larger ones by its size limit, also the best of those that are not. The `most` best of
     them, in the order of the registry."""
     return _best(inputs, {key: library(inputs.entries[key]) for key in inputs.peers}, most)
-
-
-def best_of(inputs: Inputs, table: pd.DataFrame) -> list[str]:
-    """The best own ones and the best peers that have a row of `table`."""
-    there = set(table["solver"])
-    return [key for key in best_own(inputs, 20) + best_peers(inputs, 20) if key in there]
 
 
 def _ranked(cells: pd.DataFrame, solvers: list[str]) -> list[str]:

@@ -57,13 +57,8 @@ def percent(value: float) -> str:
     return f"{100 * value:.{digits}f}\u202f%"
 
 
-def share(part: int, whole: int) -> str:
-    """Per cent, rounded down: 100 % are all, and 0 % none."""
-    return share_of(part / whole) if whole else DASH
-
-
 def share_of(value: float) -> str:
-    """The same of a share."""
+    """Per cent of a share, rounded down: 100 % are all, and 0 % none."""
     found = 100 if value >= 1 else min(math.floor(100 * value + 1e-9), 99)
     return f"{'<1' if value and not found else found}{_NARROW}%"
 

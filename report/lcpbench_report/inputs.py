@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from . import curves as curve_files, motion as motion_file
+from . import studies
 from .errors import ReportError
 from .statistics import tables
 from .statistics.cells import cell_table
@@ -26,10 +26,10 @@ class Inputs:
     campaigns: list[Campaign]
     cells: pd.DataFrame  # statistics.cells.COLUMNS, without the solvers of ablations
     ablated: pd.DataFrame  # of those alone: for the table `ablation`, and nothing else
-    motion: pd.DataFrame | None = None  # motion_file.COLUMNS
+    motion: pd.DataFrame | None = None  # studies.MOTION_COLUMNS
     notes: list[str] = field(default_factory=list)
     precision: pd.DataFrame | None = None  # the table `delivered` of a campaign over every decade
-    curves: dict[str, pd.DataFrame] = field(default_factory=dict)  # curve_files.CURVES, those that there are
+    curves: dict[str, pd.DataFrame] = field(default_factory=dict)  # studies.CURVES, those that there are
     ablation: Campaign | None = None  # a campaign of its own for the table `ablation`, whose problems may be those of others
 
     @cached_property
@@ -111,7 +111,7 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
     @param curves     a folder of `make solver-curves`
     @throws ReportError for the first thing that does not fit
     """
-    table = motion_file.read(motion) if motion is not None else None
+    table = studies.read_motion(motion) if motion is not None else None
     campaigns = [load_campaign(folder) for folder in folders]
     for campaign in campaigns:
         for about in campaign.problems.values():
@@ -132,5 +132,5 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
     notes = [f"{folder.name}: {note}" for folder, campaign in zip(folders, campaigns) for note in campaign.notes]
     delivered = delivered_table(cell_table(load_campaign(precision))) if precision is not None else None
     return Inputs([folder.resolve().name for folder in folders], campaigns, cells, ablated,
-                  table, notes, delivered, curve_files.read(curves) if curves is not None else {},
+                  table, notes, delivered, studies.read_curves(curves) if curves is not None else {},
                   load_campaign(ablation) if ablation is not None else None)

@@ -7,21 +7,18 @@ from collections.abc import Callable
 
 import pandas as pd
 
-from . import choice, decision, formats, motion, solver_facts
+from . import choice, decision, formats, solver_facts
 from .formats import DASH, power, residual, seconds, share_of, size_class, times
 from .headline_table import Entry, Headline, headline, verdicts
 from .inputs import PATHOLOGICAL, Inputs
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_ASKED, VERIFIED, within_rounding
 from .statistics.class_times import ALL, RIGHT
 from .statistics.load import ORIGINS
-from .table import Table, code
+from .table import Table
+from .table import code as key
 
 NOT_ASKED_MARK = "○"
 _MOST_SOLVERS = 25  # of the table of sequences
-
-
-def key(solver: str) -> str:
-    return code(solver)
 
 
 def _table(columns: list[str], rows: list[list], align: str = "") -> Table | None:
@@ -159,7 +156,7 @@ def within_deadlines(inputs: Inputs) -> Table | None:
 # ----- what is right
 
 def coverage(inputs: Inputs) -> Table | None:
-    """Share verified of all solvers at the shown tiers, and wrong claims."""
+    """Share verified of all solvers at the shown tiers, and wrong claims: a row per solver, a column per tier."""
     def words(of: pd.Series) -> str:
         marks = {"false_successes": "✗", "below_tier": "↓", "below_floor": "⌊"}
         wrong = [f"{mark} {int(of[column])}" for column, mark in marks.items() if of[column]]
@@ -167,27 +164,11 @@ def coverage(inputs: Inputs) -> Table | None:
         share = [share_of(of["verified_share"])] if of["not_asked"] < of["problems"] else []
         return " · ".join(share + wrong + unasked)
 
-    return _by_tier(inputs, "coverage", words)
-
-
-def means(inputs: Inputs) -> Table | None:
-    """Shifted geometric means in which what is not verified has the time limit, with intervals, and over the best."""
-    def words(of: pd.Series) -> str:
-        interval = f"{seconds(of['mean_low'])}–{seconds(of['mean_high'])}"
-        return f"{seconds(of['mean'])} ({interval}), {formats.ratio(of['over_best'])}×"
-
-    return _by_tier(inputs, "means", words)
-
-
-def _by_tier(inputs: Inputs, name: str, words: Callable[[pd.Series], str]) -> Table | None:
-    """A row per solver, a column per shown tier, of a table of the analysis."""
-    by = choice.table(inputs, name).set_index(["solver", "tier"])
-    tiers = [tier for tier in choice.shown_tiers(inputs) if tier in by.index.get_level_values("tier")]
-    rows = []
-    for solver in inputs.in_order(by.index.get_level_values("solver")):
-        cells = [words(by.loc[(solver, tier)]) if (solver, tier) in by.index else DASH for tier in tiers]
-        rows += [[key(solver), *cells]] * any(text != DASH for text in cells)
-    return _table(["solver", *(f"tier {power(tier)}" for tier in tiers)], rows)
+    found = {tier: choice.table(inputs, "coverage", tier).set_index("solver") for tier in choice.shown_tiers(inputs)}
+    found = {tier: table for tier, table in found.items() if len(table)}
+    return _table(["solver", *(f"tier {power(tier)}" for tier in found)],
+                  [[key(solver), *(words(table.loc[solver]) if solver in table.index else DASH for table in found.values())]
+                   for solver in inputs.in_order(solver for table in found.values() for solver in table.index)])
 
 
 def robustness(inputs: Inputs) -> Table | None:
@@ -206,33 +187,6 @@ def robustness(inputs: Inputs) -> Table | None:
 def pathological(inputs: Inputs) -> pd.DataFrame:
     cells = inputs.cells
     return cells[cells["set"] == PATHOLOGICAL]
-
-
-def accuracy(inputs: Inputs) -> Table | None:
-    """Verified answers at the main tier: residual, and error against answers that are known exactly."""
-    table = choice.table(inputs, "accuracy", choice.main_tier(inputs))
-    table = table[(table["answers"] == "verified") & (table["reference"] == "certified")]
-    by = table.set_index(["solver", "metric"])
-    levels = {"median": "median", "p99": "99 %", "max": "largest"}
-    metrics = {"rho": "ρ", "w_error": "error of w"}
-    rows = [[key(solver), int(by.loc[(solver, "rho"), "problems"]),
-             *(residual(by.loc[(solver, metric), level]) if (solver, metric) in by.index else DASH
-               for metric in metrics for level in levels)] for solver in inputs.keys if (solver, "rho") in by.index]
-    columns = [f"{metric}, {level}" for metric in metrics.values() for level in levels.values()]
-    return _table(["solver", "answers", *columns], rows)
-
-
-def scaling(inputs: Inputs) -> Table | None:
-    """Exponents of time ~ rows^exponent over the families, at the main tier."""
-    table, rows = choice.table(inputs, "scaling", choice.main_tier(inputs)), []
-    for solver in inputs.in_order(table["solver"]):
-        mine = table[table["solver"] == solver]
-        values, width = mine["exponent"], mine["exponent_high"] - mine["exponent_low"]
-        found = (values.median(), values.min(), values.max(), width.median() / 2)
-        rows.append([key(solver), len(mine), *map(formats.ratio, found),
-                     f"{mine['rows_min'].min():.0f}–{mine['rows_max'].max():.0f}"])
-    return _table(["solver", "families", "median exponent", "least", "largest", "median half width (95 %)", "rows"],
-                  rows)
 
 
 def origins(inputs: Inputs) -> Table | None:
@@ -273,55 +227,18 @@ def sequences(inputs: Inputs, detailed: bool = False) -> Table | None:
     for of in table.to_dict("records"):
         gain = _with_interval(of["warm_gain"], of["warm_gain_low"], of["warm_gain_high"]) if detailed else \
             f"{of['warm_gain']:.2f}" if math.isfinite(of["warm_gain"]) else DASH
-        rows.append([key(of["solver"]), *[power(of["tier"])] * detailed, *_latency(of), gain])
-    return _table(["solver", *["asked for"] * detailed, *_LATENCY, "cold over warm"],
+        rows.append([key(of["solver"]), *[power(of["tier"])] * detailed, share_of(of["verified"] / of["steps"]),
+                     *(seconds(of[level]) for level in ("p50", "p99", "max")), gain])
+    return _table(["solver", *["asked for"] * detailed, "verified", "median", "99 %", "largest", "cold over warm"],
                   rows if detailed else rows[:_MOST_SOLVERS])
-
-
-_LATENCY = ("verified", "median", "99 %", "largest")
-
-
-def _share(of: dict | pd.Series) -> str:
-    return formats.share(int(of["verified"]), int(of["steps"]))
-
-
-def _latency(of: dict | pd.Series) -> list[str]:
-    return [_share(of), *(seconds(of[level]) for level in ("p50", "p99", "max"))]
-
-
-def latencies(inputs: Inputs) -> Table | None:
-    """Latency of a step over all sequences, from cold and warm starts."""
-    tier = choice.main_tier(inputs)
-    passes = inputs.analysis.get("latency", pd.DataFrame(columns=["solver", "excluded"]))
-    unasked = set(passes.loc[passes["excluded"] == NOT_ASKED, "solver"])
-    modes = {mode: decision.passes(inputs, tier, mode).set_index("solver") for mode in ("cold", "warm")}
-    rows = []
-    for solver in inputs.in_order([*modes["cold"].index, *modes["warm"].index, *unasked]):
-        none = [NOT_ASKED_MARK if solver in unasked else DASH] * len(_LATENCY)
-        cold, warm = (_latency(table.loc[solver]) if solver in table.index else none for table in modes.values())
-        gain = modes["warm"]["warm_gain"].get(solver, math.nan) if len(modes["warm"]) else math.nan
-        rows.append([key(solver), *cold, *warm, formats.ratio(gain)])
-    return _table(["solver", *(f"{mode}: {name}" for mode in modes for name in _LATENCY), "gain"], rows)
-
-
-def in_time(inputs: Inputs) -> Table | None:
-    """Share of steps in time and verified, per deadline, over all sequences."""
-    table = inputs.analysis.get("deadline")
-    if table is None:
-        return None
-    table = table[table["size"] == ALL]
-    table = table[table["tier"] == choice.nearest(table["tier"])]
-    by, limits = table.set_index(["solver", "deadline_s"]), sorted(set(table["deadline_s"]))
-    return _table(["solver", *(f"in time and verified, {seconds(limit)}" for limit in limits)],
-                  [[key(solver), *(_share(by.loc[(solver, limit)]) if (solver, limit) in by.index else DASH
-                                    for limit in limits)] for solver in inputs.in_order(table["solver"])])
 
 
 def motions(inputs: Inputs) -> list[tuple[str, str, Table]]:
     """(scene, level, table): worst values of every solver and tolerance, and counts at the end."""
     found = []
-    for scene, level in motion.scenes(inputs.motion):
-        table, rows = motion.of_scene(inputs.motion, scene, level), []
+    scenes = () if inputs.motion is None else inputs.motion.groupby(["scene", "level"], sort=False)
+    for (scene, level), table in scenes:
+        rows = []
         loosest_first = table.sort_values("tolerance", ascending=False, kind="stable")
         runs = loosest_first.groupby(["solver", "tolerance"], sort=False)
         order = list(dict.fromkeys(table["solver"]))
@@ -356,7 +273,5 @@ def settings(inputs: Inputs) -> Table:
 # Name of the file -> table of papers.
 PAPERS: dict[str, Callable[[Inputs], Table | None]] = {
     "headline": lambda inputs: by_solver(headline(inputs)) if len(inputs.cells) and headline(inputs).solvers else None,
-    "coverage": coverage, "means": means, "accuracy": accuracy, "scaling": scaling, "origins": origins,
-    "sequences": latencies,
-    "deadlines": in_time,
+    "coverage": coverage, "origins": origins, "sequences": sequences,
 }

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from lcpbench_report import motion
+from lcpbench_report import studies
 from lcpbench_report.inputs import Inputs, load_inputs
 from .cases import edit_lines
 from .synthetic_campaign import TIERS, Noise, exclude, fail, write_campaign
@@ -69,7 +69,7 @@ def write_motion(folder: Path) -> Path:
                          "penetration": error * (step % 7), "joint_error": 0.0, "distance": error, "rho": error,
                          "solve_time_s": 1e-5 * step, "solves": step, "failed": 0, "not_passed": 0, "false_successes": 0,
                          "stopped": stopped})
-    pd.DataFrame(rows, columns=list(motion.COLUMNS)).to_csv(folder / motion.FILE, index=False)
+    pd.DataFrame(rows, columns=list(studies.MOTION_COLUMNS)).to_csv(folder / studies.MOTION_FILE, index=False)
     return folder
 
 

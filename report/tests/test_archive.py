@@ -3,7 +3,7 @@
 import json
 import lzma
 
-from lcpbench_report import motion
+from lcpbench_report import studies
 from lcpbench_report.archive import archive
 from lcpbench_report.errors import ReportError
 from lcpbench_report.statistics.cells import cell_table
@@ -49,8 +49,8 @@ class Archive(SharedFolderCase):
     def test_motions_are_kept_as_they_are(self):
         folder, kept = write_motion(self.path / "motion"), self.path / "kept-motion"
         archive(folder, kept)
-        self.assertTrue(motion.read(kept).equals(motion.read(folder)))
-        self.assertFalse((kept / motion.FILE).exists())
+        self.assertTrue(studies.read_motion(kept).equals(studies.read_motion(folder)))
+        self.assertFalse((kept / studies.MOTION_FILE).exists())
 
     def test_the_same_campaign_gives_the_same_bytes(self):
         archive(self.campaign, self.path / "again")

@@ -5,7 +5,7 @@ from unittest import mock
 
 import pandas as pd
 
-from lcpbench_report import curves, peers, plotly_bundle
+from lcpbench_report import peers, plotly_bundle, studies
 from lcpbench_report.archive import archive
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
@@ -19,51 +19,51 @@ from .synthetic_report import write_cells
 def write_curves(folder, *names):
     folder.mkdir(parents=True, exist_ok=True)
     rows = {
-        curves.MASS_RATIO: [{"scene": scene, "rows": 60, "mass_ratio": ratio, "budget_s": 0.01, "solver": solver,
+        studies.MASS_RATIO: [{"scene": scene, "rows": 60, "mass_ratio": ratio, "budget_s": 0.01, "solver": solver,
                              "origin": origin, "asked": 1e-9, "rho": rho * ratio, "seconds": 1e-3, "status": "solved"}
                             for scene in ("pile", "wall") for ratio in (1.0, 1e4, 1e8)
                             for solver, origin, rho in (("auto", "own", 1e-16), ("ode-dantzig", "peer", 1e-12),
                                                         ("ode-lemke", "peer", 1e-14), ("scs-dual", "peer", math.inf))],
-        curves.REGULARIZATION: [{"scene": "pile", "rows": 60, "solver": solver, "origin": "peer",
+        studies.REGULARIZATION: [{"scene": "pile", "rows": 60, "solver": solver, "origin": "peer",
                                  "regularization": shift, "rho": shift or 1e-16, "violation": shift or 0,
                                  "seconds": 1e-4, "status": "solved"}
                                 for solver, shift in (("ode-dantzig", ""), ("ode-dantzig-cfm", 1e-12), ("ode-dantzig-cfm", 1e-2))],
-        curves.SWEEPS: [{"scene": "pile", "rows": 60, "step_s": 0.01, "solver": "bullet-si-1000", "sweeps": sweeps,
+        studies.SWEEPS: [{"scene": "pile", "rows": 60, "step_s": 0.01, "solver": "bullet-si-1000", "sweeps": sweeps,
                          "rho": 1e-2, "penetration": 1e-3, "joint_error": 0, "seconds_per_step": 1e-4, "steps": 100,
                          "stopped": ""} for sweeps in ("", 1, 10)],
-        curves.PRECISION: [{"scene": "pile", "rows": 60, "method": method, "precision": kind, "sweeps": sweeps,
+        studies.PRECISION: [{"scene": "pile", "rows": 60, "method": method, "precision": kind, "sweeps": sweeps,
                             "mass_ratio": 1, "rho": 1e-6, "seconds": 1e-4}
                            for method, sweeps in (("gauss-seidel", 1), ("gauss-seidel", 10), ("tableau", ""))
                            for kind in ("single", "double")],
     }
     for name in names or rows:
-        pd.DataFrame(rows[name], columns=list(curves.CURVES[name])).to_csv(folder / curves.file_of(name), index=False)
+        pd.DataFrame(rows[name], columns=list(studies.CURVES[name])).to_csv(folder / studies.file_of(name), index=False)
     return folder
 
 
 class Curves(FolderCase):
     def test_those_that_are_there_are_read(self):
-        self.assertEqual(set(curves.read(write_curves(self.folder / "all"))), set(curves.CURVES))
-        self.assertEqual(set(curves.read(write_curves(self.folder / "one", curves.SWEEPS))), {curves.SWEEPS})
+        self.assertEqual(set(studies.read_curves(write_curves(self.folder / "all"))), set(studies.CURVES))
+        self.assertEqual(set(studies.read_curves(write_curves(self.folder / "one", studies.SWEEPS))), {studies.SWEEPS})
         with self.assertRaisesRegex(ReportError, "has none of mass-ratio.csv"):
-            curves.read(self.folder)
+            studies.read_curves(self.folder)
 
     def test_what_does_not_fit_is_told(self):
-        write_curves(self.folder, curves.SWEEPS)
-        path = self.folder / curves.file_of(curves.SWEEPS)
+        write_curves(self.folder, studies.SWEEPS)
+        path = self.folder / studies.file_of(studies.SWEEPS)
         path.write_text(path.read_text().replace("0.001", "deep", 1))
         with self.assertRaisesRegex(ReportError, "sweeps.csv: line 2, column 'penetration' is 'deep'"):
-            curves.read(self.folder)
+            studies.read_curves(self.folder)
 
     def test_an_archive_is_read_the_same(self):
         write_curves(self.folder / "made")
         archive(self.folder / "made", self.folder / "kept")
-        made, kept = curves.read(self.folder / "made"), curves.read(self.folder / "kept")
+        made, kept = studies.read_curves(self.folder / "made"), studies.read_curves(self.folder / "kept")
         for name, table in made.items():
             self.assertTrue(table.equals(kept[name]), name)
 
     def test_of_a_library_the_best_is_shown_and_no_answer_counts_as_one(self):
-        table = curves.read(write_curves(self.folder))[curves.MASS_RATIO]
+        table = studies.read_curves(write_curves(self.folder))[studies.MASS_RATIO]
         self.assertEqual(figures.best_of_libraries(table[table["origin"] == "peer"]), ["ode-lemke", "scs-dual"])
         self.assertEqual(list(figures._shown([math.inf, math.nan, 0, 1e-3])), [1, 1, 1e-17, 1e-3])
 
@@ -71,10 +71,10 @@ class Curves(FolderCase):
         inputs = load_inputs([write_cells(self.folder / "campaign")], curves=write_curves(self.folder / "curves"))
         with canvas.look():
             for figure in figures.figures(inputs):
-                self.assertIn(b"svg", canvas.address(figure.draw()).encode())
+                self.assertIn(b"svg", canvas.svg(figure.draw()))
         with mock.patch.object(plotly_bundle, "minified", return_value=""):
             text = page.render(inputs)
-        for name in curves.CURVES:
+        for name in studies.CURVES:
             self.assertEqual(text.count(f'<figure id="curve-{name}">'), 1)
         without = load_inputs([self.folder / "campaign"])
         self.assertEqual(list(figures.figures(without)), [])

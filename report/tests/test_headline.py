@@ -155,9 +155,9 @@ class Headline(SharedFolderCase):
         self.assertNotIn("()", markdown.caption(bare, found))
 
     def test_a_share_below_all_is_never_shown_as_all(self):
-        self.assertEqual(formats.share(999, 1000), "99\u202f%")
-        self.assertEqual(formats.share(1000, 1000), "100\u202f%")
-        self.assertEqual(formats.share(1, 1000), "<1\u202f%")
+        self.assertEqual(formats.share_of(0.999), "99\u202f%")
+        self.assertEqual(formats.share_of(1), "100\u202f%")
+        self.assertEqual(formats.share_of(0.001), "<1\u202f%")
 
     def update(self, *files) -> tuple[int, str, str]:
         return run("headline", self.folder, "--root", self.path, "--update", *files)

@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from lcpbench_report import motion, shown_tables
+from lcpbench_report import shown_tables, studies
 from lcpbench_report.errors import ReportError
 from .cases import FolderCase
 from .synthetic_report import LEVEL, SCENE, write_motion
@@ -14,7 +14,7 @@ class Motion(FolderCase):
         write_motion(self.folder)
 
     def test_the_table_takes_the_worst_values_and_the_last_counts(self):
-        inputs = SimpleNamespace(motion=motion.read(self.folder))
+        inputs = SimpleNamespace(motion=studies.read_motion(self.folder))
         ((scene, level, table),) = shown_tables.motions(inputs)
         self.assertEqual((scene, level, len(table.rows)), (SCENE, LEVEL, 3))
         rows = {tuple(row[:2]): dict(zip(table.columns, row)) for row in table.rows}
@@ -22,11 +22,8 @@ class Motion(FolderCase):
         self.assertEqual((full["energy error"], full["penetration [m]"], full["solves"]), ("9.9e-8", "6.0e-9", 99))
         self.assertEqual((stopped["energy error"], stopped["solves"], stopped["stopped"]), ("4.9e-3", 49, "not finite"))
 
-    def test_scenes_keep_their_order(self):
-        self.assertEqual(motion.scenes(motion.read(self.folder)), [(SCENE, LEVEL)])
-
     def test_what_does_not_fit_is_told_by_line_and_column(self):
-        path = self.folder / motion.FILE
+        path = self.folder / studies.MOTION_FILE
         text = path.read_text()
         for wrong, words in (
                 (text.replace("pgs,0.001,7,", "pgs,0.001,seven,"),
@@ -35,4 +32,4 @@ class Motion(FolderCase):
                 (text.splitlines()[0] + "\n", "no rows")):
             path.write_text(wrong)
             with self.assertRaisesRegex(ReportError, words):
-                motion.read(self.folder)
+                studies.read_motion(self.folder)

@@ -11,17 +11,13 @@ import xml.etree.ElementTree
 import pandas as pd
 
 from lcpbench_report.inputs import load_inputs
-from lcpbench_report.static import write
+from lcpbench_report.static import canvas, times, write
 from lcpbench_report.static.write import write_static
-from lcpbench_report.static.quality import kind_of
 from lcpbench_report.table import Table, html, latex
 from .cases import SharedFolderCase
 from .synthetic_report import FAILING, write_motion, write_problems, write_steps
 
-FIGURES = {"profile-1e-3", "profile-1e-6", "profile-1e-9", "time-by-size", "time-by-family", "accuracy", "coverage",
-           "work-precision", "scaling", "robustness", "robustness-grids", "sequence-latency", "sequence-deadlines",
-           "motion-disc-pile-velocity"}
-TABLES = {"headline", "coverage", "means", "accuracy", "scaling", "sequences", "deadlines"}
+TABLES = {"headline", "coverage", "sequences"}
 _DRAWN = "{http://www.w3.org/2000/svg}path"
 
 
@@ -35,7 +31,7 @@ class Static(SharedFolderCase):
 
     def test_every_figure_is_there_twice_and_what_is_returned_was_written(self):
         for suffix in (".svg", ".pdf"):
-            self.assertEqual({path.stem for path in self.written if path.suffix == suffix}, FIGURES)
+            self.assertEqual({path.stem for path in self.written if path.suffix == suffix}, {"time-by-size"})
         on_disk = {path for path in (self.path / "out").rglob("*") if path.is_file()}
         self.assertEqual(set(self.written), on_disk)
 
@@ -59,33 +55,23 @@ class Static(SharedFolderCase):
     def test_problems_without_rows_are_drawn(self):
         inputs = load_inputs([self.path / "standard"])
         inputs.cells["rows"] = 0
-        self.assertIsNotNone(dict(write.figures(inputs))["time-by-size"]())
+        with canvas.look():
+            self.assertIn(b"svg", canvas.svg(times.by_size(inputs)))
 
     def test_svg_stands_on_white(self):
         text = (self.path / "out/figures/time-by-size.svg").read_text(encoding="utf-8")
         background = re.search(r'<g id="patch_1">\s*<path d="[^"]*" style="([^"]*)"', text)
         self.assertIn("fill: #ffffff", background[1])
 
-    def test_without_sequences_motion_and_grids_those_are_left_out(self):
+    def test_without_sequences_those_tables_are_left_out(self):
         inputs = load_inputs([self.path / "standard"])
-        for problem in inputs.problems.values():
-            problem["grid"] = ""
-        found = {name for name, draw in write.figures(inputs) if name.startswith(("sequence", "motion", "robustness-"))
-                 and draw() is not None}
-        self.assertEqual(found, set())
         names = {path.stem for path in write.write_tables(inputs, self.path / "less") if path.suffix == ".tex"}
-        self.assertEqual(names, TABLES - {"sequences", "deadlines"})
+        self.assertEqual(names, TABLES - {"sequences"})
 
-    def test_of_sequences_alone_there_are_those_figures_only(self):
+    def test_of_sequences_alone_there_are_those_tables_only(self):
         inputs = load_inputs([write_steps(self.path / "alone")])
         written = write_static(inputs, self.path / "steps")
-        self.assertEqual({path.stem for path in written if path.suffix == ".svg"},
-                         {"sequence-latency", "sequence-deadlines"})
-        self.assertEqual({path.stem for path in written if path.suffix == ".tex"}, {"sequences", "deadlines"})
-
-    def test_two_tiers_are_no_study_of_precision(self):
-        inputs = load_inputs([write_problems(self.path / "two", tiers=(1e-3, 1e-6))])
-        self.assertIsNone(dict(write.figures(inputs))["work-precision"]())
+        self.assertEqual({path.stem for path in written if path.suffix in (".svg", ".tex")}, {"sequences"})
 
     def test_csv_tables_are_those_of_the_analysis(self):
         table = pd.read_csv(self.path / "out/tables/coverage.csv")
@@ -143,13 +129,6 @@ class Static(SharedFolderCase):
         told = [re.search(r"texttimes\{\} (\d+)", cell) for cell in cells[1:]]
         self.assertEqual([int(found[1]) if found else 0 for found in told], list(mine["false_successes"][::-1]))
 
-    def test_the_readme_names_the_packages_and_the_files(self):
-        text = (self.path / "out/tables/README.md").read_text(encoding="utf-8")
-        self.assertIn(r"\usepackage{booktabs}", text)
-        self.assertIn(r"\input{tables/", text)
-        for name in TABLES:
-            self.assertIn(f"`{name}.tex`", text)
-
 
 class Formats(unittest.TestCase):
     """One table in three formats."""
@@ -172,11 +151,3 @@ class Formats(unittest.TestCase):
         self.assertEqual(latex("a_b & 50 % #1 ${x}~^<\\"),
                          r"a\_b \& 50 \% \#1 \$\{x\}\textasciitilde{}\textasciicircum{}\textless{}\textbackslash{}")
         self.assertTrue(latex("4–10⁴ µs\u202f% ✗ ↓ · × ∞ ρ …").isascii())
-
-
-class Kinds(unittest.TestCase):
-    def test_the_change_of_a_problem_is_its_kind_else_the_family(self):
-        for problem, kind in (("disc-pile-n40-s1-mass-ratio-1e+08", "mass-ratio"),
-                              ("disc-track-n40-s1-conformal-1e-09", "conformal"),
-                              ("ovals-in-bowl-n100-s1-slack--0.5", "slack"), ("squeezed-row-n8-s1", "squeezed-row")):
-            self.assertEqual(kind_of(problem, problem.split("-n")[0]), kind)

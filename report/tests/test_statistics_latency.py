@@ -3,8 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from lcpbench_report.statistics.latency import (deadline_table, latency_by_solver_table,
-                                                latency_table)
+from lcpbench_report.statistics.latency import deadline_table, latency_by_solver_table
 from lcpbench_report.statistics.load import load_campaign
 from lcpbench_report.statistics.tables import FOLDER, STEP_TABLES
 from .cases import FolderCase, run
@@ -19,31 +18,29 @@ class StepTables(FolderCase):
         return load_campaign(write_sequences(self.folder, passes))
 
     def test_quantiles_of_a_pass_are_those_of_its_one_interval(self):
-        row = latency_table(self.load([one_pass("pile-12", "quick", "cold", RISING, failed=[7])])).iloc[0]
-        self.assertEqual((row["rows"], row["family"], row["steps"], row["verified"]), (12, "pile", STEPS, STEPS - 1))
+        row = latency_by_solver_table(self.load([one_pass("pile-12", "quick", "cold", RISING, failed=[7])])).iloc[0]
+        self.assertEqual((row["size"], row["steps"], row["verified"]), ("12", STEPS, STEPS - 1))
         np.testing.assert_allclose(row[["p50", "p99", "max", "raw_max"]].tolist(), [51e-6, 100e-6, 101e-6, 101e-6])
 
     def test_of_every_step_the_median_over_rounds_counts_and_the_worst_is_told(self):
         disturbed = [1e-3, *RISING[1:]]
         passes = [one_pass("pile-12", "quick", "cold", times, index=index)
                   for index, times in enumerate([RISING, disturbed, RISING])]
-        row = latency_table(self.load(passes)).iloc[0]
+        row = latency_by_solver_table(self.load(passes)).iloc[0]
         np.testing.assert_allclose(row[["p50", "max", "raw_max"]].tolist(), [51e-6, 101e-6, 1e-3])
-        self.assertEqual(row["rounds"], 3)
 
     def test_where_the_machine_did_something_else_another_round_counts(self):
         disturbed = [*RISING[:-1], 4e-3]
         for undisturbed, worst in ((1, 101e-6), (0, 4e-3)):
             passes = [one_pass("pile-12", "quick", "cold", disturbed, index=0, preempted=[STEPS - 1])]
             passes += [one_pass("pile-12", "quick", "cold", RISING, index=1)] * undisturbed
-            campaign = self.load(passes)
-            for row in (latency_table(campaign).iloc[0], latency_by_solver_table(campaign).iloc[0]):
-                np.testing.assert_allclose(row[["max", "raw_max"]].tolist(), [worst, 4e-3])
-                self.assertEqual(row["preempted"], 1 - undisturbed)
+            row = latency_by_solver_table(self.load(passes)).iloc[0]
+            np.testing.assert_allclose(row[["max", "raw_max"]].tolist(), [worst, 4e-3])
+            self.assertEqual(row["preempted"], 1 - undisturbed)
 
     def test_steps_that_were_not_reached_take_for_ever(self):
-        row = latency_table(self.load([one_pass("pile-12", "quick", "warm", RISING[:60])])).iloc[0]
-        self.assertEqual((row["outcome"], row["verified"]), ("budget", 60))
+        row = latency_by_solver_table(self.load([one_pass("pile-12", "quick", "warm", RISING[:60])])).iloc[0]
+        self.assertEqual(row["verified"], 60)
         self.assertTrue(np.isclose(row["p50"], 51e-6) and np.isinf(row["p99"]) and np.isinf(row["max"]))
 
     def test_a_sequence_with_a_step_that_a_solver_does_not_take_is_not_asked_of_it(self):
@@ -52,17 +49,14 @@ class StepTables(FolderCase):
             partly["claims"] = {"unsupported": refused} | ({"solved": STEPS - refused} if refused < STEPS else {})
             campaign = self.load([partly, partly | {"round": 1}, one_pass("chain-12", "peer", "cold", RISING),
                                   one_pass("pile-12", "quick", "cold", RISING)])
-            table = latency_table(campaign).set_index(["sequence", "solver"])["excluded"]
-            self.assertEqual(table.to_dict(), {("pile-12", "peer"): "not asked", ("chain-12", "peer"): "",
-                                               ("pile-12", "quick"): ""})
+            found = {(sequence, solver): runs.excluded for (sequence, solver, *_), runs in campaign.passes.items()}
+            self.assertEqual(found, {("pile-12", "peer"): "not asked", ("chain-12", "peer"): "", ("pile-12", "quick"): ""})
             by_solver = latency_by_solver_table(campaign).set_index(["solver", "size"])
             row = by_solver.loc[("peer", "all")]
             self.assertEqual((row["sequences"], row["excluded"], row["verified_share"]), (1, 1, 1))
 
     def test_a_direct_solver_has_a_row_at_every_tier_that_it_is_judged_at(self):
         campaign = self.load([one_pass("pile-12", "quick", mode, RISING, judged=TIERS) for mode in ("cold", "warm")])
-        table = latency_table(campaign)
-        self.assertEqual(table["tier"].tolist(), [1e-3, 1e-6] * 2)
         self.assertEqual(set(latency_by_solver_table(campaign)["tier"]), set(TIERS))
 
     def test_sizes_are_pooled(self):
@@ -118,12 +112,12 @@ class StepTables(FolderCase):
             self.assertEqual(run("analyse", self.folder)[0], 0)
             written = {path.stem for path in (self.folder / FOLDER).iterdir()}
             self.assertEqual(written, set(STEP_TABLES))
-        self.assertEqual(len(pd.read_csv(self.folder / FOLDER / "latency.csv")), 1)
+        self.assertEqual(len(pd.read_csv(self.folder / FOLDER / "latency_by_solver.csv")), 2)
 
     def test_a_campaign_of_cells_alone_has_no_tables_of_steps(self):
         write_campaign(self.folder, {"a": 1.0, "b": 2.0}, copies=1)
         self.assertEqual(run("analyse", self.folder)[0], 0)
-        self.assertFalse((self.folder / FOLDER / "latency.csv").exists())
+        self.assertFalse((self.folder / FOLDER / "latency_by_solver.csv").exists())
         self.assertTrue((self.folder / FOLDER / "cells.csv").exists())
 
     def test_without_passes_there_are_headers(self):

@@ -1,4 +1,4 @@
-"""Performance profiles, shifted means and coverage: against values worked out by hand, and their laws."""
+"""Shifted means and coverage: against values worked out by hand, and their laws."""
 
 import math
 import unittest
@@ -9,7 +9,6 @@ import pandas as pd
 from lcpbench_report.statistics import means
 from lcpbench_report.statistics.coverage import coverage_table
 from lcpbench_report.statistics.intervals import share_interval
-from lcpbench_report.statistics.distributions import TAUS, profile, profile_table
 from .synthetic_campaign import TIME_LIMIT, cells_of
 
 INF = math.inf
@@ -21,49 +20,6 @@ def random_times(seed: int) -> pd.DataFrame:
     rng = np.random.default_rng(seed)
     times = pd.DataFrame(np.exp(rng.normal(0, 2, (30, 4))), columns=list("abcd"))
     return times.mask(rng.random(times.shape) < 0.2, INF)
-
-
-class Profiles(unittest.TestCase):
-    def test_the_example_by_hand(self):
-        shares = profile(EXAMPLE, taus=[1, 2.9, 3, 3.9, 4, 1e4])
-        np.testing.assert_allclose(shares["a"], np.array([1, 1, 2, 2, 2, 2]) / 3)
-        np.testing.assert_allclose(shares["b"], np.array([1, 1, 1, 1, 2, 2]) / 3)
-        variants = profile(EXAMPLE, taus=[1, 3], weights=[1, 0.5, 0.5])  # q and r share the weight of their base
-        np.testing.assert_allclose(variants[["a", "b"]], [[2 / 4, 1 / 4], [3 / 4, 1 / 4]])
-
-    def test_a_profile_rises_from_the_share_of_wins_to_the_verified_share(self):
-        for seed in range(20):
-            times = random_times(seed)
-            shares = profile(times, [*TAUS, 1e300])
-            solved = np.isfinite(times)
-            self.assertTrue((shares.diff().dropna() >= 0).all().all())
-            np.testing.assert_allclose(shares.iloc[-1], solved.mean())
-            self.assertAlmostEqual(shares.iloc[0].sum(), solved.any(axis=1).mean())  # no ties: one winner each
-
-    def test_it_does_not_depend_on_the_unit(self):
-        times = random_times(3)
-        unit = pd.Series(np.exp(np.random.default_rng(4).normal(0, 5, len(times))))
-        pd.testing.assert_frame_equal(profile(times), profile(times.mul(unit, axis=0)))
-
-    def test_excluded_cells_are_failures_that_are_told_apart(self):
-        cells = cells_of(EXAMPLE)
-        cells.loc[(cells["problem"] == "r") & (cells["solver"] == "a"), "verdict"] = "excluded"
-        table = profile_table(cells)
-        self.assertEqual(set(table.loc[table["solver"] == "a", "excluded_share"]), {1 / 3})
-        self.assertEqual(set(table.loc[table["solver"] == "b", "excluded_share"]), {0})
-        self.assertEqual(set(table["problems"]), {3})
-        self.assertEqual(len(table), 2 * len(TAUS))
-
-    def test_problems_on_which_some_had_no_turn_are_left_out(self):
-        times = EXAMPLE.copy()
-        times.loc["p", "b"] = math.nan
-        table = profile_table(cells_of(times))
-        self.assertEqual(set(table["problems"]), {2})
-        last = table[table["tau"] == TAUS[-1]].set_index("solver")["share"]
-        self.assertEqual(last.to_dict(), {"a": 0.5, "b": 0.5})
-
-    def test_problems_that_do_not_count_do_not(self):
-        self.assertTrue(profile_table(cells_of(EXAMPLE, counts=False)).empty)
 
 
 class Means(unittest.TestCase):

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from lcpbench_report.statistics import distributions, means
+from lcpbench_report.statistics import means, scaling
 from lcpbench_report.statistics.cells import cell_table
 from lcpbench_report.statistics.load import load_campaign
 from lcpbench_report.statistics.tables import FOLDER, TABLES
@@ -95,7 +95,7 @@ class Tables(SharedFolderCase):
         self.assertEqual(set(cells["verdict"]), {"verified", "false success", "failed:time_limit", "excluded", "not asked"})
 
     def test_what_does_not_count_has_tables_of_its_own(self):
-        for name in ("profiles", "means", "coverage"):
+        for name in ("means", "coverage"):
             self.assertEqual(set(self.tables[name]["set"]), {"counted"}, name)
         self.assertEqual(set(self.tables["pairwise"]["set"]), {"counted", "engine"})
 
@@ -125,14 +125,6 @@ class Tables(SharedFolderCase):
         cells = self.tables["cells"]
         row = cells[(cells["solver"] == "quick") & (cells["rows"] == 100)].iloc[0]
         self.assertAlmostEqual(row["oracle_ratio"], row["time_s"] / (100 * ORACLE_PER_ROW), places=5)
-
-    def test_accuracy_of_claims_shows_what_verified_ones_hide(self):
-        table = self.tables["accuracy"]
-        self.assertEqual(set(table["metric"]), {"rho", "backward_error", "w_error"})  # f_error is known nowhere
-        liar = table[(table["solver"] == "liar") & (table["tier"] == min(TIERS)) & (table["metric"] == "rho")]
-        self.assertEqual(list(liar["answers"]), ["claimed"])
-        self.assertEqual(list(liar["median"]), [1.0])
-        self.assertEqual(set(table["reference"]), {"certified"})  # the engine's problem has none
 
     def test_the_same_files_give_the_same_tables(self):
         before = {path.name: path.read_bytes() for path in (self.folder / FOLDER).iterdir()}
@@ -232,7 +224,7 @@ class Exponents(unittest.TestCase):
         rows, held, seeds = np.repeat(SIZES, 3), 0, 300
         for seed in range(seeds):
             rng = np.random.default_rng([30, seed])
-            fit = distributions.fit_exponent(rows, 1e-7 * rows**2.5 * np.exp(rng.normal(0, 0.4, len(rows))))
+            fit = scaling.fit_exponent(rows, 1e-7 * rows**2.5 * np.exp(rng.normal(0, 0.4, len(rows))))
             held += fit["exponent_low"] <= 2.5 <= fit["exponent_high"]
         self.assertTrue(0.92 <= held / seeds <= 0.98, held / seeds)
 
@@ -359,8 +351,6 @@ class Files(FolderCase):
         self._write(change=fail)
         self._expect_headers()
         self.assertTrue(pd.read_csv(self.folder / FOLDER / "scaling.csv").empty)
-        profiles = pd.read_csv(self.folder / FOLDER / "profiles.csv")
-        self.assertEqual(set(profiles["share"]), {0})
 
     def test_excluded_cells_are_penalised_by_the_rule_for_the_limit(self):
         self._write(change=exclude)
@@ -369,12 +359,6 @@ class Files(FolderCase):
         self.assertEqual(set(cells.loc[200]), {2.0})
         self.assertEqual(set(means.mean_table(cell_table(load_campaign(self.folder)))["penalised"]),
                          {len(FAMILIES) * len(SIZES)})
-
-    def test_answers_against_bounded_references_are_apart(self):
-        problem = json.loads(self._lines("problems.jsonl")[0]) | {"reference": "bounded"}
-        self._edit_line("problems.jsonl", 0, lambda line: json.dumps(problem))
-        table = distributions.accuracy_table(cell_table(load_campaign(self.folder)))
-        self.assertEqual(set(table.loc[table["reference"] == "bounded", "problems"]), {1})
 
     def _write(self, **arguments) -> None:
         write_campaign(self.folder, {"a": 1.0, "b": 2.0}, tiers=TIERS[:1], copies=1, **arguments)

@@ -1,6 +1,5 @@
 """How figures look and are saved: the same bytes for the same data."""
 
-import base64
 import io
 import math
 from pathlib import Path
@@ -11,20 +10,15 @@ matplotlib.use("agg")
 
 from matplotlib import pyplot as plt  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
-from matplotlib.ticker import (FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullFormatter,  # noqa: E402
-                               NullLocator)
+from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator  # noqa: E402
 
 from ..files import replaced  # noqa: E402
 from ..style import ORACLE_COLOUR, SolverStyle  # noqa: E402
 from ..formats import time_unit  # noqa: E402
 
-INK, GRID, FAINT, CONTEXT = "#1c2430", "#e3e7ec", "#5c6672", "#d3d9e0"
-COLUMN, PAGE = 3.5, 7.16  # widths of a column and of a page with two [in]
+INK, GRID, FAINT = "#1c2430", "#e3e7ec", "#5c6672"
+PAGE = 7.16  # width of a page with two columns [in]
 ORACLE = {"color": ORACLE_COLOUR, "linestyle": (0, (6, 2)), "linewidth": 1.2, "zorder": 5}
-# Verdicts; told apart by lightness as well.
-VERDICTS = {"verified": "#0072B2", "false success": "#D55E00", "below the tier": "#E8A27C",
-            "proved infeasible": "#8CC5E8", "infeasible within rounding": "#C5DFF0", "failed": "#F0C98A",
-            "not asked": "#cfe0dc", "excluded": "#e1e5ea"}
 _STYLE = {
     "svg.fonttype": "path", "svg.hashsalt": "lcpbench", "pdf.fonttype": 42, "font.family": "DejaVu Sans",
     "font.size": 7.5, "axes.titlesize": 8, "axes.labelsize": 8, "legend.fontsize": 7, "xtick.labelsize": 7,
@@ -43,62 +37,53 @@ def look():
     return plt.rc_context(_STYLE)
 
 
-def panels(columns: int, width: float, height: float, rows: int = 1, **options):
-    """(figure, axes row by row)"""
-    figure, axes = plt.subplots(rows, columns, figsize=(width, height), squeeze=False, layout="constrained", **options)
+def panels(columns: int, width: float, height: float, **options):
+    """(figure, axes from left to right)"""
+    figure, axes = plt.subplots(1, columns, figsize=(width, height), squeeze=False, layout="constrained", **options)
     return figure, list(axes.flat)
 
 
 def save(figure, folder: Path, name: str) -> list[Path]:
     """<name>.svg and <name>.pdf of one figure, which is closed."""
     paths = [folder / f"{name}.svg", folder / f"{name}.pdf"]
-    save_svg(figure, paths[0])
+    folder.mkdir(parents=True, exist_ok=True)
+    with replaced(paths[0]) as beside:
+        beside.write_bytes(svg(figure, close=False))
     with replaced(paths[1]) as beside:
         figure.savefig(beside, metadata={"CreationDate": None, "Creator": "LCPBench", "Producer": None})
     plt.close(figure)
     return paths
 
 
-def save_svg(figure, path: Path) -> None:
+def svg(figure, close: bool = True) -> bytes:
     """On white, so that it can be read on a dark page."""
-    path.parent.mkdir(parents=True, exist_ok=True)
     # The layout is found once; by default every drawing looks for it again, which takes longer than the drawing.
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
-    with replaced(path) as beside:
-        figure.savefig(beside, metadata={"Date": None, "Creator": "LCPBench"})
-
-
-def address(figure) -> str:
-    """The figure as a data URI, for the page; it is closed."""
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     text = io.BytesIO()
     figure.savefig(text, format="svg", metadata={"Date": None, "Creator": "LCPBench"})
-    plt.close(figure)
-    return "data:image/svg+xml;base64," + base64.b64encode(text.getvalue()).decode("ascii")
+    if close:
+        plt.close(figure)
+    return text.getvalue()
 
 
-def line(style: SolverStyle, marks: bool = True) -> dict:
+def line(style: SolverStyle) -> dict:
     """Arguments of plot() for a solver's line. Peers are thinner, with hollow markers."""
     return {"color": style.colour, "linestyle": style.dash, "linewidth": 1.2 if style.own else 0.9,
-            "zorder": 4 if style.own else 3} | (marker(style) if marks else {})
-
-
-def marker(style: SolverStyle, size: float = 4) -> dict:
-    return {"marker": style.marker, "markersize": size * (0.85 if style.marker in "sD" else 1),
+            "zorder": 4 if style.own else 3, "marker": style.marker,
+            "markersize": 3.4 if style.marker in "sD" else 4,
             "markerfacecolor": style.colour if style.own else "white", "markeredgecolor": style.colour,
-            "markeredgewidth": 0.5 if style.own else 0.9, "color": style.colour}
+            "markeredgewidth": 0.5 if style.own else 0.9}
 
 
-def handles(solvers: list[str], styles: dict[str, SolverStyle], oracle: bool = False) -> list[Line2D]:
-    return [Line2D([], [], label=solver, **line(styles[solver])) for solver in solvers] + \
-        [Line2D([], [], label="oracle", **ORACLE)] * oracle
+def handle(solver: str, style: SolverStyle, **look) -> Line2D:
+    """The entry of a legend; `look` differs from line()."""
+    return Line2D([], [], label=solver, **line(style) | look)
 
 
-def legend_below(axes, made: list[Line2D]):
-    """Under the panel, outside of its frame."""
-    return axes.legend(handles=made, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncol=2, borderaxespad=0)
+def legend_below(axes, made: list[Line2D], place: float, **options):
+    """Under the panel, outside of its frame. @param place  of its upper end, in heights of the panel"""
+    return axes.legend(handles=made, loc="upper center", bbox_to_anchor=(0.5, place), ncol=2, borderaxespad=0, **options)
 
 
 def legend_outside(figure, made: list, columns: int):
@@ -144,16 +129,9 @@ def size_axis(axes, sizes) -> None:
             axes.xaxis.set_minor_locator(NullLocator())
 
 
-def time_axis(axes, label: str = "", axis: str = "y") -> None:
-    log_axis(axes.yaxis if axis == "y" else axes.xaxis, label, time_tick)
-    low, high = axes.get_ylim()
-    if axis == "y" and high / low < 100:  # powers of ten alone would be one label or two
-        axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: time_tick(value) if f"{value:.0e}"[0] in "25" else ""))
-
-
-def name_axis(axes, names: list[str]) -> None:
-    """One row of a figure per name, the first on top."""
-    axes.set_yticks(range(len(names)), names)
-    axes.set_ylim(len(names) - 0.4, -0.6)
-    axes.tick_params(axis="y", length=0)
-    axes.grid(False, axis="y")
+def time_axis(axis, label: str = "", finer: bool = False) -> None:
+    """@param finer  labels at 2 and 5 too; times upwards have them where powers of ten alone would be one or two"""
+    log_axis(axis, label, time_tick)
+    low, high = axis.get_view_interval()
+    if finer or (axis.axis_name == "y" and high / low < 100):
+        axis.set_minor_formatter(FuncFormatter(lambda value, _: time_tick(value) if f"{value:.0e}"[0] in "25" else ""))

@@ -1,4 +1,4 @@
-"""Curves that users ask authors of engines for (curves.py), a figure each."""
+"""Curves that users ask authors of engines for (studies.py), a figure each."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from .. import curves
+from .. import studies
 from ..formats import seconds
 from ..inputs import Inputs
 from ..solver_facts import library
@@ -32,24 +32,24 @@ class Figure:
 def figures(inputs: Inputs) -> Iterator[Figure]:
     """Those whose files there are, in order."""
     of = inputs.curves
-    if (table := of.get(curves.MASS_RATIO)) is not None:
+    if (table := of.get(studies.MASS_RATIO)) is not None:
         budget = seconds(table["budget_s"].iloc[0])
         yield Figure("curve-mass-ratio", "Residual against the ratio of masses, at equal time",
                      f"The least ρ that a solver delivers within {budget} of any tolerance that it is asked for (1e-3 to "
                      f"1e-12), at {_rows(table)} rows; median over those of {_scenes(table)} that it takes. Of every "
                      "other library the key and setting that does best on these very problems, which flatters it; all are in "
                      "tables/curve-mass-ratio.csv. 1 is what f = 0 has, and stands for no answer in time.", partial(mass_ratio, inputs))
-    if (table := of.get(curves.REGULARIZATION)) is not None:
+    if (table := of.get(studies.REGULARIZATION)) is not None:
         yield Figure("curve-regularization", "The error that a regularization makes, against its speed",
                      f"A mark per shift of the diagonal, as a share of it, from 1e-12 to 1e-2; median over {_scenes(table)} with "
                      f"{_rows(table)} rows. Larger marks: without a shift, and MuJoCo's own. On the right: what is left of the penetrating acceleration, "
                      "over the largest of b.", partial(regularization, inputs))
-    if (table := of.get(curves.SWEEPS)) is not None:
+    if (table := of.get(studies.SWEEPS)) is not None:
         yield Figure("curve-sweeps", "Sequential impulses: residual and penetration against sweeps",
                      f"Bullet's engine solver drives motions of {_rows(table)} rows from cold starts, without correction of "
                      f"penetration; {int(table['steps'].max())} steps of {_steps(table)}. Dotted: the same with impulses of "
                      "dantzig; 1e-12 m stands for less.", partial(sweeps, inputs))
-    if (table := of.get(curves.PRECISION)) is not None:
+    if (table := of.get(studies.PRECISION)) is not None:
         yield Figure("curve-precision", "Single against double precision",
                      f"Projected Gauss–Seidel over velocities of bodies, the same code in both precisions (in single: J, masses, "
                      "b, forces, velocities); and the tableau of StepSolver, of which single precision has J alone, sums being in "
@@ -100,7 +100,7 @@ def best_of_libraries(table: pd.DataFrame) -> list[str]:
 
 def mass_ratio(inputs: Inputs):
     """Two panels: ours, and the best of every other library."""
-    table = inputs.curves[curves.MASS_RATIO]
+    table = inputs.curves[studies.MASS_RATIO]
     styles = _styles(inputs, table)
     table = table.assign(rho=_shown(table["rho"]))
     own = list(dict.fromkeys(table[table["origin"] == "own"]["solver"]))
@@ -112,9 +112,9 @@ def mass_ratio(inputs: Inputs):
             pane.plot(median.index, median, **canvas.line(styles[solver]) | _told_apart(index, styles[solver]))
         canvas.log_axis(pane.xaxis, "ratio of masses", canvas.power_tick)
         pane.set_title(title)
-        made = [canvas.Line2D([], [], label=solver, **canvas.line(styles[solver]) | _told_apart(index, styles[solver]))
+        made = [canvas.handle(solver, styles[solver], **_told_apart(index, styles[solver]))
                 for index, solver in enumerate(solvers)]
-        pane.legend(handles=made, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncol=2, borderaxespad=0, fontsize=6)
+        canvas.legend_below(pane, made, -0.17, fontsize=6)
     _residual_axis(panes[0], "residual $\\rho$")
     return figure
 
@@ -135,7 +135,7 @@ def _told_apart(index: int, style: SolverStyle) -> dict:
 
 def regularization(inputs: Inputs):
     """Residual, and violation, against the time of a solve."""
-    table = inputs.curves[curves.REGULARIZATION]
+    table = inputs.curves[studies.REGULARIZATION]
     styles = _styles(inputs, table)
     figure, panes = canvas.panels(2, canvas.PAGE, 3.2)
     for pane, column, label in zip(panes, ("rho", "violation"), ("residual $\\rho$", "penetrating acceleration left, relative")):
@@ -149,18 +149,15 @@ def regularization(inputs: Inputs):
                 if not single and (round(math.log10(shift)) % 5 == 0 or shift in (1e-12, 1e-2)):
                     pane.annotate(canvas.power_tick(shift), (point["seconds"], point["value"]), fontsize=6,
                                   textcoords="offset points", xytext=(4, 3))
-        canvas.time_axis(pane, "time of a solve", "x")
-        # Powers of ten alone would be one label.
-        pane.xaxis.set_minor_formatter(canvas.FuncFormatter(lambda x, _: canvas.time_tick(x) if f"{x:.0e}"[0] in "25" else ""))
+        canvas.time_axis(pane.xaxis, "time of a solve", finer=True)
         _residual_axis(pane, label)
-    canvas.legend_outside(figure, [canvas.Line2D([], [], label=solver, **canvas.line(styles[solver]))
-                                   for solver in dict.fromkeys(table["solver"])], 5)
+    canvas.legend_outside(figure, [canvas.handle(solver, styles[solver]) for solver in dict.fromkeys(table["solver"])], 5)
     return figure
 
 
 def sweeps(inputs: Inputs):
     """Median residual, and deepest penetration, of motions."""
-    table = inputs.curves[curves.SWEEPS]
+    table = inputs.curves[studies.SWEEPS]
     scenes = list(dict.fromkeys(table["scene"]))
     colours = dict(zip(scenes, _SCENES))
     figure, panes = canvas.panels(2, canvas.PAGE, 2.9)
@@ -181,7 +178,7 @@ def sweeps(inputs: Inputs):
 
 def precision(inputs: Inputs):
     """Residual against time, a panel per ratio of masses."""
-    table = inputs.curves[curves.PRECISION]
+    table = inputs.curves[studies.PRECISION]
     ratios = sorted(set(table["mass_ratio"]))
     scenes = list(dict.fromkeys(table["scene"]))
     colours = dict(zip(scenes, _SCENES))
@@ -191,7 +188,7 @@ def precision(inputs: Inputs):
             pane.plot(mine["seconds"], _shown(mine["rho"]), color=colours[scene], linestyle="-" if kind == "double" else ":",
                       marker="s" if method == "tableau" else "o", markersize=5 if method == "tableau" else 3,
                       markerfacecolor=colours[scene] if kind == "double" else "white")
-        canvas.time_axis(pane, "time", "x")
+        canvas.time_axis(pane.xaxis, "time")
         pane.set_title(f"ratio of masses {canvas.power_tick(ratio)}")
     _residual_axis(panes[0], "residual $\\rho$")
     grey = {"color": canvas.FAINT, "markersize": 4}

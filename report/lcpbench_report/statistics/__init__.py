@@ -4,7 +4,7 @@
     cells                 one row per cell, and which time counts
     groups                what is compared with what
     intervals             confidence intervals and multiple comparisons
-    coverage, class_times, means, distributions, pairwise
+    coverage, class_times, means, scaling, origins, pairwise
                           tables, from the table of cells
     latency               the tables of sequences: steps of motions, warm starts, deadlines
     tables                all tables, by name

@@ -24,7 +24,7 @@ import pandas as pd
 from .cells import NOT_ASKED, VERIFIED
 from .coverage import coverage
 from .groups import GROUP, Part, groups
-from .intervals import Bootstrap, share_with_interval
+from .intervals import Bootstrap
 from .load import PART_TIMES, TASK_BUDGET
 from .weighted import weighted_median, weighted_quantile, weighted_share
 
@@ -38,9 +38,7 @@ _MEDIANS = ["again_s", "first_s", *PART_TIMES]
 _RATIO, _PEER_RATIO = ([f"{name}{end}" for end in _ENDS] for name in ("ratio", "peer_ratio"))
 COLUMNS = [*GROUP, "size_class", "solver", "asked", "problems", "weight", "not_asked", "attempted", "verified", "false_successes",
            "below_tier", *_SHARES, "median_s", "median_low", "median_high", "p99_s", *_MEDIANS]
-PEER_COLUMNS = [*GROUP, "size_class", "solver", "problems", "weight", "verified_share", "verified_low", "verified_high",
-                "median_s", "p99_s", "no_peer", *_RATIO, "peer", "peer_share", "peer_low", "peer_high", "peer_median_s",
-                "peer_p99_s", *_PEER_RATIO]
+PEER_COLUMNS = [*GROUP, "size_class", "solver", "no_peer", *_RATIO, "peer", *_PEER_RATIO]
 _COUNTS = ["verified_share", "false_successes", "below_tier"]
 ABLATION_COLUMNS = [*GROUP, "size_class", "solver", "ablation", "base", "problems", "both", *_RATIO, *_COUNTS,
                     *(f"base_{count}" for count in _COUNTS)]
@@ -105,7 +103,8 @@ def _row(cells: pd.DataFrame, bootstrap: Bootstrap) -> dict:
 
 def peer_ratio_table(cells: pd.DataFrame, own: Collection[str]) -> pd.DataFrame:
     """A row per group, size class (and `all`) and own solver: `ratio` to the fastest verified peer of each problem (where
-    there is none: `no_peer`), and `peer_ratio` to the best single one. `peer` is empty where none is right often enough.
+    there is none: `no_peer`), and `peer_ratio` to the best single one, `peer`, which is empty where none is right often
+    enough.
 
     @param own  keys of own solvers; the others are peers
     """
@@ -120,19 +119,11 @@ def _peer_rows(cells: pd.DataFrame, own: Collection[str]) -> list[dict]:
     peers = times[[key for key in solvers if key not in own]]
     fastest = peers.min(axis=1).fillna(math.inf)
     best = _best(peers[[key for key in peers if _takes_the_class(cells[cells["solver"] == key])]], problems)
-    beside = {"peer": best}
-    if best:
-        turns = peers[best].dropna()
-        weights = problems[turns.index]
-        beside |= {"peer_median_s": weighted_median(turns, weights), "peer_p99_s": p99(solvers[best])}
-        beside |= share_with_interval(np.isfinite(turns), weights, "peer_share", "peer")
     rows = []
     for solver in (key for key in solvers if key in own):
         taken = times[solver].dropna()  # problems on which it has a cell
         weights = problems[taken.index]
-        row = {"solver": solver, "problems": len(taken), "weight": weights.sum(), "p99_s": p99(solvers[solver]),
-               "median_s": weighted_median(taken, weights), "no_peer": int((~np.isfinite(fastest[taken.index])).sum())}
-        row |= share_with_interval(np.isfinite(taken), weights, "verified_share", "verified") | beside
+        row = {"solver": solver, "no_peer": int((~np.isfinite(fastest[taken.index])).sum()), "peer": best}
         row |= _ratio(_RATIO, taken, fastest[taken.index], weights, bootstrap)
         if best:
             row |= _ratio(_PEER_RATIO, taken, peers.loc[taken.index, best], weights, bootstrap)

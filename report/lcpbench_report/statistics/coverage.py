@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from .cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, NOT_ASKED, VERIFIED
-from .groups import GROUP, by_solver, groups
+from .groups import GROUP, groups
 from .intervals import share_with_interval
 
 _COUNTS = ["problems", "verified", "at_floor", "false_successes", "below_tier", "false_infeasible", "failed", "below_floor",
@@ -29,7 +29,9 @@ def coverage_table(cells: pd.DataFrame) -> pd.DataFrame:
     excluded + not_asked = problems; below_floor: of the failed, where the tier is below the rounding floor of the answer's
     forces and no solver passes it (cells.py); claims: answers that the solver called solved, or that were verified
     whatever it said."""
-    return by_solver(groups(cells, counted_only=True), coverage, COLUMNS)
+    rows = [label | {"solver": solver} | coverage(own) for label, of_group in groups(cells, counted_only=True)
+            for solver, own in of_group.groupby("solver", sort=False)]
+    return pd.DataFrame(rows, columns=COLUMNS)
 
 
 def coverage(cells: pd.DataFrame) -> dict:

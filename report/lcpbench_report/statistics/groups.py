@@ -1,6 +1,6 @@
 """What is compared with what: cells of one tier; and problems that count, never with those that do not."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
@@ -22,12 +22,6 @@ def groups(cells: pd.DataFrame, counted_only: bool = False) -> Iterator[Part]:
     for key in sorted(parts, key=lambda key: (key[0], -key[1])):
         if key[0] == COUNTED or not counted_only:
             yield dict(zip(GROUP, key)), parts[key]
-
-
-def by_solver(parts: Iterable[Part], row: Callable[[pd.DataFrame], dict], columns: list[str]) -> pd.DataFrame:
-    """A row for every part and solver in it; `row` makes the other columns of the solver's cells."""
-    return pd.DataFrame([label | {"solver": solver} | row(own) for label, cells in parts
-                         for solver, own in cells.groupby("solver", sort=False)], columns=columns)
 
 
 def common(cells: pd.DataFrame) -> pd.DataFrame:

@@ -23,8 +23,6 @@ from .steps import PassRuns, Round
 ALL = "all"  # the value of the column `size` for sequences of all sizes
 _LEVELS = {"p50": 0.5, "p99": 0.99, "max": 1.0}
 _VERIFIED = ["verified", "verified_share"]
-LATENCY_COLUMNS = ["set", "sequence", "family", "rows", "solver", "tier", "mode", "excluded", "outcome", "rounds",
-                   "steps", *_VERIFIED, "false_successes", *_LEVELS, "raw_max", "preempted", "iterations_p50"]
 SOLVER_COLUMNS = ["solver", "tier", "mode", "size", "sequences", "excluded", "steps", *_VERIFIED, "false_successes",
                   *_LEVELS, "raw_max", "preempted", "warm_gain", "warm_gain_low", "warm_gain_high"]
 DEADLINE_COLUMNS = ["solver", "deadline_s", "size", "sequences", "steps", "in_time", "in_time_share", "tier",
@@ -63,17 +61,12 @@ class JudgedPass:
         return np.concatenate([r.verified[self.tier] for r in self.rounds])
 
 
-def latency_table(campaign: Campaign) -> pd.DataFrame:
-    """A row per sequence, solver, mode and tier; with a deadline the tier asked for alone."""
-    return pd.DataFrame([_latency_row(one) for one in _judged(campaign)], columns=LATENCY_COLUMNS)
-
-
 def latency_by_solver_table(campaign: Campaign) -> pd.DataFrame:
     """A row per solver, mode, tier and size: the steps of all sequences of that size together. `warm_gain` (mode warm):
     the median over steps of the cold latency by the warm one, both verified, and its bootstrap interval over
     sequences."""
     rows = []
-    passes = list(_judged(campaign))
+    passes = list(_judged(campaign))  # with a deadline at the tier asked for alone
     cold = {(one.sequence["sequence"], one.solver, one.tier): one for one in passes if one.mode == "cold"}
     for (solver, mode, tier), own in _grouped(passes, lambda one: (one.solver, one.mode, one.tier)):
         for size, chosen in _by_size(own):
@@ -121,18 +114,6 @@ def _judged(campaign: Campaign) -> Iterator[JudgedPass]:
             tiers = sorted(runs.rounds[0].verified, reverse=True)
         for judged in tiers:
             yield JudgedPass(campaign.sequences[sequence], solver, judged, mode, runs)
-
-
-def _latency_row(one: JudgedPass) -> dict:
-    row = {key: one.sequence[key] for key in ("set", "sequence", "family", "rows")}
-    row |= {"solver": one.solver, "tier": one.tier, "mode": one.mode, "excluded": one.runs.excluded,
-            "rounds": len(one.rounds)}
-    if one.runs.excluded:
-        return row
-    row |= {"outcome": one.rounds[0].outcome} | _of_passes([one])
-    iterations = np.concatenate([r.iterations for r in one.rounds])
-    known = iterations[~np.isnan(iterations)]
-    return row | {"iterations_p50": float(np.median(known)) if len(known) else math.nan}
 
 
 def _of_passes(passes: list[JudgedPass]) -> dict:

@@ -27,14 +27,12 @@ PassKey = tuple[str, str, float, str]
 class Round:
     """One pass over a sequence. Arrays have an entry per step; what was not reached is NaN."""
 
-    outcome: str
     verified: dict[float, np.ndarray]  # by judged tier
     false_successes: dict[float, int]
     late: np.ndarray
     preempted: np.ndarray  # the solver lost the processor to something else
     unsupported: bool  # some step
     latency_s: np.ndarray  # what each step takes: one interval from the caller's arrays to f
-    iterations: np.ndarray
     rho: np.ndarray  # NaN: none, for it came late or is not finite
     w_error: np.ndarray
 
@@ -97,7 +95,8 @@ def _round(place: str, record: dict, steps: int, tiers: list[float]) -> Round:
     reached = int(record["reached"])
     if record["steps"] != steps or reached > steps:
         raise ReportError(place, f"{reached} of {record['steps']} steps", f"the {steps} steps of campaign.json")
-    check_numbers(place, record, "steps", "backward_error", reached)
+    for key in ("iterations", "backward_error"):
+        check_numbers(place, record, "steps", key, reached)
     verified, false_successes = {}, {}
     for verdict in record["verdicts"]:
         check_record(f"{place}: verdicts", verdict, "step_verdict")
@@ -109,11 +108,11 @@ def _round(place: str, record: dict, steps: int, tiers: list[float]) -> Round:
                               f"{steps} steps, and as many failed as are listed")
     if check_tier(place, tiers, record["tier"]) not in verified:
         raise ReportError(place, "no verdict at the tier asked for", "one among 'verdicts'")
-    return Round(record["outcome"], verified, false_successes,
+    return Round(verified, false_successes,
                  *(_marked(f"{place}: {key}", record[key], steps) for key in ("late", "preempted")),
                  record["claims"].get(UNSUPPORTED, 0) > 0,
                  *(np.pad(check_numbers(place, record, "steps", key, reached), (0, steps - reached),
-                          constant_values=math.nan) for key in ("latency_s", "iterations", "rho", "w_error")))
+                          constant_values=math.nan) for key in ("latency_s", "rho", "w_error")))
 
 
 def _marked(place: str, listed: list, steps: int) -> np.ndarray:

@@ -11,23 +11,23 @@ from ..files import replaced
 from .cells import cell_table
 from .class_times import ablation_table, class_table, peer_ratio_table
 from .coverage import coverage_table
-from .distributions import accuracy_table, profile_table, scaling_table
-from .latency import deadline_table, latency_by_solver_table, latency_table
+from .latency import deadline_table, latency_by_solver_table
 from .load import Campaign
 from .means import delivered_table, mean_table
 from .origins import origin_table, rank_table
 from .pairwise import pairwise_table
+from .scaling import scaling_table
 
 FOLDER = "analysis"
 # Name -> function of the table of cells.
 _OF_CELLS: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
-    "cells": lambda cells: cells, "class_times": class_table, "profiles": profile_table, "pairwise": pairwise_table,
-    "means": mean_table, "coverage": coverage_table, "scaling": scaling_table, "delivered": delivered_table,
-    "accuracy": accuracy_table, "origins": origin_table, "rank_correlation": rank_table,
+    "cells": lambda cells: cells, "class_times": class_table, "pairwise": pairwise_table, "means": mean_table,
+    "coverage": coverage_table, "scaling": scaling_table, "delivered": delivered_table, "origins": origin_table,
+    "rank_correlation": rank_table,
 }
 # Name -> function of a campaign that has passes over sequences.
 STEP_TABLES: dict[str, Callable[[Campaign], pd.DataFrame]] = {
-    "latency": latency_table, "latency_by_solver": latency_by_solver_table, "deadline": deadline_table,
+    "latency_by_solver": latency_by_solver_table, "deadline": deadline_table,
 }
 TABLES = (*_OF_CELLS, "peer_ratio", "ablation")
 _DIGITS = "%.9g"

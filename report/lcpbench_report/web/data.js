@@ -89,7 +89,7 @@ const leftOut = (picked, kept) => kept.length < picked.length
 
 /** Indices of problems. A family that was asked for is shown whole; else only problems that count. */
 function selected(view) {
-  const wanted = (i) => view.family === "*" ? PROBLEMS.counts[i] || view.all : PROBLEMS.families[PROBLEMS.family[i]] === view.family;
+  const wanted = (i) => view.family === "*" ? PROBLEMS.counts[i] : PROBLEMS.families[PROBLEMS.family[i]] === view.family;
   return [...PROBLEMS.rows.keys()].filter((i) => PROBLEMS.rows[i] >= view.low && PROBLEMS.rows[i] <= view.high &&
     EXPLORED_SETS[PROBLEMS.set[i]] && wanted(i) && (view.origin === "*" || PROBLEMS.origins[PROBLEMS.origin[i]] === view.origin));
 }

@@ -11,10 +11,8 @@ from .. import choice, formats, markdown, peers, plotly_bundle, shown_tables, so
 from ..fairness import limitations
 from ..headline_table import headline
 from ..inputs import Inputs
-from ..static import canvas
-from ..static import curves as curve_figures
-from . import payload
-from .gallery import Picture
+from ..static import canvas, curves
+from . import gallery, payload
 
 _HERE = Path(__file__).resolve().parent
 # In the order in which the page runs them.
@@ -22,7 +20,7 @@ _SCRIPTS = ("data.js", "numbers.js", "speed.js", "quality.js", "steps.js", "leag
 _PEERS_SHOWN = 3  # besides our well-known ones, when the page opens
 
 
-def render(inputs: Inputs, pictures: Sequence[Picture] = ()) -> str:
+def render(inputs: Inputs, pictures: Sequence[gallery.Picture] = ()) -> str:
     """The page as text; the same for the same results."""
     environment = Environment(loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined,
                               trim_blocks=True, lstrip_blocks=True)
@@ -30,7 +28,7 @@ def render(inputs: Inputs, pictures: Sequence[Picture] = ()) -> str:
     data = payload.build(inputs, shown(inputs))
     data["pictures"] = [picture.family for picture in pictures]
     has = {"cells": len(inputs.cells) > 0, "pathological": len(shown_tables.pathological(inputs)) > 0,
-           "sequences": "latency" in inputs.analysis, "motion": inputs.motion is not None,
+           "sequences": "latency_by_solver" in inputs.analysis, "motion": inputs.motion is not None,
            "scaling": len(inputs.analysis.get("scaling", ())) > 0}
     context = {
         "css": Markup((_HERE / "style.css").read_text(encoding="utf-8")),
@@ -63,7 +61,7 @@ def _curves(inputs: Inputs) -> list[dict]:
     """Drawn as the files are; the page shows them as images."""
     with canvas.look():
         return [{"name": figure.name, "title": figure.title, "words": figure.words,
-                 "address": canvas.address(figure.draw())} for figure in curve_figures.figures(inputs)]
+                 "address": gallery.address(canvas.svg(figure.draw()))} for figure in curves.figures(inputs)]
 
 
 def _headline(inputs: Inputs) -> dict:

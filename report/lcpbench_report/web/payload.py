@@ -11,7 +11,6 @@ import math
 import numpy as np
 import pandas as pd
 
-from .. import motion
 from ..formats import power, short, size_class
 from ..inputs import Inputs
 from ..statistics.cells import BELOW_TIER, CHANGED, EXCLUDED, FAILED, FALSE_SUCCESS, NOT_ASKED, VERIFIED
@@ -57,8 +56,8 @@ def build(inputs: Inputs, shown: list[str]) -> dict:
 def _solver(inputs: Inputs, key: str) -> dict:
     entry, style = inputs.entries[key], inputs.styles[key]
     return {"key": key, "method": entry.get("method", ""), "origin": entry["origin"],
-            "direct": not entry["uses_tolerance"], "colour": style.colour, "symbol": style.plotly_symbol,
-            "dash": style.plotly_dash, "path": MARKER_PATHS[style.marker]}
+            "colour": style.colour, "symbol": style.plotly_symbol, "dash": style.plotly_dash,
+            "path": MARKER_PATHS[style.marker]}
 
 
 def _problems(inputs: Inputs, names: list[str]) -> dict:
@@ -112,16 +111,13 @@ def _motion(table: pd.DataFrame | None) -> list[dict]:
     if table is None:
         return []
     found = []
-    for scene, level in motion.scenes(table):
-        of_scene = motion.of_scene(table, scene, level)
-        for (solver, tolerance), run in of_scene.groupby(["solver", "tolerance"], sort=False):
-            deepest = run["penetration"].cummax()
-            picked = np.unique(np.linspace(0, len(run) - 1, min(len(run), _MOTION_POINTS)).astype(int))
-            found.append({"scene": scene, "level": level, "solver": solver, "tolerance": tolerance,
-                          "stopped": run["stopped"].iloc[-1],
-                          **{key: [short(float(v)) for v in column.iloc[picked]]
-                             for key, column in (("time", run["time"]), ("energy", run["energy_error"]),
-                                                 ("penetration", deepest))}})
+    keys = ["scene", "level", "solver", "tolerance"]
+    for values, run in table.groupby(keys, sort=False):
+        picked = np.unique(np.linspace(0, len(run) - 1, min(len(run), _MOTION_POINTS)).astype(int))
+        found.append(dict(zip(keys, values)) | {"stopped": run["stopped"].iloc[-1]}
+                     | {key: [short(float(v)) for v in column.iloc[picked]]
+                        for key, column in (("time", run["time"]), ("energy", run["energy_error"]),
+                                            ("penetration", run["penetration"].cummax()))})
     return found
 
 

@@ -1,0 +1,90 @@
+"""Files of studies, read and checked column by column: motion.csv of `lcpbench motion`, what a solver's error does to
+motion; and of `solver_curves` (make solver-curves), curves that users ask authors of engines for.
+"""
+
+from pathlib import Path
+
+import pandas as pd
+
+from .errors import ReportError
+from .statistics.jsonl import is_there, packed
+
+MOTION_FILE = "motion.csv"
+MOTION_COLUMNS = {
+    "scene": "text", "level": "text", "size": "integer", "seed": "integer", "solver": "text", "tolerance": "number",
+    "step": "integer", "time": "number", "energy": "number?", "energy_error": "number?", "penetration": "number?",
+    "joint_error": "number?", "distance": "number?", "rho": "number?", "solve_time_s": "number", "solves": "integer",
+    "failed": "integer", "not_passed": "integer", "false_successes": "integer", "stopped": "text?",
+}
+MASS_RATIO, REGULARIZATION, SWEEPS, PRECISION = "mass-ratio", "regularization", "sweeps", "precision"
+# Curve -> columns of its file, <curve>.csv.
+CURVES = {
+    MASS_RATIO: {"scene": "text", "rows": "integer", "mass_ratio": "number", "budget_s": "number", "solver": "text",
+                 "origin": "text", "asked": "number", "rho": "number?", "seconds": "number?", "status": "text"},
+    REGULARIZATION: {"scene": "text", "rows": "integer", "solver": "text", "origin": "text",
+                     "regularization": "number?", "rho": "number?", "violation": "number?", "seconds": "number",
+                     "status": "text"},
+    SWEEPS: {"scene": "text", "rows": "integer", "step_s": "number", "solver": "text", "sweeps": "number?",
+             "rho": "number?", "penetration": "number", "joint_error": "number", "seconds_per_step": "number",
+             "steps": "integer", "stopped": "text?"},
+    PRECISION: {"scene": "text", "rows": "integer", "method": "text", "precision": "text", "sweeps": "number?",
+                "mass_ratio": "number", "rho": "number?", "seconds": "number"},
+}
+# Kind of a column -> what a cell of it looks like, and is in words; "?" marks those that may be empty: "" or NaN after
+# reading.
+_NUMBER = r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"
+_KINDS = {"text": (r".+", "a word"), "text?": (r".*", "anything"), "integer": (r"[+-]?\d+", "a whole number"),
+          "number": (_NUMBER, "a number"), "number?": (rf"({_NUMBER}|[+-]?(inf|nan))?", "a number, inf, nan or nothing")}
+
+
+def file_of(curve: str) -> str:
+    return f"{curve}.csv"
+
+
+def read_motion(folder: Path) -> pd.DataFrame:
+    """@throws ReportError as _read"""
+    return _read(folder, MOTION_FILE, MOTION_COLUMNS, "`lcpbench motion`")
+
+
+def read_curves(folder: Path) -> dict[str, pd.DataFrame]:
+    """Those that the folder has, by name.
+
+    @throws ReportError as _read, and where there is none at all
+    """
+    found = {curve: _read(folder, file_of(curve), columns, "`make solver-curves`")
+             for curve, columns in CURVES.items() if is_there(folder / file_of(curve))}
+    if not found:
+        raise ReportError(str(folder), f"has none of {', '.join(map(file_of, CURVES))}",
+                          "a folder written by `make solver-curves`")
+    return found
+
+
+def _read(folder: Path, file: str, columns: dict[str, str], writer: str) -> pd.DataFrame:
+    """The columns; others are dropped. A file that ends in .xz stands for one that is not there.
+
+    @param columns  name -> kind
+    @param writer   what writes such a folder
+    @throws ReportError where there is none, or naming line and column of the first cell that does not fit
+    """
+    path = folder / file
+    if not is_there(path):
+        raise ReportError(str(folder), f"has no {file}", f"a folder written by {writer}")
+    try:
+        raw = pd.read_csv(path if path.is_file() else packed(path), dtype=str, keep_default_na=False)
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
+        raise ReportError(path.name, str(error), "comma-separated rows under a header") from error
+    for column in columns:
+        if column not in raw.columns:
+            raise ReportError(path.name, f"column '{column}' is missing", "columns " + ", ".join(columns))
+    if raw.empty:
+        raise ReportError(path.name, "no rows", "at least one row under the header")
+    return pd.DataFrame({column: _column(path.name, column, kind, raw[column]) for column, kind in columns.items()})
+
+
+def _column(file: str, column: str, kind: str, cells: pd.Series) -> pd.Series:
+    pattern, words = _KINDS[kind]
+    cells = cells.str.strip()
+    wrong = ~cells.str.fullmatch(pattern)
+    if wrong.any():
+        raise ReportError(file, f"line {wrong.idxmax() + 2}, column '{column}' is {cells[wrong.idxmax()]!r}", words)
+    return cells if kind.startswith("text") else cells.replace("", "nan").astype(int if kind == "integer" else float)
