@@ -56,7 +56,7 @@ def dense(record):
 
 
 def rolling_friction(path):
-    """The normal rows of contacts with rolling friction in Siconos' text format, which `lcpbench convert` does not read."""
+    """The normal rows of contacts with rolling friction in Siconos' text format, which `lcpbench convert` refuses."""
     words = path.read_text(encoding="utf-8").split()
     dimension, contacts, storage = map(int, words[:3])
     if (dimension, storage) != (5, 0):
@@ -182,7 +182,8 @@ def add_siconos(writer, numerics):
             record = writer.convert(path, "--without-friction", *symmetrize)
         stem = path.name.removesuffix(".dat").removesuffix(".hdf5").lower().replace("_", "-")
         base = "siconos-rover" if stem.startswith("rover") else None
-        writer.add_contacts("siconos-" + stem, record, f"{SICONOS}{path.relative_to(numerics)}, rows of the normals", base)
+        writer.add_contacts("siconos-" + stem, record, f"{SICONOS}{path.relative_to(numerics)}, rows of the normals",
+                            base)
     for path in sorted(contacts.glob("*.hdf5")):
         name = "fclib-" + path.stem.lower().replace("_", "-")
         source = f"{SICONOS}{path.relative_to(numerics)} (FCLib), rows of the normals"
