@@ -40,19 +40,18 @@ def _class(value, classes):
     return _UNKNOWN if value is None else next(label for label, limit in classes if value <= limit)
 
 
-def _cell(problem):
-    cell = _class(problem["redundancy"], _REDUNDANCY), _class(problem["condition"], _CONDITION)
-    return (_UNKNOWN, _UNKNOWN) if _UNKNOWN in cell else cell
-
-
 def _table(header, rows):
-    lines = ["| " + " | ".join(header) + " |", "| --- |" + " ---: |" * (len(header) - 1)]
-    return "\n".join(lines + ["| " + " | ".join(map(str, row)) + " |" for row in rows])
+    lines = [header, ["---"] + ["---:"] * (len(header) - 1), *rows]
+    return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
 
 
 def coverage(problems):
     """Size × kind mix by redundancy × condition, counted."""
-    counts = Counter((_class(p["rows"], _SIZES), kind_mix(p["kinds"]), _cell(p)) for p in problems)
+    def cell(problem):
+        known = _class(problem["redundancy"], _REDUNDANCY), _class(problem["condition"], _CONDITION)
+        return (_UNKNOWN, _UNKNOWN) if _UNKNOWN in known else known
+
+    counts = Counter((_class(p["rows"], _SIZES), kind_mix(p["kinds"]), cell(p)) for p in problems)
     columns = [(r, c) for r, _ in _REDUNDANCY for c, _ in _CONDITION] + [(_UNKNOWN, _UNKNOWN)]
     order = [label for label, _ in _SIZES]
     rows = []
@@ -102,28 +101,23 @@ def motions(problems):
 
 def fill_ups(manifests):
     """Size classes that are filled up."""
-    rows = []
-    for tier, manifest in manifests.items():
-        for entry in manifest.get("fill", []):
-            refused = ", ".join(f"{reason}: {count}" for reason, count in entry["refused_by_reason"].items())
-            rows.append([f"`{tier}`: {entry['size_class']} rows", entry["problems"], refused])
+    rows = [[f"`{tier}`: {entry['size_class']} rows", entry["problems"],
+             ", ".join(f"{reason}: {count}" for reason, count in entry["refused_by_reason"].items())]
+            for tier, manifest in manifests.items() for entry in manifest.get("fill", [])]
     return _table(["fill-ups", "problems", "refused"], rows)
-
-
-def _answer_kind(problem):
-    if problem["fraction_active"] == 1 or problem["bilateral"] == problem["rows"]:
-        return "all rows active"
-    if problem["fraction_active"] > 0:
-        return "some"
-    return "no active contact" if problem["bilateral"] else "f = 0"
 
 
 def small_answers(problems):
     """What the engine tier's answers are: nothing is refused there."""
-    kinds = ["f = 0", "no active contact", "all rows active", "some"]
-    found = Counter((problem["rows"], _answer_kind(problem)) for problem in problems)
-    rows = [[size, *(found[size, kind] for kind in kinds)] for size in (1, 2, 3)]
-    return _table(["rows", *kinds[:-1], "some of the contacts active"], rows)
+    kinds = ["f = 0", "no active contact", "all rows active", "some of the contacts active"]
+
+    def kind(problem):
+        if problem["fraction_active"] == 1 or problem["bilateral"] == problem["rows"]:
+            return kinds[2]
+        return kinds[3] if problem["fraction_active"] > 0 else kinds[bool(problem["bilateral"])]
+
+    found = Counter((problem["rows"], kind(problem)) for problem in problems)
+    return _table(["rows", *kinds], [[size, *(found[size, kind] for kind in kinds)] for size in (1, 2, 3)])
 
 
 def references(manifests):

@@ -15,9 +15,7 @@ their numbers has made indefinite are left out. Of problems with friction the ro
 import argparse
 import gzip
 import json
-import math
 import subprocess
-import tempfile
 from pathlib import Path
 
 SICONOS = "Siconos 4.4.0 (Debian 4.4.0+dfsg-2), numerics/src/"
@@ -46,18 +44,6 @@ def of_siconos(name):
     }.get(name, "")
 
 
-def asymmetry(matrix):
-    """max |A_ij - A_ji| / sqrt(|A_ii A_jj|)."""
-    n = range(len(matrix))
-    return max((abs(matrix[i][j] - matrix[j][i]) / (math.sqrt(abs(matrix[i][i] * matrix[j][j])) or 1)
-                for i in n for j in range(i)), default=0)
-
-
-def symmetrised(matrix):
-    n = range(len(matrix))
-    return [[(matrix[i][j] + matrix[j][i]) / 2 for j in n] for i in n]
-
-
 def dense(record):
     """A of a record of lcpbench, by rows."""
     matrix, n = record["A"], len(record["b"])
@@ -69,39 +55,16 @@ def dense(record):
     return matrix if isinstance(matrix[0], list) else [matrix[n * i:n * (i + 1)] for i in range(n)]
 
 
-class FrictionText:
-    """The normal rows of a contact problem in Siconos' text format: dense W, or W in sparse blocks."""
-
-    def __init__(self, path):
-        words = iter(path.read_text(encoding="utf-8").split())
-        integer, number = (lambda: int(next(words))), (lambda: float(next(words)))
-        dimension, contacts, storage, rows, columns = (integer() for _ in range(5))
-        if rows != dimension * contacts or columns != rows or storage not in (0, 1):
-            raise ValueError(f"{path}: another layout")
-        self.W = [[0.0] * contacts for _ in range(contacts)]
-        if storage == 0:
-            integer(), integer()
-            for i in range(rows):
-                for j in range(rows):
-                    value = number()
-                    if i % dimension == 0 and j % dimension == 0:
-                        self.W[i // dimension][j // dimension] = value
-        else:
-            blocks, block_rows, block_columns = (integer() for _ in range(3))
-            ends = [integer() for _ in range(block_rows)]
-            if block_columns != block_rows or ends != [dimension * (k + 1) for k in range(contacts)]:
-                raise ValueError(f"{path}: blocks of another size")
-            for _ in range(block_columns):
-                integer()
-            filled = integer(), integer()
-            starts = [integer() for _ in range(filled[0])]
-            places = [integer() for _ in range(filled[1])]
-            for k in range(blocks):
-                integer()
-                values = [number() for _ in range(dimension * dimension)]
-                row = next(i for i in range(contacts) if starts[i] <= k < starts[i + 1])
-                self.W[row][places[k]] = values[0]
-        self.b = [number() for _ in range(rows)][::dimension]
+def rolling_friction(path):
+    """The normal rows of contacts with rolling friction in Siconos' text format, which `lcpbench convert` refuses."""
+    words = path.read_text(encoding="utf-8").split()
+    dimension, contacts, storage = map(int, words[:3])
+    if (dimension, storage) != (5, 0):
+        raise ValueError(f"{path}: another layout")
+    rows = dimension * contacts
+    numbers = list(map(float, words[7:]))
+    return {"n": contacts, "A": [numbers[rows * i:rows * (i + 1):dimension] for i in range(0, rows, dimension)],
+            "b": numbers[rows * rows:rows * (rows + 1):dimension]}
 
 
 def fclib_global(path):
@@ -144,25 +107,6 @@ def fclib_global(path):
             "b": b}
 
 
-def fclib_local(path):
-    """W, by rows, and b of the normal rows of u = W r + q; W is stored by compressed rows."""
-    import h5py  # pylint: disable=import-outside-toplevel
-
-    with h5py.File(path) as file:
-        problem = file["fclib_local"]
-        dimension, matrix = int(problem["spacedim"][0]), problem["W"]
-        if matrix["nz"][0] != -2:
-            raise ValueError(f"{path}: W is not stored by rows")
-        start, column, value = (list(matrix[key]) for key in ("p", "i", "x"))
-        contacts = (len(start) - 1) // dimension
-        W = [[0.0] * contacts for _ in range(contacts)]
-        for i in range(contacts):
-            for k in range(start[dimension * i], start[dimension * i + 1]):
-                if column[k] % dimension == 0:
-                    W[i][column[k] // dimension] = float(value[k])
-        return W, list(map(float, problem["vectors/q"]))[::dimension]
-
-
 class Writer:
     """Sorts problems into the two files; a content stands there once."""
 
@@ -171,25 +115,36 @@ class Writer:
         self.lines = {"literature": [], "nonsymmetric": []}
         self.seen = set()
 
+    def convert(self, path, *options, text=None):
+        """The problem of a file, or of a record, as a record; none where the command refuses it."""
+        run = subprocess.run([self.lcpbench, "convert", path, *options], input=text, text=True, check=False,
+                             capture_output=True)
+        return None if run.returncode else json.loads(run.stdout)
+
     def is_semidefinite(self, numbers):
         run = subprocess.run([self.lcpbench, "certify", "-"], input=json.dumps(numbers), text=True, check=False,
                              capture_output=True)
         return run.returncode == 0 and json.loads(run.stdout)["status"] in ("solved", "infeasible")
 
-    def add(self, name, family, matrix, rest, provenance, licence, base=None):
-        matrix = [[float(value) for value in row] for row in matrix]
-        off = asymmetry(matrix)
-        if family == "siconos-contacts":
-            if not 1 < len(matrix) <= MOST_ROWS_PROVED or off > SYMMETRIC:
-                return
-            if off > 0:
-                matrix = symmetrised(matrix)
-                provenance += f"; A symmetrised, entries differed by {off:.1e} of the diagonal"
-        psd = self.is_semidefinite({"A": matrix, **rest})
+    def add(self, name, family, record, provenance, licence, base=None):
+        numbers = {"A": dense(record), "b": record["b"]}
+        if record.get("bilateral"):
+            numbers["bilateral"] = record["bilateral"]
+        psd = self.is_semidefinite(numbers)
         if family == "siconos-contacts" and not psd:
             return
-        tier = "literature" if psd else "nonsymmetric"
-        self.put(tier, name, family, {"A": matrix, **rest}, provenance, licence, base)
+        self.put("literature" if psd else "nonsymmetric", name, family, numbers, provenance, licence, base)
+
+    def add_contacts(self, name, record, provenance, base=None):
+        """The normal rows of contacts, as `convert --symmetrize` left them."""
+        if record is None or not 1 < record["n"] <= MOST_ROWS_PROVED:
+            return
+        A = dense(record)
+        if A != [list(column) for column in zip(*A)]:
+            return
+        if "symmetrized" in record:
+            provenance += f"; A symmetrised, entries differed by {record['symmetrized']:.1e} of the diagonal"
+        self.add(name, "siconos-contacts", record, provenance, "Apache-2.0", base)
 
     def put(self, tier, name, family, numbers, provenance, licence, base=None):
         content = json.dumps(numbers, sort_keys=True)
@@ -211,29 +166,24 @@ class Writer:
 
 def add_siconos(writer, numerics):
     for path in sorted([*numerics.glob("LCP/test/data/*.dat"), *numerics.glob("MLCP/test/data/*.dat")]):
-        with tempfile.TemporaryDirectory() as folder:
-            out = Path(folder) / "problem.jsonl"
-            convert = subprocess.run([writer.lcpbench, "convert", path, "-o", out], check=False, capture_output=True)
-            if convert.returncode:
-                continue  # a storage or a shape that it does not have
-            record = json.loads(out.read_text(encoding="utf-8"))
-        if len(record["b"]) > MOST_ROWS_PROVED:
+        record = writer.convert(path)
+        if record is None or len(record["b"]) > MOST_ROWS_PROVED:
             continue
-        rest = {"b": record["b"]} | ({"bilateral": record["bilateral"]} if record.get("bilateral") else {})
         place = path.relative_to(numerics)
         book = of_siconos(path.stem)
-        writer.add("siconos-" + path.stem.lower().replace("_", "-"), "siconos-" + place.parts[0].lower(),
-                   dense(record), rest, f"{SICONOS}{place}" + (f"; {book}" if book else ""), "Apache-2.0")
+        writer.add("siconos-" + path.stem.lower().replace("_", "-"), "siconos-" + place.parts[0].lower(), record,
+                   f"{SICONOS}{place}" + (f"; {book}" if book else ""), "Apache-2.0")
     contacts = numerics / "FrictionContact/test/data"
+    symmetrize = ("--symmetrize", str(SYMMETRIC))
     for path in sorted(contacts.glob("*.dat")):
         try:
-            problem = FrictionText(path)
-        except (ValueError, StopIteration, RuntimeError):  # another layout
-            continue
+            record = writer.convert("-", *symmetrize, text=json.dumps(rolling_friction(path)))
+        except ValueError:
+            record = writer.convert(path, "--without-friction", *symmetrize)
         stem = path.name.removesuffix(".dat").removesuffix(".hdf5").lower().replace("_", "-")
         base = "siconos-rover" if stem.startswith("rover") else None
-        writer.add("siconos-" + stem, "siconos-contacts", problem.W, {"b": problem.b},
-                   f"{SICONOS}{path.relative_to(numerics)}, rows of the normals", "Apache-2.0", base)
+        writer.add_contacts("siconos-" + stem, record, f"{SICONOS}{path.relative_to(numerics)}, rows of the normals",
+                            base)
     for path in sorted(contacts.glob("*.hdf5")):
         name = "fclib-" + path.stem.lower().replace("_", "-")
         source = f"{SICONOS}{path.relative_to(numerics)} (FCLib), rows of the normals"
@@ -241,8 +191,7 @@ def add_siconos(writer, numerics):
             writer.put("literature", name, "fclib", fclib_global(path), source + "; inverse masses rounded",
                        "Apache-2.0")
         except KeyError:  # not a global problem
-            W, b = fclib_local(path)
-            writer.add(name, "siconos-contacts", W, {"b": b}, source, "Apache-2.0")
+            writer.add_contacts(name, writer.convert(path, "--without-friction", *symmetrize), source)
 
 
 def main():
@@ -253,7 +202,8 @@ def main():
     options = parser.parse_args()
     writer = Writer(options.lcpbench)
     for name, matrix, b, source in TEXTBOOKS:
-        writer.add(name, "textbooks", matrix, {"b": [float(value) for value in b]}, source, "CC0-1.0")
+        floats = [[float(value) for value in row] for row in matrix]
+        writer.add(name, "textbooks", {"A": floats, "b": [float(value) for value in b]}, source, "CC0-1.0")
     add_siconos(writer, options.siconos / "numerics/src")
     writer.write(options.output)
 

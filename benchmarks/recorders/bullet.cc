@@ -32,8 +32,6 @@ namespace {
 constexpr double kTimeStep = 1.0 / 60;
 constexpr double kPi = std::numbers::pi;
 
-Json Vector(const btVector3& v) { return Numbers({v.x(), v.y(), v.z()}); }
-
 /// Bodies of the recording are the dynamic ones, numbered by their user index; all others are the world.
 int BodyIndex(const btCollisionObject& object) {
   return object.isStaticOrKinematicObject() ? -1 : object.getUserIndex();
@@ -184,9 +182,7 @@ class RecordedWorld : public btDiscreteDynamicsWorld {
           number = Radius(*a.getCollisionShape()) > 0 && Radius(*b.getCollisionShape()) > 0 ? 1 : ++last_number_[pair];
           point.m_userPersistentData = reinterpret_cast<void*>(number);  // NOLINT(performance-no-int-to-ptr)
         }
-        contacts.push_back(
-            {manifold, &point,
-             std::to_string(pair.first) + ":" + std::to_string(pair.second) + ":" + std::to_string(number)});
+        contacts.push_back({manifold, &point, ContactId(pair.first, pair.second, number)});
       }
     }
     return contacts;
@@ -196,8 +192,7 @@ class RecordedWorld : public btDiscreteDynamicsWorld {
     for (int k = 0; k < getNumCollisionObjects(); ++k) {
       const btRigidBody& body = *btRigidBody::upcast(getCollisionObjectArray()[k]);
       if (BodyIndex(body) < 0) continue;
-      const btQuaternion q = body.getOrientation();
-      step->Body(Vector(body.getCenterOfMassPosition()), Numbers({q.w(), q.x(), q.y(), q.z()}),
+      step->Body(Vector(body.getCenterOfMassPosition()), Quaternion(body.getOrientation()),
                  Vector(body.getLinearVelocity()), Vector(body.getAngularVelocity()), Vector(body.getTotalForce()),
                  Vector(body.getTotalTorque() + GyroscopicTorque(body, info)));
     }
@@ -311,8 +306,6 @@ void Basic(Stage& stage, btCollisionShape* shape) {
     for (int i = 0; i < 5; ++i)
       for (int j = 0; j < 5; ++j) stage.Add(1, At(0.2 * i, 2 + 0.2 * k, 0.2 * j), shape);
 }
-void BasicBoxes(Stage& stage) { Basic(stage, stage.Box(0.1, 0.1, 0.1)); }
-void BasicSpheres(Stage& stage) { Basic(stage, stage.Make<btSphereShape>(0.1)); }
 
 void MultipleBoxes(Stage& stage) {
   stage.Ground();
@@ -590,9 +583,9 @@ void RollingFriction(Stage& stage) {
 }
 
 constexpr SceneEntry<Stage> kScenes[] = {
-    {"basic", "examples/BasicDemo/BasicExample.cpp", "", BasicBoxes},
+    {"basic", "examples/BasicDemo/BasicExample.cpp", "", [](Stage& stage) { Basic(stage, stage.Box(0.1, 0.1, 0.1)); }},
     {"basic-spheres", "examples/BasicDemo/BasicExample.cpp", "spheres of radius 0.1 in place of the boxes",
-     BasicSpheres},
+     [](Stage& stage) { Basic(stage, stage.Make<btSphereShape>(0.1)); }},
     {"multiple-boxes", "examples/ExtendedTutorials/MultipleBoxes.cpp", "", MultipleBoxes},
     {"compound-boxes", "examples/ExtendedTutorials/CompoundBoxes.cpp",
      "36 bodies in place of one, their frames in the centre of mass", CompoundBoxes},

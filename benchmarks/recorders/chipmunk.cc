@@ -209,65 +209,46 @@ void Tumble(Scene& scene) {
   }
 }
 
-/// The benchmark's basin, with a regular polygon of as many segments and about its size in place of its terrain.
-class Basin {
- public:
-  explicit Basin(Scene& scene) : scene_(scene) {
-    scene.Set(10, 100, 0.5);
-    const std::vector<cpVect> corners = RegularPolygon(47, 200);
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      scene.AddWall(corners[i], corners[(i + 1) % corners.size()], {});
-    }
+/// The benchmark's basin, with a regular polygon of as many segments and about its size in place of its terrain, and
+/// `add(place, size)` for bodies at random places, of one size or of sizes that vary 8-fold.
+void FillBasin(Scene& scene, int count, double size, bool is_variable, const std::function<void(cpVect, double)>& add) {
+  scene.Set(10, 100, 0.5);
+  const std::vector<cpVect> corners = RegularPolygon(47, 200);
+  for (std::size_t i = 0; i < corners.size(); ++i) scene.AddWall(corners[i], corners[(i + 1) % corners.size()], {});
+  Uniform uniform;
+  for (int i = 0; i < count; ++i) {
+    const double factor = is_variable ? std::pow(1.5, uniform(-1.5, 3.5)) : 1;
+    cpVect place;
+    do {
+      const double x = uniform(-1, 1);
+      place = cpv(x, uniform(-1, 1));
+    } while (cpvlengthsq(place) >= 1);
+    add(place * 180.0, size * factor);
   }
-  void AddDisc(double radius) { scene_.AddDisc(AnyPlace(), radius * radius / 25, radius, kSurface); }
-  void AddBox(double size) {
-    const double mass = size * size / 100;
-    cpBody* const body = scene_.Add(mass, cpMomentForBox(mass, size, size), AnyPlace());
-    scene_.Attach(cpBoxShapeNew(body, size - 2, size - 2, 1), kSurface);
-  }
-  void AddHexagon(double radius) {
-    const std::vector<cpVect> hexagon = RegularPolygon(6, radius - 1);
-    const double mass = radius * radius;
-    cpBody* const body = scene_.Add(mass, cpMomentForPoly(mass, 6, hexagon.data(), cpvzero, 0), AnyPlace());
-    scene_.Attach(cpPolyShapeNew(body, 6, hexagon.data(), cpTransformIdentity, 1), kSurface);
-  }
-  double AnySize() { return std::pow(1.5, uniform_(-1.5, 3.5)); }
-
- private:
-  static constexpr Surface kSurface{.friction = 0.9, .filter = {CP_NO_GROUP, CP_ALL_CATEGORIES, CP_ALL_CATEGORIES}};
-
-  cpVect AnyPlace() {
-    for (;;) {
-      const double x = uniform_(-1, 1);
-      const cpVect place = cpv(x, uniform_(-1, 1));
-      if (cpvlengthsq(place) < 1) return place * 180.0;
-    }
-  }
-  Scene& scene_;
-  Uniform uniform_;
-};
-
-void BasinCircles(Scene& scene, int count) {
-  Basin basin(scene);
-  for (int i = 0; i < count; ++i) basin.AddDisc(5);
 }
-void BasinCircles100(Scene& scene) { BasinCircles(scene, 100); }
-void BasinCircles1000(Scene& scene) { BasinCircles(scene, 1000); }
-void BasinVariableCircles(Scene& scene) {
-  Basin basin(scene);
-  for (int i = 0; i < 200; ++i) basin.AddDisc(5 * basin.AnySize());
+
+constexpr Surface kInBasin{.friction = 0.9, .filter = {CP_NO_GROUP, CP_ALL_CATEGORIES, CP_ALL_CATEGORIES}};
+
+template <int count, bool is_variable>
+void BasinCircles(Scene& scene) {
+  FillBasin(scene, count, 5, is_variable,
+            [&scene](cpVect place, double radius) { scene.AddDisc(place, radius * radius / 25, radius, kInBasin); });
 }
+template <int count, bool is_variable>
 void BasinBoxes(Scene& scene) {
-  Basin basin(scene);
-  for (int i = 0; i < 100; ++i) basin.AddBox(10);
-}
-void BasinVariableBoxes(Scene& scene) {
-  Basin basin(scene);
-  for (int i = 0; i < 200; ++i) basin.AddBox(8 * basin.AnySize());
+  FillBasin(scene, count, is_variable ? 8 : 10, is_variable, [&scene](cpVect place, double size) {
+    const double mass = size * size / 100;
+    cpBody* const body = scene.Add(mass, cpMomentForBox(mass, size, size), place);
+    scene.Attach(cpBoxShapeNew(body, size - 2, size - 2, 1), kInBasin);
+  });
 }
 void BasinHexagons(Scene& scene) {
-  Basin basin(scene);
-  for (int i = 0; i < 500; ++i) basin.AddHexagon(5);
+  FillBasin(scene, 500, 5, false, [&scene](cpVect place, double radius) {
+    const std::vector<cpVect> hexagon = RegularPolygon(6, radius - 1);
+    const double mass = radius * radius;
+    cpBody* const body = scene.Add(mass, cpMomentForPoly(mass, 6, hexagon.data(), cpvzero, 0), place);
+    scene.Attach(cpPolyShapeNew(body, 6, hexagon.data(), cpTransformIdentity, 1), kInBasin);
+  });
 }
 
 // --- Joints
@@ -464,11 +445,11 @@ constexpr SceneEntry<Scene> kScenes[] = {
     {"contact-graph", "ContactGraph.c", "", ContactGraph},
     {"plink", "Plink.c", "random positions of our own", Plink},
     {"tumble", "Tumble.c", "a random choice of bricks of our own", Tumble},
-    {"basin-circles-100", "Bench.c (SimpleTerrainCircles_100)", kBasin, BasinCircles100},
-    {"basin-circles-1000", "Bench.c (SimpleTerrainCircles_1000)", kBasin, BasinCircles1000},
-    {"basin-vcircles-200", "Bench.c (SimpleTerrainVCircles_200)", kBasin, BasinVariableCircles},
-    {"basin-boxes-100", "Bench.c (SimpleTerrainBoxes_100)", kBasin, BasinBoxes},
-    {"basin-vboxes-200", "Bench.c (SimpleTerrainVBoxes_200)", kBasin, BasinVariableBoxes},
+    {"basin-circles-100", "Bench.c (SimpleTerrainCircles_100)", kBasin, BasinCircles<100, false>},
+    {"basin-circles-1000", "Bench.c (SimpleTerrainCircles_1000)", kBasin, BasinCircles<1000, false>},
+    {"basin-vcircles-200", "Bench.c (SimpleTerrainVCircles_200)", kBasin, BasinCircles<200, true>},
+    {"basin-boxes-100", "Bench.c (SimpleTerrainBoxes_100)", kBasin, BasinBoxes<100, false>},
+    {"basin-vboxes-200", "Bench.c (SimpleTerrainVBoxes_200)", kBasin, BasinBoxes<200, true>},
     {"basin-hexagons-500", "Bench.c (SimpleTerrainHexagons_500)", kBasin, BasinHexagons},
     {"chains", "Chains.c", "its joints do not break", Chains},
     {"joints", "Joints.c", "", Joints},

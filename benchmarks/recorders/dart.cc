@@ -48,8 +48,6 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-Json Vector(const Vector3d& v) { return Numbers({v.x(), v.y(), v.z()}); }
-
 Isometry3d At(const Vector3d& x, const Matrix3d& R = Matrix3d::Identity()) {
   Isometry3d place = Isometry3d::Identity();
   place.translation() = x;
@@ -127,9 +125,7 @@ class Stage {
       if (i == j) continue;
       step->Contact(i, j, Vector(contact.point), Vector(contact.normal.normalized()), -contact.penetrationDepth,
                     std::min(Friction(contact.collisionObject1), Friction(contact.collisionObject2)),
-                    std::to_string(asked[k].pair.first) + ":" + std::to_string(asked[k].pair.second) + ":" +
-                        std::to_string(numbers[k]),
-                    {"box", "box"}, {0, 0});
+                    ContactId(asked[k].pair.first, asked[k].pair.second, numbers[k]), {"box", "box"}, {0, 0});
     }
   }
 
@@ -172,13 +168,12 @@ class Stage {
   void WriteState(Step* step) const {
     for (const dynamics::BodyNode* body : bodies) {
       const Matrix3d R = body->getTransform().linear();
-      const Eigen::Quaterniond q(R);
       const Vector3d x = body->getCOM();
       const Vector3d omega = body->getAngularVelocity();
       const Eigen::Matrix<double, 6, 1> load = body->getExternalForceGlobal();  // torque about the origin, force
       const Vector3d force = load.tail<3>();
       const Vector3d gyroscopic = -omega.cross(R * body->getInertia().getMoment() * R.transpose() * omega);
-      step->Body(Vector(x), Numbers({q.w(), q.x(), q.y(), q.z()}), Vector(body->getCOMLinearVelocity()), Vector(omega),
+      step->Body(Vector(x), Quaternion(Eigen::Quaterniond(R)), Vector(body->getCOMLinearVelocity()), Vector(omega),
                  Vector(force + body->getMass() * world->getGravity()),
                  Vector(load.head<3>() - x.cross(force) + gyroscopic));
     }

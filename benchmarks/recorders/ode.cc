@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <initializer_list>
 #include <map>
 #include <numbers>
 #include <string>
@@ -34,7 +35,6 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-Json Vector(const Vector3d& v) { return Numbers({v.x(), v.y(), v.z()}); }
 Vector3d FromOde(const dReal* v) { return {v[0], v[1], v[2]}; }
 Matrix3d MatrixFromOde(const dReal* m) {
   Matrix3d result;
@@ -412,20 +412,18 @@ class Stage {
       const Quaterniond q = (rotation * Quaterniond(inertia.axes)).normalized();
       const Matrix3d R = MatrixFromOde(dBodyGetRotation(body));
       const Vector3d weight = dBodyGetGravityMode(body) ? Vector3d(inertia.mass * gravity) : Vector3d::Zero();
-      step->Body(Vector(FromOde(dBodyGetPosition(body))), Numbers({q.w(), q.x(), q.y(), q.z()}),
-                 Vector(FromOde(dBodyGetLinearVel(body))), Vector(FromOde(dBodyGetAngularVel(body))),
-                 Vector(FromOde(dBodyGetForce(body)) + weight),
+      step->Body(Vector(FromOde(dBodyGetPosition(body))), Quaternion(q), Vector(FromOde(dBodyGetLinearVel(body))),
+                 Vector(FromOde(dBodyGetAngularVel(body))), Vector(FromOde(dBodyGetForce(body)) + weight),
                  Vector(FromOde(dBodyGetTorque(body)) + GyroscopicTorque(body, R * inertia.tensor * R.transpose())));
     }
     for (const Contact& contact : contacts_) {
       // ODE's normal points into its first geometry.
       const dGeomID i = contact.geom.g2;
       const dGeomID j = contact.geom.g1;
-      step->Contact(
-          IndexOf(index_, dGeomGetBody(i)), IndexOf(index_, dGeomGetBody(j)), Vector(FromOde(contact.geom.pos)),
-          Vector(FromOde(contact.geom.normal).normalized()), -contact.geom.depth, contact.friction,
-          std::to_string(number_.at(i)) + ":" + std::to_string(number_.at(j)) + ":" + std::to_string(contact.number),
-          {ShapeName(i), ShapeName(j)}, {Radius(i), Radius(j)});
+      step->Contact(IndexOf(index_, dGeomGetBody(i)), IndexOf(index_, dGeomGetBody(j)),
+                    Vector(FromOde(contact.geom.pos)), Vector(FromOde(contact.geom.normal).normalized()),
+                    -contact.geom.depth, contact.friction, ContactId(number_.at(i), number_.at(j), contact.number),
+                    {ShapeName(i), ShapeName(j)}, {Radius(i), Radius(j)});
     }
     for (std::size_t k = 0; k < joints_.size(); ++k) {
       auto [kind, rows] = Rows(joints_[k]);
@@ -448,9 +446,16 @@ dSurfaceParameters Surface(int mode, double mu) {
   return surface;
 }
 
+/// Parameters of a wheel's joint.
+void Set(dJointID wheel, std::initializer_list<std::pair<int, double>> parameters) {
+  for (const auto& [parameter, value] : parameters) dJointSetHinge2Param(wheel, parameter, value);
+}
+
 /// Ten bodies joined by balls, drawn up at one end by a force that swings.
-void Chain(Stage& stage, bool has_spheres) {
+template <bool has_spheres>
+void Chain(Stage& stage) {
   dWorldSetGravity(stage.world, 0, 0, -0.5);
+  if (!has_spheres) dWorldSetCFM(stage.world, 1e-5);
   stage.contacts_per_pair = 1;
   stage.surface = Surface(0, has_spheres ? 0.1 : dInfinity);
   stage.joined_bodies_meet = false;
@@ -469,11 +474,6 @@ void Chain(Stage& stage, bool has_spheres) {
   stage.drive = [last = stage.bodies.back()](int step) {
     dBodyAddForce(last, 0, 0, 1.5 * (std::sin(0.05 * (step + 1)) + 1));
   };
-}
-void Chain1(Stage& stage) { Chain(stage, true); }
-void Chain2(Stage& stage) {
-  dWorldSetCFM(stage.world, 1e-5);
-  Chain(stage, false);
 }
 
 const Matrix3d kWheelTurn = Rotation(Vector3d::UnitX(), kPi / 2);
@@ -499,18 +499,16 @@ void Buggy(Stage& stage) {
   for (const auto& [x, y] : {std::pair{0.5, 0.0}, {-0.5, 0.5}, {-0.5, -0.5}}) {
     const dBodyID wheel = stage.Sphere(0.2, 0.18, Vector3d(x * length, y * width, start - height / 2), kWheelTurn);
     wheels.push_back(stage.Hinge2(chassis, wheel, Vector3d::UnitZ(), Vector3d::UnitY()));
-    dJointSetHinge2Param(wheels.back(), dParamSuspensionERP, 0.4);
-    dJointSetHinge2Param(wheels.back(), dParamSuspensionCFM, 0.8);
+    Set(wheels.back(), {{dParamSuspensionERP, 0.4}, {dParamSuspensionCFM, 0.8}});
     const double stop = wheels.size() == 1 ? 0.75 : 0;
-    dJointSetHinge2Param(wheels.back(), dParamLoStop, -stop);
-    dJointSetHinge2Param(wheels.back(), dParamHiStop, stop);
+    Set(wheels.back(), {{dParamLoStop, -stop}, {dParamHiStop, stop}});
   }
   stage.drive = [front = wheels[0]](int) {
-    dJointSetHinge2Param(front, dParamVel2, -1.5);
-    dJointSetHinge2Param(front, dParamFMax2, 0.1);
-    dJointSetHinge2Param(front, dParamVel, 10 * std::clamp(0.5 - dJointGetHinge2Angle1(front), -0.1, 0.1));
-    dJointSetHinge2Param(front, dParamFMax, 0.2);
-    dJointSetHinge2Param(front, dParamFudgeFactor, 0.1);
+    Set(front, {{dParamVel2, -1.5},
+                {dParamFMax2, 0.1},
+                {dParamVel, 10 * std::clamp(0.5 - dJointGetHinge2Angle1(front), -0.1, 0.1)},
+                {dParamFMax, 0.2},
+                {dParamFudgeFactor, 0.1}});
   };
 }
 
@@ -547,8 +545,7 @@ std::vector<dJointID> AddCar(Stage& stage) {
       const dBodyID wheel = stage.Sphere(1, radius, Vector3d(x, y, start - height / 2), kWheelTurn);
       wheels.push_back(
           stage.Hinge2(chassis, wheel, x > 0 ? Vector3d::UnitZ() : Vector3d(-Vector3d::UnitZ()), Vector3d::UnitY()));
-      dJointSetHinge2Param(wheels.back(), dParamSuspensionERP, 0.8);
-      dJointSetHinge2Param(wheels.back(), dParamSuspensionCFM, 1e-5);
+      Set(wheels.back(), {{dParamSuspensionERP, 0.8}, {dParamSuspensionCFM, 1e-5}});
     }
   dMass mass;
   dMassSetBoxTotal(&mass, 0.5, length, width, height);
@@ -563,10 +560,10 @@ void Crash(Stage& stage) {
   const dBodyID ball = stage.Sphere(10, 0.5, Vector3d(-10, 5, 0.5));
   stage.drive = [wheels, ball](int step) {
     for (const dJointID wheel : wheels) {
-      dJointSetHinge2Param(wheel, dParamVel, -dJointGetHinge2Angle1(wheel));
-      dJointSetHinge2Param(wheel, dParamFMax, dInfinity);
-      dJointSetHinge2Param(wheel, dParamVel2, 6);
-      dJointSetHinge2Param(wheel, dParamFMax2, kEngineForce);
+      Set(wheel, {{dParamVel, -dJointGetHinge2Angle1(wheel)},
+                  {dParamFMax, dInfinity},
+                  {dParamVel2, 6},
+                  {dParamFMax2, kEngineForce}});
     }
     if (step == 40) {
       const Vector3d direction = Rotation(Vector3d::UnitY(), -1.2) * Vector3d::UnitZ();
@@ -602,12 +599,12 @@ void Centipede(Stage& stage) {
       for (int k = 0; k < 3; ++k) {
         const dBodyID wheel = stage.Sphere(1, 0.5, Vector3d(-15 + side * (2 + k), y, 1));
         const dJointID joint = stage.Hinge2(inner, wheel, Vector3d::UnitZ(), Vector3d::UnitX());
-        dJointSetHinge2Param(joint, dParamSuspensionERP, 1);
-        dJointSetHinge2Param(joint, dParamSuspensionCFM, 1e-5);
-        dJointSetHinge2Param(joint, dParamLoStop, 0);
-        dJointSetHinge2Param(joint, dParamHiStop, 0);
-        dJointSetHinge2Param(joint, dParamVel2, side * 10);
-        dJointSetHinge2Param(joint, dParamFMax2, kEngineForce);
+        Set(joint, {{dParamSuspensionERP, 1},
+                    {dParamSuspensionCFM, 1e-5},
+                    {dParamLoStop, 0},
+                    {dParamHiStop, 0},
+                    {dParamVel2, side * 10},
+                    {dParamFMax2, kEngineForce}});
         inner = wheel;
       }
     }
@@ -715,7 +712,8 @@ void BoxstackWorld(Stage& stage, double gravity) {
 }
 
 /// Four objects at every 0.7 m of height, over an area of 2 m by 2 m.
-void Boxstack(Stage& stage, int count, bool has_boxes_only) {
+template <int count, bool has_boxes_only>
+void Boxstack(Stage& stage) {
   BoxstackWorld(stage, 0.5);
   stage.time_step = 0.02;
   stage.contacts_per_pair = 8;
@@ -727,9 +725,6 @@ void Boxstack(Stage& stage, int count, bool has_boxes_only) {
     AddObject(stage, has_boxes_only ? Kind::kBox : static_cast<Kind>(k % 5), corner + 0.15 * RandomVector());
   }
 }
-void BoxstackBoxes(Stage& stage) { Boxstack(stage, 100, true); }
-void BoxstackMixed(Stage& stage) { Boxstack(stage, 60, false); }
-void BoxstackFew(Stage& stage) { Boxstack(stage, 16, false); }
 
 dReal HeightOfField(void*, int x, int z) {
   const double u = (x - 7) / 14.0, v = (z - 15) / 30.0;
@@ -810,18 +805,19 @@ void BridgeFeedback(Stage& stage) {
 }
 
 constexpr SceneEntry<Stage> kScenes[] = {
-    {"chain1", "demo_chain1.c", "", Chain1},
-    {"chain2", "demo_chain2.cpp", "", Chain2},
+    {"chain1", "demo_chain1.c", "", Chain<true>},
+    {"chain2", "demo_chain2.cpp", "", Chain<false>},
     {"buggy", "demo_buggy.cpp", "driven at a speed of 1.5 and steered by 0.5 from the start", Buggy},
     {"crash", "demo_crash.cpp", "car driven at a speed of 6 from the start, cannon fired in step 40", Crash},
     {"crash-wall", "demo_crash.cpp", "its wall alone, 24 wide and 20 high in place of 12 and 10", CrashWall},
     {"crash-balls", "demo_crash.cpp", "with BALLS alone", CrashBalls},
     {"centipede", "demo_crash.cpp", "with CENTIPEDE alone", Centipede},
     {"friction", "demo_friction.cpp", "", Friction},
-    {"boxstack", "demo_boxstack.cpp", "100 boxes dropped at once from a lattice", BoxstackBoxes},
+    {"boxstack", "demo_boxstack.cpp", "100 boxes dropped at once from a lattice", Boxstack<100, true>},
     {"boxstack-mixed", "demo_boxstack.cpp",
-     "60 boxes, spheres, capsules, cylinders and composites dropped at once from a lattice", BoxstackMixed},
-    {"boxstack-few", "demo_boxstack.cpp", "16 objects of five kinds dropped at once from a lattice", BoxstackFew},
+     "60 boxes, spheres, capsules, cylinders and composites dropped at once from a lattice", Boxstack<60, false>},
+    {"boxstack-few", "demo_boxstack.cpp", "16 objects of five kinds dropped at once from a lattice",
+     Boxstack<16, false>},
     {"heightfield", "demo_heightfield.cpp", "30 objects dropped at once, gravity 0.5 in place of 0.05", Heightfield},
     {"cards", "demo_cards.cpp", "", Cards},
     {"bridge", "demo_feedback.cpp", "hinges do not break", BridgeFeedback},

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -42,6 +43,10 @@ Json Numbers(const Range& values) {
   return list;
 }
 inline Json Numbers(std::initializer_list<double> values) { return Numbers<std::initializer_list<double>>(values); }
+
+/// Of any engine's type.
+Json Vector(const auto& v) { return Numbers({v.x(), v.y(), v.z()}); }
+Json Quaternion(const auto& q) { return Numbers({q.w(), q.x(), q.y(), q.z()}); }
 
 /// A row of a joint: w = J v of two bodies, 3 + 3 numbers in the plane, 6 + 6 in space (linear, angular; world axes).
 struct JointRow {
@@ -140,37 +145,24 @@ struct Request {
 /// Reads `recorder-ENGINE SCENE [--first STEP] [--steps N] [--every K]`; `--list` lists the scenes. Ends the program
 /// where that is not what it is given.
 inline Request ReadCommandLine(int argc, char** argv, const std::vector<std::string>& scenes) {
-  const auto end = [&](const std::string& wrong) {
-    std::fprintf(stderr, "%s: %s; usage: SCENE [--first STEP] [--steps N] [--every K], or --list\n", argv[0],
-                 wrong.c_str());
-    std::exit(2);
-  };
   Request request;
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    int* const number = word == "--first"   ? &request.first
-                        : word == "--steps" ? &request.steps
-                        : word == "--every" ? &request.every
-                                            : nullptr;
-    if (word == "--list") {
-      for (const std::string& scene : scenes) std::puts(scene.c_str());
-      std::exit(0);
-    } else if (number != nullptr) {
-      char* rest = nullptr;
-      const long value = ++i < argc ? std::strtol(argv[i], &rest, 10) : -1;
-      if (rest == nullptr || rest == argv[i] || *rest != '\0' || value < (number == &request.first ? 0 : 1) ||
-          value > 1000000) {
-        end(word + " takes a whole number");
-      }
-      *number = static_cast<int>(value);
-    } else if (!word.starts_with('-') && request.scene.empty()) {
-      request.scene = word;
-    } else {
-      end("\"" + word + "\" is not understood");
-    }
-  }
-  if (std::find(scenes.begin(), scenes.end(), request.scene) == scenes.end()) {
-    end(request.scene.empty() ? "a scene is missing" : "no scene is called \"" + request.scene + "\"");
+  CLI::App app("Records steps of a scene", argv[0]);
+  const auto list = [&scenes](std::int64_t) {
+    for (const std::string& scene : scenes) std::puts(scene.c_str());
+    std::exit(0);
+  };
+  app.add_option("scene", request.scene, "Which one")->required()->check(CLI::IsMember(scenes));
+  app.add_flag_function("--list", list, "Name all scenes")->trigger_on_parse();
+  app.add_option("--first", request.first, "The first recorded step, from 0")->check(CLI::Range(0, 1000000));
+  app.add_option("--steps", request.steps, "How many are recorded")->check(CLI::Range(1, 1000000));
+  app.add_option("--every", request.every, "How far they are apart")->check(CLI::Range(1, 1000000));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    std::exit(app.exit(CLI::CallForHelp()));
+  } catch (const CLI::ParseError& error) {
+    std::fprintf(stderr, "%s: %s\n", argv[0], error.what());
+    std::exit(2);
   }
   return request;
 }
@@ -188,6 +180,11 @@ template <class Map, class Key>
 int IndexOf(const Map& indices, const Key& key) {
   const auto found = indices.find(key);
   return found == indices.end() ? -1 : found->second;
+}
+
+/// A contact's name from step to step: its number within a pair of shapes or bodies.
+inline std::string ContactId(int first, int second, auto number) {
+  return std::to_string(first) + ":" + std::to_string(second) + ":" + std::to_string(number);
 }
 
 /// A scene that a recorder builds.
