@@ -168,9 +168,7 @@ class Picture {
   bool IsContact(const RowInfo& row) const {
     return system_.constraints[static_cast<std::size_t>(row.constraint)].type == ConstraintType::kContact;
   }
-  Vec2 PageOf(const Attachment& at) const {
-    return layout_.ToPage(BodyOf(at.body).x + Rotate(SinCos(BodyOf(at.body).theta), at.point));
-  }
+  Vec2 PageOf(const Attachment& at) const { return layout_.ToPage(WorldPoint(BodyOf(at.body), at.point)); }
   Vec2 PageOf(const RowInfo& row) const { return layout_.ToPage(PlaceOf(system_, row)); }
   /// From paths in the body's frame to the page.
   std::string TransformOf(const Body& body) const;
@@ -206,8 +204,7 @@ Picture::Picture(const ContactSystem& system, const AssembledLcp& lcp, const Eig
   for (const RowInfo& row : lcp.rows) points.insert(points.end(), {row.p1, row.p2});
   for (const Connector& connector : connectors_) {
     for (const Attachment& end : {connector.end1, connector.end2}) {
-      if (connector.path.empty())
-        points.push_back(BodyOf(end.body).x + Rotate(SinCos(BodyOf(end.body).theta), end.point));
+      if (connector.path.empty()) points.push_back(WorldPoint(BodyOf(end.body), end.point));
     }
   }
   layout_ = MakeLayout(system.bodies, points);

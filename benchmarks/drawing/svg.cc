@@ -8,6 +8,7 @@
 #include <limits>
 #include <variant>
 
+#include "model/contact/path.h"
 #include "model/geometry/feature.h"
 #include "model/scenes/parts.h"
 
@@ -223,22 +224,7 @@ std::vector<OutlineEdge> WholeCurve(const Feature& feature) {
 bool IsBounded(const Outline& outline) {
   if (outline.loops.empty() || outline.loops.front().empty()) return false;
   const OutlineLoop& loop = outline.loops.front();
-  const Vec2 first = CurvePoint(loop.front().edge, loop.front().s_begin);
-  const Vec2 last = CurvePoint(loop.back().edge, loop.back().s_end);
-  double twice_area = 0;
-  double size = 0;
-  Vec2 before{};
-  for (const OutlinePiece& piece : loop) {
-    constexpr int kSamples = 16;
-    for (int k = 1; k <= kSamples; ++k) {
-      const Vec2 p = CurvePoint(piece.edge, piece.s_begin + (piece.s_end - piece.s_begin) * k / kSamples) - first;
-      twice_area += Cross(before, p);
-      size = std::max(size, Norm(p));
-      before = p;
-    }
-  }
-  constexpr double kClosed = 1e-6;
-  return Norm(last - first) <= kClosed * size && twice_area > 0;
+  return IsClosed(loop) && LoopMoments(loop, CurvePoint(loop.front().edge, loop.front().s_begin)).area > 0;
 }
 
 }  // namespace lcpbench

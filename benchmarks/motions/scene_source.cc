@@ -45,13 +45,12 @@ ContactSystem InstantWithContacts(const World& world, MotionLevel level) {
   const double median = MedianExtent(world.bodies, BoundsOf(world.bodies));
   const double size = median > 0 ? median : 1;
   const ContactFinder finder(world);
-  const MotionOptions options;
   const double width = finder.least_width() > 0 ? finder.least_width() : 1;
-  const double treated = TreatedDepth(level, options, width);
+  const double treated = TreatedDepth(level, width);
   finder.RequireShallow(world, ToString(level), treated);
   ContactSystem instant = InstantOf(world, finder.Find(world.bodies, kFoundGap * size, treated));
   const AssembledLcp lcp = AssembleContactLcp(instant);
-  instant = InstantOf(world, WithoutGhosts(instant, lcp.rows, options.velocity.doubtful_depth * width));
+  instant = InstantOf(world, WithoutGhosts(instant, lcp.rows, VelocityOptions().doubtful_depth * width));
   std::erase_if(instant.constraints, [&](const Constraint& joint) {
     return joint.type == ConstraintType::kRope && joint.length - DistanceOfEnds(joint, world.bodies) > kFoundGap * size;
   });
@@ -69,7 +68,7 @@ std::unique_ptr<Motion> StartMotion(const MovingScene& scene, const LcpOptions& 
   // Where nothing bounces, a body that is stopped by one contact leaves others slowly and falls back onto them a few
   // microseconds later, which leaves others again: one collision of a chain becomes a cascade of tiny impacts. Contacts
   // that are slower than what counts as rest anyway need no impact.
-  double& at_rest = options.acceleration.velocity_tolerance;
+  double& at_rest = impact.velocity_tolerance;
   if (scene.restitution == 0) {
     at_rest = ImpactOptions().resting_speed;
   } else if (impact.resting_speed > 0) {

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "model/contact/path.h"
+
 namespace lcpbench {
 namespace {
 
@@ -62,10 +64,7 @@ OutlineRegion::OutlineRegion(const Outline& outline, double fineness)
 }
 
 void OutlineRegion::AddLoop(const OutlineLoop& loop, int first) {
-  constexpr double kJoined = 1e-9;
-  const OutlinePiece& last = loop.back();
-  const bool closed = Norm(CurvePoint(loop.front().edge, loop.front().s_begin) - CurvePoint(last.edge, last.s_end)) <=
-                      kJoined * std::max(Reach(loop.front()), Reach(last));
+  const bool closed = IsClosed(loop);
   for (std::size_t k = 0; k < loop.size(); ++k) {
     const OutlinePiece& piece = loop[k];
     const OutlinePiece& before = loop[(k + loop.size() - 1) % loop.size()];

@@ -14,6 +14,13 @@
 namespace lcpbench {
 namespace {
 
+// The box around the corners of another one, each moved to `map(corner)`.
+template <class Map>
+BoundingBox AroundCorners(const BoundingBox& box, const Map& map) {
+  return Union(BoxOf(map(box.lower), map(box.upper)),
+               BoxOf(map({box.lower.x, box.upper.y}), map({box.upper.x, box.lower.y})));
+}
+
 // A body's region in the world.
 struct PlacedRegion {
   const OutlineRegion* region = nullptr;
@@ -26,16 +33,8 @@ struct PlacedRegion {
   OutlineRegion::Place At(Vec2 p, double accuracy, double shallow = -1) const {
     return region->At(ToBody(p), accuracy, shallow);
   }
-
-  // Around the corners of the box in the body's frame.
   BoundingBox Bounds() const {
-    const BoundingBox& box = region->box();
-    BoundingBox bounds = BoxOf(ToWorld(box.lower), ToWorld(box.upper));
-    for (const Vec2 corner : {Vec2{box.lower.x, box.upper.y}, Vec2{box.upper.x, box.lower.y}}) {
-      const Vec2 p = ToWorld(corner);
-      bounds = Union(bounds, {p, p});
-    }
-    return bounds;
+    return AroundCorners(region->box(), [this](Vec2 corner) { return ToWorld(corner); });
   }
 };
 
@@ -137,7 +136,9 @@ class PairSearch {
   void SampleOutline(std::size_t own) {
     const PlacedRegion& other = Other(own);
     // The other body's box as this one's frame has it.
-    const BoundingBox near = Inflated(InFrameOf(own), {}, fineness_);
+    const BoundingBox box_in_frame =
+        AroundCorners(other.region->box(), [&](Vec2 corner) { return regions_[own]->ToBody(other.ToWorld(corner)); });
+    const BoundingBox near = Inflated(box_in_frame, {}, fineness_);
     const OutlineRegion& region = *regions_[own]->region;
     region.tree().Visit([&](const BoundingBox& box, std::size_t first, std::size_t count) {
       if (!Overlap(box, near) || IsShallow(own, box)) return false;
@@ -157,13 +158,6 @@ class PairSearch {
     return Other(own).At(middle, Accuracy(), known - reach).depth + reach <= known;
   }
   double Accuracy() const { return fineness_ / 8; }
-
-  BoundingBox InFrameOf(std::size_t own) const {
-    const BoundingBox& box = Other(own).region->box();
-    const auto corner = [&](double x, double y) { return regions_[own]->ToBody(Other(own).ToWorld({x, y})); };
-    return Union(BoxOf(corner(box.lower.x, box.lower.y), corner(box.upper.x, box.upper.y)),
-                 BoxOf(corner(box.lower.x, box.upper.y), corner(box.upper.x, box.lower.y)));
-  }
 
   void SampleChord(std::size_t own, const OutlineRegion::Chord& chord, const BoundingBox& near, double spacing) {
     constexpr double kMost = 256;

@@ -59,6 +59,14 @@ void CopyVelocities(std::span<const Body> from, std::span<Body> to) {
   }
 }
 
+ContactSystem PartOf(const ContactSystem& system, const std::vector<bool>& chosen) {
+  ContactSystem part{system.name, system.bodies, {}};
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    if (chosen[k]) part.constraints.push_back(system.constraints[k]);
+  }
+  return part;
+}
+
 double WorstViolation(const std::vector<RowInfo>& rows, double RowInfo::*x) {
   double worst = 0;
   for (const RowInfo& row : rows) worst = std::max(worst, row.bilateral ? std::abs(row.*x) : -(row.*x));
@@ -98,23 +106,7 @@ ContactSystem WithoutSeparating(const ContactSystem& system, double tolerance) {
   for (const RowInfo& row : all.rows) {
     if (row.bilateral || row.d_dot <= tolerance) stays[static_cast<std::size_t>(row.constraint)] = true;
   }
-  ContactSystem touching{system.name, system.bodies, {}};
-  for (std::size_t k = 0; k < stays.size(); ++k) {
-    if (stays[k]) touching.constraints.push_back(system.constraints[k]);
-  }
-  return touching;
-}
-
-double RestitutionOf(const ImpactOptions& options, const ContactSystem& system, const RowInfo& row) {
-  if (row.bilateral || -row.d_dot < options.resting_speed) return 0;
-  if (!options.pair_restitution) return options.restitution;
-  const Constraint& constraint = system.constraints[static_cast<std::size_t>(row.constraint)];
-  const double e = options.pair_restitution(constraint.body1, constraint.body2);
-  if (!(e >= 0 && e <= 1)) {
-    throw InputError("the restitution of bodies " + std::to_string(constraint.body1) + " and " +
-                     std::to_string(constraint.body2) + " must be in [0, 1], found " + std::to_string(e));
-  }
-  return e;
+  return PartOf(system, stays);
 }
 
 // Solves w = A p + q and applies p.
@@ -149,7 +141,9 @@ void Poisson(const ImpactOptions& options, const ImpulseSolver& solve, ContactSy
   const AssembledLcp lcp = AssembleContactLcp(*touching);
   Eigen::VectorXd restored = Apply(solve, lcp, ValuesOf(lcp.rows, &RowInfo::d_dot), touching);
   for (std::size_t i = 0; i < lcp.rows.size(); ++i) {
-    restored[static_cast<Index>(i)] *= RestitutionOf(options, *touching, lcp.rows[i]);
+    const RowInfo& row = lcp.rows[i];
+    const bool rests = row.bilateral || -row.d_dot < options.resting_speed;
+    restored[static_cast<Index>(i)] *= rests ? 0 : options.restitution;
   }
   AddToVelocities(DisplacementOf(lcp.problem, restored), touching->bodies);
   // All rows again, whether they separate now or not: none of them demands more than w >= 0.
@@ -161,9 +155,6 @@ void Poisson(const ImpactOptions& options, const ImpulseSolver& solve, ContactSy
 void RequireValid(const ImpactOptions& options) {
   if (!(options.restitution >= 0 && options.restitution <= 1)) {
     throw InputError("the restitution must be in [0, 1], found " + std::to_string(options.restitution));
-  }
-  if (options.pair_restitution && options.law != ImpactLaw::kPoisson) {
-    throw InputError("restitution by pairs of bodies needs Poisson's law: Newton's may have no solution");
   }
   if (!(std::isfinite(options.resting_speed) && options.resting_speed >= 0)) {
     throw InputError("the resting speed must be finite and >= 0");

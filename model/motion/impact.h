@@ -26,6 +26,9 @@ void CopyVelocities(std::span<const Body> from, std::span<Body> to);
 /// One of the rows' numbers, by row.
 Eigen::VectorXd ValuesOf(const std::vector<RowInfo>& rows, double RowInfo::*x);
 
+/// The system with those of its constraints that are chosen.
+ContactSystem PartOf(const ContactSystem& system, const std::vector<bool>& chosen);
+
 /// The worst violation: max(-x, 0) of unilateral rows and |x| of bilateral ones, x = d [m] or d_dot [m/s].
 double WorstViolation(const std::vector<RowInfo>& rows, double RowInfo::*x = &RowInfo::d);
 
@@ -53,8 +56,7 @@ enum class ImpactLaw {
   /// One restitution e for every unilateral row: w = A p + (1 + e) J v-, that is J v+ >= -e J v-. Always solvable
   /// without moving kinematic bodies; kinetic energy does not grow.
   kNewton,
-  /// Restitution e_i by contact: compression with e = 0 gives p, then impulses e_i p_i are applied, then a second LCP
-  /// with e = 0 stops what approaches. Both solvable where every e_i e of Newton's law may not be.
+  /// Compression with e = 0 gives p, then impulses e p are applied, then a second LCP with e = 0 stops what approaches.
   kPoisson,
 };
 
@@ -63,9 +65,6 @@ struct ImpactOptions {
   ImpactLaw law = ImpactLaw::kNewton;
   /// e in [0, 1], of all contacts; bilateral rows have e = 0 always.
   double restitution = 0;
-  /// Restitution between two bodies, by their indices (body 1, body 2), in [0, 1]; empty for `restitution`. Poisson's
-  /// law only.
-  std::function<double(int, int)> pair_restitution;
   /// Approach slower than this [m/s] is stopped with e = 0, so that bouncing ends: a ball of restitution e < 1 bounces
   /// infinitely often in finite time otherwise. An elastic bounce this slow loses its energy, v^2/2 per mass.
   double resting_speed = 1e-4;
@@ -80,7 +79,7 @@ void RequireValid(const ImpactOptions& options);
 /// One simultaneous impact over the constraints of `system` that do not separate: v+ = v- + M^-1 J^T p, kinematic
 /// bodies keeping their velocities. One LCP (Newton) or two (Poisson).
 /// @param system  bodies' velocities are changed; constraints are those that touch, bilateral ones all of them
-/// @throws InputError as AssembleContactLcp, or for a pair restitution out of range
+/// @throws InputError as AssembleContactLcp
 void ResolveImpact(const ImpactOptions& options, const ImpulseSolver& solve, ContactSystem* system);
 
 /// The same with e = 0 for every row: the smallest change of velocity, in the kinetic metric, after which bilateral

@@ -17,13 +17,6 @@ struct MotionOptions {
   VelocityOptions velocity;
 };
 
-/// The deepest overlap that a motion at `level` takes [m].
-/// @param width  the least of a movable body [m]
-inline double TreatedDepth(MotionLevel level, const MotionOptions& options, double width) {
-  return level == MotionLevel::kAcceleration ? TreatedDepth(options.acceleration, width)
-                                             : TreatedDepth(options.velocity, width);
-}
-
 /// A motion at `level`.  @throws InputError as MakeAccelerationMotion and MakeVelocityMotion
 inline std::unique_ptr<Motion> MakeMotion(MotionLevel level, World world, const MotionOptions& options,
                                           LcpSolver& solver) {

@@ -12,6 +12,13 @@
 
 namespace lcpbench {
 
+double TreatedDepth(MotionLevel level, double width) {
+  constexpr double kThinnestPart = 0.25;
+  constexpr double kTolerances = 10;
+  if (level == MotionLevel::kVelocity) return kThinnestPart * width;
+  return std::min(kTolerances * kContactTolerance, kThinnestPart * width);
+}
+
 void RequireFinite(const LcpProblem& problem, const LcpResult& result) {
   const bool is_refused = result.status == LcpStatus::kUnsupported;
   if (!is_refused && result.f.size() == problem.size() && result.f.allFinite()) return;
@@ -65,6 +72,15 @@ void Motion::Advance(double duration) {
     status_ = MotionStatus::kPathEnd;
     detail_ = end.what();
   }
+}
+
+ImpulseSolver Motion::Impulses(bool observed) {
+  return [this, observed](const ContactSystem& system, const std::vector<RowInfo>& rows, const LcpProblem& problem,
+                          LcpResult* result) {
+    solver_.Solve(problem, nullptr, result);
+    RequireFinite(problem, *result);
+    if (observed) Observe(MotionProblemKind::kImpact, system, rows, problem, *result);
+  };
 }
 
 void Motion::NoteGaps(const ContactSystem& system, const std::vector<RowInfo>& rows) {

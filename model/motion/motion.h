@@ -11,6 +11,7 @@
 #include "model/contact/system.h"
 #include "model/contact/world.h"
 #include "model/motion/contact_finder.h"
+#include "model/motion/impact.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 
@@ -57,6 +58,16 @@ struct MotionStatistics {
   double worst_joint_error = 0;  ///< largest |d| of a bilateral row met [m]
   double solve_time_s = 0;       ///< wall clock inside LcpSolver::Prepare and Solve
 };
+
+/// eps_d of the acceleration level: gaps up to this are contacts [m]. What is nearer touches, and takes part in
+/// impacts.
+inline constexpr double kContactTolerance = 1e-6;
+
+/// The deepest overlap that a motion takes [m]. At the acceleration level it is projected out before the motion begins,
+/// and contacts found this deep are contacts still; what is deeper, and was not followed there from outside, is an
+/// error of the positions.
+/// @param width  the least of a movable body, 1 m where none has an outline [m]
+double TreatedDepth(MotionLevel level, double width);
 
 /// A solver does not take a problem, or gave forces or impulses that are not finite: the motion cannot go on.
 struct NoFinitePoint {
@@ -127,6 +138,9 @@ class Motion {
   /// The same where a movable body did not move in `step` [s] although both its velocities, before and now, move it by
   /// more than `least` [m]: doubles are too coarse where it is.
   void RequireAdvance(std::span<const Body> before, double step, double least);
+  /// Solves impacts' LCPs from a cold start; what it throws is NoFinitePoint.
+  /// @param observed  they are shown to the observer
+  ImpulseSolver Impulses(bool observed);
   void Observe(MotionProblemKind kind, const ContactSystem& system, const std::vector<RowInfo>& rows,
                const LcpProblem& problem, const LcpResult& result) const {
     if (observer_) observer_({kind, time_, system, rows, problem, result});

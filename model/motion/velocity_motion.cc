@@ -13,6 +13,13 @@
 namespace lcpbench {
 namespace {
 
+/// More than 1 because impulses make bodies faster than their free velocities.
+constexpr double kReach = 1.5;
+/// Above the rounding of gaps, where everything is at rest [sizes].
+constexpr double kContactGap = 1e-6;
+/// delta [sizes].
+constexpr double kDepthClamp = 0.01;
+
 using BodyIndex = std::size_t;
 
 Index Column(BodyIndex body) { return static_cast<Index>(3 * body); }
@@ -26,12 +33,7 @@ void RequireInRange(const VelocityOptions& options) {
   Require(positive(options.step), "step", "a finite time > 0");
   Require(options.restitution >= 0 && options.restitution <= 1, "restitution", "a number in [0, 1]");
   Require(std::isfinite(options.resting_speed) && options.resting_speed >= 0, "resting_speed", "a finite number >= 0");
-  Require(std::isfinite(options.reach) && options.reach >= 1, "reach", "a finite number >= 1");
-  Require(positive(options.contact_gap), "contact_gap", "a finite number > 0");
-  Require(positive(options.max_depth), "max_depth", "a finite number > 0");
   Require(positive(options.doubtful_depth), "doubtful_depth", "a finite number > 0");
-  Require(positive(options.depth_clamp), "depth_clamp", "a finite number > 0");
-  Require(options.stabilisation >= 0 && options.stabilisation <= 1, "stabilisation", "a number in [0, 1]");
 }
 
 // y = J x, terms in the order of the columns.
@@ -74,7 +76,7 @@ class VelocityMotion final : public Motion {
       : Motion(std::move(world), options.lcp, solver), options_(options) {
     RequireInRange(options_);
     if (finder_.least_width() > 0) size_ = finder_.least_width();
-    finder_.RequireShallow(world_, ToString(MotionLevel::kVelocity), TreatedDepth(options_, size_));
+    finder_.RequireShallow(world_, ToString(MotionLevel::kVelocity), TreatedDepth(MotionLevel::kVelocity, size_));
     FollowPathJoints(world_.bodies, world_.joints);
   }
 
@@ -115,9 +117,9 @@ class VelocityMotion final : public Motion {
   }
 
   double DepthTerm(const RowInfo& row, bool contact, double h) const {
-    const double clamp = options_.depth_clamp * size_;
-    if (row.bilateral) return options_.stabilisation * std::clamp(row.d, -clamp, clamp) / h;
-    double c = row.d >= 0 ? row.d / h : options_.stabilisation * std::max(row.d, -clamp) / h;
+    const double clamp = kDepthClamp * size_;
+    if (row.bilateral) return std::clamp(row.d, -clamp, clamp) / h;
+    double c = row.d >= 0 ? row.d / h : std::max(row.d, -clamp) / h;
     const bool bounces = options_.restitution > 0 && options_.impact_law == ImpactLaw::kNewton;
     if (contact && bounces && Closes(row, h)) c = std::min(c, options_.restitution * row.d_dot);
     return c;
@@ -139,23 +141,14 @@ class VelocityMotion final : public Motion {
     for (const RowInfo& row : rows) {
       const bool closes = !row.bilateral && Closes(row, h);
       due = due || (closes && -row.d_dot > impact.velocity_tolerance);
-      if (row.bilateral || closes || row.d <= options_.contact_gap * size_) {
+      if (row.bilateral || closes || row.d <= kContactGap * size_) {
         touches[static_cast<std::size_t>(row.constraint)] = true;
       }
     }
     if (!due) return false;
     ++statistics_.impacts;
-    ContactSystem touching{system->name, system->bodies, {}};
-    for (std::size_t k = 0; k < touches.size(); ++k) {
-      if (touches[k]) touching.constraints.push_back(system->constraints[k]);
-    }
-    const ImpulseSolver solve = [this](const ContactSystem& met, const std::vector<RowInfo>& met_rows,
-                                       const LcpProblem& problem, LcpResult* result) {
-      solver_.Solve(problem, nullptr, result);
-      RequireFinite(problem, *result);
-      Observe(MotionProblemKind::kImpact, met, met_rows, problem, *result);
-    };
-    ResolveImpact(impact, solve, &touching);
+    ContactSystem touching = PartOf(*system, touches);
+    ResolveImpact(impact, Impulses(true), &touching);
     CopyVelocities(touching.bodies, system->bodies);
     CopyVelocities(touching.bodies, world_.bodies);
     return true;
@@ -245,8 +238,8 @@ class VelocityMotion final : public Motion {
   void Step(double h) {
     SetLoads(world_.loads, world_.bodies);
     Eigen::VectorXd v_free = FreeVelocity(h);
-    const double range = options_.reach * 2 * h * LargestSpeed(v_free) + options_.contact_gap * size_;
-    std::vector<Constraint> found = finder_.Find(world_.bodies, range, TreatedDepth(options_, size_));
+    const double range = kReach * 2 * h * LargestSpeed(v_free) + kContactGap * size_;
+    std::vector<Constraint> found = finder_.Find(world_.bodies, range, TreatedDepth(MotionLevel::kVelocity, size_));
     const std::size_t count = found.size();
     ContactSystem system = InstantOf(world_, std::move(found));
     AssembledLcp lcp = AssembleContactLcp(system);
@@ -267,10 +260,10 @@ class VelocityMotion final : public Motion {
     impulses_ = result.f;
     MoveBodies(AfterImpulses(lcp.problem, result.f, v_free), h);
     if (status_ == MotionStatus::kMoving) FollowJoints(system.bodies);
-    RequireAdvance(system.bodies, h, options_.contact_gap * size_);
+    RequireAdvance(system.bodies, h, kContactGap * size_);
     time_ += h;
     ++statistics_.steps;
-    EndIfUntreatable(h, TreatedDepth(options_, size_));
+    EndIfUntreatable(h, TreatedDepth(MotionLevel::kVelocity, size_));
   }
 
   VelocityOptions options_;

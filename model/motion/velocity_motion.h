@@ -18,28 +18,13 @@ struct VelocityOptions {
   ImpactLaw impact_law = ImpactLaw::kNewton;
   /// Approach slower than this [m/s], >= 0, leaves with none of its speed; Poisson's law takes 1e-6 at least.
   double resting_speed = 0;
-  /// Contacts enter up to the gap reach * 2 h V + contact_gap, V the largest speed of any point of a body at its free
-  /// velocity v^; >= 1, more than 1 because impulses make bodies faster than that.
-  double reach = 1.5;
-  /// [sizes], > 0: above the rounding of gaps, where everything is at rest.
-  double contact_gap = 1e-6;
-  /// Deeper overlaps are refused at the start, and end the motion (MotionStatus::kOverlap) [sizes], > 0.
-  double max_depth = 0.25;
   /// Contacts deeper than this [sizes], > 0, may be ghosts: WithoutGhosts.
   double doubtful_depth = 0.02;
-  /// delta [sizes], > 0: no more than this depth (or joint error) is undone in one step.
-  double depth_clamp = 0.01;
-  /// The share of the (clamped) depth or joint error that one step undoes, in [0, 1]. 1 is the scheme as published.
-  double stabilisation = 1;
   /// Starts every solve from the impulses of the step before, rows matched by RowMatching.
   bool warm_start = true;
   /// Tolerance and limits of every solve; initial_f is not read.
   LcpOptions lcp;
 };
-
-/// The deepest overlap that a motion takes [m].
-/// @param size  the unit of "sizes" [m]
-inline double TreatedDepth(const VelocityOptions& options, double size) { return options.max_depth * size; }
 
 /// The time stepping of Anitescu and Potra (1997) and Stewart and Trinkle (1996) without friction [docs/model.md
 /// section 9]:
@@ -47,10 +32,12 @@ inline double TreatedDepth(const VelocityOptions& options, double size) { return
 ///     v+ = v^ + M^-1 J^T p,   x+ = x + h v+,   theta+ = theta + h omega+,
 /// with J, the gaps d and the forces F at the step's beginning, p impulses [N s], w velocities [m/s], and
 ///     c = d / h                                   of contacts and ropes with d >= 0,
-///     c = stabilisation max(d, -delta) / h        of those with d < 0; joints: d clamped to [-delta, delta],
+///     c = max(d, -delta) / h                      of those with d < 0; joints: d clamped to [-delta, delta],
 ///     c = min(c, e d')                            of contacts that close within the step at d' = J v < 0, if e > 0 in
-///                                                 Newton's law.
-/// Order 1 in h. Kinematic bodies follow their prescribed acceleration exactly; J v^ has their mean velocity.
+///                                                 Newton's law;
+/// no more than delta, 0.01 sizes, is undone in one step. Contacts enter up to the gap 3 h V, V the largest speed of
+/// any point of a body at its free velocity v^. Order 1 in h. Kinematic bodies follow their prescribed acceleration
+/// exactly; J v^ has their mean velocity.
 ///
 /// Where the solver says kInfeasible, the observer gets that problem with its ray, statistics().unsolvable counts it,
 /// and the step is repeated with less. Any other failure goes on with the impulses that it left, unless they are not

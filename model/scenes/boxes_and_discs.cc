@@ -147,12 +147,9 @@ class Wall final : public SceneBuilder {
 }  // namespace
 
 extern const SceneFamily kBoxesAndDiscs{
-    "boxes-and-discs",
-    "Brick wall in running bond with discs in joints and on steps",
+    "boxes-and-discs", "Brick wall in running bond with discs in joints and on steps",
     "Flat contacts by pairs of vertices: more rows than degrees of freedom, many ties, and rotation coupled "
     "to translation - the everyday, highly redundant load of a physics engine.",
-    &Make<Wall>,
-    MotionLevel::kVelocity,
-    1e-3};
+    &Make<Wall>};
 
 }  // namespace lcpbench

@@ -280,12 +280,9 @@ class CamRow final : public SceneBuilder {
 }  // namespace
 
 extern const SceneFamily kCamFollower{
-    "cam-follower",
-    "Row of coupled cams with spring-loaded followers in guides",
+    "cam-follower", "Row of coupled cams with spring-loaded followers in guides",
     "Pins, coupling rods and path joints around few contacts of arcs, flanks and ellipses; the rods couple "
     "the whole row, which tells methods that use a band from those that fill a dense matrix.",
-    &Make<CamRow>,
-    MotionLevel::kVelocity,
-    1e-3};
+    &Make<CamRow>};
 
 }  // namespace lcpbench

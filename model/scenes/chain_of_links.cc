@@ -128,12 +128,9 @@ class Chain final : public SceneBuilder {
 }  // namespace
 
 extern const SceneFamily kChainOfLinks{
-    "chain-of-links",
-    "Chain of pinned links lying over a turning drum",
+    "chain-of-links", "Chain of pinned links lying over a turning drum",
     "Two pin rows for every contact, and a tension that sums up along the chain: stiff along, loose "
     "across, which tells direct methods from those that pass forces on link by link.",
-    &Make<Chain>,
-    MotionLevel::kVelocity,
-    1e-3};
+    &Make<Chain>};
 
 }  // namespace lcpbench

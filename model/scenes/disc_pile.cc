@@ -288,12 +288,9 @@ class PileScene final : public SceneBuilder {
 }  // namespace
 
 extern const SceneFamily kDiscPile{
-    "disc-pile",
-    "Pile of discs of many sizes and masses in a box",
+    "disc-pile", "Pile of discs of many sizes and masses in a box",
     "Isostatic, masses spread by up to a factor 100: A is nonsingular but ill-conditioned, which tells "
     "methods whose speed depends on conditioning from direct ones.",
-    &Make<PileScene>,
-    MotionLevel::kVelocity,
-    1e-3};
+    &Make<PileScene>};
 
 }  // namespace lcpbench

@@ -97,12 +97,9 @@ class Wedge final : public SceneBuilder {
 }  // namespace
 
 extern const SceneFamily kDiscsInV{
-    "discs-in-v",
-    "Equal discs stacked in a V of two walls",
+    "discs-in-v", "Equal discs stacked in a V of two walls",
     "Redundant contacts and force paths as long as the stack is high: A is rank deficient and f not unique, "
     "which tells methods that cope with singular A from those that need pivots of full rank.",
-    &Make<Wedge>,
-    MotionLevel::kVelocity,
-    1e-3};
+    &Make<Wedge>};
 
 }  // namespace lcpbench

@@ -278,12 +278,9 @@ class GearTrain final : public SceneBuilder {
 }  // namespace
 
 extern const SceneFamily kGearTrain{
-    "gear-train",
-    "Train of gears on pins driven by a motor",
+    "gear-train", "Train of gears on pins driven by a motor",
     "Two bilateral rows for every tooth contact, on flanks at random: tells methods that eliminate joints "
     "from those that carry them along, with gamma from turning arcs in every row.",
-    &Make<GearTrain>,
-    MotionLevel::kVelocity,
-    1e-3};
+    &Make<GearTrain>};
 
 }  // namespace lcpbench

@@ -238,12 +238,9 @@ class Train final : public SceneBuilder {
 }  // namespace
 
 extern const SceneFamily kOvalTrain{
-    "oval-train",
-    "Train on a closed oval track, coupled by ropes and buffers",
+    "oval-train", "Train on a closed oval track, coupled by ropes and buffers",
     "Two path joints a car on an ellipse or superellipse, couplings that only pull or only push: the "
     "active set is a matter of the loads along the whole train.",
-    &Make<Train>,
-    MotionLevel::kVelocity,
-    1e-3};
+    &Make<Train>};
 
 }  // namespace lcpbench

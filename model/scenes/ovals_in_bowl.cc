@@ -146,12 +146,9 @@ class OvalScene final : public SceneBuilder {
 }  // namespace
 
 extern const SceneFamily kOvalsInBowl{
-    "ovals-in-bowl",
-    "Pile of ellipses in a round bowl",
+    "ovals-in-bowl", "Pile of ellipses in a round bowl",
     "General curves whose contact points must be searched, normals that miss the centres of mass, b that "
     "depends on curvature; nonsingular, with every force depending on the whole pile above.",
-    &Make<OvalScene>,
-    MotionLevel::kVelocity,
-    1e-3};
+    &Make<OvalScene>};
 
 }  // namespace lcpbench

@@ -250,12 +250,9 @@ class RockerRow final : public SceneBuilder {
 }  // namespace
 
 extern const SceneFamily kRockers{
-    "rockers",
-    "Row of rocking bodies carrying discs, boxes and poles",
+    "rockers", "Row of rocking bodies carrying discs, boxes and poles",
     "Every contact kind on turning edges, nonzero velocity-product terms on most rows, full rank: "
     "moderate sizes that most methods should solve, with b that depends on curvature.",
-    &Make<RockerRow>,
-    MotionLevel::kVelocity,
-    1e-3};
+    &Make<RockerRow>};
 
 }  // namespace lcpbench

@@ -183,12 +183,9 @@ class Bearings final : public SceneBuilder {
 }  // namespace
 
 extern const SceneFamily kRollerBearing{
-    "roller-bearing",
-    "Rollers between concentric races",
+    "roller-bearing", "Rollers between concentric races",
     "Convex arcs in concave ones, highly redundant, with rings that touch hundreds of rollers: dense "
     "blocks in A, which tell methods that form A from those that work with J.",
-    &Make<Bearings>,
-    MotionLevel::kVelocity,
-    1e-3};
+    &Make<Bearings>};
 
 }  // namespace lcpbench

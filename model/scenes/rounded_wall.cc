@@ -128,12 +128,9 @@ class RoundedWall final : public SceneBuilder {
 }  // namespace
 
 extern const SceneFamily kRoundedWall{
-    "rounded-wall",
-    "Wall of bricks with rounded corners",
+    "rounded-wall", "Wall of bricks with rounded corners",
     "Flat contacts through corner arcs, up to six rows a brick against three degrees of freedom: the most "
     "redundant wall, with A far from full rank.",
-    &Make<RoundedWall>,
-    MotionLevel::kVelocity,
-    1e-3};
+    &Make<RoundedWall>};
 
 }  // namespace lcpbench

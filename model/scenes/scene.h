@@ -25,9 +25,9 @@ struct SceneFamily {
   World start(int rows, std::uint64_t seed) const;
   std::unique_ptr<SceneBuilder> (*make)(std::string_view key, int rows, std::uint64_t seed);
   /// The level that suits the scene: kVelocity for piles, where event location would stall.
-  MotionLevel level;
+  MotionLevel level = MotionLevel::kVelocity;
   /// Time between two problems of its sequence, and the time step at the velocity level [s].
-  double step;
+  double step = 1e-3;
   /// Restitution of impacts in its sequence, in [0, 1].
   double restitution = 0;
 };

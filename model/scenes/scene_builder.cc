@@ -6,10 +6,7 @@
 namespace lcpbench {
 
 World WorldUnderGravity(ContactSystem system, Vec2 gravity) {
-  for (Body& body : system.bodies) {
-    body.force = {};
-    body.torque = 0;
-  }
+  ClearLoads(system.bodies);
   World world = WorldOf(system);
   world.loads.gravity = gravity;
   return world;

@@ -221,12 +221,9 @@ class Drum final : public SceneBuilder {
 }  // namespace
 
 extern const SceneFamily kSpinningDrum{
-    "spinning-drum",
-    "Balls and ovals between the baffles of a turning drum",
+    "spinning-drum", "Balls and ovals between the baffles of a turning drum",
     "A kinematic body whose motion and acceleration enter b, and independent sectors of balls and general "
     "curves: tells methods that use blocks from those whose cost grows with the whole.",
-    &Make<Drum>,
-    MotionLevel::kVelocity,
-    1e-3};
+    &Make<Drum>};
 
 }  // namespace lcpbench

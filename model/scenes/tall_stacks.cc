@@ -200,12 +200,9 @@ class Stacks final : public SceneBuilder {
 }  // namespace
 
 extern const SceneFamily kTallStacks{
-    "tall-stacks",
-    "Stacks with mass ratios up to a million",
+    "tall-stacks", "Stacks with mass ratios up to a million",
     "Heavy bodies on light ones: forces and the eigenvalues of A spread over as many orders of magnitude, "
     "which tells direct methods from those that sweep locally, and relative from absolute tolerances.",
-    &Make<Stacks>,
-    MotionLevel::kVelocity,
-    1e-3};
+    &Make<Stacks>};
 
 }  // namespace lcpbench

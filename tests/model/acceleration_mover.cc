@@ -74,8 +74,8 @@ void ExpectConserved(Mover* mover, double scale, double seconds, double toleranc
   }
   const MotionStatistics& statistics = (*mover)->statistics();
   EXPECT_LE(drift / scale, tolerance);
-  EXPECT_LE(statistics.worst_penetration, AccelerationOptions().contact_tolerance);
-  EXPECT_LE(statistics.worst_joint_error, AccelerationOptions().contact_tolerance);
+  EXPECT_LE(statistics.worst_penetration, kContactTolerance);
+  EXPECT_LE(statistics.worst_joint_error, kContactTolerance);
   EXPECT_EQ(statistics.failed_solves, 0);
   EXPECT_GT(statistics.steps, 0);
 }

@@ -79,7 +79,7 @@ TEST(AccelerationMotion, WithoutARestingSpeedBouncingStalls) {
   AccelerationOptions options;
   options.impact.restitution = 0.5;
   options.impact.resting_speed = 0;
-  options.velocity_tolerance = 1e-12;
+  options.impact.velocity_tolerance = 1e-12;
   options.max_events = 10;
   Mover mover(WorldWith("zeno", {Floor(), Movable(Disc(0.1), {0, 0.2})}), options);
   mover->Advance(5);
@@ -101,7 +101,7 @@ TEST(AccelerationMotion, ABoxThatFallsOnACornerComesToLieFlat) {
     EXPECT_NEAR(mover.body(1).theta, 0, 1e-5) << tilt;
     EXPECT_NEAR(mover.body(1).x.y, 0.1, 1e-5) << tilt;
     EXPECT_NEAR(mover.body(1).omega, 0, 1e-5) << tilt;
-    EXPECT_LE(mover->statistics().worst_penetration, options.contact_tolerance);
+    EXPECT_LE(mover->statistics().worst_penetration, kContactTolerance);
   }
 }
 

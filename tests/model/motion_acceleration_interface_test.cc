@@ -37,7 +37,7 @@ TEST(AccelerationMotion, TheSameStartGivesTheSameBits) {
   EXPECT_EQ(first->status(), MotionStatus::kMoving) << first->detail();
   EXPECT_EQ(first->statistics().solves, second->statistics().solves);
   EXPECT_GT(first->statistics().impacts, 10);
-  EXPECT_LE(first->statistics().worst_penetration, options.contact_tolerance);
+  EXPECT_LE(first->statistics().worst_penetration, kContactTolerance);
   EXPECT_TRUE(first->world() == second->world());
 }
 
@@ -163,16 +163,9 @@ TEST(AccelerationMotion, RefusesWhatMakesNoSense) {
     MakeAccelerationMotion(world, options, *solver);
   };
   EXPECT_NO_THROW(with([](AccelerationOptions&) {}));
-  EXPECT_THROW(with([](AccelerationOptions& o) { o.contact_tolerance = 0; }), InputError);
-  EXPECT_THROW(with([](AccelerationOptions& o) { o.velocity_tolerance = -1; }), InputError);
-  EXPECT_THROW(with([](AccelerationOptions& o) { o.absolute_error = std::nan(""); }), InputError);
-  EXPECT_THROW(with([](AccelerationOptions& o) { o.largest_step = 0; }), InputError);
-  EXPECT_THROW(with([](AccelerationOptions& o) { o.search_range = 1e-7; }), InputError);
-  EXPECT_THROW(with([](AccelerationOptions& o) { o.position_threshold = 2; }), InputError);
+  EXPECT_THROW(with([](AccelerationOptions& o) { o.impact.velocity_tolerance = -1; }), InputError);
   EXPECT_THROW(with([](AccelerationOptions& o) { o.max_events = 0; }), InputError);
   EXPECT_THROW(with([](AccelerationOptions& o) { o.impact.restitution = 1.1; }), InputError);
-  EXPECT_THROW(with([](AccelerationOptions& o) { o.impact.pair_restitution = [](int, int) { return 0.5; }; }),
-               InputError);
   Mover mover(world);
   for (const double wrong : {0.0, -1.0, std::numeric_limits<double>::infinity()}) {
     EXPECT_THROW(mover->Advance(wrong), InputError);
