@@ -276,7 +276,7 @@ class Chart(_Tree):
 class Packages(unittest.TestCase):
     def test_every_peer_of_debian_is_installed_by_one_list_and_those_of_engines_for_everyone(self):
         listed = [re.findall(r"(?m)^[a-z][\w.+-]*", (_ROOT / name).read_text(encoding="utf-8"))
-                  for name in ("packages.txt", "packages-peers.txt")]
+                  for name in ("cmake/packages/packages.txt", "cmake/packages/packages-peers.txt")]
         self.assertEqual(set(listed[0]) & set(listed[1]) - {"python3-venv"}, set())
         options = "".join(path.read_text(encoding="utf-8") for path in (_ROOT / "solvers/peers").glob("*/*.cmake"))
         wanted = re.findall(r"(?m)^lcpbench_peer_option\(\w+ \S+ ([\w.+-]+)\)", options)
