@@ -64,8 +64,8 @@ help:
 	@echo "make scene-benchmark      time scene generation, contact detection and assembly at 10^3 to 10^5 rows"
 	@echo "make solver-curves        residual against mass ratio, regularization, sweeps and precision, for the report (CURVES=sweeps; a minute or two)"
 	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, numbers in README.md and docs/"
-	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt, requirements-peers.txt) and reconfigure"
-	@echo "make slurm-try   try campaigns as job arrays on a Slurm of its own (packages-slurm.txt; needs root once; a minute)"
+	@echo "make peers    install the libraries of the peer solvers (cmake/packages/) and reconfigure"
+	@echo "make slurm-try   try campaigns as job arrays on a Slurm of its own (needs root once; a minute)"
 	@echo "make doc      reference of the public headers, build/doc/html/index.html"
 	@echo "make check    formatting, lint, and whether the public headers are documented"
 	@echo "make format   reformat our own code"
@@ -76,12 +76,12 @@ help:
 	@echo "PRESET=release|debug|asan|tsan chooses the build (now: $(PRESET))"
 
 deps:
-	@sh cmake/install_packages.sh packages.txt
+	@sh cmake/install_packages.sh cmake/packages/packages.txt
 
 # Configuring looks again for what was not there before; building and reporting then take the workers along.
 peers:
-	@sh cmake/install_packages.sh packages-peers.txt
-	@sh cmake/install_wheels.sh $(PYTHON) requirements-peers.txt build/peers-venv
+	@sh cmake/install_packages.sh cmake/packages/packages-peers.txt
+	@sh cmake/install_wheels.sh $(PYTHON) cmake/packages/requirements-peers.txt build/peers-venv
 	@$(MAKE) --no-print-directory configure
 
 configure: deps
@@ -140,7 +140,7 @@ calibrate: command
 
 # A recording that cannot be made leaves the old one alone.
 record-engines: deps
-	@sh cmake/install_packages.sh packages-recorders.txt
+	@sh cmake/install_packages.sh cmake/packages/packages-recorders.txt
 	@cmake --preset $(PRESET) -DLCPBENCH_RECORDERS=ON > build/configure-$(PRESET).log 2>&1 || { cat build/configure-$(PRESET).log; exit 1; }
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target recorders
 	@mkdir -p data/recordings build/recordings

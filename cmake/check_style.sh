@@ -11,8 +11,9 @@ if ! cmake --build "$build" --target doc > build/doc.log 2>&1; then
 fi
 mkdir -p build/lint
 tidy=build/lint/bin/clang-tidy
-if ! { [ -x "$tidy" ] && [ ! requirements-lint.txt -nt "$tidy" ]; }; then
-  { /usr/bin/python3 -m venv build/lint && build/lint/bin/pip install -q --force-reinstall -r requirements-lint.txt; } \
+pinned=cmake/packages/requirements-lint.txt
+if ! { [ -x "$tidy" ] && [ ! "$pinned" -nt "$tidy" ]; }; then
+  { /usr/bin/python3 -m venv build/lint && build/lint/bin/pip install -q --force-reinstall -r "$pinned"; } \
     > build/lint/install.log 2>&1 && touch "$tidy" || {
     echo "no clang-tidy from PyPI (build/lint/install.log): Debian's does it, which takes five times as long"
     tidy=clang-tidy

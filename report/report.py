@@ -39,7 +39,7 @@ class Parser(argparse.ArgumentParser):
     """Tells a mistake in one line, without the usage, and help that cannot be written."""
 
     def error(self, message: str):
-        self.exit(2, f"{printable(f'{self.prog}: error: {message}')}\n")
+        self.exit(2, f"{printable(f'{self.prog.split()[-1]}: error: {message}')}\n")
 
     def print_help(self, file=None):
         (file or sys.stdout).write(self.format_help())  # argparse would not tell that it is lost

@@ -25,12 +25,12 @@ _MAY_INCLUDE = (
     ("solvers/", r"(support|solvers)/"),
     ("model/", r"(support|solvers/lcp|model)/"),
     ("benchmarks/", r"(support|solvers|model|benchmarks)/"),
-    ("tests/", r"(support|solvers|model|benchmarks|tests)/"),
+    ("tests/", r"(support|solvers|model|benchmarks|tests|examples)/"),
     ("", r"(support|solvers|model|benchmarks)/"),
 )
 
 # The registry depends on every solver, so nothing that a solver is made of may include it.
-_MAY_INCLUDE_REGISTRY = re.compile(r"(benchmarks|tests|solvers/c)/|solvers/registry\.cc$")
+_MAY_INCLUDE_REGISTRY = re.compile(r"(benchmarks|tests|examples|solvers/c)/|solvers/registry\.cc$")
 
 # Generated headers without a template of the same name (*.in).
 _GENERATED = {"git_revision.h"}
@@ -145,7 +145,7 @@ class Includes(_Tree):
         includes = [include for include in self.own_includes if include.target == "solvers/registry.h"]
         self.assertTrue(includes)
         wrong = [include for include in includes if not _MAY_INCLUDE_REGISTRY.match(include.source)]
-        self.assertNone(wrong, "solvers/registry.h depends on every solver and is for benchmarks/, tests/, solvers/c/:")
+        self.assertNone(wrong, "solvers/registry.h depends on every solver and is for benchmarks/, tests/, examples/, solvers/c/:")
 
     def test_there_are_no_cycles(self):
         for what, is_checked, name in (
@@ -238,6 +238,16 @@ class Citations(_Tree):
         wrong = [f"{path} cites section {number}" for path, number in cited if number not in sections]
         self.assertNone(wrong, "docs/model.md has no such section:")
 
+    def test_excerpts_stand_in_their_files(self):
+        found = [(page, source, block)
+                 for page in self.texts if page.endswith(".md")
+                 for source, block in re.findall(r"<!-- from (\S+) -->\n\n((?:    .*\n|\n)+)",
+                                                 (_ROOT / page).read_text(encoding="utf-8"))]
+        self.assertTrue(found)
+        wrong = [f"{page} quotes {source}" for page, source, block in found
+                 if " ".join(block.split()) not in " ".join((_ROOT / source).read_text(encoding="utf-8").split())]
+        self.assertNone(wrong, "an excerpt differs from its file:")
+
     def test_headings_that_are_linked_exist(self):
         pages = [path for path in self.texts if path.endswith(".md")]
         anchors = {page: set(map(_anchor, self._headings(page))) for page in pages}
@@ -276,7 +286,7 @@ class Chart(_Tree):
 class Packages(unittest.TestCase):
     def test_every_peer_of_debian_is_installed_by_one_list_and_those_of_engines_for_everyone(self):
         listed = [re.findall(r"(?m)^[a-z][\w.+-]*", (_ROOT / name).read_text(encoding="utf-8"))
-                  for name in ("packages.txt", "packages-peers.txt")]
+                  for name in ("cmake/packages/packages.txt", "cmake/packages/packages-peers.txt")]
         self.assertEqual(set(listed[0]) & set(listed[1]) - {"python3-venv"}, set())
         options = "".join(path.read_text(encoding="utf-8") for path in (_ROOT / "solvers/peers").glob("*/*.cmake"))
         wanted = re.findall(r"(?m)^lcpbench_peer_option\(\w+ \S+ ([\w.+-]+)\)", options)

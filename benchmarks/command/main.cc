@@ -10,16 +10,17 @@ namespace {
 // CLI11 would only say that a subcommand is missing, for `lcpbench frobnicate` and `lcpbench list frobnicate` alike.
 void RequireKnownCommand(const CLI::App& app, int argc, char** argv) {
   const CLI::App* current = &app;
-  for (int i = 1; i < argc && argv[i][0] != '-'; ++i) {
+  for (int i = 1; i == argc || argv[i][0] != '-'; ++i) {
     const auto commands = current->get_subcommands([](const CLI::App*) { return true; });
     if (commands.empty()) return;
     std::string names;
     const CLI::App* found = nullptr;
     for (const CLI::App* command : commands) {
-      if (command->check_name(argv[i])) found = command;
+      if (i < argc && command->check_name(argv[i])) found = command;
       // Without a group: of no use to people.
       if (!command->get_group().empty()) names += (names.empty() ? "" : ", ") + command->get_name();
     }
+    if (i == argc) throw lcpbench::InputError("expected a command, one of " + names);
     if (found == nullptr) {
       throw lcpbench::InputError(std::string("unknown command '") + argv[i] + "', expected one of " + names);
     }

@@ -17,6 +17,36 @@
 #include "support/text_file.h"
 
 namespace lcpbench {
+namespace {
+
+// CLI11's own words, where they do not say what was expected.
+std::string Reworded(const CLI::App& failed, const CLI::Error& error) {
+  const std::string text = error.what();
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) {
+    return "unexpected: " + CLI::detail::join(failed.remaining(true), " ");
+  }
+  if (text.starts_with("A subcommand")) return "expected a command";
+  if (error.get_name() == "ArgumentMismatch" && text.ends_with(" missing")) {
+    return text.substr(0, text.find(':')) + ": expected a value";
+  }
+  if (error.get_name() == "ConversionError") {  // Could not convert: --size = 1e9
+    const auto colon = text.find(": ");
+    const auto equals = text.find(" = ", colon);
+    if (equals == std::string::npos) return text;
+    const std::string value = text.substr(equals + 3);
+    double number = 0;
+    return text.substr(colon + 2, equals - colon - 2) + ": expected a " +
+           (CLI::detail::lexical_cast(value, number) ? "whole " : "") + "number, found '" + value + "'";
+  }
+  if (const auto set = text.find(" not in {"); set != std::string::npos) {  // --level: x not in {velocity,acceleration}
+    const auto colon = text.find(": ");
+    return text.substr(0, colon) + ": expected one of " + text.substr(set + 9, text.size() - set - 10) + ", found '" +
+           text.substr(colon + 2, set - colon - 2) + "'";
+  }
+  return text;
+}
+
+}  // namespace
 
 int RunProgram(const std::string& name, const std::function<int()>& run) {
   const auto tell = [&name](const std::string& what, int status) {
@@ -50,7 +80,7 @@ std::optional<int> ParseCommandLine(CLI::App& app, int argc, char** argv) {
   // Not first of all: where libgomp gets no memory it ends the process with a line of its own.
   LimitLibraryThreads(1);
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
-    return Printable(failed->get_name() + ": " + error.what()) + " (see --help)\n";
+    return Printable(failed->get_name() + ": " + Reworded(*failed, error)) + " (see --help)\n";
   });
   try {
     app.parse(argc, argv);

@@ -6,7 +6,7 @@
 # A campaign in three shards must give what the undivided one gives, times apart; also where one task is requeued and
 # another one cancelled midway. munged, slurmctld and slurmd are started without systemd, with configuration, key, ports
 # and state in a temporary folder. They and the folder are gone at the end, however it comes.
-# Missing packages are installed (packages-slurm.txt), which needs root; else any user will do.
+# Missing packages are installed (cmake/packages/packages-slurm.txt), which needs root; else any user will do.
 #
 # Exit status: 0 if all is as expected; 1 if not; 2 for a mistake; 77 with --no-install where Slurm is missing.
 set -euo pipefail
@@ -39,7 +39,7 @@ for program in munged mungekey slurmctld slurmd sbatch squeue scontrol scancel; 
 done
 if [ -n "$missing" ]; then
   [ $install = yes ] || fail "not installed:$missing" 77
-  sh cmake/install_packages.sh packages-slurm.txt
+  sh cmake/install_packages.sh cmake/packages/packages-slurm.txt
 fi
 
 work=$(mktemp -d "${TMPDIR:-/tmp}/lcpbench-slurm.XXXXXX")

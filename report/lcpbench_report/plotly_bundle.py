@@ -16,9 +16,9 @@ def minified(bundle: Path = BUNDLE) -> str:
     @throws ReportError where the bundle or esbuild is missing
     """
     if not bundle.is_file():
-        raise ReportError(str(bundle), "missing", "Debian's package python3-plotly (packages.txt)")
+        raise ReportError(str(bundle), "missing", "Debian's package python3-plotly (cmake/packages/packages.txt)")
     if shutil.which("esbuild") is None:
-        raise ReportError("esbuild", "not found", "Debian's package esbuild (packages.txt)")
+        raise ReportError("esbuild", "not found", "Debian's package esbuild (cmake/packages/packages.txt)")
     source = bundle.read_text(encoding="utf-8")
     notice = re.match(r"/\*.*?\*/", source, re.DOTALL)
     made = subprocess.run(["esbuild", "--minify", "--log-level=error"], input=source, capture_output=True, text=True,

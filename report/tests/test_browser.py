@@ -24,7 +24,7 @@ except ImportError:
 
 
 @unittest.skipUnless(webdriver and _CHROMIUM and _DRIVER and plotly_bundle.BUNDLE.is_file(),
-                     "needs chromium, chromium-driver, python3-selenium and python3-plotly (packages.txt)")
+                     "needs chromium, chromium-driver, python3-selenium and python3-plotly (cmake/packages/packages.txt)")
 class Browser(SharedFolderCase):
     @classmethod
     def setUpClass(cls):

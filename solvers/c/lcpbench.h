@@ -97,7 +97,7 @@ typedef struct lcpbench_solver lcpbench_solver;
 /// An answer. One result may serve any number of solves, one after the other.
 typedef struct lcpbench_result lcpbench_result;
 
-/// The version of the library, "0.1.0". Lives as long as the library.
+/// The version of the library, "0.2.0". Lives as long as the library.
 LCPBENCH_API const char* lcpbench_version(void);
 
 /// One line on the last call that failed in this thread: function, argument, what was found and what was expected; ""

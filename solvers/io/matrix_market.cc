@@ -171,7 +171,7 @@ MarketProblem ReadMarketProblem(const std::string& path) {
   const std::string id = IdOfFile(path);
   const auto part = [&](const char* name) { return PartOf(path, name); };
   const std::optional<MarketMatrix> b_file = ReadPart(part("_b"));
-  if (!b_file.has_value()) throw InputError(part("_b") + ": cannot be opened; expected the vector b");
+  if (!b_file.has_value()) throw InputError(part("_b") + ": cannot be opened; expected the vector b of " + path);
   Eigen::VectorXd b = b_file->ToVector(part("_b"));
   const Index n = b.size();
 

@@ -130,8 +130,16 @@ TEST_F(Command, ListsStartWithTheKey) {
 }
 
 TEST_F(Command, MistakesAreOneLineAndStatusTwo) {
-  ExpectMistake("", "subcommand");
   ExpectMistake("frobnicate", "frobnicate");
+  ExpectMistake("", "expected a command, one of list, generate");
+  ExpectMistake("--nonsense", "expected a command");
+  ExpectMistake("list", "expected a command, one of solvers");
+  ExpectMistake("scene disc-pile --nonsense 1 --other", "unexpected: --nonsense 1 --other");
+  ExpectMistake("generate disc-pile --size", "--size: expected a value");
+  ExpectMistake("generate disc-pile --size 1e9", "--size: expected a whole number, found '1e9'");
+  ExpectMistake("recording - --level x", "--level: expected one of velocity,acceleration, found 'x'");
+  ExpectMistake("recommend x.jsonl --steps 5", "--steps requires --scene");
+  ExpectMistake("solve --solver auto none.mtx", "none_b.mtx: cannot be opened; expected the vector b of");
   ExpectMistake("solve", "--solver");
   ExpectMistake("solve --solver dantzig no-such-file.jsonl", "no-such-file.jsonl");
   ExpectMistake("solve --solver dantzig /", "is a folder");

@@ -98,7 +98,7 @@ const Hello& ExternalSolver::Greet() {
     const bool late = failure.how() == How::kTimeLimit;
     throw InputError(late ? Name() + "did not greet within its start limit of " + Seconds(options_.start_limit_s) +
                                 " and was killed"
-                          : failure.what() + std::string(" instead of greeting"));
+                          : failure.what() + std::string(" before its greeting (docs/protocol.md)"));
   } catch (const std::system_error&) {  // no fault of the worker's
     throw;
   } catch (const std::exception& error) {

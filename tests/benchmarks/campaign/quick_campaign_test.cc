@@ -43,7 +43,7 @@ TEST_F(QuickCampaign, HasASpreadOfEverything) {
     tiers[parts[2]].insert(parts[3]);
     if (parts[0] == "steps") stepped.insert(parts[2]);
   }
-  // What a newcomer's first report compares with (packages.txt).
+  // What a newcomer's first report compares with (cmake/packages/packages.txt).
   for (const char* engine : {"ode-dantzig", "ode-dantzig-cfm", "bullet-dantzig", "bullet-dantzig-cfm"}) {
     EXPECT_EQ(stepped.count(engine), FindSolver(engine).available ? 1U : 0U) << engine;
   }
