@@ -170,18 +170,6 @@ TEST(SizeLimits, ALimitIsTheLargestSizeThatIsRunAndSaysWhy) {
   }
 }
 
-TEST(SizeLimits, DenseCodesStopAtFiveThousandRowsExactArithmeticAtThirty) {
-  for (const char* key : {"dantzig", "lemke", "ode-dantzig", "bullet-lemke", "dart-pgs-default", "siconos-avi"}) {
-    EXPECT_EQ(SizeRefusal(FindSolver(key), 5000), "") << key;
-    EXPECT_NE(SizeRefusal(FindSolver(key), 5001), "") << key;
-  }
-  EXPECT_EQ(SizeRefusal(FindSolver("cgal-qp"), 30), "");
-  EXPECT_NE(SizeRefusal(FindSolver("cgal-qp"), 31), "");
-  for (const char* key : {"auto", "pgs", "clp", "petsc-rsls", "siconos-nsgs-sbm"}) {
-    EXPECT_EQ(SizeRefusal(FindSolver(key), 1'000'000), "") << key;
-  }
-}
-
 TEST(SizeLimits, AVariantIsOfItsBasesClass) {
   RegisterSolverVariant("dantzig-for-exclusion", "dantzig", {});
   EXPECT_NE(SizeRefusal(FindSolver("dantzig-for-exclusion"), 5001), "");

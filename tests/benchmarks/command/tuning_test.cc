@@ -125,7 +125,6 @@ TEST_F(TunedSettings, WhatIsNoTunedFileIsRefusedByOneLine) {
     EXPECT_FALSE(std::filesystem::exists(folder_ / "c"));
   }
   ExpectMistake(Campaign("c", "--solvers pgs --tuned " + Path("none.json")), "none.json");
-  ExpectMistake("run --suite quick --tuned " + Path("none.json") + " -o " + Path("c"), "none.json");
 }
 
 TEST_F(TunedSettings, CampaignsSayWhichKeysRunTuned) {
