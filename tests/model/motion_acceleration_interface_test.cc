@@ -110,17 +110,6 @@ TEST(AccelerationMotion, ASolverThatFailsIsCountedAndItsBestPointTaken) {
   EXPECT_GT(motion.statistics().worst_penetration + std::abs(motion.world().bodies[1].x.y - 0.1), 1e-5);
 }
 
-TEST(AccelerationMotion, WallsThatCloseOnADiscDoNotThrow) {
-  Body left = Fixed(Box(0.2, 1), {-0.21, 0});
-  Body right = Fixed(Box(0.2, 1), {0.21, 0});
-  left.v = {0.1, 0};
-  right.v = {-0.1, 0};
-  Mover mover(WorldWith("press", {left, right, Movable(Disc(0.1), {0, 0})}));
-  mover->Advance(0.3);
-  EXPECT_GT(mover->statistics().failed_solves, 0);
-  EXPECT_TRUE(std::isfinite(mover.body(2).x.x));
-}
-
 TEST(AccelerationMotion, EverySolverDrivesIt) {
   const double R = 1;
   World world =

@@ -2,11 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "model/motion/make_motion.h"
 #include "model/scene_file/scene_file.h"
@@ -53,51 +50,6 @@ TEST(Reports, ABreakInTheGroundStopsNothing) {
   motion->Advance(0.1);
   EXPECT_EQ(motion->statistics().impacts, 0);
   EXPECT_GE(motion->world().bodies[1].v.x, 1 - 1e-9);
-}
-
-TEST(Reports, MassPropertiesAreTheClosedForms) {
-  struct Expected {
-    double area;
-    double inertia;  // about the centre of mass
-  };
-  const double half_disc = 4 / (3 * kPi);
-  const auto half = [&](double a, double b) {
-    const double area = kPi * a * b / 2;
-    const double y = half_disc * b;
-    return Expected{area, area * ((a * a + b * b) / 4 - y * y)};
-  };
-  const double sector = 2 * std::sin(kPi / 6) / (3 * kPi / 6);
-  const double disc = kPi / 4;  // of radius 1/2
-  // Half discs of radius 1/2 at the ends of a middle part.
-  const double end = half_disc / 2;
-  const double end_inertia = disc / 2 * (0.125 - end * end);
-  const double d_area = 1 + disc / 2;
-  const double d_x = (disc / 2 * end - 0.5) / d_area;
-  const double d_inertia = 1.0 / 6 + 0.25 + end_inertia + disc / 2 * end * end - d_area * d_x * d_x;
-  const double corner = 0.25 * half_disc;  // centroid of a quarter disc, from its centre along either axis
-  const double quarter = kPi * 0.0625 / 4;
-  const double corner_inertia = quarter * (0.0625 / 2 - 2 * corner * corner);
-  const double rounded = 1.5 * 1 + 2 * 0.25 * 0.5 + 4 * quarter;
-  const double rounded_inertia =
-      1.5 * (1.5 * 1.5 + 1) / 12 + 2 * 0.125 * ((0.0625 + 0.25) / 12 + 0.875 * 0.875) +
-      4 * (corner_inertia + quarter * ((0.75 + corner) * (0.75 + corner) + (0.25 + corner) * (0.25 + corner)));
-  const std::vector<std::pair<std::string, Expected>> all = {
-      {"half", half(1, 0.5)},
-      {"slice", {kPi / 6, kPi / 12 - kPi / 6 * sector * sector}},
-      {"cap", {2 + disc, 2 * (4 + 1) / 12.0 + 2 * (end_inertia + disc / 2 * (1 + end) * (1 + end))}},
-      {"ring", {kPi * 0.75, kPi / 2 * (1 - 0.0625)}},
-      {"dsh", {d_area, d_inertia}},
-      {"hd", half(1, 1)},
-      {"rb", {rounded, rounded_inertia}}};
-  const World world = Report("masses-1");
-  for (const auto& [name, expected] : all) {
-    SCOPED_TRACE(name);
-    const auto body =
-        std::find_if(world.bodies.begin(), world.bodies.end(), [&](const Body& b) { return b.name == name; });
-    ASSERT_NE(body, world.bodies.end());
-    EXPECT_NEAR(body->mass / expected.area, 1, 1e-14);
-    EXPECT_NEAR(body->inertia / expected.inertia, 1, 1e-14);
-  }
 }
 
 }  // namespace

@@ -110,21 +110,6 @@ TEST(Loads, DampersAndThrustersDoTheRestOfTheWork) {
   }
 }
 
-TEST(Loads, SettingReplacesWhatWasThere) {
-  Random random(3);
-  std::vector<Body> bodies = RandomBodies(&random);
-  const Loads loads = RandomLoads(&random);
-  SetLoads(loads, bodies);
-  const std::vector<Body> once = bodies;
-  SetLoads(loads, bodies);
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    EXPECT_EQ(bodies[i].force.x, once[i].force.x);
-    EXPECT_EQ(bodies[i].torque, once[i].torque);
-  }
-  SetLoads({}, bodies);
-  for (const Body& body : bodies) EXPECT_TRUE(body.force.x == 0 && body.force.y == 0 && body.torque == 0);
-}
-
 TEST(Loads, InternalLoadsLeaveMomentaAlone) {
   Random random(4);
   for (int k = 0; k < kCases; ++k) {

@@ -150,7 +150,7 @@ World Two(const Outline& moving, Vec2 x, double theta, const Outline& fixed) {
 TEST(Overlap, OfCoincidentBodiesIsRefused) {
   Random random(5);
   for (const Outline& shape : Shapes(&random)) {
-    for (const double shift : {0.0, 1e-7, 1e-2}) {
+    for (const double shift : {0.0, 1e-2}) {
       SCOPED_TRACE(::testing::Message() << shape.name << " " << shift);
       const double angle = random.Uniform(-3, 3);
       World world = Two(shape, {0.6 * shift, 0.8 * shift}, 0, shape);

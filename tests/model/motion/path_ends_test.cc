@@ -175,21 +175,6 @@ TEST(PathEnds, BeadsStopAtEitherEndOfEveryKindOfEdge) {
   }
 }
 
-TEST(PathEnds, TheBeadOfTheReportStopsAtTheEndOfItsEdge) {
-  const World world = ReadSceneFile(LCPBENCH_SOURCE_DIR "/tests/data/reports/path-runs-off-its-edge.json").world;
-  for (const MotionLevel level : kLevels) {
-    SCOPED_TRACE(ToString(level));
-    Ride ride(level, world);
-    ride.motion->Advance(2);
-    EXPECT_EQ(ride.motion->status(), MotionStatus::kPathEnd);
-    const double tolerance = level == MotionLevel::kVelocity ? 6 * kStep : 1e-7;
-    EXPECT_NEAR(ride.motion->time(), std::sqrt(4 / kG), tolerance);
-    const Vec2 end = ride.motion->world().bodies[1].x;
-    EXPECT_LE(Norm(end - Vec2{1, -1}), tolerance);
-    EXPECT_LE(std::abs(end.x + end.y), 1e-6);
-  }
-}
-
 /// Pieces that join smoothly: each begins at the end of the one before, along its direction. Lines, arcs either way
 /// and Bezier curves.
 Path SmoothChain(int count, Random* random) {

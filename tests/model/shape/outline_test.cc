@@ -61,16 +61,6 @@ TEST(Outline, PointsAndDirectionsOfCurvesFollowTheirFormulas) {
   }
 }
 
-TEST(Outline, RootOfOnePlusPowerIsAccurateToLastPlaces) {
-  Random random(3);
-  for (int k = 0; k < 5000; ++k) {
-    const int m = 2 + 2 * RandomInteger(k % 2 == 0 ? 8 : 500, &random);
-    const double q = random.Uniform(-1, 1);
-    const long double exact = std::pow(1 + std::pow(std::abs(static_cast<long double>(q)), m), 1.0L / m);
-    EXPECT_NEAR(RootOfOnePlusPower(q, m) / static_cast<double>(exact), 1, 1e-15) << q << " " << m;
-  }
-}
-
 TEST(Outline, BezierPieceIsTheSameCurve) {
   Random random(4);
   for (int k = 0; k < 200; ++k) {
@@ -210,13 +200,6 @@ TEST(OutlineChecks, AcceptThinGapsAndNearlyStraightArcs) {
           << R;
     }
   }
-}
-
-TEST(OutlineChecks, TakeLittleTimeForManyEdges) {
-  GearShape shape;
-  shape.teeth = 2000;
-  shape.root_radius = 0.999;
-  EXPECT_NO_THROW(Gear(shape));
 }
 
 // Every pair of holes, or of edges, would take minutes.

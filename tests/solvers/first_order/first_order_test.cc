@@ -246,18 +246,5 @@ TEST_P(FirstOrder, RefusesWhatItsRowsCannotBe) {
   EXPECT_EQ(is_refused, GetParam() == "nncg" || GetParam() == "apgd");
 }
 
-TEST(FirstOrderSettings, OptionsOutOfRangeAreRefused) {
-  std::vector<std::pair<const char*, Settings>> refused = {
-      {"apgd", {{"restart", "maybe"}}}, {"nncg", {{"direction", "steepest"}}}, {"nncg", {{"sweep", "forward"}}},
-      {"pgs", {{"form", "dense"}}},     {"pgs", {{"first_relaxation", "1"}}},  {"psor", {{"sweep", "random"}}}};
-  for (const char* relaxation : {"0", "2", "-1", "nan", "fast"}) {
-    refused.push_back({"pgs", {{"relaxation", relaxation}}});
-    refused.push_back({"psor", {{"first_relaxation", relaxation}}});
-  }
-  for (const auto& [key, settings] : refused) {
-    EXPECT_THROW(MakeSolver(key, settings), InputError) << key << " " << settings.begin()->second;
-  }
-}
-
 }  // namespace
 }  // namespace lcpbench
