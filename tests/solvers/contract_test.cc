@@ -19,8 +19,8 @@
 #include "solvers/registry.h"
 #include "tests/solvers/exact_problems.h"
 #include "tests/solvers/rounded_problems.h"
+#include "tests/solvers/solvers_under_test.h"
 #include "tests/solvers/test_problems.h"
-#include "tests/solvers_under_test.h"
 #include "tests/support/refusal.h"
 
 namespace lcpbench {

@@ -10,7 +10,7 @@
 
 #include "solvers/registry.h"
 #include "support/subprocess.h"
-#include "tests/benchmarks/command_fixture.h"
+#include "tests/benchmarks/command/command_fixture.h"
 
 namespace lcpbench {
 namespace {

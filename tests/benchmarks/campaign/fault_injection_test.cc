@@ -18,7 +18,7 @@
 #include "benchmarks/collection/manifest.h"
 #include "model/scenes/random.h"
 #include "support/subprocess.h"
-#include "tests/benchmarks/command_fixture.h"
+#include "tests/benchmarks/command/command_fixture.h"
 #include "tests/fuzz/corpus.h"
 #include "tests/fuzz/laws.h"
 #include "tests/fuzz/scene_mutation.h"

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/benchmarks/command_fixture.h"
+#include "tests/benchmarks/command/command_fixture.h"
 
 namespace lcpbench {
 namespace {

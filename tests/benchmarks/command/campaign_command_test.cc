@@ -22,7 +22,7 @@
 #include "benchmarks/collection/build.h"
 #include "benchmarks/collection/manifest.h"
 #include "support/input_error.h"
-#include "tests/benchmarks/command_fixture.h"
+#include "tests/benchmarks/command/command_fixture.h"
 
 namespace lcpbench {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
-#include "tests/benchmarks/command_fixture.h"
+#include "tests/benchmarks/command/command_fixture.h"
 #include "tests/solvers/solve_with.h"
 
 namespace lcpbench {

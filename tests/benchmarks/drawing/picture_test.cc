@@ -18,7 +18,7 @@
 #include "model/scenes/scene.h"
 #include "model/shape/shapes.h"
 #include "support/input_error.h"
-#include "tests/benchmarks/free_flight.h"
+#include "tests/benchmarks/drawing/free_flight.h"
 
 namespace lcpbench {
 namespace {

@@ -24,7 +24,7 @@
 #include "benchmarks/recommend/race.h"
 #include "benchmarks/recommend/recommendation.h"
 #include "solvers/registry.h"
-#include "tests/benchmarks/command_fixture.h"
+#include "tests/benchmarks/command/command_fixture.h"
 
 namespace lcpbench {
 namespace {

@@ -15,7 +15,7 @@
 #include <variant>
 #include <vector>
 
-#include "tests/model/random_contacts.h"
+#include "tests/model/contact/random_contacts.h"
 
 namespace lcpbench::testing {
 namespace {

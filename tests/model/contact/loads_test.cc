@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "model/scenes/random.h"
-#include "tests/model/momenta.h"
+#include "tests/model/contact/momenta.h"
 #include "tests/support/refusal.h"
 
 namespace lcpbench {

@@ -13,7 +13,7 @@
 #include "model/contact/assembly.h"
 #include "model/detection/narrow_phase.h"
 #include "model/shape/shapes.h"
-#include "tests/model/random_outlines.h"
+#include "tests/model/shape/random_outlines.h"
 #include "tests/support/refusal.h"
 
 namespace lcpbench {

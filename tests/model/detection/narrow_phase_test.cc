@@ -9,9 +9,9 @@
 
 #include "model/shape/shapes.h"
 #include "support/input_error.h"
-#include "tests/model/gap_sampling.h"
-#include "tests/model/random_contacts.h"
-#include "tests/model/random_outlines.h"
+#include "tests/model/contact/random_contacts.h"
+#include "tests/model/detection/gap_sampling.h"
+#include "tests/model/shape/random_outlines.h"
 
 namespace lcpbench {
 namespace {

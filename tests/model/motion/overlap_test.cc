@@ -14,9 +14,9 @@
 #include "model/motion/make_motion.h"
 #include "model/shape/shapes.h"
 #include "solvers/registry.h"
-#include "tests/model/acceleration_mover.h"
-#include "tests/model/random_contacts.h"
-#include "tests/model/random_outlines.h"
+#include "tests/model/contact/random_contacts.h"
+#include "tests/model/motion/acceleration_mover.h"
+#include "tests/model/shape/random_outlines.h"
 #include "tests/support/refusal.h"
 
 namespace lcpbench {

@@ -20,7 +20,7 @@
 #include "model/scenes/scene.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/registry.h"
-#include "tests/model/scene_checks.h"
+#include "tests/model/scenes/scene_checks.h"
 
 namespace lcpbench {
 namespace {

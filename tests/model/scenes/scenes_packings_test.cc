@@ -19,8 +19,8 @@
 #include "model/scenes/scene.h"
 #include "model/scenes/scene_builder.h"
 #include "model/shape/shapes.h"
-#include "tests/model/momenta.h"
-#include "tests/model/scene_checks.h"
+#include "tests/model/contact/momenta.h"
+#include "tests/model/scenes/scene_checks.h"
 
 namespace lcpbench {
 namespace {

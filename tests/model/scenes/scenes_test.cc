@@ -20,7 +20,7 @@
 #include "model/scenes/random.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
-#include "tests/model/scene_checks.h"
+#include "tests/model/scenes/scene_checks.h"
 
 namespace lcpbench {
 

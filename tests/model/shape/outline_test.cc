@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "model/shape/shapes.h"
-#include "tests/model/random_outlines.h"
+#include "tests/model/shape/random_outlines.h"
 
 namespace lcpbench::testing {
 namespace {

@@ -15,7 +15,7 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/pivoting/dantzig.h"
 #include "support/input_error.h"
-#include "tests/solvers/first_order_runs.h"
+#include "tests/solvers/first_order/first_order_runs.h"
 #include "tests/solvers/solve_with.h"
 #include "tests/solvers/test_problems.h"
 

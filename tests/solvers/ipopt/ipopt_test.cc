@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "solvers/ipopt/quadratic_program.h"
+#include "tests/solvers/solvers_under_test.h"
 #include "tests/solvers/test_problems.h"
-#include "tests/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "solvers/first_order/pgs.h"
 #include "solvers/first_order/sweeps/row_kernel.h"
-#include "tests/solvers/first_order_runs.h"
+#include "tests/solvers/first_order/first_order_runs.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {

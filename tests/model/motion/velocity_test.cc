@@ -18,9 +18,9 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
-#include "tests/model/acceleration_mover.h"
-#include "tests/model/momenta.h"
-#include "tests/solvers_under_test.h"
+#include "tests/model/contact/momenta.h"
+#include "tests/model/motion/acceleration_mover.h"
+#include "tests/solvers/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "model/shape/outline.h"
-#include "tests/model/edge_point.h"
-#include "tests/model/random_outlines.h"
+#include "tests/model/contact/edge_point.h"
+#include "tests/model/shape/random_outlines.h"
 
 namespace lcpbench::testing {
 

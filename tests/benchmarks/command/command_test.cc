@@ -14,9 +14,9 @@
 #include "solvers/io/json_lines.h"
 #include "solvers/peers/protocol/external_solver.h"
 #include "solvers/registry.h"
-#include "tests/benchmarks/command_fixture.h"
+#include "tests/benchmarks/command/command_fixture.h"
+#include "tests/solvers/solvers_under_test.h"
 #include "tests/solvers/test_problems.h"
-#include "tests/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {

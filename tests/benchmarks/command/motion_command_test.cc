@@ -14,8 +14,8 @@
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
-#include "tests/benchmarks/command_fixture.h"
-#include "tests/solvers_under_test.h"
+#include "tests/benchmarks/command/command_fixture.h"
+#include "tests/solvers/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {

@@ -14,8 +14,8 @@
 #include "model/shape/shapes.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
-#include "tests/model/acceleration_mover.h"
-#include "tests/solvers_under_test.h"
+#include "tests/model/motion/acceleration_mover.h"
+#include "tests/solvers/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {
