@@ -17,7 +17,7 @@ from .synthetic_campaign import COPIES, FAMILIES, TIERS, Noise, exclude, fail, o
 FACTORS = {"a": 1.0, "b": 2.0, "c": 3.0}
 # Passes have levels of their own, as on real machines.
 NOISE = Noise(problem=0.02, level=0.02, passes=3)
-SAME_SEEDS, SLOWER_SEEDS = 20, 8
+SAME_SEEDS, SLOWER_SEEDS = 10, 6
 TIER = TIERS[1]
 CLASSES = 5  # of the problems that count
 VICTIM = "piles-50-0"  # a problem
@@ -64,22 +64,6 @@ class Truth(unittest.TestCase):
         self.assertEqual([np.count_nonzero(~np.isnan(p)) for p in families], [comparisons - len(FACTORS)] * 2)
         self.assertEqual(len(found.speeds), comparisons)
 
-    def test_variants_of_a_base_weigh_what_one_does(self):
-        """Half of the problems are variants of one base that became faster: all others tell."""
-        def change_problem(problem):
-            variant = {"base": "one", "weight": 1 / 24} if problem["family"] == "piles" else {}
-            return problem | variant | {"family": "one"}
-
-        def change(record):
-            return slower(record, 0.5 if record["problem"].startswith("piles") else 1.5)
-        with tempfile.TemporaryDirectory() as folder:
-            old, new = (load_campaign(write_campaign(Path(folder), {"a": 1.0}, 1, (TIER,), NOISE, run=run, change=made,
-                                                     change_problem=change_problem))
-                        for run, made in enumerate((lambda record: record, change)))
-        row = changes.compare_campaigns(old, new).speeds.iloc[0]
-        self.assertEqual((row["size_class"], row["family"], row["verdict"]), (changes.ALL, changes.ALL, changes.SLOWER))
-        self.assertAlmostEqual(row["ratio"], 1.5, delta=0.05)
-
     def test_ten_per_cent_more_time_of_one_solver_are_found(self):
         found = self._many(SLOWER_SEEDS, only("b", "", lambda record: slower(record, 1.1)))
         hits = [c for c in found if ("b", changes.ALL, changes.ALL) in
@@ -92,10 +76,6 @@ class Truth(unittest.TestCase):
             self.assertAlmostEqual(row["ratio"], 1.1, delta=0.04)
             self.assertTrue(row["ratio_low"] < row["ratio"] < row["ratio_high"])
         self.assertEqual(sum(len(c.faster) for c in found), 0)
-
-    def test_ten_per_cent_less_are_no_regression(self):
-        found = self._many(SLOWER_SEEDS // 2, only("b", "", lambda record: slower(record, 0.9)))
-        self.assertTrue(all("b" in set(c.faster["solver"]) and not c.regressed for c in found))
 
     def test_what_is_slow_on_one_family_or_size_class_is_found_there(self):
         for column, there, elsewhere, parts in (("family", "chains", "piles", ("chains",)),

@@ -1,4 +1,4 @@
-"""A published JSON Schema, documents that it accepts, and changes of one of them that it must refuse."""
+"""The published JSON Schemas, and changes of documents that they must refuse."""
 
 import copy
 import json
@@ -34,21 +34,3 @@ def validator_of(name: str):
     jsonschema.Draft202012Validator.check_schema(schema)
     resolver = jsonschema.RefResolver(base_uri=path.as_uri(), referrer=schema)
     return jsonschema.Draft202012Validator(schema, resolver=resolver)
-
-
-class SchemaCase:
-    """Tests of a unittest.TestCase that has `schema` (a name), `valid` (files), `base`, `malformed` [(path, value)]."""
-
-    def test_every_document_is_valid(self):
-        validator = validator_of(self.schema)
-        self.assertGreaterEqual(len(self.valid), 6)
-        for path in self.valid:
-            with self.subTest(path.name):
-                self.assertEqual([error.message for error in validator.iter_errors(json_of(path))], [])
-
-    def test_malformed_documents_are_refused(self):
-        validator = validator_of(self.schema)
-        validator.validate(self.base)
-        for path, value in self.malformed:
-            with self.subTest("/".join(map(str, path)), value=value):
-                self.assertFalse(validator.is_valid(changed(self.base, path, value)))

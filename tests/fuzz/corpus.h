@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -55,6 +57,26 @@ inline std::string ChangedBytes(std::string text, const std::vector<std::string>
     }
   }
   return text;
+}
+
+/// The law (laws.h) holds for the seeds, and for so many changes(seed, corpus) of them: for builds without libFuzzer.
+template <typename Changes>
+void ExpectLawHolds(std::string (*broken)(const std::string&), const std::string& folder, int count, Changes changes) {
+  const std::vector<std::string> corpus = Corpus(folder);
+  ASSERT_GE(corpus.size(), 4U);
+  for (const std::string& seed : corpus) EXPECT_EQ(broken(seed), "") << seed;
+  for (int k = 0; k < count; ++k) {
+    for (const std::string& changed : changes(corpus[static_cast<size_t>(k) % corpus.size()], corpus)) {
+      ASSERT_EQ(broken(changed), "") << k << ": " << changed;
+    }
+  }
+}
+
+/// Of a text, by ChangedBytes.
+inline auto ChangesOfText() {
+  return [random = std::mt19937(1)](const std::string& text, const std::vector<std::string>& corpus) mutable {
+    return std::vector<std::string>{ChangedBytes(text, corpus, &random)};
+  };
 }
 
 }  // namespace lcpbench

@@ -11,8 +11,8 @@
 
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
+#include "tests/solvers/solvers_under_test.h"
 #include "tests/solvers/test_problems.h"
-#include "tests/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {

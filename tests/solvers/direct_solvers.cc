@@ -5,7 +5,7 @@ namespace lcpbench {
 namespace {
 
 DirectSolver Pivoting(const char* name, const char* key, const Settings& settings, int iterations_per_row,
-                      double undecided_rounded, int unit_problems_missed) {
+                      double undecided_rounded) {
   return {.name = name,
           .key = key,
           .settings = settings,
@@ -13,7 +13,6 @@ DirectSolver Pivoting(const char* name, const char* key, const Settings& setting
           .warm_iterations = 0.1,
           .warm_part = 0.05,
           .undecided_rounded = undecided_rounded,
-          .unit_problems_missed = unit_problems_missed,
           .row_limit = "max_rows"};
 }
 
@@ -35,9 +34,9 @@ DirectSolver Iterative(const char* name, const char* key, const Settings& settin
 const std::vector<DirectSolver>& DirectSolvers() {
   static const std::vector<DirectSolver> solvers = [] {
     std::vector<DirectSolver> all = {
-        Pivoting("dantzig", "dantzig", {}, 12, 0.005, 0),
-        Pivoting("dantzig_most_negative", "dantzig", {{"order", "most-negative"}}, 12, 0.005, 3),
-        Pivoting("lemke", "lemke", {}, 6, 0.006, 1),  // 5 of 838 where the compiler fuses no operations
+        Pivoting("dantzig", "dantzig", {}, 12, 0.005),
+        Pivoting("dantzig_most_negative", "dantzig", {{"order", "most-negative"}}, 12, 0.005),
+        Pivoting("lemke", "lemke", {}, 6, 0.006),  // 5 of 838 where the compiler fuses no operations
         Iterative("bpp_dense", "bpp", {{"form", "dense"}}, 1.1, 0.005, false),
         Iterative("bpp_sparse", "bpp", {{"form", "sparse"}}, 1.1, 0.005, false),
         Iterative("active_set", "active-set", {}, 1.1, 0.005, false),

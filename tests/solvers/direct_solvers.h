@@ -31,8 +31,6 @@ struct DirectSolver {
   /// unsolvable ones whose A was rounded.
   double undecided = 0;
   double undecided_rounded = 0;
-  /// Of the recorded unit problems, some of which miss their own null space by 1e-9.
-  int unit_problems_missed = 0;
   /// Rows with A_ii = 0 are judged in the units of b, by some in the course of the method.
   bool powers_of_two_leave_zero_rows = true;
   bool allocates = false;

@@ -15,8 +15,8 @@
 #include "solvers/registry.h"
 #include "support/input_error.h"
 #include "tests/solvers/exact_problems.h"
+#include "tests/solvers/solvers_under_test.h"
 #include "tests/solvers/test_problems.h"
-#include "tests/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numeric>
 #include <random>
 #include <utility>
@@ -79,18 +78,6 @@ std::vector<TestProblem> OracleProblems() {
   for (LcpRecord& record : ReadLcpFile(LCPBENCH_SOURCE_DIR "/tests/data/oracle/lcp.jsonl")) {
     problems.push_back({record.problem, record.reference});
   }
-  return problems;
-}
-
-std::vector<LcpProblem> RecordedUnitProblems() {
-  std::vector<LcpProblem> problems;
-  const std::string path = LCPBENCH_SOURCE_DIR "/tests/data/myphysicslab/unit_problems.jsonl";
-  std::ifstream file(path);
-  std::string line;
-  while (std::getline(file, line)) {
-    if (line.find("\"compute_forces\"") != std::string::npos) problems.push_back(ParseLcpRecord(line, path).problem);
-  }
-  EXPECT_EQ(problems.size(), 7u) << path;
   return problems;
 }
 

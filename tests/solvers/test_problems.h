@@ -31,9 +31,6 @@ double Uniform(std::mt19937_64* random, double low, double high);
 /// The exact LCPs of tests/data/oracle.
 std::vector<TestProblem> OracleProblems();
 
-/// The contact problems among the unit tests of the paper's own software.
-std::vector<LcpProblem> RecordedUnitProblems();
-
 /// Small problems whose answers are written beside them.
 std::vector<TestProblem> TextbookProblems();
 

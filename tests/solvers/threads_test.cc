@@ -20,8 +20,8 @@
 
 #include "solvers/lcp/solver.h"
 #include "solvers/registry.h"
+#include "tests/solvers/solvers_under_test.h"
 #include "tests/solvers/test_problems.h"
-#include "tests/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {

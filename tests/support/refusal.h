@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "support/input_error.h"
 
@@ -30,6 +31,27 @@ void ExpectRefused(Act act, const std::string& words, const std::string& beginni
   EXPECT_NE(refusal.find(words), std::string::npos) << refusal << "\nexpected: " << words;
   EXPECT_TRUE(refusal.starts_with(beginning)) << refusal;
   EXPECT_EQ(refusal.find('\n'), std::string::npos) << refusal;
+}
+
+/// What is refused, and how, by tests/data/refusals/<name>.txt. Fields of a line are separated by " => ", and \n in one
+/// stands for a line break; what a line lacks of three fields is "". Empty lines and those with # in front do not
+/// count.
+inline std::vector<std::vector<std::string>> RefusalCases(const std::string& name) {
+  const std::string separator = " => ";
+  std::ifstream file(LCPBENCH_SOURCE_DIR "/tests/data/refusals/" + name + ".txt");
+  std::vector<std::vector<std::string>> cases;
+  for (std::string line; std::getline(file, line);) {
+    if (line.empty() || line.starts_with("#")) continue;
+    for (std::size_t at = 0; (at = line.find("\\n", at)) != std::string::npos; ++at) line.replace(at, 2, "\n");
+    std::vector<std::string>& fields = cases.emplace_back();
+    for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + separator.size()) {
+      end = line.find(separator, begin);
+      fields.push_back(line.substr(begin, end - begin));
+    }
+    fields.resize(3);
+  }
+  EXPECT_FALSE(cases.empty()) << name;
+  return cases;
 }
 
 /// A folder of its own for each test of files.

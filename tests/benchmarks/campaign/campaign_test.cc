@@ -10,7 +10,7 @@
 
 #include "solvers/registry.h"
 #include "support/subprocess.h"
-#include "tests/benchmarks/command_fixture.h"
+#include "tests/benchmarks/command/command_fixture.h"
 
 namespace lcpbench {
 namespace {
@@ -167,18 +167,6 @@ TEST(SizeLimits, ALimitIsTheLargestSizeThatIsRunAndSaysWhy) {
     if (!limit) continue;
     const std::string rule = SizeRefusal(entry, limit->largest + 1);
     EXPECT_EQ(rule, "not above n = " + std::to_string(limit->largest) + ": " + std::string(limit->reason));
-  }
-}
-
-TEST(SizeLimits, DenseCodesStopAtFiveThousandRowsExactArithmeticAtThirty) {
-  for (const char* key : {"dantzig", "lemke", "ode-dantzig", "bullet-lemke", "dart-pgs-default", "siconos-avi"}) {
-    EXPECT_EQ(SizeRefusal(FindSolver(key), 5000), "") << key;
-    EXPECT_NE(SizeRefusal(FindSolver(key), 5001), "") << key;
-  }
-  EXPECT_EQ(SizeRefusal(FindSolver("cgal-qp"), 30), "");
-  EXPECT_NE(SizeRefusal(FindSolver("cgal-qp"), 31), "");
-  for (const char* key : {"auto", "pgs", "clp", "petsc-rsls", "siconos-nsgs-sbm"}) {
-    EXPECT_EQ(SizeRefusal(FindSolver(key), 1'000'000), "") << key;
   }
 }
 

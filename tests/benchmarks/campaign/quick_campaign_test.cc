@@ -11,7 +11,7 @@
 
 #include "benchmarks/collection/manifest.h"
 #include "solvers/registry.h"
-#include "tests/benchmarks/command_fixture.h"
+#include "tests/benchmarks/command/command_fixture.h"
 
 namespace lcpbench {
 namespace {

@@ -24,7 +24,7 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
-#include "tests/benchmarks/command_fixture.h"
+#include "tests/benchmarks/command/command_fixture.h"
 
 namespace lcpbench {
 namespace {
@@ -126,30 +126,6 @@ TEST(CarryOver, FollowsRowsAndStartsNewOnesAtZero) {
   const Eigen::VectorXd carried = CarryOver(Eigen::Vector3d(1, 2, 3), {2, -1, 0, -1});
   EXPECT_EQ(carried, Eigen::Vector4d(3, 0, 1, 0));
   EXPECT_EQ(CarryOver(Eigen::VectorXd(), {-1}), Eigen::VectorXd::Zero(1));
-}
-
-TEST(SequencePlan, EveryModeHasItsTiers) {
-  Manifest manifest;
-  manifest.sequences = {DiscsInV()};
-  CampaignPlan plan;
-  plan.solvers = {"pgs", "dantzig"};
-  using Modes = std::vector<std::tuple<std::string, double, std::size_t>>;  // mode, tier, judged
-  std::map<std::string, Modes> passes;
-  const std::vector<Manifest> manifests = {manifest};
-  for (const Task& pass : PlanPasses(plan, manifests)) {
-    EXPECT_EQ(pass.warm, pass.mode != "cold");
-    EXPECT_EQ(pass.deadline_s > 0, pass.mode.starts_with("deadline-"));
-    passes[pass.solver].emplace_back(pass.mode, pass.tier, pass.judged.size());
-  }
-  Modes direct = {{"cold", 1e-9, 3}, {"warm", 1e-9, 3}};
-  Modes iterative = {{"cold", 1e-3, 1}, {"cold", 1e-6, 1}, {"cold", 1e-9, 1},
-                     {"warm", 1e-3, 1}, {"warm", 1e-6, 1}, {"warm", 1e-9, 1}};
-  for (const char* deadline : {"deadline-0.1ms", "deadline-1ms", "deadline-16ms"}) {
-    direct.emplace_back(deadline, 1e-9, 3);
-    iterative.emplace_back(deadline, 1e-9, 3);
-  }
-  EXPECT_EQ(passes["dantzig"], direct);
-  EXPECT_EQ(passes["pgs"], iterative);
 }
 
 class RecordedSequence : public SequenceFile {
@@ -492,29 +468,19 @@ TEST_F(SequenceCampaign, ATornTailOfStepsIsMadeAgainAndWhatIsNotOfThePlanIsRefus
     changed[field] = value;
     return changed.dump();
   };
-  const std::pair<std::string, std::string> wrong[] = {
-      {"\x01\xff\xfe{]", "not valid JSON"},
-      {line.dump().substr(0, 30), "not valid JSON"},
-      {R"({"solver":"x",)" + line.dump().substr(1), "/solver: this key is given twice"},
-      {Passes("c").at(0).dump(), "a second line of"},
-      {with("round", -1), "field 'round'"},
-      {with("round", 2), "round 2"},
-      {with("round", "x"), "field 'round'"},
-      {with("solver", "lemke"), "solver 'lemke'"},
-      {with("sequence", "another"), "'another'"},
-      {with("tier", 1e-9), "tier"},
-      {with("mode", "lukewarm"), "a task"}};
-  const std::string kept = ReadFile(folder_ / "c/steps.jsonl");
-  for (const auto& [text, found] : wrong) {
-    std::vector<std::string> lines = Lines(kept);
-    lines.at(1) = text;
-    std::string changed;
-    for (const std::string& one : lines) changed += one + "\n";
-    Write("c/steps.jsonl", changed);
-    ExpectMistake(Campaign("c", filter + " --resume"), "steps.jsonl:2: ");
-    EXPECT_NE(ReadFile(folder_ / "stderr").find(found), std::string::npos) << ReadFile(folder_ / "stderr");
-    EXPECT_EQ(ReadFile(folder_ / "c/steps.jsonl"), changed);  // and left as it was
-  }
+  ExpectSecondLineRefused("c/steps.jsonl",
+                          {{"\x01\xff\xfe{]", "not valid JSON"},
+                           {line.dump().substr(0, 30), "not valid JSON"},
+                           {R"({"solver":"x",)" + line.dump().substr(1), "/solver: this key is given twice"},
+                           {Passes("c").at(0).dump(), "a second line of"},
+                           {with("round", -1), "field 'round'"},
+                           {with("round", 2), "round 2"},
+                           {with("round", "x"), "field 'round'"},
+                           {with("solver", "lemke"), "solver 'lemke'"},
+                           {with("sequence", "another"), "'another'"},
+                           {with("tier", 1e-9), "tier"},
+                           {with("mode", "lukewarm"), "a task"}},
+                          Campaign("c", filter + " --resume"));
 }
 
 }  // namespace

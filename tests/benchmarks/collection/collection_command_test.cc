@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "tests/benchmarks/command_fixture.h"
+#include "tests/benchmarks/command/command_fixture.h"
 
 namespace lcpbench {
 namespace {
@@ -136,15 +136,8 @@ TEST_F(CollectionCommand, ARecorderOfAUsersOwnEngineGivesProblemsThatAreSolved) 
   ExpectMistake("recording --level x " + Path("discs.jsonl"), "--level: x not in {velocity,acceleration}");
 }
 
-TEST_F(CollectionCommand, MistakesAreToldInOneLine) {
-  ExpectMistake("collection build middling -o " + folder_.string(), "unknown tier 'middling'");
-  ExpectMistake("collection build smoke -o " + Path("nowhere"), "expected a folder");
-  ExpectMistake("collection check " + Path("nowhere.json"), "cannot be opened");
+TEST_F(CollectionCommand, AProblemThatIsNotThereIsNamed) {
   ExpectMistake("collection write " LCPBENCH_SOURCE_DIR "/data/smoke.json no-such-problem", "no-such-problem");
-  ExpectMistake("import " + Path("nowhere") + " --provenance p --licence l", "expected a folder");
-  std::filesystem::create_directories(folder_ / "empty");
-  ExpectMistake("import " + Path("empty") + " --provenance p --licence l", "found none");
-  ExpectMistake("import " + Path("empty") + " --provenance p", "--licence");
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/model/random_outlines.h"
+#include "tests/model/shape/random_outlines.h"
 #include "tests/support/refusal.h"
 
 namespace lcpbench {

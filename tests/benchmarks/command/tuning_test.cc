@@ -9,7 +9,7 @@
 
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
-#include "tests/benchmarks/command_fixture.h"
+#include "tests/benchmarks/command/command_fixture.h"
 #include "tests/solvers/solve_with.h"
 
 namespace lcpbench {
@@ -125,7 +125,6 @@ TEST_F(TunedSettings, WhatIsNoTunedFileIsRefusedByOneLine) {
     EXPECT_FALSE(std::filesystem::exists(folder_ / "c"));
   }
   ExpectMistake(Campaign("c", "--solvers pgs --tuned " + Path("none.json")), "none.json");
-  ExpectMistake("run --suite quick --tuned " + Path("none.json") + " -o " + Path("c"), "none.json");
 }
 
 TEST_F(TunedSettings, CampaignsSayWhichKeysRunTuned) {

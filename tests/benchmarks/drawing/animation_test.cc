@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "support/input_error.h"
-#include "tests/benchmarks/command_fixture.h"
-#include "tests/benchmarks/free_flight.h"
+#include "tests/benchmarks/command/command_fixture.h"
+#include "tests/benchmarks/drawing/free_flight.h"
 
 namespace lcpbench {
 namespace {

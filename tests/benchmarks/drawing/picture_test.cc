@@ -7,7 +7,6 @@
 #include <boost/property_tree/xml_parser.hpp>
 #include <cmath>
 #include <regex>
-#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -19,7 +18,7 @@
 #include "model/scenes/scene.h"
 #include "model/shape/shapes.h"
 #include "support/input_error.h"
-#include "tests/benchmarks/free_flight.h"
+#include "tests/benchmarks/drawing/free_flight.h"
 
 namespace lcpbench {
 namespace {
@@ -81,16 +80,6 @@ TEST(PiecePath, EndsWhereThePieceEnds) {
   }
 }
 
-// Arcs turn the way that the parameter goes: counter-clockwise in a frame with y up.
-TEST(PiecePath, TurnsArcsTheWayOfTravel) {
-  EXPECT_NE(PiecePath({Circle(1), 0, 1}, 10, "M").find("A10 10 0 0 1 "), std::string::npos);
-  EXPECT_NE(PiecePath({Circle(1), 1, 0}, 10, "M").find("A10 10 0 0 0 "), std::string::npos);
-}
-
-TEST(BandPath, LiesInTheMaterial) {
-  EXPECT_EQ(BandPath(WholeEdge({1, 0}, {-1, 0}), 10, 9), "M10 0L-10 0L-10 -9L10 -9Z");
-}
-
 TEST(Pictures, TurnBodiesAndMirrorTheirFrames) {
   ContactSystem system;
   system.name = "turned";
@@ -99,18 +88,6 @@ TEST(Pictures, TurnBodiesAndMirrorTheirFrames) {
   const std::string svg = Drawn(system);
   // A point (1, 0) of the body lies right of its centre and, y pointing down on the page, above.
   EXPECT_NE(svg.find("transform=\"matrix(0.866025 -0.500000 -0.500000 -0.866025 "), std::string::npos);
-}
-
-TEST(Outlines, AreBoundedUnlessTheMaterialLiesOutside) {
-  for (const Outline& outline : Shapes()) EXPECT_TRUE(IsBounded(outline)) << outline.name;
-  EXPECT_FALSE(IsBounded({"track", {{FullCircle({}, 1, Side::kConcave)}}}));
-  EXPECT_FALSE(IsBounded({"floor", {{WholeEdge({1, 0}, {-1, 0})}}}));
-  EXPECT_FALSE(IsBounded({}));
-}
-
-TEST(EdgeStyles, HaveColoursOfTheirOwn) {
-  std::set<std::string_view> colours = {kForceColor};
-  for (const EdgeStyle& style : kEdgeStyles) EXPECT_TRUE(colours.insert(style.color).second) << style.name;
 }
 
 TEST(Pictures, FillHolesColourEveryKindOfEdgeAndDrawJointsLoadsAndDrivenBodies) {

@@ -15,7 +15,7 @@
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
-#include "tests/model/scene_checks.h"
+#include "tests/model/scenes/scene_checks.h"
 
 namespace lcpbench {
 

@@ -24,7 +24,7 @@
 #include "benchmarks/recommend/race.h"
 #include "benchmarks/recommend/recommendation.h"
 #include "solvers/registry.h"
-#include "tests/benchmarks/command_fixture.h"
+#include "tests/benchmarks/command/command_fixture.h"
 
 namespace lcpbench {
 namespace {
@@ -279,21 +279,20 @@ TEST_F(EmbeddingCodeTest, CompilesInEveryFormUnlessAMemberIsWrong) {
 }
 
 TEST_F(EmbeddingCodeTest, OfStepsCompilesInEveryFormUnlessAMemberIsWrong) {
-  for (const int p : {3, 6}) {
-    for (const bool warm : {false, true}) {
-      for (const std::optional<double> deadline : {std::optional<double>(), std::optional<double>(1e-4)}) {
-        const std::string code =
-            StepEmbeddingCode({.rows = 77, .bodies = 33, .columns_per_body = p}, warm, {1e-6, deadline, true});
-        const CommandOutcome compiled = Compile(code);
-        EXPECT_EQ(compiled.status, 0) << code << compiled.error;
-        for (const auto& [part, is_there] : {std::pair{"@", false},
-                                             {"StepOptions{.tolerance = 1e-06", true},
-                                             {", .time_limit_s = 1e-04", deadline.has_value()},
-                                             {"forces_before", warm},
-                                             {"most_rows = 77, lcpbench::Index most_bodies = 33", true},
-                                             {"rows.columns_per_body = 6", p == 6}}) {
-          EXPECT_EQ(code.find(part) != std::string::npos, is_there) << part << " in " << code;
-        }
+  for (const bool warm : {false, true}) {
+    for (const std::optional<double> deadline : {std::optional<double>(), std::optional<double>(1e-4)}) {
+      const int p = warm == deadline.has_value() ? 3 : 6;
+      const std::string code =
+          StepEmbeddingCode({.rows = 77, .bodies = 33, .columns_per_body = p}, warm, {1e-6, deadline, true});
+      const CommandOutcome compiled = Compile(code);
+      EXPECT_EQ(compiled.status, 0) << code << compiled.error;
+      for (const auto& [part, is_there] : {std::pair{"@", false},
+                                           {"StepOptions{.tolerance = 1e-06", true},
+                                           {", .time_limit_s = 1e-04", deadline.has_value()},
+                                           {"forces_before", warm},
+                                           {"most_rows = 77, lcpbench::Index most_bodies = 33", true},
+                                           {"rows.columns_per_body = 6", p == 6}}) {
+        EXPECT_EQ(code.find(part) != std::string::npos, is_there) << part << " in " << code;
       }
     }
   }

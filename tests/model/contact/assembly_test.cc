@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "support/input_error.h"
-#include "tests/model/random_contacts.h"
+#include "tests/model/contact/random_contacts.h"
 
 namespace lcpbench::testing {
 namespace {

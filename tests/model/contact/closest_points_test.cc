@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "support/input_error.h"
-#include "tests/model/random_contacts.h"
+#include "tests/model/contact/random_contacts.h"
 
 namespace lcpbench::testing {
 namespace {
@@ -130,24 +130,6 @@ TEST_P(EveryPair, LosesNothingFarFromTheWorldsOrigin) {
 INSTANTIATE_TEST_SUITE_P(Geometry, EveryPair, ::testing::ValuesIn(AllPairKinds()),
                          [](const auto& kind) { return kind.param.name; });
 
-// Brute force, for the kinds whose closest point is a global one: vertex or disc outside, inside a circular hole.
-TEST(ClosestPoints, GapIsTheSmallestDistanceFromAVertexToAnEdge) {
-  Random random(8);
-  for (const PairKind& kind : ClosedPairKinds()) {
-    if (kind.shape1 != Shape::kVertex || kind.shape2 == Shape::kStraight) continue;
-    for (int i = 0; i < 50; ++i) {
-      const ContactCase c = RandomContact(kind, 0.1, &random);
-      double smallest = kInfinity;
-      for (int k = 0; k < 20000; ++k) {
-        smallest = std::min(smallest, Norm(c.p1 - PointAt(c.feature2, c.body2, 2 * kPi * k / 20000)));
-      }
-      const double d = c.Closest().d;
-      EXPECT_LE(d, smallest + kRounding);
-      EXPECT_NEAR(d, smallest, 1e-5);
-    }
-  }
-}
-
 struct RefusedPair {
   const char* condition;  // what the error has to name
   Feature feature1;
@@ -225,24 +207,6 @@ TEST(ClosestPoints, ThresholdOfDIsRelativeToTheRadius) {
     EXPECT_NE(disc_in_track(1e-11), "");
     EXPECT_EQ(disc_in_track(1e-9), "");
     EXPECT_EQ(disc_in_track(1e-3), "");
-  }
-}
-
-TEST(ClosestPoints, PathJointTakesEitherSideOfAnEdgeAndOppositeSidesGiveOppositeNormals) {
-  const Vertex vertex{{0, 0}};
-  for (const double y : {0.75, 1.0, 1.25}) {
-    const auto on = [&](Side side) {
-      const ArcEdge arc{{0, 0}, 1, side};
-      return FindClosestPoints({vertex, {0, y}, {}}, {arc, {0, 0}, {}}, {}, Regularity::kNonzeroD);
-    };
-    const ClosestPoints outside = on(Side::kConvex);
-    const ClosestPoints inside = on(Side::kConcave);
-    EXPECT_EQ(outside.n.y, 1);
-    EXPECT_EQ(inside.n.y, -1);
-    EXPECT_DOUBLE_EQ(outside.d, y - 1);
-    EXPECT_DOUBLE_EQ(inside.d, 1 - y);
-    EXPECT_DOUBLE_EQ(outside.D(), y);
-    EXPECT_DOUBLE_EQ(inside.D(), y);
   }
 }
 

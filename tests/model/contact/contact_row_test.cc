@@ -15,7 +15,7 @@
 #include <variant>
 #include <vector>
 
-#include "tests/model/random_contacts.h"
+#include "tests/model/contact/random_contacts.h"
 
 namespace lcpbench::testing {
 namespace {
@@ -512,15 +512,6 @@ TEST(ContactRow, NearlyFlatArcsOnEachOtherKeepAllDigitsOfTheirPlace) {
   }
 }
 
-TEST(ContactRow, DiscAboutItsCenterOfMassHasNoMomentAtAll) {
-  Random random(9);
-  for (int i = 0; i < kCases; ++i) {
-    ContactCase c = RandomContact(AllPairKinds()[4], &random);
-    std::get<ArcEdge>(c.feature1).center = {0, 0};
-    EXPECT_EQ(RowOf(c).J[2], 0);
-  }
-}
-
 // A vertex sliding at speed v along a fixed straight edge needs no acceleration; on a convex arc of radius R it leaves
 // with v^2/R, in a concave one it is pressed in by v^2/R.
 TEST(ContactRow, SlidingVertexFeelsTheCurvatureOfTheEdge) {
@@ -617,52 +608,6 @@ TEST(ConnectorRow, SwappingBodiesGivesTheSwappedRowBitByBit) {
     const ConnectorRow row = c.Row();
     const ConnectorRow swapped = Connector{c.body2, c.body1, c.vertex2, c.vertex1, c.length}.Row();
     ExpectSwapped(row.points, row.row, swapped.points, swapped.row);
-  }
-}
-
-TEST(ConnectorRow, RopeIsTheUnilateralNegatedRod) {
-  Random random(3);
-  for (int i = 0; i < kCases; ++i) {
-    const Connector c = RandomConnector(&random);
-    const AssembledLcp rod = AssembleContactLcp(c.System(ConstraintType::kRod));
-    const AssembledLcp rope = AssembleContactLcp(c.System(ConstraintType::kRope));
-    ASSERT_EQ(rod.problem.size(), 1);
-    ASSERT_EQ(rope.problem.size(), 1);
-    EXPECT_TRUE(rod.problem.is_bilateral(0));
-    EXPECT_FALSE(rope.problem.is_bilateral(0));
-    EXPECT_EQ(rod.problem.DenseA()(0, 0), rope.problem.DenseA()(0, 0));
-    EXPECT_EQ(rod.problem.b()[0], -rope.problem.b()[0]);
-    EXPECT_EQ(rod.rows[0].d, -rope.rows[0].d);
-    EXPECT_EQ(rod.rows[0].d_dot, -rope.rows[0].d_dot);
-    EXPECT_EQ(rod.rows[0].gamma, -rope.rows[0].gamma);
-    EXPECT_EQ(rod.rows[0].n.x, -rope.rows[0].n.x);
-    EXPECT_EQ(rod.rows[0].bilateral, true);
-    EXPECT_EQ(rope.rows[0].bilateral, false);
-    EXPECT_EQ((Eigen::MatrixXd(rod.problem.J()) + Eigen::MatrixXd(rope.problem.J())).norm(), 0);
-    EXPECT_EQ(rod.rows[0].d, c.Row().points.d - c.length);
-  }
-}
-
-// A mass m circling at speed v on a rope of length L is held by m v^2/L, and by m g more at the lowest point.
-TEST(ConnectorRow, RopeOfACirclingMassPullsWithTheCentripetalForce) {
-  const double mass = 3;
-  const double speed = 4;
-  const double length = 2;
-  const double weight = 30;
-  Body bob;
-  bob.mass = mass;
-  bob.x = {0, -length};
-  bob.v = {speed, 0};
-  bob.force = {0, -weight};
-  Body ceiling;
-  ceiling.fixed = true;
-  const Connector c{bob, ceiling, {0, 0}, {0, 0}, length};
-  for (const ConstraintType type : {ConstraintType::kRod, ConstraintType::kRope}) {
-    const AssembledLcp lcp = AssembleContactLcp(c.System(type));
-    const double f = -lcp.problem.b()[0] / lcp.problem.DenseA()(0, 0);
-    const double tension = mass * speed * speed / length + weight;
-    EXPECT_DOUBLE_EQ(type == ConstraintType::kRope ? f : -f, tension);
-    EXPECT_EQ(lcp.rows[0].d, 0);
   }
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "model/scenes/random.h"
-#include "tests/model/momenta.h"
+#include "tests/model/contact/momenta.h"
 #include "tests/support/refusal.h"
 
 namespace lcpbench {
@@ -108,21 +108,6 @@ TEST(Loads, DampersAndThrustersDoTheRestOfTheWork) {
     EXPECT_NEAR(Power(bodies), Dot(turned, bodies[2].v + bodies[2].omega * Perp(arm)), 1e-12);
     EXPECT_EQ(PotentialEnergy(thrust, bodies), 0);
   }
-}
-
-TEST(Loads, SettingReplacesWhatWasThere) {
-  Random random(3);
-  std::vector<Body> bodies = RandomBodies(&random);
-  const Loads loads = RandomLoads(&random);
-  SetLoads(loads, bodies);
-  const std::vector<Body> once = bodies;
-  SetLoads(loads, bodies);
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    EXPECT_EQ(bodies[i].force.x, once[i].force.x);
-    EXPECT_EQ(bodies[i].torque, once[i].torque);
-  }
-  SetLoads({}, bodies);
-  for (const Body& body : bodies) EXPECT_TRUE(body.force.x == 0 && body.force.y == 0 && body.torque == 0);
 }
 
 TEST(Loads, InternalLoadsLeaveMomentaAlone) {

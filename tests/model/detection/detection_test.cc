@@ -13,7 +13,7 @@
 #include "model/contact/assembly.h"
 #include "model/detection/narrow_phase.h"
 #include "model/shape/shapes.h"
-#include "tests/model/random_outlines.h"
+#include "tests/model/shape/random_outlines.h"
 #include "tests/support/refusal.h"
 
 namespace lcpbench {
@@ -88,12 +88,6 @@ TEST(Detection, AnEllipseInABowlTouchesItAtTwoPoints) {
   const double y = -b * at.sin - c2 * at.sin / b;
   EXPECT_TRUE(HasFootAt(rows, {a * at.cos, y}));
   EXPECT_TRUE(HasFootAt(rows, {-a * at.cos, y}));
-}
-
-TEST(Detection, ADiscInARingTouchesItOnce) {
-  const auto rows = Workshop({{Ring(2, 1), {}, 0.4}, {Disc(0.3), {0.7 * 0.6, 0.7 * 0.8}, 1.0}}).Rows();
-  ASSERT_EQ(rows.size(), 1u);
-  EXPECT_TRUE(HasFootAt(rows, {0.6, 0.8}));
 }
 
 TEST(Detection, ABodyInAHoleOfItsOwnShapeIsRefusedNamingBothEdges) {
@@ -181,20 +175,6 @@ TEST(Detection, ManyBodiesAlongALongOutlineLookAtWhatIsNear) {
     EXPECT_EQ(shop.Detect(1e-6, 1e-6, [&] { ++calls; }).size(), kCount + 0u);
     EXPECT_LT(calls, 30 * kCount) << floor_first;
   }
-}
-
-// Gears have more spans than kManySpans, so that every one has a box of its own; the narrow phase alone must agree.
-TEST(Detection, GearsTouchWhereTheirTeethDo) {
-  const Outline gear = Gear({});
-  std::size_t found = 0;
-  for (const double turned : {0.0, 0.1, 0.2, 0.35}) {
-    const auto contacts = Workshop({{gear, {}}, {gear, {1.85, 0}, turned}}).Detect(0.05, 0.05);
-    const auto minima = FindGapMinima(PlaceOutline(gear, {}, 0), PlaceOutline(gear, {1.85, 0}, turned), {0.05, 0.05});
-    ASSERT_EQ(contacts.size(), minima.size()) << turned;
-    found += contacts.size();
-    for (std::size_t k = 0; k < minima.size(); ++k) EXPECT_EQ(contacts[k].nominal_gap, minima[k].closest.d) << turned;
-  }
-  EXPECT_GE(found, 2u);
 }
 
 TEST(Detection, ManyBodiesInOneTrackTouchItOnceEach) {

@@ -9,9 +9,9 @@
 
 #include "model/shape/shapes.h"
 #include "support/input_error.h"
-#include "tests/model/gap_sampling.h"
-#include "tests/model/random_contacts.h"
-#include "tests/model/random_outlines.h"
+#include "tests/model/contact/random_contacts.h"
+#include "tests/model/detection/gap_sampling.h"
+#include "tests/model/shape/random_outlines.h"
 
 namespace lcpbench {
 namespace {
@@ -118,7 +118,6 @@ class Comparison {
       EXPECT_TRUE(found) << name_ << ": missed d = " << m.d << " at (" << m.p1.x << ", " << m.p1.y << "), vertices "
                          << m.at_vertex1 << m.at_vertex2 << ", reach " << c_.reach;
     }
-    CheckFlushEnds(detected);
     for (std::size_t k = 0; k < detected.size(); ++k) {
       for (std::size_t i = 0; i < k; ++i)
         EXPECT_FALSE(AreSame(detected[i], detected[k])) << name_ << ": reported twice";
@@ -145,24 +144,6 @@ class Comparison {
     EXPECT_LE(Norm(loop1_.At(place1).c - p1) + Norm(loop2_.At(place2).c - p2), 1e-8)
         << name_ << ": not on the outlines";
     return IsLocalMinimum(loop1_, place1, loop2_, place2);
-  }
-
-  // The second contacts of nearly flush edges, the only ones that are no minima: all of them, and no others.
-  void CheckFlushEnds(const std::vector<GapMinimum>& detected) const {
-    const std::vector<FlushEnd> ends = FlushEnds(loop1_, loop2_, c_.reach);
-    const auto is_at = [&](const GapMinimum& m, Vec2 p) {
-      return std::min(Norm(c_.pose1.x + m.closest.R1 - p), Norm(c_.pose2.x + m.closest.R2 - p)) < kSamePlace;
-    };
-    for (const FlushEnd& end : ends) {
-      if (!end.certain) continue;
-      EXPECT_TRUE(std::any_of(detected.begin(), detected.end(), [&](const GapMinimum& m) { return is_at(m, end.p); }))
-          << name_ << ": missed an end of flush edges at (" << end.p.x << ", " << end.p.y << ")";
-    }
-    for (const GapMinimum& m : detected) {
-      if (!m.is_flush_end) continue;
-      EXPECT_TRUE(std::any_of(ends.begin(), ends.end(), [&](const FlushEnd& end) { return is_at(m, end.p); }))
-          << name_ << ": no end of flush edges, d = " << m.closest.d;
-    }
   }
 
   const Configuration& c_;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "support/input_error.h"
-#include "tests/model/random_outlines.h"
+#include "tests/model/shape/random_outlines.h"
 
 namespace lcpbench::testing {
 namespace {
@@ -71,44 +71,6 @@ TEST(BroadPhase, FindsThePairsOfBruteForceInTheirOrder) {
     const std::vector<BoundingBox> boxes = RandomBoxes(&random);
     ASSERT_EQ(FindOverlappingPairs(boxes), BruteForce(boxes));
   }
-}
-
-TEST(BroadPhase, FindsThePairsOfBruteForceAmongManyBoxes) {
-  Random random(2);
-  for (const double spread : {5.0, 30.0, 300.0}) {
-    std::vector<BoundingBox> boxes;
-    for (int k = 0; k < 2000; ++k) {
-      boxes.push_back(BoxAt(random.Vector(spread), random.Uniform(0.1, 2), random.Uniform(0.1, 2)));
-    }
-    boxes.push_back(BoxAt({-400, -400}, 800, 800));
-    EXPECT_EQ(FindOverlappingPairs(boxes), BruteForce(boxes));
-  }
-}
-
-TEST(BroadPhase, DoesNotDependOnTheAxesOrTheOrderOfTheBoxes) {
-  Random random(3);
-  for (int k = 0; k < 500; ++k) {
-    const std::vector<BoundingBox> boxes = RandomBoxes(&random);
-    std::vector<BoundingBox> swapped;
-    for (const BoundingBox& b : boxes) swapped.push_back({{b.lower.y, b.lower.x}, {b.upper.y, b.upper.x}});
-    EXPECT_EQ(FindOverlappingPairs(swapped), FindOverlappingPairs(boxes));
-    std::vector<BoundingBox> reversed(boxes.rbegin(), boxes.rend());
-    EXPECT_EQ(FindOverlappingPairs(reversed).size(), FindOverlappingPairs(boxes).size());
-  }
-}
-
-TEST(BroadPhase, CountsTouchingBoxesAndPoints) {
-  const std::vector<BoundingBox> boxes = {BoxAt({0, 0}, 1, 1), BoxAt({1, 1}, 1, 1), BoxAt({1, 1}, 0, 0),
-                                          BoxAt({2.5, 0}, 1, 1)};
-  EXPECT_EQ(FindOverlappingPairs(boxes), (Pairs{{0, 1}, {0, 2}, {1, 2}}));
-}
-
-TEST(BroadPhase, TakesNoBoxesAndEqualBoxes) {
-  EXPECT_TRUE(FindOverlappingPairs({}).empty());
-  const std::vector<BoundingBox> one = {BoxAt({0, 0}, 1, 1)};
-  EXPECT_TRUE(FindOverlappingPairs(one).empty());
-  const std::vector<BoundingBox> equal(20, one[0]);
-  EXPECT_EQ(FindOverlappingPairs(equal).size(), 190U);
 }
 
 TEST(BroadPhase, ManyBoxesOnAFloorAreNoMoreThanTheirPairs) {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/model/random_contacts.h"
+#include "tests/model/contact/random_contacts.h"
 
 namespace lcpbench::testing {
 namespace {

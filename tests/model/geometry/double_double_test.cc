@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/model/random_contacts.h"
+#include "tests/model/contact/random_contacts.h"
 
 namespace lcpbench::testing {
 namespace {

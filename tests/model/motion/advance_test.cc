@@ -12,7 +12,7 @@
 #include "model/shape/shapes.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
-#include "tests/model/acceleration_mover.h"
+#include "tests/model/motion/acceleration_mover.h"
 
 namespace lcpbench {
 namespace {
@@ -85,7 +85,7 @@ TEST(Advance, SpeedsThatLeaveNoStepEndTheMotion) {
 TEST(Advance, ExtremeWorldsComeToAnEnd) {
   Random random(23);
   int ended = 0;
-  for (int k = 0; k < 150; ++k) {
+  for (int k = 0; k < 60; ++k) {
     const auto number = [&](double usual) {
       const double size = random.Uniform(0, 1) < 0.3 ? std::pow(10, random.Uniform(-30, 30)) : random.Uniform(0.5, 1.5);
       return (random.Uniform(0, 1) < 0.3 ? -1 : 1) * usual * size;
@@ -116,7 +116,7 @@ TEST(Advance, ExtremeWorldsComeToAnEnd) {
       }
     }
   }
-  EXPECT_GT(ended, 100);
+  EXPECT_GT(ended, 40);
 }
 
 // Also where there is no LCP at all, and between two bodies of long outlines.

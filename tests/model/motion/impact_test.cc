@@ -11,7 +11,7 @@
 #include "model/scenes/random.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
-#include "tests/model/momenta.h"
+#include "tests/model/contact/momenta.h"
 
 namespace lcpbench {
 namespace {

@@ -18,7 +18,7 @@
 #include "model/shape/shapes.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
-#include "tests/model/acceleration_mover.h"
+#include "tests/model/motion/acceleration_mover.h"
 
 namespace lcpbench {
 namespace {
@@ -172,21 +172,6 @@ TEST(PathEnds, BeadsStopAtEitherEndOfEveryKindOfEdge) {
     bead.edge_on_1 = random.Uniform() < 0.5;
     if (random.Uniform() < 0.3) bead.carrier = {0.7, -0.4};
     ExpectEnd(bead, "comes to the end of its path on body 0 'anchor'", &random);
-  }
-}
-
-TEST(PathEnds, TheBeadOfTheReportStopsAtTheEndOfItsEdge) {
-  const World world = ReadSceneFile(LCPBENCH_SOURCE_DIR "/tests/data/reports/path-runs-off-its-edge.json").world;
-  for (const MotionLevel level : kLevels) {
-    SCOPED_TRACE(ToString(level));
-    Ride ride(level, world);
-    ride.motion->Advance(2);
-    EXPECT_EQ(ride.motion->status(), MotionStatus::kPathEnd);
-    const double tolerance = level == MotionLevel::kVelocity ? 6 * kStep : 1e-7;
-    EXPECT_NEAR(ride.motion->time(), std::sqrt(4 / kG), tolerance);
-    const Vec2 end = ride.motion->world().bodies[1].x;
-    EXPECT_LE(Norm(end - Vec2{1, -1}), tolerance);
-    EXPECT_LE(std::abs(end.x + end.y), 1e-6);
   }
 }
 

@@ -15,7 +15,7 @@
 #include "model/shape/shapes.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
-#include "tests/model/acceleration_mover.h"
+#include "tests/model/motion/acceleration_mover.h"
 
 namespace lcpbench {
 namespace {

@@ -204,29 +204,6 @@ TEST(Records, ExpectedValuesAreNeverRead) {
   }
 }
 
-TEST(Records, SingleContactAndSystemOfOneContactAgree) {
-  const Json single = Json::parse(AssembleRecord(SomeContact().dump(), ""))["rows"][0];
-  const Json system = Json::parse(AssembleRecord(SomeSystem().dump(), ""));
-  EXPECT_EQ(system["J"][0], single["J"]);
-  EXPECT_EQ(system["A"][0][0], single["A"]);
-  EXPECT_EQ(system["b"][0], single["b"]);
-  EXPECT_EQ(system["rows"][0]["n"], single["n"]);
-}
-
-TEST(Records, ParsedSystemKeepsEveryField) {
-  Json record = SomeSystem();
-  record["bodies"][1]["fixed"] = true;
-  const ContactSystem system = ParseSystemRecord(record.dump(), "");
-  EXPECT_EQ(system.name, "m1");
-  ASSERT_EQ(system.bodies.size(), 2U);
-  EXPECT_TRUE(system.bodies[1].fixed);
-  EXPECT_EQ(system.bodies[0].force.y, -10);
-  ASSERT_EQ(system.constraints.size(), 1U);
-  EXPECT_FALSE(system.constraints[0].s1.has_value());
-  EXPECT_EQ(system.constraints[0].s2, 0.5);
-  EXPECT_EQ(std::get<ArcEdge>(system.constraints[0].feature2).radius, 1.5);
-}
-
 TEST(Records, RodsAndRopesAreTheRowsOfTheDistanceBetweenTheirPoints) {
   for (const auto& [kind, sign] : {std::pair("rod", 1.0), std::pair("rope", -1.0)}) {
     SCOPED_TRACE(kind);
@@ -399,20 +376,6 @@ TEST(Records, LinesThatAreNoRecordAreRefusedNamingPlaceExpectedAndFound) {
     record[Json::json_pointer(c.where)] = c.value;
     EXPECT_EQ(InputErrorOf(record.dump()), std::string("file.jsonl:7: ") + c.error);
   }
-}
-
-TEST(Records, MissingFieldsAreNamed) {
-  const auto expect_named = [](Json record, const std::string& parent, const char* field) {
-    (parent.empty() ? record : record[parent]).erase(field);
-    const std::string path = (parent.empty() ? "/" : "/" + parent + "/") + field;
-    const std::string error = InputErrorOf(record.dump());
-    EXPECT_TRUE(error.starts_with("file.jsonl:7: " + path + ": missing field")) << error;
-  };
-  for (const char* field : {"mass", "inertia", "fixed", "x", "theta", "v", "omega", "force", "torque"}) {
-    expect_named(SomeContact(), "body2", field);
-  }
-  for (const char* field : {"id", "body1", "body2", "feature1", "feature2"}) expect_named(SomeContact(), "", field);
-  for (const char* field : {"bodies", "contacts"}) expect_named(SomeSystem(), "", field);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@
 #include "model/scenes/scene.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/registry.h"
-#include "tests/model/scene_checks.h"
+#include "tests/model/scenes/scene_checks.h"
 
 namespace lcpbench {
 namespace {
@@ -91,21 +91,6 @@ TEST(GearTrain, TurnsAlternatelyAtTheRatioOfTheTeeth) {
   }
 }
 
-TEST(CamFollower, TurnsAllCamsTogether) {
-  const ContactSystem system = GenerateScene("cam-follower", 120, 2);
-  std::set<double> speeds;
-  int rods = 0;
-  for (const Constraint& c : system.constraints) {
-    if (c.type != ConstraintType::kRod) continue;
-    ++rods;
-    speeds.insert(BodyOf(system, c.body1).omega);
-    speeds.insert(BodyOf(system, c.body2).omega);
-    EXPECT_NEAR(c.length, 1, 1e-12);
-  }
-  EXPECT_GE(rods, 15);
-  EXPECT_EQ(speeds.size(), 1U);
-}
-
 TEST(NewtonsCradle, HangsOnRodsWithCentripetalAcceleration) {
   const ContactSystem system = GenerateScene("newtons-cradle", 101, 4);
   const AssembledLcp lcp = AssembleContactLcp(system);
@@ -122,30 +107,6 @@ TEST(NewtonsCradle, HangsOnRodsWithCentripetalAcceleration) {
   EXPECT_GE(hanging, 30);
 }
 
-TEST(NewtonsCradle, StartsWithSmallGapsAndLiftedBalls) {
-  for (const int rows : {3, 5, 6, 9, 40}) {
-    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-      const World world = StartScene("newtons-cradle", rows, seed);
-      EXPECT_TRUE(ContactFinder(world).Find(world.bodies, 1e-8, lcpbench::testing::kSceneSize / 2).empty());
-      int lifted = 0;
-      for (std::size_t i = 2; i < world.bodies.size(); ++i) {
-        const Body& ball = world.bodies[i];
-        const Body& before = world.bodies[i - 1];
-        const double radius = std::get<ArcEdge>(ball.outline[0].edge).radius;
-        const double gap = Norm(ball.x - before.x) - 2 * radius;
-        const bool at_rest = before.x.y == ball.x.y && ball.x.y == world.bodies.back().x.y;
-        if (at_rest) {
-          EXPECT_GT(gap, 0.5e-4 * radius);
-          EXPECT_LT(gap, 2e-4 * radius);
-        }
-        lifted += before.x.y > world.bodies.back().x.y ? 1 : 0;
-      }
-      EXPECT_GE(lifted, 1);
-      EXPECT_LE(lifted, 2);
-    }
-  }
-}
-
 // In a rigid rotation with angular velocity omega and acceleration alpha about the origin, every gap keeps its value:
 // d'' = J a + gamma = 0 with a = alpha z x x - omega^2 x. It holds of curvature terms of every kind of edge.
 TEST(RigidRotation, KeepsEveryGapOfDrumsAndChains) {
@@ -157,33 +118,6 @@ TEST(RigidRotation, KeepsEveryGapOfDrumsAndChains) {
       EXPECT_LE(accelerations.cwiseAbs().maxCoeff(), 1e-10 * kGravity) << system.name;
     }
   }
-}
-
-TEST(OvalTrain, RunsOnItsTrack) {
-  int superellipses = 0;
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const ContactSystem system = GenerateScene("oval-train", 90, seed);
-    int on_track = 0;
-    for (const Constraint& c : system.constraints) {
-      if (c.type != ConstraintType::kPathJoint) continue;
-      ++on_track;
-      const Vec2 p = WorldPoint(BodyOf(system, c.body1), std::get<Vertex>(c.feature1).p);
-      if (const auto* oval = std::get_if<EllipseEdge>(&c.feature2)) {
-        const double x = p.x / oval->a;
-        const double y = p.y / oval->b;
-        EXPECT_NEAR(x * x + y * y, 1, 1e-12);
-      } else {
-        ++superellipses;
-        const auto& curve = std::get<SuperellipseEdge>(c.feature2);
-        const double x = p.x / curve.a;
-        const double y = p.y / curve.b;
-        EXPECT_NEAR(x * x * x * x + y * y * y * y, 1, 1e-12);
-      }
-    }
-    EXPECT_GE(on_track, 58);
-  }
-  EXPECT_GT(superellipses, 58);
-  EXPECT_LT(superellipses, 9 * 58);
 }
 
 }  // namespace

@@ -19,8 +19,8 @@
 #include "model/scenes/scene.h"
 #include "model/scenes/scene_builder.h"
 #include "model/shape/shapes.h"
-#include "tests/model/momenta.h"
-#include "tests/model/scene_checks.h"
+#include "tests/model/contact/momenta.h"
+#include "tests/model/scenes/scene_checks.h"
 
 namespace lcpbench {
 namespace {
@@ -38,32 +38,6 @@ RandomOvalPlace RandomOval(Random* random) {
   const Rotation u = SinCos(made.theta);
   made.oval.u = {u.cos, u.sin};
   return made;
-}
-
-TEST(OvalGap, IsThatOfTheClosestPointSearch) {
-  Random random(1);
-  for (int i = 0; i < 300; ++i) {
-    RandomOvalPlace first = RandomOval(&random);
-    RandomOvalPlace second = RandomOval(&random);
-    first.oval.c = random.Uniform(0.31, 0.6) * random.UnitVector();
-    second.oval.c = random.Uniform(0, 0.005) * random.UnitVector();
-    const EllipseEdge edge1{{}, first.oval.a, first.oval.b};
-    const EllipseEdge edge2{{}, second.oval.a, second.oval.b};
-    const ClosestPoints closest = FindClosestPoints({edge1, first.oval.c, SinCos(first.theta), first.theta},
-                                                    {edge2, second.oval.c, SinCos(second.theta), second.theta});
-    const OvalGap gap = GapBetween(first.oval, second.oval);
-    ASSERT_NEAR(gap.d, closest.d, 1e-15);
-    ASSERT_NEAR(Norm(gap.n - closest.n), 0, 1e-13);
-
-    const double radius = random.Uniform(1, 30);
-    const ArcEdge bowl{{}, radius, Side::kConcave};
-    first.oval.c = (radius - random.Uniform(0.15, 0.3)) * random.UnitVector();
-    const ClosestPoints inside =
-        FindClosestPoints({edge1, first.oval.c, SinCos(first.theta), first.theta}, {bowl, {}, {}, 0});
-    const OvalGap gap_inside = GapInside(first.oval, radius);
-    ASSERT_NEAR(gap_inside.d, inside.d, 1e-15 * (1 + 4 * radius));
-    ASSERT_NEAR(Norm(gap_inside.n - inside.n), 0, 1e-13);
-  }
 }
 
 // The support function's derivative by the normal's angle is the arm along the tangent, its second the radius of
@@ -116,51 +90,6 @@ TEST(OvalsInBowl, SwingWithTheGammaOfARigidMotion) {
   }
   EXPECT_GE(rigid, 200);
   EXPECT_GE(spinning, 20);
-}
-
-TEST(RollerBearing, HoldsLoadRollersByBothRaces) {
-  for (const int rows : {40, 100, 900}) {
-    const ContactSystem system = GenerateScene("roller-bearing", rows, 2);
-    std::map<int, std::set<int>> of_body;
-    for (const Constraint& c : system.constraints) {
-      of_body[c.body1].insert(c.body2);
-      of_body[c.body2].insert(c.body1);
-    }
-    int load_rollers = 0;
-    int rollers = 0;
-    std::size_t most = 0;
-    for (const auto& [body, touched] : of_body) {
-      const std::string& name = system.bodies[static_cast<std::size_t>(body)].name;
-      if (!name.starts_with("roller")) {
-        most = std::max(most, touched.size());
-        continue;
-      }
-      ++rollers;
-      const auto races = std::count_if(touched.begin(), touched.end(), [&](int other) {
-        return !system.bodies[static_cast<std::size_t>(other)].name.starts_with("roller");
-      });
-      ASSERT_GE(races, 1);
-      if (races == 2) ++load_rollers;
-    }
-    EXPECT_GE(2 * load_rollers, rollers);
-    EXPECT_LE(2 * load_rollers, rollers + 20);
-    EXPECT_GE(most, rows < 100 ? 8U : 14U);
-    // Rollers orbit: centripetal terms on every race row, none between the rings at rest.
-    int curved = 0;
-    for (const RowInfo& row : AssembleContactLcp(system).rows) curved += std::abs(row.gamma) > 1e-3 ? 1 : 0;
-    EXPECT_GE(curved, 0.8 * rows);
-  }
-}
-
-TEST(RoundedWall, TouchesThroughCornerArcsOnly) {
-  const ContactSystem system = GenerateScene("rounded-wall", 500, 1);
-  for (const Constraint& c : system.constraints) {
-    const bool arc1 = std::holds_alternative<ArcEdge>(c.feature1);
-    const bool arc2 = std::holds_alternative<ArcEdge>(c.feature2);
-    ASSERT_NE(arc1, arc2);
-    ASSERT_TRUE(std::holds_alternative<StraightEdge>(arc1 ? c.feature2 : c.feature1));
-  }
-  EXPECT_LE(system.bodies.size(), 500 / 4U);
 }
 
 TEST(TallStacks, StandOnTheLightestWithTheStatedMassRatio) {
@@ -246,17 +175,6 @@ TEST(PackingParts, HaveTheMassAndInertiaOfTheirOutlines) {
       EXPECT_NEAR(body.inertia, properties.inertia, 1e-12 * body.inertia);
       EXPECT_LE(Norm(properties.center), 1e-14);
     }
-  }
-}
-
-TEST(PackingWorlds, KeepGravityAloneOfTheLoads) {
-  const ContactSystem system = GenerateScene("rounded-wall", 50, 1);
-  const World world = WorldUnderGravity(system, {1, -2});
-  for (const Body& body : InstantOf(world, {}).bodies) {
-    if (body.fixed) continue;
-    EXPECT_EQ(body.force.x, body.mass);
-    EXPECT_EQ(body.force.y, -2 * body.mass);
-    EXPECT_EQ(body.torque, 0);
   }
 }
 

@@ -8,7 +8,7 @@
 
 #include "model/shape/shapes.h"
 #include "support/input_error.h"
-#include "tests/model/random_outlines.h"
+#include "tests/model/shape/random_outlines.h"
 
 namespace lcpbench::testing {
 namespace {

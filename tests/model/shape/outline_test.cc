@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "model/shape/shapes.h"
-#include "tests/model/random_outlines.h"
+#include "tests/model/shape/random_outlines.h"
 
 namespace lcpbench::testing {
 namespace {
@@ -58,16 +58,6 @@ TEST(Outline, PointsAndDirectionsOfCurvesFollowTheirFormulas) {
       EXPECT_NEAR(IntegerPower(p.x / e->a, e->m) + IntegerPower(p.y / e->b, e->m), 1, 1e-12);
       EXPECT_NEAR(Cross(p, Vec2{std::cos(s), std::sin(s)}) / Norm(p), 0, 1e-12);
     }
-  }
-}
-
-TEST(Outline, RootOfOnePlusPowerIsAccurateToLastPlaces) {
-  Random random(3);
-  for (int k = 0; k < 5000; ++k) {
-    const int m = 2 + 2 * RandomInteger(k % 2 == 0 ? 8 : 500, &random);
-    const double q = random.Uniform(-1, 1);
-    const long double exact = std::pow(1 + std::pow(std::abs(static_cast<long double>(q)), m), 1.0L / m);
-    EXPECT_NEAR(RootOfOnePlusPower(q, m) / static_cast<double>(exact), 1, 1e-15) << q << " " << m;
   }
 }
 
@@ -210,13 +200,6 @@ TEST(OutlineChecks, AcceptThinGapsAndNearlyStraightArcs) {
           << R;
     }
   }
-}
-
-TEST(OutlineChecks, TakeLittleTimeForManyEdges) {
-  GearShape shape;
-  shape.teeth = 2000;
-  shape.root_radius = 0.999;
-  EXPECT_NO_THROW(Gear(shape));
 }
 
 // Every pair of holes, or of edges, would take minutes.

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "support/input_error.h"
-#include "tests/model/random_outlines.h"
+#include "tests/model/shape/random_outlines.h"
 
 namespace lcpbench::testing {
 namespace {

@@ -99,16 +99,6 @@ TEST(Bpp, TakesTheSparseFormWhereTheDenseOneIsTooLarge) {
   EXPECT_EQ(SolveWith(small, PlantedProblem(8, 4, 1, 0, 0).problem).status, LcpStatus::kSolved);
 }
 
-TEST(Bpp, ReadsItsSettings) {
-  const BppOptions options = BppOptions::FromSettings(
-      {{"form", "sparse"}, {"proximal", "1e-5"}, {"largest_proximal", "1e-3"}, {"patience", "7"}});
-  EXPECT_EQ(options.form, Form::kSparse);
-  EXPECT_EQ(options.proximal, 1e-5);
-  EXPECT_EQ(options.largest_proximal, 1e-3);
-  EXPECT_EQ(options.patience, 7);
-  EXPECT_THROW(BppOptions::FromSettings({{"form", "banded"}}), InputError);
-}
-
 TEST(ActiveSet, LeavesACycleOfBlocksByContinuation) {
   const LcpProblem problem = CyclingProblem();
   BppOptions impatient;
@@ -131,26 +121,6 @@ TEST(ActiveSet, CountsTheIterationsOfBothMethodsAgainstTheLimit) {
     EXPECT_LE(result.iterations, options.max_iterations);
     EXPECT_TRUE(result.status == LcpStatus::kSolved || result.status == LcpStatus::kIterationLimit) << result.status;
   }
-}
-
-TEST(ActiveSet, GivesTheSameBitsEveryTime) {
-  ActiveSetOptions method = ByContinuation();
-  method.blocks.form = BppOptions::Form::kBodies;
-  const TestProblem test = PlantedProblem(60, 30, 4, 0, 0);
-  const LcpResult first = SolveWith(method, test.problem);
-  const LcpResult second = SolveWith(method, test.problem);
-  EXPECT_EQ(first.iterations, second.iterations);
-  EXPECT_TRUE(first.f == second.f);
-}
-
-TEST(ActiveSet, ReadsItsSettings) {
-  const ActiveSetOptions options =
-      ActiveSetOptions::FromSettings({{"continuation_rows", "70"}, {"patience", "7"}, {"form", "bodies"}});
-  EXPECT_EQ(options.newton.continuation_rows, 70);
-  EXPECT_EQ(options.blocks.patience, 7);
-  EXPECT_EQ(options.blocks.form, BppOptions::Form::kBodies);
-  EXPECT_EQ(ActiveSetOptions::FromSettings({}).blocks.form, BppOptions::Form::kAny);
-  EXPECT_THROW(ActiveSetOptions::FromSettings({{"form", "banded"}}), InputError);
 }
 
 // Unit masses in a row pushed along it by random loads: what one of them does reaches far, which makes plain exchange
@@ -233,13 +203,6 @@ TEST(SemismoothNewton, ReadsTheClockWithinAFactorization) {
     EXPECT_LE(ticks, limit + 3) << "every read of the clock counts one, and the limit must end it at once";
     EXPECT_TRUE(result.f.allFinite());
   }
-}
-
-TEST(SemismoothNewton, RefusesWhatMakesNoSense) {
-  EXPECT_THROW(SemismoothNewtonSolver({.first_weight = 0}), InputError);
-  EXPECT_THROW(SemismoothNewtonSolver({.least_weight = 1e-11}), InputError);
-  EXPECT_THROW(SemismoothNewtonOptions::FromSettings({{"first_weight", "2"}}), InputError);
-  EXPECT_THROW(SemismoothNewtonOptions::FromSettings({{"weight", "1"}}), InputError);
 }
 
 }  // namespace

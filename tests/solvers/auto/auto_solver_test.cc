@@ -198,15 +198,6 @@ TEST(AutoSolver, ProvesThatOneIslandHasNoSolution) {
   }
 }
 
-TEST(AutoSolver, FindsTheKnownW) {
-  for (unsigned seed = 0; seed < 60; ++seed) {
-    const TestProblem test = PlantedExactly(seed, 100, seed % 2 == 0);
-    const LcpResult result = Solve(test.problem);
-    ExpectSolved(test.problem, result);
-    EXPECT_LE(Verify(test.problem, result, 1e-9, &test.reference).metrics.w_error, 1e-7) << seed;
-  }
-}
-
 // The Newton method comes first here and goes on from the start it is given, which Dantzig pivoting, the last, leaves.
 TEST(AutoSolver, ReturnsTheBestPointWhereNoBackendArrives) {
   int unsolved = 0;
@@ -241,14 +232,6 @@ TEST(AutoSolver, SolvesByEveryInstructionSet) {
       ExpectSolved(problem, SolveWith(&solver, problem));
     }
   }
-}
-
-TEST(AutoSolver, RefusesImpossibleOptions) {
-  EXPECT_THROW(AutoOptions::FromSettings({{"tableau_rows", "129"}}), InputError);
-  EXPECT_THROW(AutoOptions::FromSettings({{"rows", "1"}}), InputError);
-  EXPECT_THROW(AutoOptions::FromSettings({{"instructions", "mmx"}}), InputError);
-  EXPECT_THROW(AutoSolver({.newton_factorizations = 0}), InputError);
-  EXPECT_THROW(AutoSolver({.hard_tableau_rows = -1}), InputError);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/pivoting/dantzig.h"
 #include "support/input_error.h"
-#include "tests/solvers/first_order_runs.h"
+#include "tests/solvers/first_order/first_order_runs.h"
 #include "tests/solvers/solve_with.h"
 #include "tests/solvers/test_problems.h"
 
@@ -26,32 +26,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 PgsOptions Forward(RowForm form) { return {.form = form, .sweep = SweepOrder::kForward}; }
-
-TEST(Pgs, RelaxationOutsideZeroToTwoIsRefused) {
-  for (const double relaxation : {0.0, 2.0, -0.1, 2.5, std::nan("")}) {
-    EXPECT_THROW(PgsSolver({.relaxation = relaxation}), InputError) << relaxation;
-  }
-  const PgsOptions read = PgsOptions::FromSettings({{"relaxation", "1.3"}, {"form", "matrix-free"}});
-  EXPECT_EQ(read.relaxation, 1.3);
-  EXPECT_EQ(read.form, RowForm::kMatrixFree);
-  EXPECT_FALSE(read.adaptive);
-  const PgsOptions psor = PgsOptions::AdaptiveFromSettings({{"sweep", "symmetric"}});
-  EXPECT_EQ(psor.relaxation, PgsOptions::kFirstOfAdaptive);
-  EXPECT_EQ(psor.sweep, SweepOrder::kSymmetric);
-  EXPECT_TRUE(psor.adaptive);
-}
-
-TEST(Pgs, DiagonalProblemIsSolvedInOneSweepAndASecondThatFindsNothingToDo) {
-  MatrixXd A = Eigen::Vector3d(2, 1e-9, 3e9).asDiagonal();
-  const LcpProblem problem =
-      LcpProblem::FromDense("diagonal", A, Eigen::Vector3d(-4, 5, 6), RowBounds::WithBilateralRows(3, {2}));
-  const LcpResult result = IterateNew<PgsSolver>(problem, {}, 1e-9, 0);
-  EXPECT_EQ(result.status, LcpStatus::kSolved);
-  EXPECT_EQ(result.iterations, 2);
-  EXPECT_DOUBLE_EQ(result.f[0], 2);
-  EXPECT_EQ(result.f[1], 0);
-  EXPECT_DOUBLE_EQ(result.f[2], -2e-9);
-}
 
 TEST(Pgs, RowWithoutDiagonalKeepsZeroForce) {
   SparseMatrix J(2, 3);
@@ -161,15 +135,6 @@ TEST(Nncg, IsLinearConjugateGradientsWhereEveryRowIsBilateral) {
       }
     }
     EXPECT_GE(compared, 30);
-  }
-}
-
-TEST(Nncg, EndsInAsManyIterationsAsRowsWhereEveryRowIsBilateral) {
-  for (unsigned seed = 1; seed <= 8; ++seed) {
-    const LcpProblem problem = PlantedProblem(9, 10, seed, 1, 0).problem;
-    const LcpResult result = IterateNew<NncgSolver>(problem, {}, 1e-6, 0);
-    EXPECT_EQ(result.status, LcpStatus::kSolved);
-    EXPECT_LE(result.iterations, 9 + 1) << problem.id();
   }
 }
 

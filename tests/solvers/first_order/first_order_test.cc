@@ -15,7 +15,7 @@
 #include "solvers/registry.h"
 #include "support/input_error.h"
 #include "tests/solvers/exact_problems.h"
-#include "tests/solvers/first_order_runs.h"
+#include "tests/solvers/first_order/first_order_runs.h"
 #include "tests/solvers/solve_with.h"
 #include "tests/solvers/test_problems.h"
 
@@ -244,19 +244,6 @@ TEST_P(FirstOrder, RefusesWhatItsRowsCannotBe) {
   const Eigen::MatrixXd rotation = (Eigen::MatrixXd(2, 2) << 1, 10, -10, 1).finished();
   const bool is_refused = status(rotation, {}) == LcpStatus::kUnsupported;
   EXPECT_EQ(is_refused, GetParam() == "nncg" || GetParam() == "apgd");
-}
-
-TEST(FirstOrderSettings, OptionsOutOfRangeAreRefused) {
-  std::vector<std::pair<const char*, Settings>> refused = {
-      {"apgd", {{"restart", "maybe"}}}, {"nncg", {{"direction", "steepest"}}}, {"nncg", {{"sweep", "forward"}}},
-      {"pgs", {{"form", "dense"}}},     {"pgs", {{"first_relaxation", "1"}}},  {"psor", {{"sweep", "random"}}}};
-  for (const char* relaxation : {"0", "2", "-1", "nan", "fast"}) {
-    refused.push_back({"pgs", {{"relaxation", relaxation}}});
-    refused.push_back({"psor", {{"first_relaxation", relaxation}}});
-  }
-  for (const auto& [key, settings] : refused) {
-    EXPECT_THROW(MakeSolver(key, settings), InputError) << key << " " << settings.begin()->second;
-  }
 }
 
 }  // namespace

@@ -177,18 +177,6 @@ TEST(Ipm, ARowThatIsNonzeroBesideAZeroDiagonalIsUnsupported) {
   EXPECT_EQ(SolveWith(&solver, indefinite).status, LcpStatus::kUnsupported);
 }
 
-TEST(Ipm, WarmStartAtTheSolutionCostsNothingAndNearItLittle) {
-  const LcpProblem problem = DiscPile(300, 2);
-  IpmSolver solver;
-  const LcpResult cold = SolveWith(&solver, problem);
-  ExpectSolved(problem, cold);
-  EXPECT_EQ(SolveWith(&solver, problem, {.initial_f = &cold.f}).iterations, 0);
-  const LcpProblem next = LcpProblem::FromFactors("next", problem.J(), problem.inverse_mass(), 1.001 * problem.b());
-  const LcpResult warm = SolveWith(&solver, next, {.initial_f = &cold.f});
-  ExpectSolved(next, warm);
-  EXPECT_LE(warm.iterations, 3);
-}
-
 TEST(Ipm, StartsThatSayNothingAreColdOnes) {
   for (const Space space : {Space::kContact, Space::kBody}) {
     IpmSolver solver(InSpace(space));
@@ -388,19 +376,6 @@ TEST(Ipm, LimitsAreCheckedBeforeEveryFactorization) {
   }
 }
 
-TEST(Ipm, OptionsHaveNamesAndRanges) {
-  const IpmOptions options = IpmOptions::FromSettings({{"space", "body"}, {"proximal", "1e-10"}, {"correctors", "0"}});
-  EXPECT_EQ(options.space, Space::kBody);
-  EXPECT_EQ(options.proximal, 1e-10);
-  EXPECT_EQ(options.correctors, 0);
-  EXPECT_THROW(IpmOptions::FromSettings({{"space", "phase"}}), InputError);
-  EXPECT_THROW(IpmOptions::FromSettings({{"proximal", "1"}}), InputError);
-  EXPECT_THROW(IpmOptions::FromSettings({{"ordering", "amd"}}), InputError);
-  IpmSolver without(options);
-  const LcpProblem problem = DiscPile(100, 6);
-  ExpectSolved(problem, SolveWith(&without, problem));
-}
-
 constexpr Index kRows = 600;  // above the size from which the hybrid uses sweeps
 
 // Sweeps that do not last: the interior point has to finish.
@@ -464,18 +439,6 @@ TEST(Hybrid, TheDeadlineHoldsForBothPhasesTogether) {
     const LcpResult result = SolveWith(&solver, problem, options);
     EXPECT_EQ(result.status, LcpStatus::kTimeLimit) << limit;
     EXPECT_TRUE(result.f.allFinite());
-  }
-}
-
-TEST(Hybrid, AnAnswerIsAcceptedAtOnce) {
-  for (LcpProblem (*const generate)(Index, unsigned) : {&Column, &DiscPile}) {
-    HybridSolver solver;
-    const LcpProblem problem = generate(kRows, 5);
-    const LcpResult cold = SolveWith(&solver, problem);
-    ExpectSolved(problem, cold);
-    const LcpResult warm = SolveWith(&solver, problem, {.initial_f = &cold.f});
-    ExpectSolved(problem, warm);
-    EXPECT_EQ(warm.iterations, 0);
   }
 }
 

@@ -11,11 +11,15 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "solvers/io/hdf5_file.h"
+#include "tests/fuzz/binary_mutation.h"
+#include "tests/fuzz/corpus.h"
+#include "tests/fuzz/laws.h"
 #include "tests/solvers/lcp/same_problem.h"
 #include "tests/solvers/test_problems.h"
 #include "tests/support/refusal.h"
@@ -310,112 +314,54 @@ TEST_F(FclibFile, ForcesThatWereNeverWrittenAreNone) {
   EXPECT_FALSE(read.f.has_value());
 }
 
+// A dataset of this type alone; or without it.
+void Change(const std::string& words, Contents* contents) {
+  std::istringstream stream(words);
+  std::string type, name;
+  stream >> type >> name;
+  if (!name.starts_with("/")) name = "/fclib_local/" + name;
+  contents->integers.erase(name);
+  contents->reals.erase(name);
+  if (type == "integers") contents->integers[name] = {};
+  if (type == "reals") contents->reals[name] = {};
+  for (std::string number; stream >> number;) {
+    if (type == "integers") {
+      contents->integers[name].push_back(std::stoi(number));
+    } else {
+      contents->reals[name].push_back(std::stod(number));
+    }
+  }
+}
+
 TEST_F(FclibFile, WhatIsWrongIsOneLineWithItsDataset) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  const double infinity = std::numeric_limits<double>::infinity();
-  struct Case {
-    std::function<void(Contents*)> change;
-    std::string expected;
+  const auto expect_refused = [this](const std::string& words, auto change) {
+    SCOPED_TRACE(words);
+    Contents contents = Example();
+    change(&contents);
+    contents.Write(Path("p.hdf5"));
+    ExpectRefused(Path("p.hdf5"), words);
   };
-  // A dataset, of this type alone; or without it.
-  const auto integers = [](const std::string& name, std::vector<int> values) {
-    return [=](Contents* contents) {
-      contents->reals.erase(name);
-      contents->integers[name] = values;
-    };
-  };
-  const auto reals = [](const std::string& name, std::vector<double> values) {
-    return [=](Contents* contents) {
-      contents->integers.erase(name);
-      contents->reals[name] = values;
-    };
-  };
-  const auto without = [](const std::string& name) {
-    return [=](Contents* contents) {
-      contents->integers.erase(name);
-      contents->reals.erase(name);
-    };
-  };
-  const auto factors = [](int rows, std::vector<double> inverse_mass) {
+  for (const auto& refused : RefusalCases("fclib")) {
+    expect_refused(refused[1], [&](Contents* contents) { Change(refused[0], contents); });
+  }
+  const auto factors = [](int rows, double inverse_mass) {
     return [=](Contents* contents) {
       contents->Matrix("/lcpbench/J", rows, 3, 0, {}, {}, {});
-      contents->reals["/lcpbench/inverse_mass"] = inverse_mass;
+      contents->reals["/lcpbench/inverse_mass"] = {1, inverse_mass, 1};
     };
   };
-  const std::string W = kW, V = kV, R = kR, vectors = "/fclib_local/vectors";
-  const Case cases[] = {
-      {without(W + "/p"), "/fclib_local/W/p: expected a dataset of integers, found none"},
-      {without(W + "/x"), "/fclib_local/W/x: expected a dataset of numbers, found none"},
-      {without(vectors + "/s"), "vectors/s: expected a dataset of numbers, found none"},
-      {without(R + "/m"), "/fclib_local/R/m: expected a dataset of integers, found none"},
-      {[](Contents* c) { *c = {}; }, "expected a group fclib_local or fclib_global, found nothing"},
-      {without("/fclib_local/spacedim"), "/fclib_local/spacedim: expected a dataset of integers, found none"},
-      {integers("/fclib_local/spacedim", {4}), "spacedim: expected one number from 2 to 3, found 4"},
-      {integers("/fclib_local/spacedim", {}), "spacedim: expected one number from 2 to 3, found 0 numbers"},
-      {integers("/fclib_local/spacedim", {3}), "W: expected a square matrix of 3 rows for every contact, found 4 x 4"},
-      {integers(W + "/m", {-4}), "W/m: expected one number from 0 to 2147483646, found -4"},
-      {integers(W + "/m", {2}), "W/i: expected indices from 0 to 1, found 2"},
-      {integers(W + "/m", {6}), "W: expected a square matrix of 2 rows for every contact, found 6 x 4 entries"},
-      {integers(W + "/n", {2000000000}), "W/p: expected 2000000001 numbers, found 5"},
-      {integers(W + "/nz", {-3}), "W/nz: expected one number from -2 to"},
-      {integers(W + "/nz", {1000000000}), "W/x: expected 1000000000 numbers, found 6"},
-      {integers(W + "/nzmax", {2000000000}), "W/x: expected 2000000000 numbers, found 6"},
-      {integers(W + "/p", {0, 3, 2, 6, 6}), "W/p: expected a place from 3 to 6, found 2 at 2"},
-      {integers(W + "/p", {1, 3, 4, 6, 6}), "W/p: expected a place from 0 to 0, found 1 at 0"},
-      {integers(W + "/p", {0, 3, 4, 6, 7}), "W/p: expected a place from 6 to 6, found 7 at 4"},
-      {integers(W + "/i", {0, 1, 2, 3, -1, 2}), "W/i: expected indices from 0 to 3, found -1"},
-      {integers(W + "/i", {0, 1, 2, 3, 0}), "W/i: expected 6 numbers, found 5"},
-      {reals(W + "/x", {4, 0.5, nan, 9, 1, 3}), "W/x: expected finite numbers, found nan at 2"},
-      {reals(W + "/x", {4, infinity, 1, 9, 1, 3}), "W/x: expected finite numbers, found inf at 1"},
-      {integers(V + "/p", {0, 4}), "V/p: expected indices from 0 to 3, found 4"},
-      {integers(V + "/i", {0, 1}), "V/i: expected indices from 0 to 0, found 1"},
-      {integers(V + "/m", {5}), "V: expected 4 x 1 entries, found 5 x 1"},
-      {integers(V + "/n", {2}), "V: expected 4 x 1 entries, found 4 x 2"},
-      {integers(R + "/n", {2}), "R: expected 1 x 1 entries, found 1 x 2"},
-      {reals(vectors + "/q", {-1, 0, -2}), "vectors/q: expected 4 numbers, found 3"},
-      {reals(vectors + "/q", {-1, nan, -2, 0}), "vectors/q: expected finite numbers, found nan at 1"},
-      {reals(vectors + "/s", {}), "vectors/s: expected 1 numbers, found 0"},
-      {reals(vectors + "/mu", {0}), "vectors/mu: expected 2 numbers, found 1"},
-      {reals(vectors + "/mu", {0, 0.3}),
-       "vectors/mu: expected friction coefficients 0, or `lcpbench convert --without-friction`, which passes over "
-       "them, found 0.3"},
-      {reals(vectors + "/mu", {-0.3, 0}), "vectors/mu: expected friction coefficients 0"},
-      {reals("/solution/r", {1, 2, 3, 4}), "/solution/l: expected a dataset of numbers, found none"},
-      {reals("/solution/r", {1, 2}), "/solution/r: expected 4 numbers, found 2"},
-      {integers("/lcpbench/row_order", {0, 1}), "row_order: expected 3 numbers, found 2"},
-      {integers("/lcpbench/row_order", {0, 1, 3}), "row_order: expected indices from 0 to 2, found 3"},
-      {integers("/lcpbench/row_order", {0, 1, 1}), "row_order: expected every row once, found one twice"},
-      {integers("/lcpbench/J/m", {3}), "J/n: expected a dataset of integers, found none"},
-      {reals("/lcpbench/inverse_mass", {1, 1, 1}), "J/m: expected a dataset of integers, found none"},
-      {factors(2, {1, 1, 1}), "/lcpbench/J: expected 3 x 3 entries, found 2 x 3"},
-      {factors(3, {1, -1, 1}), "inverse"},
-      {[&](Contents* c) {
-         c->Matrix(R, 1, 1, 2, {0, 0}, {0, 0}, {1e308, 1e308});
-       },
-       "finite"},
-      // Wrong types.
-      {reals(W + "/i", {0, 1, 2, 3, 0, 2}), "W/i: expected a dataset of 32-bit integers, found another type"},
-      {integers(vectors + "/q", {1, 2, 3, 4}),
-       "vectors/q: expected a dataset of 64-bit IEEE numbers, found another type"},
-      {[&](Contents* c) {
-         c->integers.erase(W + "/m");
-         c->integers[W + "/m/m"] = {1};
-       },
-       "W/m: expected a dataset of 32-bit integers, found another object"},
-      {[&](Contents* c) {
-         c->integers = {{"/fclib_local", {1}}};
-         c->reals.clear();
-       },
-       "/fclib_local: expected a group, found another object"},
-      {reals("/lcpbench/id", {1}), "/lcpbench/id: expected a dataset of a text of fixed length, found another type"},
-  };
-  for (const Case& test : cases) {
-    SCOPED_TRACE(test.expected);
-    Contents contents = Example();
-    test.change(&contents);
-    contents.Write(Path("p.hdf5"));
-    ExpectRefused(Path("p.hdf5"), test.expected);
-  }
+  expect_refused("/lcpbench/J: expected 3 x 3 entries, found 2 x 3", factors(2, 1));
+  expect_refused("inverse", factors(3, -1));
+  expect_refused("expected a group fclib_local or fclib_global, found nothing", [](Contents* c) { *c = {}; });
+  expect_refused("finite", [](Contents* c) { c->Matrix(kR, 1, 1, 2, {0, 0}, {0, 0}, {1e308, 1e308}); });
+  expect_refused("W/m: expected a dataset of 32-bit integers, found another object", [](Contents* c) {
+    c->integers.erase(std::string(kW) + "/m");
+    c->integers[std::string(kW) + "/m/m"] = {1};
+  });
+  expect_refused("/fclib_local: expected a group, found another object", [](Contents* c) {
+    c->integers = {{"/fclib_local", {1}}};
+    c->reals.clear();
+  });
 }
 
 TEST_F(FclibFile, WhatIsNoFileOfThisKindIsRefused) {
@@ -524,7 +470,6 @@ TEST_F(FclibFile, PromisesAreNotBelieved) {
   }
 }
 
-// Changed bytes are tests/fuzz/fclib_law_test.cc.
 TEST_F(FclibFile, TruncatedFilesAreRefusedInOneLine) {
   WriteFclibProblem(GeneratedProblems()[1].problem, Path("whole.h5"));
   const std::string whole = Bytes("whole.h5");
@@ -533,6 +478,16 @@ TEST_F(FclibFile, TruncatedFilesAreRefusedInOneLine) {
     Write("cut.h5", whole.substr(0, whole.size() * k / kCuts));
     ExpectRefused(Path("cut.h5"), "expected");
   }
+}
+
+TEST(FclibLaw, HoldsForTheCorpusAndItsChanges) {
+  constexpr char kFolder[] = "fclib_file_corpus";
+  for (const auto& path : CorpusFiles(kFolder)) EXPECT_NO_THROW(ReadFclibProblem(path.string())) << path;
+  // Each change is a process.
+  ExpectLawHolds(BrokenFclibLaw, kFolder, 200,
+                 [random = std::mt19937_64(1)](const std::string& bytes, const auto&) mutable {
+                   return std::vector<std::string>{OverwrittenBytes(bytes, &random)};
+                 });
 }
 
 }  // namespace

@@ -80,23 +80,6 @@ TEST_F(MatrixMarket, AProblemIsWrittenCompletelyOrNotAtAll) {
   EXPECT_EQ(Bytes("p.mtx"), before);
 }
 
-TEST_F(MatrixMarket, AnyFiniteDoubleComesBack) {
-  std::mt19937_64 random(3);
-  Eigen::VectorXd values(1000);
-  for (double& value : values) {
-    do {
-      const std::uint64_t bits = random();
-      std::memcpy(&value, &bits, sizeof value);
-    } while (!std::isfinite(value));
-  }
-  values[0] = -0.0;
-  values[1] = 5e-324;
-  values[2] = -1.7976931348623157e308;
-  std::stringstream stream;
-  WriteMarketVector(values, stream);
-  EXPECT_TRUE(SameBits(ReadMarketMatrix(stream, "x").ToVector("x"), values));
-}
-
 TEST_F(MatrixMarket, ReadsWhatTheFormatAllows) {
   const MarketMatrix general = Parse(
       "%%MatrixMarket MATRIX Coordinate Real General\n% a comment\n\n 2 3  2 \r\n1 3 +1.5\n%another\n2 1 -2e-1\n\n");
@@ -148,35 +131,7 @@ TEST_F(MatrixMarket, NumbersAreThoseOfJson) {
 }
 
 TEST_F(MatrixMarket, WhatIsWrongIsOneLineWithItsPlace) {
-  const std::string head = "%%MatrixMarket matrix coordinate real general\n";
-  const std::pair<std::string, std::string> cases[] = {
-      {"", "file.mtx:1: expected '%%MatrixMarket matrix ...', found the end of the file"},
-      {"1 1 1\n1 1 1\n", "file.mtx:1: expected '%%MatrixMarket', found '1'"},
-      {"%%MatrixMarket matrix coordinate complex general\n",
-       "file.mtx:1: expected 'real' or 'integer', found 'complex'"},
-      {"%%MatrixMarket matrix coordinate pattern general\n", "found 'pattern'"},
-      {"%%MatrixMarket matrix coordinate real skew-symmetric\n", "found 'skew-symmetric'"},
-      {head, "file.mtx:1: expected a line with the size, found the end of the file"},
-      {head + "2 -3 1\n", "file.mtx:2: expected a number of columns from 0 to"},
-      {head + "2 2\n", "expected a number of entries from 0 to 2147483646, found nothing"},
-      {head + "2 2 1 7\n1 1 1\n", "expected the end of the line, found '7'"},
-      {head + "2 2 1000000000000\n1 1 1\n", "found '1000000000000'"},
-      {head + "2 2 2000000000\n1 1 1\n", "file.mtx:3: expected entry 2 of 2000000000, found the end of the file"},
-      {head + "2 2 1\n3 1 1\n", "file.mtx:3: expected a row from 1 to 2, found '3'"},
-      {head + "2 2 1\n1 0 1\n", "expected a column from 1 to 2, found '0'"},
-      {head + "2 2 1\n1 1\n", "expected a finite number, found nothing"},
-      {head + "2 2 1\n1 1 nan\n", "expected a finite number, found 'nan'"},
-      {head + "2 2 1\n1 1 1e999\n", "expected a finite number, found '1e999'"},
-      {head + "2 2 1\n1 1 0x10\n", "expected a finite number, found '0x10'"},
-      {head + "2 2 1\n1 1 1\n2 2 2\n", "file.mtx:4: expected the end of the file after 1 entries, found '2 2 2'"},
-      {head + "2 2 2\n1 1 1\n1 1 2\n", "expected every entry once, found (1, 1) twice"},
-      {"%%MatrixMarket matrix coordinate real symmetric\n2 3 0\n", "expected a square symmetric matrix, found '2 x 3'"},
-      {"%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n1 2 1\n",
-       "from the diagonal of a symmetric matrix down"},
-      {"%%MatrixMarket matrix array real general\n2000000000 2000000000\n1\n",
-       "expected entry 2 of 4000000000000000000"},
-  };
-  for (const auto& [text, expected] : cases) ExpectRefused([&] { Parse(text); }, expected);
+  for (const auto& refused : RefusalCases("matrix_market")) ExpectRefused([&] { Parse(refused[0]); }, refused[1]);
 }
 
 TEST_F(MatrixMarket, FilesThatDoNotFitEachOtherAreNamed) {

@@ -138,73 +138,9 @@ TEST(SiconosText, OfContactsWithFrictionTheNormalRowsAreRead) {
 }
 
 TEST(SiconosText, WhatIsWrongIsOneLineWithItsPlace) {
-  const std::string sparse = "2\n2\n2\n2\n1\nCSparse\ntriplet: 2-by-2, nzmax: 1 nnz: ";
-  const std::string columns = "2\n2\n2\n2\n2\nCSparse\n2-by-2, nzmax: 1 nnz: ";
-  const std::pair<std::string, std::string> cases[] = {
-      {"", "file.dat:1: expected a size, a storage or a flag, found the end of the file"},
-      {"x", "file.dat:1: expected a size, a storage or a flag from 0 to 2147483646, found 'x'"},
-      {"-2\n0\n", "file.dat:1: expected a size, a storage or a flag from 0 to 2147483646, found '-2'"},
-      {"1000000000000\n", "found '1000000000000'"},
-      {"2.5\n", "found '2.5'"},
-      {"2\n0\n2\n3\n", "file.dat:4: expected a matrix of 2 x 2 entries, found '2 x 3'"},
-      {"2\n0\n2\n2\n2 3\n", "file.dat:5: expected a number of columns from 2 to 2, found '3'"},
-      {"2\n3\n2\n2\n", "expected a matrix of storage 0 (dense), 1 (sparse blocks) or 2 (sparse), found '3'"},
-      {"2 1 2 2  -1", "expected a number of blocks from 0 to"},
-      {"2 1 2 2  1000000000 1 1 2 2 2 1000000000 0", "the first block of a row, found the end of the file"},
-      {"2 1 2 2  1 1 1  3", "expected the end of a block from 2 to 2, found '3'"},
-      {"2 1 2 2  1 2 2  2 1", "expected the end of a block from 2 to 2, found '1'"},
-      {"2 1 2 2  1 1 1  2 2  3 1", "expected one more than the rows up to the last block, from 2 to 2, found '3'"},
-      {"2 1 2 2  1 1 1  2 2  2 2", "expected the number of blocks again from 1 to 1, found '2'"},
-      {"2 1 2 2  1 1 1  2 2  2 1  1", "expected the first block of a row from 0 to 0, found '1'"},
-      {"2 1 2 2  1 1 1  2 2  2 1  0 0", "expected the first block of a row from 1 to 1, found '0'"},
-      {"2 1 2 2  1 1 1  2 2  2 1  0 1  1", "expected the column of a block from 0 to 0, found '1'"},
-      {"2 1 2 2  1 1 1  2 2  2 1  0 1  0  7", "expected the number of a block from 0 to 0, found '7'"},
-      {"2 1 2 2  1 1 1  2 2  2 1  0 1  0  0 1 2 3", "expected number 2 of the 2 of a column of a block"},
-      {"2\n0\n2\n2\n2 2\n1 2\n3", "file.dat:7: expected number 4 of the 4 of a matrix, found the end of the file"},
-      {"2\n0\n2\n2\n2 2\n1 2\n3 4\n5", "file.dat:8: expected number 2 of the 2 of q, found the end of the file"},
-      {"2\n0\n2\n2\n2 2\n1 2\n3 nan\n5 6",
-       "file.dat:7: expected number 4 of the 4 of a matrix to be finite, found 'nan'"},
-      {"2\n0\n2\n2\n2 2\n1 2\n3 1e999\n5 6", "found '1e999'"},
-      {"1\n0\n1\n1\n1 1\n1\n5\n6",
-       "file.dat:8: expected the end of the file or a remark in words after the last number"},
-      {"1000000000\n0\n1000000000\n1000000000\n1000000000 1000000000\n1",
-       "expected number 2 of the 1000000000000000000 of a matrix, found the end of the file"},
-      {"1000000000\n2\n1000000000\n1000000000\n1\nCSparse\ntriplet: 1000000000-by-1000000000, nzmax: 0 nnz: 0\n",
-       "expected number 1 of the 1000000000 of q, found the end of the file"},
-      {"2\n2\n2\n2\n3\n", "expected a sparse form, triplets (1) or compressed columns (2), from 1 to 2, found '3'"},
-      {"2\n2\n2\n2\n1\nMatrix\n", "file.dat:6: expected 'CSparse', found 'Matrix'"},
-      {"2\n2\n2\n2\n1\nCSparse\ncsr: 2-by-2", "file.dat:7: expected 'triplet:', found 'csr:'"},
-      {"2\n2\n2\n2\n1\nCSparse\ntriplet: 2-by-3,", "expected '2-by-2,', found '2-by-3,'"},
-      {sparse + "-1\n", "expected a number of entries from 0 to 2147483646, found '-1'"},
-      {sparse + "1\n2 0 : 1\n", "file.dat:8: expected a row from 0 to 1, found '2'"},
-      {sparse + "1\n0 -1 : 1\n", "expected a column from 0 to 1, found '-1'"},
-      {sparse + "1\n0 0 1\n", "expected ':', found '1'"},
-      {sparse + "1\n0 0 : inf\n", "expected a finite number, found 'inf'"},
-      {sparse + "2000000000\n0 0 : 1\n", "expected entry 2 of 2000000000, found the end of the file"},
-      {sparse + "2\n0 0 : 1e308\n0 0 : 1e308\n1 1\n", "file.dat: "},
-      {columns + "1\ncol 1 : locations", "expected the number of a column from 0 to 0, found '1'"},
-      {columns + "1\ncol 0 : locations 0 to 1\n", "expected a last location from -1 to 0, found '1'"},
-      {columns + "1\ncol 0 : locations 0 to -1\ncol 1 : locations 0 to -1\n1 1", "expected 1 entries in all columns"},
-      {"0\n0\n3\n4\n", "expected M and q, or A to b, or both, found '0 0'"},
-      {"1\n0\n2000000000\n2000000000\n", "expected at most 2147483646 rows, found '4000000000'"},
-      {"1\n0\n1\n2\n0 2 3\n0 1\n", "expected blocks of 1 equations, found '2'"},
-      {"1\n0\n1\n2\n1 2 3\n0 1\n", "expected the first row of the first block from 0 to 0, found '1'"},
-      {"1\n0\n1\n2\n0 2 1\n", "expected the first row of the next block from 2 to 3, found '1'"},
-      {"1\n0\n1\n1\n0 1 2\n0 1\n0\n3\n3\n", "expected a number of columns from 2 to 2, found '3'"},
-      {"1 0 1 1  0 1 2  0 1  0 3 2 3 2  1 2 3 4 5 6  1 2", "expected q of 3 rows, in q and b together, found '2'"},
-      {"1 1 1 1  0 1 2  0 1  0 4 2 4 2  1 2 3 4 5 6 7 8  1 2",
-       "expected q of 4 rows, in q and b together, found '2 and b'"},
-      {"1 0 0 1  0 1  1  0 0 1 0 1  1", "expected a matrix of at least 1 complementarity rows, found '0'"},
-      {"1 1 1 1  0 1 2  1 0  0 3 2 3 2  1 2 3 4 5 6  1 2",
-       "expected all equations before all complementarity rows, as M is not square, found 'another order of blocks'"},
-      {"1 1 1 1  0 1 2  0 1  0 3 2 3 2  1 2 3 4 5 6  1 2  1 6 0 4 1 2",
-       "expected A to b as M and q have them, 3 in row 2 and column 0, found '4'"},
-      {"1 1 1 1  0 1 2  0 1  0 2 2 2 2  1 2 3 4  -1 -2  1 4 3 2  -1 -3",
-       "expected A to b as M and q have them, -2 in row 1, found '-3'"},
-      {"1 1 1 1  0 1 2  0 1  0 2 2 2 2  1 2 3 4  -1 -2  1 4 2 3  -1 -2",
-       "expected A to b as M and q have them, 3 in row 0 and column 1, found '2'"},
-  };
-  for (const auto& [text, expected] : cases) ExpectRefused([&] { Parse(text); }, expected, "file.dat:");
+  for (const auto& refused : RefusalCases("siconos_text")) {
+    ExpectRefused([&] { Parse(refused[0]); }, refused[1], "file.dat:");
+  }
 }
 
 TEST(SiconosText, WhatTheFormatCannotHoldIsNotWritten) {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "solvers/ipopt/quadratic_program.h"
+#include "tests/solvers/solvers_under_test.h"
 #include "tests/solvers/test_problems.h"
-#include "tests/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {
@@ -35,21 +35,6 @@ TEST_P(Ipopt, EveryFormReachesEveryTierOnPlantedProblems) {
         ExpectSolved(test.problem, result, tolerance);
       }
     }
-  }
-}
-
-TEST_P(Ipopt, SolvesTheOracleAtMediumToleranceAndClaimsNothingFalse) {
-  for (const TestProblem& test : OracleProblems()) {
-    const LcpResult result = SolverTest::Solve(test.problem, 1e-6);
-    const Verdict verdict = Verify(test.problem, result, 1e-6, &test.reference);
-    EXPECT_FALSE(verdict.false_success) << test << verdict.reason;
-    EXPECT_FALSE(verdict.false_infeasible) << test;
-    if (test.reference.status == LcpReference::Status::kInfeasible) {
-      EXPECT_NE(result.status, LcpStatus::kSolved) << test;
-    } else {
-      EXPECT_EQ(result.status, LcpStatus::kSolved) << test << result.detail;
-    }
-    if (result.status == LcpStatus::kInfeasible) ExpectRay(test.problem, result);
   }
 }
 
@@ -105,14 +90,6 @@ TEST_P(Ipopt, SolvesAfterEveryKindOfEndingAreAsFresh) {
   expect_as_fresh("time limit");
 }
 
-TEST_P(Ipopt, InfeasibleByOpposedRowsIsProvedByARay) {
-  SparseMatrix J(2, 3);
-  J.insert(0, 0) = 1.0;
-  J.insert(1, 0) = -1.0;
-  const LcpProblem jam = LcpProblem::FromFactors("jam", J, Eigen::Vector3d(1, 1, 1), Eigen::Vector2d(-1, 0.25));
-  ExpectRay(jam, Solve(jam, 1e-9));
-}
-
 // Mehrotra mode used to crash in Ipopt's restoration phase; redundant joints lead there.
 TEST_P(Ipopt, RedundantJointsNeverCrashAndNeverLie) {
   std::mt19937 random(7);
@@ -150,15 +127,6 @@ TEST_P(Ipopt, RedundantJointsNeverCrashAndNeverLie) {
     }
   }
   EXPECT_GE(solved, count * 9 / 10);
-}
-
-TEST(IpoptQp, RefusesNonsymmetricA) {
-  if (!FindSolver("ipopt-qp").available) GTEST_SKIP() << "ipopt-qp is not in this build";
-  Eigen::MatrixXd A(2, 2);
-  A << 1, 0.5, 0, 1;
-  const LcpProblem problem = LcpProblem::FromDense("nonsymmetric", A, Eigen::Vector2d(-1, -1));
-  EXPECT_EQ(SolveWith(MakeSolver("ipopt-qp").get(), problem).status, LcpStatus::kUnsupported);
-  ExpectSolved(problem, SolveWith(MakeSolver("ipopt-ncp").get(), problem));
 }
 
 TEST(IpoptProgram, ItsDerivativesAreThoseOfTheDenseForm) {

@@ -563,6 +563,20 @@ void ExpectTheSame(const Verdict& verdict, const Verdict& strict) {
 LcpProblem One() { return LcpProblem::FromDense("one", Eigen::MatrixXd::Ones(1, 1), -Eigen::VectorXd::Ones(1)); }
 LcpResult Off(double error) { return Solved(Eigen::VectorXd::Constant(1, 1 - error)); }
 
+TEST(Verify, ATierIsMetUpToItAndNotBeyond) {
+  const LcpProblem hidden = Diagonal({1, 1}, {-1, 1e12});  // only the backward error of row 0 says anything
+  for (const double tier : kTiers) {
+    for (const double times : {0.999, 1.001}) {
+      EXPECT_EQ(Verify(One(), Off(times * tier), tier).passes, times < 1) << tier;
+      const double backward = times * std::sqrt(tier);
+      const Eigen::Vector2d f(1 - 2 * backward / (1 + backward), 0);
+      EXPECT_EQ(Verify(hidden, Solved(f), tier).passes, times < 1) << tier;
+    }
+  }
+  // What rounding explains is finer than doubles are.
+  EXPECT_NEAR(ComputeMetrics(One(), Eigen::VectorXd::Constant(1, 1 - 0x1p-50)).backward_error, 0x1p-51, 0x1p-60);
+}
+
 TEST(VerdictAtTheFloor, PassesUpToTheFloorAndSaysSo) {
   const LcpReference reference = WithFloor(1e-7);
   const Verdict at_floor = Verify(One(), Off(0.5e-7), 1e-9, &reference);

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "benchmarks/measure/allocation_count.h"
 #ifdef LCPBENCH_WITH_SUITESPARSE
 #include "solvers/linear_algebra/body_active_block.h"
 #endif
@@ -167,28 +166,6 @@ TEST(SparseActiveBlock, AnUpdatedFactorIsTheFreshOneToTheLastBit) {
     fresh.Solve(y.data());
     EXPECT_TRUE(x == y) << "change " << change;
     FlipSome(1, &random, &active);
-  }
-}
-
-TEST(ActiveBlock, OnlyAnalyzeAllocates) {
-  if (!AllocationsAreCounted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  CountAllocations(true);
-  const Index n = 300;  // above what a library would keep on the stack
-  const LcpProblem problem = RandomBodies(120, n, 3);
-  const VectorXd scale = VectorXd::Ones(n);
-  const std::vector<char> active(static_cast<size_t>(n), 1);
-  SparseActiveBlock sparse;
-  DenseActiveBlock dense;
-  VectorXd x = VectorXd::Ones(n);
-  VectorXd y = x;
-  for (ActiveBlock* block : {static_cast<ActiveBlock*>(&sparse), static_cast<ActiveBlock*>(&dense)}) {
-    block->Analyze(problem);
-    const long before = AllocationCount();
-    block->Load(problem, scale);
-    block->Factor(active, 1e-6, nullptr);
-    block->Solve(x.data());
-    block->Multiply(x.data(), y.data());
-    EXPECT_EQ(AllocationCount() - before, 0);
   }
 }
 

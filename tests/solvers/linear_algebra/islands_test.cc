@@ -181,15 +181,5 @@ TEST(IdleRows, LeavingThemOutIsExact) {
   EXPECT_GT(twins, 500);
 }
 
-TEST(IdleRows, OfEqualRowsOneStays) {
-  const MatrixXd A = MatrixXd::Constant(4, 4, 2.0);
-  const VectorXd b = (VectorXd(4) << -1, -2, -2, -1).finished();
-  IdleRows idle;
-  const LcpProblem problem = LcpProblem::FromDense("equal", A, b, {}, SymmetricPsd());
-  idle.Prepare(problem);
-  EXPECT_EQ(idle.Find(problem), 3);
-  EXPECT_EQ(idle.keep(), (std::vector<char>{0, 1, 0, 0}));
-}
-
 }  // namespace
 }  // namespace lcpbench

@@ -16,29 +16,6 @@
 namespace lcpbench {
 namespace {
 
-TEST(TierSettings, ATierIsReadFromItsColumnAndWhatLiesBetweenFromTheStricterOne) {
-  for (const PeerEntry& peer : AllPeers()) {
-    if (!peer.tiers) continue;
-    EXPECT_FALSE(peer.has_library_defaults()) << peer.key;
-    for (const auto& [tolerance, column] :
-         {std::pair{1e-2, 0}, {1e-3, 0}, {1e-4, 1}, {1e-6, 1}, {1e-7, 2}, {1e-12, 2}}) {
-      EXPECT_EQ(TierTolerance(peer.key, tolerance), peer.tiers->tolerances[static_cast<size_t>(column)]) << peer.key;
-    }
-  }
-  EXPECT_THROW(TierTolerance("dart-dantzig", 1e-6), std::logic_error);
-}
-
-TEST(TierSettings, AStricterTierHasNoLooserTolerance) {
-  for (const PeerEntry& peer : AllPeers()) {
-    if (!peer.tiers) continue;
-    const auto& [loose, usual, strict] = peer.tiers->tolerances;
-    EXPECT_GE(loose, usual) << peer.key;
-    EXPECT_GE(usual, strict) << peer.key;
-    EXPECT_GT(strict, 0) << peer.key;
-    EXPECT_GE(peer.tiers->most_iterations, 0) << peer.key;
-  }
-}
-
 // Keys whose tuning reached the rule's 95 %.
 class TunedPeer : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(ReachTheRule, TunedPeer,

@@ -68,17 +68,6 @@ TEST_P(DirectSolversLaw, EveryGeneratedFamilyIsSolved) {
   ExpectUndecided(GetParam().undecided);
 }
 
-TEST_P(DirectSolversLaw, ManyPlantedSolutionsOfEveryRankAreFound) {
-  for (const bool wide_masses : {false, true}) {
-    for (unsigned seed = 300; seed < 1000; ++seed) {
-      const TestProblem test = PlantedExactly(seed, 30, wide_masses);
-      SCOPED_TRACE(wide_masses);
-      Judge(test, Solve(test.problem));
-    }
-  }
-  ExpectUndecided(GetParam().undecided);
-}
-
 TEST_P(DirectSolversLaw, EveryUnsolvableFamilyIsProved) {
   for (const ExactFamily& family : UnsolvableFamilies()) {
     for (unsigned seed = 0; seed < 500; ++seed) {
@@ -130,43 +119,6 @@ TEST_P(DirectSolversLaw, EveryProblemOfTwoSmallRowsIsSolvedOrProved) {
   EXPECT_GT(proved, 200);
 }
 
-TEST_P(DirectSolversLaw, ARowOfZerosIsRightOrProvedImpossible) {
-  MatrixXd A = MatrixXd::Zero(3, 3);
-  A(1, 1) = 2;
-  const auto solve = [&](double b0, double b2, const std::vector<Index>& bilateral) {
-    const LcpProblem problem = LcpProblem::FromDense("zero-rows", A, Eigen::Vector3d(b0, -4, b2),
-                                                     RowBounds::WithBilateralRows(3, bilateral), SymmetricPsd());
-    const LcpResult result = Solve(problem);
-    if (result.status == LcpStatus::kSolved) {
-      EXPECT_NEAR(result.f[1], 2, 1e-9);
-    } else {
-      ExpectRay(problem, result);
-    }
-    return result.status;
-  };
-  EXPECT_EQ(solve(0, 5, {}), LcpStatus::kSolved);
-  EXPECT_EQ(solve(1, 0, {2}), LcpStatus::kSolved);
-  EXPECT_EQ(solve(-1, 5, {}), LcpStatus::kInfeasible);
-  EXPECT_EQ(solve(0, 5, {2}), LcpStatus::kInfeasible);
-  EXPECT_EQ(solve(0, -5, {2}), LcpStatus::kInfeasible);
-}
-
-TEST_P(DirectSolversLaw, ARedundantJointIsLeftOutOrProvedImpossible) {
-  // Rows 0 and 1 are one joint written twice, row 2 a contact.
-  MatrixXd A(3, 3);
-  A << 1, -2, 0.5,  //
-      -2, 4, -1,    //
-      0.5, -1, 1;
-  for (const double mismatch : {0.0, 1.0, -1.0}) {
-    const LcpProblem problem = LcpProblem::FromDense("joint-twice", A, Eigen::Vector3d(3, -6 + mismatch, -2),
-                                                     RowBounds::WithBilateralRows(3, {0, 1}), SymmetricPsd());
-    LcpReference reference;
-    if (mismatch != 0) reference.status = LcpReference::Status::kInfeasible;
-    Judge({problem, reference}, Solve(problem));
-  }
-  ExpectUndecided(GetParam().undecided > 0 ? 1.0 / 3 : 0);
-}
-
 // What rounding leaves of a contradiction goes to the row that is left out, divided by that row's part in it.
 TEST_P(DirectSolversLaw, ARedundantLinkageIsSolvedNearItsDeadPoint) {
   std::vector<LcpProblem> problems;
@@ -177,34 +129,11 @@ TEST_P(DirectSolversLaw, ARedundantLinkageIsSolvedNearItsDeadPoint) {
   for (const LcpProblem& problem : problems) lcpbench::ExpectSolved(problem, Solve(problem));
 }
 
-TEST_P(DirectSolversLaw, TwoOpposedContactsSqueezeOrHold) {
-  MatrixXd A(2, 2);
-  A << 1, -1,  //
-      -1, 1;
-  const LcpProblem squeezed = LcpProblem::FromDense("squeezed", A, Eigen::Vector2d(-1, -2), {}, SymmetricPsd());
-  const LcpResult result = Solve(squeezed);
-  ExpectRay(squeezed, result);
-  EXPECT_NEAR((*result.farkas_ray)[0] / (*result.farkas_ray)[1], 1, 1e-12) << "the ray of both";
-  const LcpProblem held = LcpProblem::FromDense("held", A, Eigen::Vector2d(-1, 1), {}, SymmetricPsd());
-  ExpectSolved(held, Solve(held));
-}
-
 TEST_P(DirectSolversLaw, EveryOracleProblemIsSolvedExactlyOrProved) {
   for (const TestProblem& test : OracleProblems()) {
     Judge(test, Solve(test.problem));
   }
   ExpectUndecided(0);
-}
-
-TEST_P(DirectSolversLaw, TheUnitProblemsOfAnotherEngineAreSolved) {
-  int missed = 0;
-  for (const LcpProblem& problem : RecordedUnitProblems()) {
-    const LcpResult result = Solve(problem);
-    const Verdict verdict = Verify(problem, result, 1e-9);
-    EXPECT_FALSE(verdict.false_success || verdict.false_infeasible) << problem.id() << ": " << verdict.reason;
-    if (!verdict.passes) ++missed;
-  }
-  EXPECT_LE(missed, GetParam().unit_problems_missed);
 }
 
 // rho and the threshold of rays count a row of zeros in the units of b, so that its weight against the other rows
@@ -319,14 +248,6 @@ TEST_P(DirectSolversLaw, ALimitOfIterationsIsMetAndLeavesNonnegativeForces) {
   }
 }
 
-TEST_P(DirectSolversLaw, AnExpiredClockEndsTheSolve) {
-  const TestProblem test = PlantedProblem(60, 30, 4, 0, 0);
-  const LcpResult result = Solve(test.problem, {.time_limit_s = 0.5, .now = &TickingClock});
-  EXPECT_EQ(result.status, LcpStatus::kTimeLimit) << result.detail;
-  EXPECT_TRUE(result.f.allFinite());
-  EXPECT_GE(result.f.minCoeff(), 0);
-}
-
 TEST_P(DirectSolversLaw, AsymmetricMatricesAndNegativeDiagonalsAreUnsupported) {
   MatrixXd A = MatrixXd::Identity(2, 2);
   A(0, 1) = 0.5;
@@ -399,33 +320,6 @@ TEST_P(DirectSolversLaw, SolvingAgainDoesNotAllocate) {
       EXPECT_EQ(AllocationCount() - before, 0) << "seed " << seed << ", " << problem.id();
       EXPECT_EQ(result.status, LcpStatus::kSolved);
     }
-  }
-}
-
-// First-order methods included: whoever claims a solution has the w of all others.
-TEST(Solvers, AllThatClaimSuccessAgreeInW) {
-  for (const SolverEntry& entry : AllSolvers()) {
-    if (entry.origin != SolverOrigin::kOwn || !entry.available) continue;
-    // None of these problems has so few rows, or rows on two bodies alone: their own tests in rows/ have others.
-    if (entry.key == "fixed-size-bpp" || entry.key == "profile-pivoting") continue;
-    const std::unique_ptr<LcpSolver> solver = entry.make({});
-    LcpOptions options;
-    options.max_iterations = entry.uses_tolerance ? 2000 : 0;  // sweeps
-    int claims = 0;
-    for (const ExactFamily& family : SolvableFamilies()) {
-      for (unsigned seed = 0; seed < 15; ++seed) {
-        TestProblem test = family.make(seed);
-        // Their entries of A are exact, too.
-        if (!solver->WhyUnsupported(test.problem).empty()) test.problem = InForm(test.problem, MatrixForm::kDense);
-        const LcpResult result = SolveWith(solver.get(), test.problem, options);
-        if (result.status != LcpStatus::kSolved) continue;
-        ++claims;
-        const Verdict verdict = Verify(test.problem, result, options.tolerance, &test.reference);
-        EXPECT_FALSE(verdict.false_success) << entry.key << " on " << test.problem.id() << ": " << verdict.reason;
-        EXPECT_LE(verdict.metrics.w_error, 1e-7) << entry.key << " on " << test.problem.id();
-      }
-    }
-    EXPECT_GT(claims, 15) << entry.key;
   }
 }
 

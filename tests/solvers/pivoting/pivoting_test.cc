@@ -80,16 +80,6 @@ TEST(Lemke, ResolvesTiesOfEqualRows) {
   }
 }
 
-TEST(Pivoting, ReadsItsSettings) {
-  const DantzigOptions options =
-      DantzigOptions::FromSettings({{"rank_tolerance", "1e-10"}, {"order", "most-negative"}});
-  EXPECT_EQ(options.rank_tolerance, 1e-10);
-  EXPECT_EQ(options.order, DantzigOrder::kMostNegative);
-  EXPECT_TRUE(options.block_start);
-  EXPECT_FALSE(LemkeOptions::FromSettings({}).block_start);
-  EXPECT_THROW(LemkeOptions::FromSettings({{"rank_tolerance", "0"}}), InputError);
-}
-
 MatrixXd Lower(const DenseLdlt& factor) {
   MatrixXd L = MatrixXd::Identity(factor.size(), factor.size());
   for (Index k = 0; k < factor.size(); ++k) {

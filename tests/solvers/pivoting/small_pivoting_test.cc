@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/measure/allocation_count.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/islands.h"
 #include "tests/solvers/exact_problems.h"
@@ -176,23 +175,6 @@ TEST_P(SmallPivotingTest, PowersOfTwoChangeNoBit) {
     EXPECT_EQ(tableau.Solve(scaled, {}, &g).rho, rho);
     EXPECT_EQ(tableau.pivots(), pivots);
     EXPECT_EQ(f, VectorXd(s.cwiseProduct(g) / t));
-  }
-}
-
-TEST_P(SmallPivotingTest, AllocatesInReserveOnly) {
-  if (!AllocationsAreCounted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  CountAllocations(true);
-  SmallPivoting tableau(GetParam());
-  tableau.Reserve(64);
-  for (Index n = 1; n <= 64; n += 9) {
-    const LcpProblem problem = Definite(n, static_cast<unsigned>(n));
-    problem.DenseA();
-    problem.DiagonalA();
-    VectorXd f(n);
-    const long before = AllocationCount();
-    tableau.Solve(problem, {}, &f);
-    tableau.Solve(problem, {1e-6, f.data(), nullptr}, &f);
-    EXPECT_EQ(AllocationCount(), before);
   }
 }
 

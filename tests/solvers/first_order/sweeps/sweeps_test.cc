@@ -6,12 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
-#include <set>
 #include <vector>
 
 #include "solvers/first_order/pgs.h"
 #include "solvers/first_order/sweeps/row_kernel.h"
-#include "tests/solvers/first_order_runs.h"
+#include "tests/solvers/first_order/first_order_runs.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -38,46 +37,6 @@ std::vector<TestProblem> Problems() {
 
 LcpResult Iterate(const LcpProblem& problem, RowForm form, SweepOrder sweep, std::int64_t sweeps, double omega = 1) {
   return IterateNew<PgsSolver>(problem, {.form = form, .sweep = sweep, .relaxation = omega}, 1e-15, sweeps);
-}
-
-// Whether two rows press on one body that can move.
-bool ShareBody(const LcpProblem& problem, Index i, Index j) {
-  for (SparseMatrix::InnerIterator it(problem.J(), i); it; ++it) {
-    if (it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
-    for (SparseMatrix::InnerIterator jt(problem.J(), j); jt; ++jt) {
-      if (jt.value() != 0 && problem.inverse_mass()[jt.col()] != 0 && it.col() / 3 == jt.col() / 3) return true;
-    }
-  }
-  return false;
-}
-
-TEST(Colouring, IsGreedyInBlocksOfRows) {
-  std::vector<TestProblem> problems = Problems();
-  problems.push_back(Wide(kColourBlock + 200, 9, 0));
-  for (const bool by_bodies : {true, false}) {
-    for (const TestProblem& test : problems) {
-      const LcpProblem& problem = test.problem;
-      const Index n = problem.size();
-      std::vector<Index> colour(static_cast<size_t>(n));
-      std::vector<Index> expected = EveryRow(n);
-      const auto conflict = [&](Index i, Index j) {
-        return by_bodies ? ShareBody(problem, i, j) : problem.SparseA().coeff(i, j) != 0;
-      };
-      for (Index i = 0; i < n; ++i) {
-        std::set<Index> taken;
-        for (Index j = i - i % kColourBlock; j < i; ++j) {
-          if (conflict(i, j)) taken.insert(colour[static_cast<size_t>(j)]);
-        }
-        Index& own = colour[static_cast<size_t>(i)];
-        while (taken.count(own) > 0) ++own;
-      }
-      std::stable_sort(expected.begin(), expected.end(), [&](Index i, Index j) {
-        if (i / kColourBlock != j / kColourBlock) return i < j;
-        return colour[static_cast<size_t>(i)] < colour[static_cast<size_t>(j)];
-      });
-      EXPECT_EQ(ColouredOrder(problem, by_bodies), expected) << problem.id();
-    }
-  }
 }
 
 TEST(Sweeps, ColouredSweepsAreForwardSweepsOfPermutedRowsBitForBit) {
@@ -112,31 +71,6 @@ TEST(Sweeps, SymmetricSweepsOfAReversedProblemStartBackwards) {
   const double size = both.f.cwiseAbs().maxCoeff();
   EXPECT_LE((back.f.reverse() - both.f).cwiseAbs().maxCoeff(), 1e-12 * size);
   EXPECT_GT((there.f - both.f).cwiseAbs().maxCoeff(), 1e-3 * size);
-}
-
-TEST(Sweeps, CuttingAPassChangesNothing) {
-  std::mt19937 random(5);
-  for (const bool coloured : {false, true}) {
-    for (const TestProblem& test : Problems()) {
-      RowWork whole;
-      RowWork cut;
-      LayOut(test.problem, RowForm::kMatrixFree, coloured, {&whole, &cut});
-      const Index n = test.problem.size();
-      for (int sweep = 0; sweep < 4; ++sweep) {
-        const bool backward = sweep % 2 == 1;
-        StepSums sums;
-        whole.rows->Sweep(0, n, backward, 1.3, &whole.x, &sums);
-        for (Index done = 0; done < n;) {
-          const Index take = std::min<Index>(n - done, 1 + static_cast<Index>(random() % 9));
-          const Index begin = backward ? n - done - take : done;
-          cut.rows->Sweep(begin, begin + take, backward, 1.3, &cut.x, &sums);
-          done += take;
-        }
-        EXPECT_EQ(whole.x.f, cut.x.f) << test.problem.id();
-        EXPECT_EQ(whole.x.image, cut.x.image) << test.problem.id();
-      }
-    }
-  }
 }
 
 // Rows on two of many bodies each, in sets of a few hundred that share none.

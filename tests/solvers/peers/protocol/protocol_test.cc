@@ -8,6 +8,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "tests/fuzz/binary_mutation.h"
+#include "tests/fuzz/corpus.h"
+#include "tests/fuzz/laws.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -154,6 +157,17 @@ TEST(Protocol, BrokenPayloadsAreErrors) {
   }
   const Bytes hello = Encode(Hello{kProtocolVersion + 1, WantedForm::kDense, "n", "v", "l"});
   EXPECT_THROW(DecodeHello(hello), std::runtime_error);
+}
+
+// Recorded conversations and changes of them.
+TEST(ProtocolLaw, HoldsForTheCorpusAndItsChanges) {
+  ExpectLawHolds(
+      BrokenProtocolLaw, "protocol_corpus", 20000,
+      [random = std::mt19937_64(1), of_text = ChangesOfText()](const std::string& bytes, const auto& corpus) mutable {
+        std::vector<std::string> changes = of_text(bytes, corpus);
+        changes.push_back(OverwrittenBytes(bytes, &random));
+        return changes;
+      });
 }
 
 }  // namespace

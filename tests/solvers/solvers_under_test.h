@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <memory>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -41,9 +43,42 @@ inline std::string SolverTestName(const testing::TestParamInfo<SolverEntry>& inf
   return name;
 }
 
-/// For tests over solvers: skips those that are not in this build.
+/// How many of a test's problems a solver must answer rightly, at least, by tests/data/right_answers.csv.
+inline int LeastRightAnswers(const std::string& test, const std::string& solver) {
+  std::ifstream file(LCPBENCH_SOURCE_DIR "/tests/data/right_answers.csv");
+  std::vector<std::string> tests;
+  for (std::string line, cell; std::getline(file, line);) {
+    if (line.starts_with("#")) continue;
+    std::vector<std::string> cells;
+    for (std::istringstream stream(line); std::getline(stream, cell, ',');) cells.push_back(cell);
+    if (tests.empty()) tests = cells;
+    if (cells.at(0) != solver && cells[0] != "other") continue;
+    const auto column = static_cast<std::size_t>(std::find(tests.begin(), tests.end(), test) - tests.begin());
+    if (column < cells.size() && !cells[column].empty()) return std::stoi(cells[column]);
+  }
+  ADD_FAILURE() << "right_answers.csv has no column " << test;
+  return 0;
+}
+
+/// For tests over solvers: skips those that are not in this build. What is counted by Answers must reach the number of
+/// LeastRightAnswers at the end of a test, so that a solver cannot pass by answering nothing.
 class SolverTest : public testing::TestWithParam<SolverEntry> {
  protected:
+  /// Counts a problem, and whether its answer is right. @return is_right
+  bool Answers(bool is_right) {
+    ++asked_;
+    right_ += is_right ? 1 : 0;
+    return is_right;
+  }
+  bool Answers(const LcpResult& result) { return Answers(result.status == LcpStatus::kSolved); }
+
+  void TearDown() override {
+    if (asked_ == 0) return;
+    std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+    test.resize(test.find('/'));
+    EXPECT_GE(right_, LeastRightAnswers(test, GetParam().key)) << "right answers of " << asked_ << " problems";
+  }
+
   void SetUp() override {
     if (!GetParam().available) GTEST_SKIP() << GetParam().key << " is not in this build";
     solver_ = GetParam().make({});
@@ -57,6 +92,10 @@ class SolverTest : public testing::TestWithParam<SolverEntry> {
   }
 
   std::unique_ptr<LcpSolver> solver_;
+
+ private:
+  int asked_ = 0;
+  int right_ = 0;
 };
 
 }  // namespace lcpbench

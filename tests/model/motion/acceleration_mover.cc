@@ -1,4 +1,4 @@
-#include "tests/model/acceleration_mover.h"
+#include "tests/model/motion/acceleration_mover.h"
 
 #include <gtest/gtest.h>
 

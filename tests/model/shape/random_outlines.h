@@ -5,7 +5,7 @@
 
 #include "model/geometry/feature.h"
 #include "model/shape/outline.h"
-#include "tests/model/random_contacts.h"
+#include "tests/model/contact/random_contacts.h"
 
 namespace lcpbench::testing {
 

@@ -19,7 +19,7 @@
 #include "model/contact/system.h"
 #include "model/geometry/feature.h"
 #include "support/input_error.h"
-#include "tests/model/edge_point.h"
+#include "tests/model/contact/edge_point.h"
 #include "tests/support/refusal.h"
 
 namespace lcpbench::testing {

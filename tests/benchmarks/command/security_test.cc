@@ -8,7 +8,7 @@
 
 #include "solvers/io/gzip_file.h"
 #include "support/subprocess.h"
-#include "tests/benchmarks/command_fixture.h"
+#include "tests/benchmarks/command/command_fixture.h"
 
 namespace lcpbench {
 namespace {

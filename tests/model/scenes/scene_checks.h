@@ -108,15 +108,6 @@ inline std::map<std::pair<int, int>, int> ContactsOfPairs(const std::vector<Cons
   return pairs;
 }
 
-/// FNV-1a over the assembled problem's text, whose numbers read back to the same doubles.
-inline std::uint64_t HashOf(const ContactSystem& system) {
-  std::uint64_t hash = 0xcbf29ce484222325U;
-  for (const char c : FormatLcpRecord(AssembleContactLcp(system).problem, true)) {
-    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-  }
-  return hash;
-}
-
 /// The share of unilateral rows that separate at the solution: w_i / sqrt(A_ii) above 1e-7 of its root mean square at
 /// zero force.
 inline double SeparatingShare(const ContactSystem& system, LcpSolver* solver) {

@@ -10,7 +10,7 @@
 #include "model/contact/loads.h"
 #include "model/scenes/random.h"
 #include "model/shape/shapes.h"
-#include "tests/model/acceleration_mover.h"
+#include "tests/model/motion/acceleration_mover.h"
 
 namespace lcpbench {
 namespace {

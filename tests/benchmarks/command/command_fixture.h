@@ -121,6 +121,24 @@ class CommandTest : public FolderTest {
     EXPECT_EQ(Lines(outcome.error).size(), 1U) << outcome.error;
   }
 
+  /// With each text in the place of the second line of a campaign's file, `resume` is a mistake that names the line and
+  /// holds the words, and leaves the file as it was.
+  void ExpectSecondLineRefused(const std::string& file, const std::vector<std::pair<std::string, std::string>>& wrong,
+                               const std::string& resume) {
+    const std::string kept = ReadFile(folder_ / file);
+    for (const auto& [text, words] : wrong) {
+      std::vector<std::string> lines = Lines(kept);
+      lines.at(1) = text;
+      std::string changed;
+      for (const std::string& line : lines) changed += line + "\n";
+      Write(file, changed);
+      ExpectMistake(resume, std::filesystem::path(file).filename().string() + ":2: ");
+      EXPECT_NE(ReadFile(folder_ / "stderr").find(words), std::string::npos) << ReadFile(folder_ / "stderr");
+      EXPECT_EQ(ReadFile(folder_ / file), changed);
+    }
+    Write(file, kept);
+  }
+
   /// Runs the command, with its errors to the file "stderr", until `file` has grown by so many bytes, so that it is in
   /// the midst of its work however fast the machine is; then it gets the signal, alone or with its process group,
   /// `once` or until it has ended.

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "model/shape/outline.h"
-#include "tests/model/edge_point.h"
-#include "tests/model/random_outlines.h"
+#include "tests/model/contact/edge_point.h"
+#include "tests/model/shape/random_outlines.h"
 
 namespace lcpbench::testing {
 
@@ -65,19 +65,6 @@ class SampledLoop {
     for (Vec2& p : points_) p = p + shift;
   }
   const Pose& pose() const { return pose_; }
-
-  std::size_t pieces() const { return loop_->size(); }
-  bool IsStraight(std::size_t piece) const { return std::holds_alternative<StraightEdge>((*loop_)[piece].edge); }
-  /// Whether two pieces meet here in a convex corner, or smoothly with the other one convex.
-  bool IsConvexAt(const LoopPlace& end) const {
-    constexpr double kSmooth = 1e-9;
-    const LoopPlace other = *Neighbour(end);
-    const bool is_end = end.s == (*loop_)[end.piece].s_end;
-    const Vec2 N = OutwardNormal(end);
-    const Vec2 N_other = OutwardNormal(other);
-    const double turn = is_end ? Cross(N, N_other) : Cross(N_other, N);
-    return turn > kSmooth || (turn > -kSmooth && EvaluateEdge(features_[other.piece], other.s).kappa > 0);
-  }
 
   struct Jet {
     Vec2 c;
@@ -370,66 +357,6 @@ inline bool IsLocalMinimum(const SampledLoop& loop1, const LoopPlace& place1, co
     }
   }
   return true;
-}
-
-/// Where straight edges of two outlines lie on each other at a small angle, the overlap's end with the larger gap: no
-/// minimum of the distance, but reported as the second contact of flush edges (narrow_phase.h).
-struct FlushEnd {
-  Vec2 p;               ///< the end of either edge there
-  bool certain = true;  ///< whether the rule holds or not is not within rounding of its limits
-};
-
-/// @param reach  the largest gap that counts at either end
-inline std::vector<FlushEnd> FlushEnds(const SampledLoop& loop1, const SampledLoop& loop2, double reach) {
-  constexpr double kLargestSine = 1e-2;
-  constexpr double kDoubt = 1e-3;  // relative: the gaps' own dependence on which edge they are taken from
-  struct Edge {
-    Vec2 begin;
-    Vec2 end;
-    bool ends_convexly[2];
-  };
-  const auto edges_of = [](const SampledLoop& loop) {
-    std::vector<Edge> edges;
-    for (std::size_t k = 0; k < loop.pieces(); ++k) {
-      if (!loop.IsStraight(k)) continue;
-      const LoopPlace first{k, loop.low(k)};
-      const LoopPlace last{k, loop.high(k)};
-      edges.push_back({loop.At(first).c, loop.At(last).c, {loop.IsConvexAt(first), loop.IsConvexAt(last)}});
-    }
-    return edges;
-  };
-  std::vector<FlushEnd> ends;
-  for (const Edge& edge1 : edges_of(loop1)) {
-    for (const Edge& edge2 : edges_of(loop2)) {
-      const Vec2 along = edge2.end - edge2.begin;
-      const double length = Norm(along);
-      const Vec2 t = (1 / length) * along;
-      const Vec2 n = -Perp(t);
-      const Vec2 along1 = edge1.end - edge1.begin;
-      const double sine = std::abs(Cross(t, along1)) / Norm(along1);
-      if (sine > (1 + kDoubt) * kLargestSine || Dot(t, along1) > 0) continue;
-      // Edge 1 as a height over edge 2, which its end comes first along.
-      const auto place = [&](Vec2 p) { return Dot(t, p - edge2.begin); };
-      const auto height = [&](Vec2 p) { return Dot(n, p - edge2.begin); };
-      const double from = std::max(0.0, place(edge1.end));
-      const double to = std::min(length, place(edge1.begin));
-      if (to <= from) continue;
-      const double slope = (height(edge1.begin) - height(edge1.end)) / (place(edge1.begin) - place(edge1.end));
-      const double gap_from = height(edge1.end) + slope * (from - place(edge1.end));
-      const double gap_to = height(edge1.end) + slope * (to - place(edge1.end));
-      const double largest = std::max(gap_from, gap_to);
-      const double least = std::min(gap_from, gap_to);
-      if (least < 0 || largest > (1 + kDoubt) * reach) continue;
-      const bool farther_to = gap_to > gap_from;
-      const bool of_edge1 = farther_to ? place(edge1.begin) <= length : place(edge1.end) >= 0;
-      const Edge& owner = of_edge1 ? edge1 : edge2;
-      const bool at_begin = of_edge1 == farther_to;
-      if (!owner.ends_convexly[at_begin ? 0 : 1]) continue;
-      const bool certain = sine < (1 - kDoubt) * kLargestSine && largest < (1 - kDoubt) * reach;
-      ends.push_back({at_begin ? owner.begin : owner.end, certain});
-    }
-  }
-  return ends;
 }
 
 /// Of the polygons through the samples, which must not overlap.

@@ -18,9 +18,9 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
-#include "tests/model/acceleration_mover.h"
-#include "tests/model/momenta.h"
-#include "tests/solvers_under_test.h"
+#include "tests/model/contact/momenta.h"
+#include "tests/model/motion/acceleration_mover.h"
+#include "tests/solvers/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {
@@ -206,16 +206,6 @@ TEST(VelocityMotion, ConservesMomentumAndAngularMomentumWithoutLoads) {
   }
 }
 
-TEST(VelocityMotion, BouncesWithItsRestitution) {
-  for (const double e : {0.0, 0.3, 1.0}) {
-    VelocityOptions options;
-    options.restitution = e;
-    Driven driven(WorldWith("test", {Walls({{1, 0}, {-1, 0}}), DiscBody(0.1, {0, 0.2}, {0, -2})}, {}), options);
-    driven.motion.Advance(0.1);
-    EXPECT_NEAR(driven.motion.world().bodies[1].v.y, 2 * e, 1e-12);
-  }
-}
-
 // The disc's centre is a pendulum of length R - r; after a quarter of its period it passes the lowest point.
 TEST(VelocityMotion, SlidesInAConcaveTrackWithAnErrorOfOrderOne) {
   const double track = 1;
@@ -371,23 +361,6 @@ TEST(VelocityMotion, LetsNothingThroughAtTenDiametersAStep) {
   }
 }
 
-TEST(VelocityMotion, GivesTheSameBitsTwice) {
-  for (const char* key : {"dantzig", "pgs"}) {
-    Driven first(FallingDiscs(10, 3), {}, key);
-    Driven second(FallingDiscs(10, 3), {}, key);
-    first.motion.Advance(0.5);
-    second.motion.Advance(0.5);
-    EXPECT_TRUE(first.motion.world() == second.motion.world()) << key;
-  }
-}
-
-TEST(VelocityMotion, RefusedProblemsEndAMotion) {
-  Driven driven(FallingDiscs(6, 5), {}, "band-pivoting");  // takes A given as a matrix
-  driven.motion.Advance(2);
-  EXPECT_EQ(driven.motion.status(), MotionStatus::kSolverFailed);
-  EXPECT_NE(driven.motion.detail().find("A given as a matrix"), std::string::npos) << driven.motion.detail();
-}
-
 // Our own solvers must answer every step rightly. Peers drive the motion, too, but some get steps wrong: nobody shall
 // believe them then, and the motion goes on with finite numbers.
 class VelocityMotionSolvers : public testing::TestWithParam<SolverEntry> {};
@@ -396,7 +369,7 @@ TEST_P(VelocityMotionSolvers, DriveASmallPileWithVerifiedAnswers) {
   VelocityOptions options;
   options.step = 4e-3;
   options.lcp.tolerance = 1e-6;
-  if (GetParam().key == "band-pivoting") return;  // RefusedProblemsEndAMotion
+  if (GetParam().key == "band-pivoting") return;  // takes A given as a matrix
   const World world = FallingDiscs(6, 5);
   Driven driven(world, options, GetParam().key);
   Driven reference(world, options);

@@ -13,9 +13,9 @@
 #include "model/contact/assembly.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
-#include "tests/benchmarks/command_fixture.h"
+#include "tests/benchmarks/command/command_fixture.h"
 #include "tests/solvers/io/read_lcp_file.h"
-#include "tests/solvers_under_test.h"
+#include "tests/solvers/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {
@@ -83,7 +83,6 @@ TEST_F(SequenceCommand, AProblemIsGeneratedOfASceneFile) {
   const LcpRecord first =
       ParseLcpRecord(Lines(Succeed("sequence " + file + " --level acceleration --steps 1").out)[0], "l");
   EXPECT_EQ(problem.size(), first.problem.size());
-  ExpectMistake("generate missing.json", "missing.json");
 }
 
 TEST_F(SequenceCommand, IsReadBackBitForBitAndSolvedByTheSolveCommand) {
@@ -122,18 +121,6 @@ TEST_F(SequenceCommand, IsTheSameFileTwiceUnderEverySolver) {
   EXPECT_EQ(refusing, (std::set<std::string>{"band-pivoting", "fixed-size-bpp"}));
 }
 
-TEST_F(SequenceCommand, TakesSceneFilesAndTheAccelerationLevel) {
-  const std::string file = std::string(LCPBENCH_SOURCE_DIR) + "/data/scenes/newtons_cradle.json";
-  const CommandOutcome outcome = Succeed("sequence " + file + " --level acceleration --steps 60");
-  int first_of_step = 0;
-  int impacts = 0;
-  for (const Json& record : Records(outcome.out)) {
-    (record.at("motion").at("kind") == "impact" ? impacts : first_of_step)++;
-  }
-  EXPECT_EQ(first_of_step, 60);  // the cradle hangs on joints: there is an LCP at every instant
-  Succeed("sequence " + file + " --level velocity --dt 0.002 --steps 10");
-}
-
 // A Scott-Russell linkage with one arm too many falls through its dead point: every step under every direct solver.
 TEST_F(SequenceCommand, ARedundantLinkagePassesItsDeadPoint) {
   const std::string file = LCPBENCH_SOURCE_DIR "/tests/data/reports/scott-russell.json";
@@ -170,23 +157,6 @@ TEST_F(SequenceCommand, KeepsWhatIsWrittenOnInterruption) {
   EXPECT_EQ(text.back(), '\n');
   EXPECT_GE(ReadLcpFile(file).size(), 1u);
   EXPECT_NE(ReadFile(Path("stderr")).find("worst penetration"), std::string::npos);
-}
-
-TEST_F(SequenceCommand, MisuseIsOneLineAndStatusTwo) {
-  ExpectMistake("sequence nowhere", "nowhere");
-  ExpectMistake("sequence missing.json", "missing.json");
-  ExpectMistake("sequence disc-pile --level sideways", "sideways");
-  ExpectMistake("sequence disc-pile --solver nobody", "nobody");
-  ExpectMistake("sequence disc-pile --tolerance 2", "--tolerance");
-  ExpectMistake("sequence disc-pile --steps 0", "--steps");
-  ExpectMistake("sequence disc-pile --time-limit 0", "--time-limit");
-  ExpectMistake("sequence disc-pile --set nothing", "--set");
-  ExpectMistake("sequence disc-pile --set no-such-option=1", "no-such-option");
-  ExpectMistake("sequence disc-pile --dt -1", "--dt");
-  ExpectMistake("sequence disc-pile -o " + Path("no/such/folder/x.jsonl"), "no/such/folder");
-  ExpectMistake("motion --scenes disc-pile@upwards", "upwards");
-  ExpectMistake("motion --solvers nobody", "nobody");
-  ExpectMistake("motion --budget 0 --scenes disc-pile -o " + Path("m"), "budget");
 }
 
 TEST_F(SequenceCommand, MotionComparesEverySolverWithTheReference) {
@@ -318,24 +288,6 @@ TEST_F(SceneCommand, WritesAnAnimationPage) {
   const std::string page = ReadFile(folder_ / "x.html");
   EXPECT_EQ(page.find("<!DOCTYPE html>"), 0U);
   EXPECT_NE(page.find("\"frameCount\":4"), std::string::npos);
-}
-
-TEST_F(SceneCommand, RefusesWithOneLine) {
-  Write("wrong.json", "{}");
-  const std::pair<std::string, std::string> mistakes[] = {
-      {"no-such-scene", "disc-pile"},
-      {"disc-pile --size 0", "--size: expected a number >= 1"},
-      {"disc-pile --solver no-such-solver", "dantzig"},
-      {"disc-pile -o " + Path("x.png"), ".svg"},
-      {"disc-pile -o " + Path("no/such/folder/x.svg"), "cannot be written"},
-      {"disc-pile --time -1", "seconds >= 0"},
-      {"disc-pile --level fast", "acceleration or velocity"},
-      {"disc-pile --duration 2", "--animate"},
-      {"disc-pile --animate " + Path("x.svg"), ".html"},
-      {"disc-pile --duration 0 --animate " + Path("x.html"), "--duration"},
-      {Path("missing.json"), "missing.json"},
-      {Path("wrong.json"), "wrong.json"}};
-  for (const auto& [arguments, words] : mistakes) ExpectMistake("scene " + arguments, words);
 }
 
 }  // namespace

@@ -13,8 +13,8 @@
 #include "model/contact/loads.h"
 #include "model/scenes/random.h"
 #include "model/shape/shapes.h"
-#include "tests/model/acceleration_mover.h"
-#include "tests/model/momenta.h"
+#include "tests/model/contact/momenta.h"
+#include "tests/model/motion/acceleration_mover.h"
 
 namespace lcpbench {
 namespace {

@@ -17,7 +17,7 @@
 #include "model/records/replay_record.h"
 #include "solvers/io/gzip_file.h"
 #include "support/input_error.h"
-#include "tests/benchmarks/command_fixture.h"
+#include "tests/benchmarks/command/command_fixture.h"
 
 namespace lcpbench {
 namespace {

@@ -14,8 +14,8 @@
 #include "model/shape/shapes.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
-#include "tests/model/acceleration_mover.h"
-#include "tests/solvers_under_test.h"
+#include "tests/model/motion/acceleration_mover.h"
+#include "tests/solvers/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {
@@ -108,17 +108,6 @@ TEST(AccelerationMotion, ASolverThatFailsIsCountedAndItsBestPointTaken) {
   EXPECT_GT(motion.statistics().failed_solves, 0);
   // Falls through the floor, which shows.
   EXPECT_GT(motion.statistics().worst_penetration + std::abs(motion.world().bodies[1].x.y - 0.1), 1e-5);
-}
-
-TEST(AccelerationMotion, WallsThatCloseOnADiscDoNotThrow) {
-  Body left = Fixed(Box(0.2, 1), {-0.21, 0});
-  Body right = Fixed(Box(0.2, 1), {0.21, 0});
-  left.v = {0.1, 0};
-  right.v = {-0.1, 0};
-  Mover mover(WorldWith("press", {left, right, Movable(Disc(0.1), {0, 0})}));
-  mover->Advance(0.3);
-  EXPECT_GT(mover->statistics().failed_solves, 0);
-  EXPECT_TRUE(std::isfinite(mover.body(2).x.x));
 }
 
 TEST(AccelerationMotion, EverySolverDrivesIt) {
