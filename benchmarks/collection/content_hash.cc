@@ -32,11 +32,7 @@ class Bytes {
 void AddMatrix(const SparseMatrix& matrix, Bytes* hash) {
   hash->Add(matrix.rows());
   hash->Add(matrix.cols());
-  for (Index i = 0; i < matrix.rows(); ++i) {
-    std::int64_t count = 0;
-    for (SparseMatrix::InnerIterator it(matrix, i); it; ++it) ++count;
-    hash->Add(count);
-  }
+  for (Index i = 0; i < matrix.rows(); ++i) hash->Add(matrix.innerVector(i).nonZeros());
   for (Index i = 0; i < matrix.rows(); ++i) {
     for (SparseMatrix::InnerIterator it(matrix, i); it; ++it) {
       hash->Add(it.col());

@@ -24,30 +24,16 @@ std::string Bytes2(std::uint32_t value) {
 }
 std::string Bytes4(std::uint32_t value) { return Bytes2(value & 0xffff) + Bytes2(value >> 16); }
 
-// Without the header of zlib, as zip has it.
+// Without zlib's header and check sum, as zip has it.
 std::string Deflated(std::string_view bytes) {
-  constexpr int kMemory = 8;
-  constexpr std::size_t kPiece = 1 << 20;
-  z_stream stream{};
-  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, -MAX_WBITS, kMemory, Z_DEFAULT_STRATEGY) != Z_OK) {
-    throw std::runtime_error("deflateInit2 failed");
+  constexpr std::size_t kHeader = 2, kCheckSum = 4;
+  uLongf size = compressBound(bytes.size());
+  std::string packed(size, '\0');
+  if (compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
+               bytes.size()) != Z_OK) {
+    throw std::runtime_error("zlib's compress failed");
   }
-  std::string packed, piece(kPiece, '\0');
-  int state = Z_OK;
-  while (state == Z_OK) {
-    const std::size_t count = std::min(bytes.size(), kPiece);
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-    stream.avail_in = static_cast<uInt>(count);
-    do {
-      stream.next_out = reinterpret_cast<Bytef*>(piece.data());
-      stream.avail_out = static_cast<uInt>(kPiece);
-      state = deflate(&stream, count == bytes.size() ? Z_FINISH : Z_NO_FLUSH);
-      packed.append(piece, 0, kPiece - stream.avail_out);
-    } while (stream.avail_out == 0);
-    bytes.remove_prefix(count);
-  }
-  deflateEnd(&stream);
-  return packed;
+  return packed.substr(kHeader, size - kHeader - kCheckSum);
 }
 
 // A zip archive. [PKWARE, .ZIP file format specification 6.3]

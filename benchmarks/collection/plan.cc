@@ -169,33 +169,27 @@ Tier Sequences() {
   return tier;
 }
 
-void AddFormula(std::string_view key, std::initializer_list<int> sizes, Tier* tier,
-                const std::vector<std::vector<Change>>& changes = kUnchanged,
-                const std::vector<std::uint64_t>& seeds = {1}) {
-  Add({key}, sizes, changes, tier, seeds);
-}
-
 Tier Literature() {
   Tier tier{"literature", "What others published: problems by formulas of 10 to 10^6 rows, and literal ones.", true,
             true};
   tier.version = "3.0.0";
   tier.has_literals = true;
   const auto grid = [&tier](std::string_view key, const char* parameter, std::initializer_list<double> amounts) {
-    AddFormula(key, {100, 1024, 10'000, 99'856, 1'000'000}, &tier);
+    Add({key}, {100, 1024, 10'000, 99'856, 1'000'000}, kUnchanged, &tier);
     std::vector<std::vector<Change>> changes;
     for (const double amount : amounts) changes.push_back({{parameter, amount}});
-    AddFormula(key, {100, 1024, 10'000}, &tier, changes);
+    Add({key}, {100, 1024, 10'000}, changes, &tier);
   };
   grid("obstacle", "load", {-20, -5, 0});
   grid("torsion", "angle", {10, 20});
   grid("journal-bearing", "eccentricity", {0.3, 0.5, 0.9});
   grid("block-tridiagonal", "shift", {0});
-  AddFormula("biggsb1", {100, 1000, 10'000, 1'000'000}, &tier);
-  AddFormula("chen-harker", {100, 1000, 10'000, 100'000}, &tier);
-  AddFormula("fathi", {8, 16, 32, 64, 128, 256}, &tier);
-  AddFormula("hilbert", {5, 8, 12, 16, 20}, &tier);
-  AddFormula("harker-pang", {10, 30, 100, 200, 400, 1000}, &tier);
-  AddFormula("harker-pang", {10, 30, 100, 200}, &tier, kUnchanged, {2});
+  Add({"biggsb1"}, {100, 1000, 10'000, 1'000'000}, kUnchanged, &tier);
+  Add({"chen-harker"}, {100, 1000, 10'000, 100'000}, kUnchanged, &tier);
+  Add({"fathi"}, {8, 16, 32, 64, 128, 256}, kUnchanged, &tier);
+  Add({"hilbert"}, {5, 8, 12, 16, 20}, kUnchanged, &tier);
+  Add({"harker-pang"}, {10, 30, 100, 200, 400, 1000}, kUnchanged, &tier);
+  Add({"harker-pang"}, {10, 30, 100, 200}, kUnchanged, &tier, {2});
   return tier;
 }
 
@@ -205,14 +199,14 @@ Tier Nonsymmetric() {
             false, true};
   tier.version = "3.0.0";
   tier.has_literals = true;
-  AddFormula("murty", {8, 32, 128, 512}, &tier);
-  AddFormula("murty-lemke", {8, 16, 32, 50}, &tier);
-  AddFormula("csizmadia", {10, 30, 50}, &tier);
-  AddFormula("block-tridiagonal-skew", {100, 1024, 10'000}, &tier, {{}, {{"shift", 0}}});
-  AddFormula("harker-pang-skew", {8, 10, 30, 100}, &tier, kUnchanged, {1, 2});
-  AddFormula("clique", {6, 20, 100}, &tier);
-  AddFormula("knapsack", {8, 12, 40}, &tier);
-  AddFormula("knapsack", {8, 12}, &tier, {{{"solvable", 0}}});
+  Add({"murty"}, {8, 32, 128, 512}, kUnchanged, &tier);
+  Add({"murty-lemke"}, {8, 16, 32, 50}, kUnchanged, &tier);
+  Add({"csizmadia"}, {10, 30, 50}, kUnchanged, &tier);
+  Add({"block-tridiagonal-skew"}, {100, 1024, 10'000}, {{}, {{"shift", 0}}}, &tier);
+  Add({"harker-pang-skew"}, {8, 10, 30, 100}, kUnchanged, &tier, {1, 2});
+  Add({"clique"}, {6, 20, 100}, kUnchanged, &tier);
+  Add({"knapsack"}, {8, 12, 40}, kUnchanged, &tier);
+  Add({"knapsack"}, {8, 12}, {{{"solvable", 0}}}, &tier);
   return tier;
 }
 

@@ -1,12 +1,13 @@
 #include "benchmarks/collection/problem_formats.h"
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
+#include <cstddef>
 #include <iostream>
 #include <limits>
 #include <set>
 #include <utility>
 
-#include "benchmarks/collection/each_line.h"
 #include "benchmarks/collection/npz_file.h"
 #include "solvers/io/fclib_file.h"
 #include "solvers/io/file_ending.h"
@@ -15,7 +16,9 @@
 #include "solvers/io/qps_text.h"
 #include "solvers/io/siconos_text.h"
 #include "solvers/io/text_words.h"
+#include "support/exit_status.h"
 #include "support/input_error.h"
+#include "support/json_field.h"
 #include "support/printable.h"
 
 namespace lcpbench {
@@ -43,6 +46,37 @@ const std::vector<ProblemFormat>& Formats() {
   return formats;
 }
 
+void Tell(const std::string& text) { std::cerr << "lcpbench: " << Printable(text) << std::endl; }
+
+// Runs `act`; an InputError becomes one line on standard error. @return 0, or 2 then
+int TellRefusal(const std::function<void()>& act) {
+  try {
+    act();
+    return 0;
+  } catch (const InputError& error) {
+    Tell(error.what());
+    return kMisuse;
+  }
+}
+
+// What is refused of one file.
+class Refusals {
+ public:
+  void Add(const std::string& text, const std::string& where) {
+    constexpr std::size_t kMostTold = 10;
+    const std::string reason = text.starts_with(where) ? text.substr(where.size()) : text;
+    if (reasons_.size() < kMostTold && reasons_.insert(reason).second) return Tell(text);
+    ++untold_;
+  }
+  void Close(const std::string& path) const {
+    if (untold_ > 0) Tell((path == "-" ? "<stdin>" : path) + ": and " + std::to_string(untold_) + " more");
+  }
+
+ private:
+  std::set<std::string> reasons_;
+  int untold_ = 0;
+};
+
 // With (A + A^T) / 2, symmetric bit for bit, of a problem without factors. Nothing else is proved of it any more.
 LcpProblem Symmetrized(const LcpProblem& problem) {
   MatrixFacts facts;
@@ -57,46 +91,10 @@ LcpProblem Symmetrized(const LcpProblem& problem) {
   return LcpProblem::FromSparse(problem.id(), 0.5 * A + 0.5 * turned, problem.b(), problem.bounds(), facts);
 }
 
-// Makes matrices symmetric that nearly are, and tells of how many.
-class Symmetrizer {
- public:
-  explicit Symmetrizer(std::optional<double> bound) : bound_(bound) {}
-
-  void Take(LcpRecord* record) {
-    const double asymmetry = bound_ ? record->problem.Asymmetry() : 0;
-    if (asymmetry == 0) return;
-    if (asymmetry > *bound_) {
-      ++left_;
-      least_left_ = std::min(least_left_, asymmetry);
-      return;
-    }
-    // What is known of the answer is known of the other matrix.
-    *record = {
-        Symmetrized(record->problem), {}, record->category, std::max(asymmetry, record->symmetrized.value_or(0))};
-    ++made_;
-    most_made_ = std::max(most_made_, asymmetry);
-  }
-  // In one line on standard error.
-  void Tell() const {
-    if (made_ > 0) std::cerr << "symmetrized: " << made_ << ", of an asymmetry of at most " << most_made_;
-    if (left_ > 0) {
-      std::cerr << (made_ > 0 ? "; " : "") << "left as they are: " << left_ << ", of an asymmetry of at least "
-                << least_left_;
-    }
-    if (made_ + left_ > 0) std::cerr << std::endl;
-  }
-
- private:
-  std::optional<double> bound_;
-  int made_ = 0, left_ = 0;
-  double most_made_ = 0, least_left_ = std::numeric_limits<double>::infinity();
-};
-
-// Symmetrizes problems that are read, and reports on them.
+// Hands problems that are read to a handler, those that nearly are symmetric made so, and tells of what was done.
 class Taker {
  public:
-  Taker(const ReadingOptions& options, const PlacedProblemHandler& handle)
-      : options_(options), handle_(handle), symmetrizer_(options.symmetrize) {}
+  Taker(const ReadingOptions& options, const PlacedProblemHandler& handle) : options_(options), handle_(handle) {}
 
   std::function<void(const std::string& line, const std::string& where)> OfLines() {
     return [this](const std::string& line, const std::string& where) {
@@ -110,24 +108,41 @@ class Taker {
   // Names the unknown members of the file that was read last, in one line on standard error.
   void TellUnknownMembers(const std::string& path) {
     if (unknown_.empty()) return;
-    std::string names;
-    for (const std::string& name : unknown_) names += (names.empty() ? "'" : ", '") + name + "'";
     std::cerr << "lcpbench: " << Printable(path == "-" ? "<stdin>" : path)
-              << ": warning: ignored members that no problem has: " << names << std::endl;
+              << ": warning: ignored members that no problem has: '" << boost::algorithm::join(unknown_, "', '") << "'"
+              << std::endl;
     unknown_.clear();
   }
-  void TellSymmetrized() const { symmetrizer_.Tell(); }
+  // How many were made symmetric, in one line on standard error.
+  void TellSymmetrized() const {
+    if (made_ > 0) std::cerr << "symmetrized: " << made_ << ", of an asymmetry of at most " << most_made_;
+    if (left_ > 0) {
+      std::cerr << (made_ > 0 ? "; " : "") << "left as they are: " << left_ << ", of an asymmetry of at least "
+                << least_left_;
+    }
+    if (made_ + left_ > 0) std::cerr << std::endl;
+  }
 
  private:
   void Take(LcpRecord record, const std::string& where, const std::string& line) {
-    symmetrizer_.Take(&record);
+    const double asymmetry = options_.symmetrize ? record.problem.Asymmetry() : 0;
+    if (asymmetry > options_.symmetrize.value_or(0)) {
+      ++left_;
+      least_left_ = std::min(least_left_, asymmetry);
+    } else if (asymmetry > 0) {
+      // What is known of the answer is known of the other matrix.
+      record = {Symmetrized(record.problem), {}, record.category, std::max(asymmetry, record.symmetrized.value_or(0))};
+      ++made_;
+      most_made_ = std::max(most_made_, asymmetry);
+    }
     handle_(record, where, line);
   }
 
   const ReadingOptions& options_;
   const PlacedProblemHandler& handle_;
-  Symmetrizer symmetrizer_;
   std::set<std::string> unknown_;
+  int made_ = 0, left_ = 0;
+  double most_made_ = 0, least_left_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace
@@ -149,18 +164,44 @@ const ProblemFormat& UsableFormatOfFile(const std::string& path) {
 }
 
 const ProblemFormat& FormatNamed(const std::string& name) {
-  std::string names;
+  std::vector<std::string> names;
   for (const ProblemFormat& format : Formats()) {
     if (name == format.name) return format;
-    names += (names.empty() ? "" : ", ") + std::string(format.name);
+    names.emplace_back(format.name);
   }
-  throw InputError("expected a format of " + names + ", found '" + name + "'");
+  throw InputError("expected a format of " + boost::algorithm::join(names, ", ") + ", found '" + name + "'");
 }
 
 LcpProblem ReadProblemFile(const std::string& path, const ReadingOptions& options) {
   const ProblemFormat& format = UsableFormatOfFile(path);
   if (format.read == nullptr) throw InputError(path + ": files of " + format.name + " can be written, but not read");
   return format.read(path, options);
+}
+
+int ForEachLine(const std::vector<std::string>& files,
+                const std::function<void(const std::string& line, const std::string& where)>& handle) {
+  int status = 0;
+  for (const std::string& path : files) {
+    Refusals refusals;
+    bool is_first = true;
+    status |= TellRefusal([&] {
+      ReadEachLine(path, [&](const std::string& line, const std::string& where) {
+        try {
+          handle(line, where);
+        } catch (const NotJsonError& error) {
+          if (is_first) throw InputError(error.what() + std::string("; expected JSON lines, an object on each"));
+          refusals.Add(error.what(), where);
+          status |= kMisuse;
+        } catch (const InputError& error) {
+          refusals.Add(error.what(), where);
+          status |= kMisuse;
+        }
+        is_first = false;
+      });
+    });
+    refusals.Close(path);
+  }
+  return status;
 }
 
 int ForEachProblem(const std::vector<std::string>& files, const ReadingOptions& options,

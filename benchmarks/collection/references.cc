@@ -61,6 +61,42 @@ double LoadScale(const LcpProblem& problem) {
 
 // ----- proved answers
 
+// The line of the file of references, as far as all lines begin alike.
+Json LineOf(const LcpProblem& problem, const ReferenceSummary& reference) {
+  return {{"id", problem.id()}, {"kind", reference.kind}, {"status", reference.status}};
+}
+
+// @param w_unique  none: nothing is said of it, for A is positive semidefinite
+void WriteSolved(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w,
+                 std::optional<bool> f_unique, std::optional<bool> w_unique, const char* name_of_f,
+                 Examined* examined) {
+  // Doubles of exact zeros are zeros, and of nothing else in the range of these numbers.
+  examined->entry.answer = MeasureAnswer(problem, f, w, 0);
+  ReferenceSummary& reference = examined->entry.reference;
+  reference.kind = "certified";
+  reference.status = "solved";
+  reference.f_unique = f_unique;
+  // f + w > 0 everywhere is the property itself; where it fails, only a unique f says that no other f has it.
+  const bool is_strict = examined->entry.answer->degenerate == 0;
+  if (is_strict || f_unique.value_or(false)) reference.strictly_complementary = is_strict;
+  Json line = LineOf(problem, reference);
+  line["f_unique"] = f_unique ? Json(*f_unique) : Json(nullptr);
+  if (w_unique) line["w_unique"] = *w_unique;
+  line["w"] = ToJson(w);
+  line[name_of_f] = ToJson(f);
+  examined->reference_line = line.dump();
+}
+
+// @param ray  none: proved by enumeration
+void WriteInfeasible(const LcpProblem& problem, const std::optional<Eigen::VectorXd>& ray, Examined* examined) {
+  ReferenceSummary& reference = examined->entry.reference;
+  reference.kind = "certified";
+  reference.status = "infeasible";
+  Json line = LineOf(problem, reference);
+  if (ray) line["ray"] = ToJson(*ray);
+  examined->reference_line = line.dump();
+}
+
 // True where one is known; then it is written into `examined`.
 bool Certify(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
   ExactOptions exact_options;
@@ -72,61 +108,27 @@ bool Certify(const LcpProblem& problem, const ExamineOptions& options, Examined*
   const bool solved = answer.status == ExactAnswer::Status::kSolved;
   const bool infeasible = answer.status == ExactAnswer::Status::kInfeasible;
   if (!(solved || infeasible) || !FindFault(exact, answer).empty()) return false;
-
-  ReferenceSummary& reference = examined->entry.reference;
-  reference.kind = "certified";
-  reference.status = ToString(answer.status);
-  Json line = {{"id", problem.id()}, {"kind", reference.kind}, {"status", reference.status}};
   if (infeasible) {
-    line["ray"] = ToJson(ToDoubles(answer.ray));
-  } else {
-    const bool least_norm = !answer.f_least_norm.empty();
-    const Eigen::VectorXd w = ToDoubles(answer.w);
-    const Eigen::VectorXd f = ToDoubles(least_norm ? answer.f_least_norm : answer.f);
-    // Doubles of exact zeros are zeros, and of nothing else in the range of these numbers.
-    examined->entry.answer = MeasureAnswer(problem, f, w, 0);
-    reference.f_unique = answer.f_unique;
-    reference.nullity_on_active = answer.nullity_on_active;
-    // f + w > 0 everywhere is the property itself; where it fails, only a unique f says that no other f has it.
-    if (examined->entry.answer->degenerate == 0) {
-      reference.strictly_complementary = true;
-    } else if (answer.f_unique.has_value() && *answer.f_unique) {
-      reference.strictly_complementary = false;
-    }
-    if (!least_norm) reference.detail = answer.detail;
-    line["f_unique"] = reference.f_unique.has_value() ? Json(*reference.f_unique) : Json(nullptr);
-    line["w"] = ToJson(w);
-    line[least_norm ? "f_minnorm" : "f"] = ToJson(f);
+    WriteInfeasible(problem, ToDoubles(answer.ray), examined);
+    return true;
   }
-  examined->reference_line = line.dump();
+  const bool least_norm = !answer.f_least_norm.empty();
+  WriteSolved(problem, ToDoubles(least_norm ? answer.f_least_norm : answer.f), ToDoubles(answer.w), answer.f_unique, {},
+              least_norm ? "f_minnorm" : "f", examined);
+  examined->entry.reference.nullity_on_active = answer.nullity_on_active;
+  if (!least_norm) examined->entry.reference.detail = answer.detail;
   return true;
 }
 
 // An answer of a problem with any A, proved by its gaps alone. Where there may be others, w is of this one only.
 void WriteProved(const LcpProblem& problem, const std::vector<Rational>& f, const std::vector<Rational>& w,
                  std::optional<bool> f_unique, const ExamineOptions& options, Examined* examined) {
-  const Eigen::VectorXd f_double = ToDoubles(f);
-  const Eigen::VectorXd w_double = ToDoubles(w);
-  examined->entry.answer = MeasureAnswer(problem, f_double, w_double, 0);
-  ReferenceSummary& reference = examined->entry.reference;
-  if (problem.size() > options.bounded_up_to) {
-    reference.detail = "none above " + std::to_string(options.bounded_up_to) + " rows";
-    return;
-  }
-  reference.kind = "certified";
-  reference.status = "solved";
-  reference.f_unique = f_unique;
-  if (examined->entry.answer->degenerate == 0) {
-    reference.strictly_complementary = true;
-  } else if (f_unique.value_or(false)) {
-    reference.strictly_complementary = false;
-  }
   const bool w_unique = problem.facts().positive_semidefinite || f_unique.value_or(false);
-  examined->reference_line = Json{
-      {"id", problem.id()},         {"kind", reference.kind},
-      {"status", reference.status}, {"f_unique", f_unique ? Json(*f_unique) : Json(nullptr)},
-      {"w_unique", w_unique},       {"w", ToJson(w_double)},
-      {"f", ToJson(f_double)}}.dump();
+  WriteSolved(problem, ToDoubles(f), ToDoubles(w), f_unique, w_unique, "f", examined);
+  if (problem.size() <= options.bounded_up_to) return;
+  examined->entry.reference = {};
+  examined->entry.reference.detail = "none above " + std::to_string(options.bounded_up_to) + " rows";
+  examined->reference_line.clear();
 }
 
 // An answer that is known in advance.
@@ -159,11 +161,8 @@ void Enumerate(const LcpProblem& problem, const ExamineOptions& options, Examine
       return;
     }
     case LcpReference::Status::kInfeasible:
-      reference.kind = "certified";
-      reference.status = "infeasible";
+      WriteInfeasible(problem, {}, examined);
       reference.detail = answer.detail;
-      examined->reference_line =
-          Json{{"id", problem.id()}, {"kind", reference.kind}, {"status", reference.status}}.dump();
       return;
     case LcpReference::Status::kUnknown:
       reference.detail = answer.detail;
@@ -222,15 +221,13 @@ void Write(const LcpProblem& problem, const BoundedReference& bounded, Examined*
     constexpr double kNegligible = 1e-12;
     examined->entry.answer = MeasureAnswer(problem, f, bounded.w, kNegligible * LoadScale(problem));
   }
-  const Json line = {{"id", problem.id()},
-                     {"kind", reference.kind},
-                     {"status", reference.status},
-                     {"proof", reference.proof},
-                     {"energy_bound", bounded.energy_bound},
-                     {"energy_shift", bounded.energy_shift},
-                     {"w_bound", bounded.w_bound},
-                     {"w", ToJson(bounded.w)},
-                     {"f", ToJson(f)}};
+  Json line = LineOf(problem, reference);
+  line["proof"] = reference.proof;
+  line["energy_bound"] = bounded.energy_bound;
+  line["energy_shift"] = bounded.energy_shift;
+  line["w_bound"] = bounded.w_bound;
+  line["w"] = ToJson(bounded.w);
+  line["f"] = ToJson(f);
   examined->reference_line = line.dump();
 }
 

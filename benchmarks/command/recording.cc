@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "benchmarks/collection/each_line.h"
+#include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/collection/recording.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"

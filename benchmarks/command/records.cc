@@ -1,6 +1,6 @@
 #include <iostream>
 
-#include "benchmarks/collection/each_line.h"
+#include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/command/commands.h"
 #include "model/records/records.h"
 #include "model/records/replay.h"

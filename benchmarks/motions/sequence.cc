@@ -13,20 +13,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json FiniteOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json FiniteOrNull(const Eigen::VectorXd& values) {
-  Json numbers = Json::array();
-  for (const double value : values) numbers.push_back(FiniteOrNull(value));
-  return numbers;
-}
-
+// What is not finite is written as null.
 Json Describe(const Verdict& verdict) {
   Json judged;
   judged["passes"] = verdict.passes;
   judged["best_tier"] = verdict.best_tier > 0 ? Json(verdict.best_tier) : Json(nullptr);
-  judged["rho"] = FiniteOrNull(verdict.metrics.rho);
-  judged["backward_error"] = FiniteOrNull(verdict.metrics.backward_error);
+  judged["rho"] = verdict.metrics.rho;
+  judged["backward_error"] = verdict.metrics.backward_error;
   judged["false_success"] = verdict.false_success;
   judged["reason"] = verdict.reason;
   if (verdict.farkas) {
@@ -108,8 +101,8 @@ void SequenceWriter::Write(const MotionProblem& met) {
   motion["detail"] = met.result.detail;
 
   if (contents_.with_forces) {
-    motion["f"] = FiniteOrNull(met.result.f);
-    motion["w"] = FiniteOrNull(verdict.metrics.w);
+    motion["f"] = std::vector<double>(met.result.f.begin(), met.result.f.end());
+    motion["w"] = std::vector<double>(verdict.metrics.w.begin(), verdict.metrics.w.end());
   }
 
   std::string id = met.problem.id() + "-step" + std::to_string(step_);

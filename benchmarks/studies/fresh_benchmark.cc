@@ -163,7 +163,9 @@ class Study {
           Class{planned[begin].size_class, begin, end, FreshStream(&problems_, begin, end, plan_, tier_)}));
       begin = end;
     }
-    for (const auto& one : classes_) Register(one.get());
+    for (const auto& one : classes_) {
+      for (const std::string& origin : Origins()) AddGroup(one.get(), origin);
+    }
   }
 
   // Asks Google Benchmark which names are chosen, then runs them. @return whether there were any
@@ -177,16 +179,19 @@ class Study {
   }
 
   // What was run, by origin.
-  std::vector<FreshGroup> Groups() const {
-    std::vector<FreshGroup> groups;
+  std::vector<FreshGroup> Measured() const {
+    std::vector<FreshGroup> measured;
     for (const std::string& origin : Origins()) {
-      for (const auto& one : classes_) {
-        if (!one->is_measured) continue;
-        FreshGroup group = GroupOf(*one, origin);
-        if (!group.weights.empty()) groups.push_back(std::move(group));
+      for (const Group& group : groups_) {
+        if (group.origin != origin || !group.of->is_measured) continue;
+        FreshGroup& one = measured.emplace_back(FreshGroup{origin, std::string(group.of->size_class->key), {}, {}});
+        one.weights = group.weights;
+        for (const auto& contestant : contestants_) {
+          if (IsChosen(*group.of, *contestant)) one.solvers.push_back(TimesOf(group, *contestant));
+        }
       }
     }
-    return groups;
+    return measured;
   }
 
   void TellContestants(std::ostream& out) const {
@@ -205,6 +210,14 @@ class Study {
     FreshStream stream;
     int rounds = 0;  // of Measure
     bool is_measured = false;
+  };
+
+  // The problems of a class and an origin, by their places in the class's stream.
+  struct Group {
+    Class* of;
+    std::string origin;
+    std::vector<std::size_t> places;
+    std::vector<double> weights;
   };
 
   // Sees which benchmarks would run.
@@ -233,65 +246,45 @@ class Study {
     return origins;
   }
 
-  std::vector<std::size_t> PlacesOf(const Class& of, const std::string& origin) const {
-    std::vector<std::size_t> places;
-    for (std::size_t k = of.begin; k < of.end; ++k) {
-      const bool is_of = origin == kAllOrigins || OriginGroup(problems_.planned()[k].entry->origin) == origin;
-      if (is_of) places.push_back(k - of.begin);
-    }
-    return places;
-  }
-
-  std::vector<double> WeightsOf(const Class& of, const std::vector<std::size_t>& places) const {
-    std::vector<double> weights;
-    weights.reserve(places.size());
-    for (const std::size_t place : places) weights.push_back(problems_.planned()[of.begin + place].weight);
-    return weights;
-  }
-
-  static FreshTimes TimesOf(const Class& of, const Contestant& contestant, const std::vector<std::size_t>& places) {
+  static FreshTimes TimesOf(const Group& group, const Contestant& contestant) {
     FreshTimes times{contestant.key(), contestant.is_own(), {}};
-    const std::vector<double> all = of.stream.Seconds(contestant);
-    times.seconds.reserve(places.size());
-    for (const std::size_t place : places) times.seconds.push_back(all[place]);
+    const std::vector<double> all = group.of->stream.Seconds(contestant);
+    for (const std::size_t place : group.places) times.seconds.push_back(all[place]);
     return times;
-  }
-
-  FreshGroup GroupOf(const Class& of, const std::string& origin) const {
-    const std::vector<std::size_t> places = PlacesOf(of, origin);
-    FreshGroup group{origin, std::string(of.size_class->key), WeightsOf(of, places), {}};
-    for (const auto& contestant : contestants_) {
-      if (!IsChosen(of, *contestant)) continue;
-      group.solvers.push_back(TimesOf(of, *contestant, places));
-    }
-    return group;
   }
 
   bool IsChosen(const Class& of, const Contestant& contestant) const { return chosen_.count({&of, &contestant}) > 0; }
 
-  void Register(Class* of) {
-    for (const std::string& origin : Origins()) {
-      const std::vector<std::size_t> places = PlacesOf(*of, origin);
-      if (places.empty() || origin == kAllOrigins) continue;
-      for (const auto& contestant : contestants_) {
-        const std::string name = "fresh/" + std::string(of->size_class->key) + "/" + origin + "/" + contestant->key();
-        const auto run = [this, of, origin, places, who = contestant.get(),
-                          calls = 0](benchmark::State& state) mutable { Report(of, *who, places, &calls, state); };
-        benchmark::RegisterBenchmark(name.c_str(), run)->Iterations(1)->UseManualTime()->Unit(benchmark::kMicrosecond);
-      }
+  // With a benchmark for each contestant, where it is not all origins together.
+  void AddGroup(Class* of, const std::string& origin) {
+    Group group{of, origin, {}, {}};
+    for (std::size_t k = of->begin; k < of->end; ++k) {
+      const PlannedProblem& problem = problems_.planned()[k];
+      if (origin != kAllOrigins && OriginGroup(problem.entry->origin) != origin) continue;
+      group.places.push_back(k - of->begin);
+      group.weights.push_back(problem.weight);
+    }
+    if (group.places.empty()) return;
+    groups_.push_back(group);
+    if (origin == kAllOrigins) return;
+    for (const auto& contestant : contestants_) {
+      const std::string name = "fresh/" + std::string(of->size_class->key) + "/" + origin + "/" + contestant->key();
+      const auto run = [this, group, who = contestant.get(), calls = 0](benchmark::State& state) mutable {
+        Report(group, *who, &calls, state);
+      };
+      benchmark::RegisterBenchmark(name.c_str(), run)->Iterations(1)->UseManualTime()->Unit(benchmark::kMicrosecond);
     }
   }
 
   // @param calls  of this benchmark, one a repetition
-  void Report(Class* of, const Contestant& contestant, const std::vector<std::size_t>& places, int* calls,
-              benchmark::State& state) {
+  void Report(const Group& group, const Contestant& contestant, int* calls, benchmark::State& state) {
     if (is_rehearsal_) {
-      chosen_.insert({of, &contestant});
+      chosen_.insert({group.of, &contestant});
       state.SkipWithError("not run yet");
       return;
     }
-    if (++*calls > of->rounds) Measure(of);
-    const FreshSummary summary = Summarize(TimesOf(*of, contestant, places), WeightsOf(*of, places));
+    if (++*calls > group.of->rounds) Measure(group.of);
+    const FreshSummary summary = Summarize(TimesOf(group, contestant), group.weights);
     if (!std::isfinite(summary.median_s)) {
       state.SkipWithError(summary.problems == 0 ? "had no turn" : "not right on half");
       return;
@@ -323,6 +316,7 @@ class Study {
   std::vector<std::unique_ptr<Contestant>> contestants_;
   FreshProblems problems_;
   std::vector<std::unique_ptr<Class>> classes_;
+  std::vector<Group> groups_;  // by class
   bool is_rehearsal_ = false;
   std::set<std::pair<const Class*, const Contestant*>> chosen_;
 };
@@ -353,7 +347,7 @@ int Main(int argc, char** argv) {
   if (!study.Run()) return 0;
   std::ostringstream text;
   study.TellContestants(text);
-  WriteFreshTables(study.Groups(), text);
+  WriteFreshTables(study.Measured(), text);
   if (!options.table.empty()) {
     WriteTextFile(options.table, text.str());
     return 0;

@@ -77,51 +77,52 @@ class WorkerSolver : public Contestant {
   bool has_stream_ = false;
 };
 
+using SolveRows = std::function<void(const StepRows& rows, const LcpOptions& options, LcpResult* result)>;
+
+StepArrays StepOf(const LcpProblem& problem) {
+  if (problem.has_factors() && problem.has_two_body_rows()) return StepArrays::Of(problem);
+  throw InputError("problem '" + problem.id() +
+                   "' has rows on more than two bodies, or A itself: --from rows needs J by bodies");
+}
+
 // The steps of a stream as an engine's arrays hold them: made of its problems once, off the clock. Which one is wanted
 // is known by the address of its arrays in the stream.
 class StepStream {
  public:
   void Forget() { stream_ = {}; }
-  void Take(std::span<const ProblemArrays> stream) {
-    if (stream.data() == stream_.data() && stream.size() == stream_.size()) return;
-    stream_ = stream;
-    steps_.clear();
-    for (const ProblemArrays& arrays : stream) steps_.push_back(StepOf(LcpProblem::FromArrays(arrays)));
-  }
-  StepRows RowsOf(const ProblemArrays& arrays) const {
-    return steps_[static_cast<std::size_t>(&arrays - stream_.data())].View();
-  }
-
-  static StepArrays StepOf(const LcpProblem& problem) {
-    if (problem.has_factors() && problem.has_two_body_rows()) return StepArrays::Of(problem);
-    throw InputError("problem '" + problem.id() +
-                     "' has rows on more than two bodies, or A itself: --from rows needs J by bodies");
+  PassReply Run(std::span<const ProblemArrays> stream, const PassRequest& request, const SolveRows& solve) {
+    if (stream.data() != stream_.data() || stream.size() != stream_.size()) {
+      stream_ = stream;
+      steps_.clear();
+      for (const ProblemArrays& arrays : stream) steps_.push_back(StepOf(LcpProblem::FromArrays(arrays)));
+    }
+    return RunPass([&] { return std::make_unique<Timed>(*this, solve); }, stream, request);
   }
 
  private:
+  // What RunPass times.
+  class Timed final : public LcpSolver {
+   public:
+    Timed(const StepStream& steps, const SolveRows& solve) : steps_(steps), solve_(solve) {}
+
+   protected:
+    void DoPrepare(const LcpProblem& /*problem*/) override {}
+    void DoSolve(const LcpProblem& /*problem*/, const LcpOptions& /*options*/, LcpResult* /*result*/) override {
+      throw std::logic_error("rows are solved from arrays");
+    }
+    bool DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) override {
+      const auto place = static_cast<std::size_t>(&arrays - steps_.stream_.data());
+      solve_(steps_.steps_[place].View(), options, result);
+      return true;
+    }
+
+   private:
+    const StepStream& steps_;
+    const SolveRows& solve_;
+  };
+
   std::span<const ProblemArrays> stream_;
   std::vector<StepArrays> steps_;
-};
-
-// What RunPass times.
-class RowsSolver final : public LcpSolver {
- public:
-  using SolveRows = std::function<void(const StepRows& rows, const LcpOptions& options, LcpResult* result)>;
-  RowsSolver(const StepStream& stream, SolveRows solve) : stream_(stream), solve_(std::move(solve)) {}
-
- protected:
-  void DoPrepare(const LcpProblem& /*problem*/) override {}
-  void DoSolve(const LcpProblem& /*problem*/, const LcpOptions& /*options*/, LcpResult* /*result*/) override {
-    throw std::logic_error("rows are solved from arrays");
-  }
-  bool DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) override {
-    solve_(stream_.RowsOf(arrays), options, result);
-    return true;
-  }
-
- private:
-  const StepStream& stream_;
-  SolveRows solve_;
 };
 
 class StepContestant final : public Contestant {
@@ -133,8 +134,8 @@ class StepContestant final : public Contestant {
                   double* seconds) override {
     LcpResult result;
     result.f.setZero(problem.size());
-    const StepArrays step = StepStream::StepOf(problem);
-    StepSolver solver(OptionsOf(options.tolerance, options.time_limit_s));
+    const StepArrays step = StepOf(problem);
+    StepSolver solver({.tolerance = options.tolerance, .time_limit_s = options.time_limit_s});
     const double start = SteadyNow();
     result.status = solver.Solve(step.View(), nullptr, result.f.data()).status;
     *seconds = SteadyNow() - start;
@@ -142,20 +143,14 @@ class StepContestant final : public Contestant {
   }
   void BeginStream() override { stream_.Forget(); }
   PassReply Pass(std::span<const ProblemArrays> stream, const PassRequest& request) override {
-    stream_.Take(stream);
-    const auto solver = std::make_shared<StepSolver>(OptionsOf(request.tolerance, request.time_limit_s));
-    const auto solve = [solver](const StepRows& rows, const LcpOptions& /*options*/, LcpResult* result) {
+    StepSolver solver({.tolerance = request.tolerance, .time_limit_s = request.time_limit_s});
+    return stream_.Run(stream, request, [&](const StepRows& rows, const LcpOptions& /*options*/, LcpResult* result) {
       result->f.resize(rows.rows);
-      result->status = solver->Solve(rows, nullptr, result->f.data()).status;
-    };
-    return RunPass([&] { return std::make_unique<RowsSolver>(stream_, solve); }, stream, request);
+      result->status = solver.Solve(rows, nullptr, result->f.data()).status;
+    });
   }
 
  private:
-  static StepOptions OptionsOf(double tolerance, double time_limit_s) {
-    return {.tolerance = tolerance, .time_limit_s = time_limit_s};
-  }
-
   StepStream stream_;
 };
 
@@ -192,13 +187,11 @@ class LinkedPeerOfRows final : public LinkedPeer {
 
   void BeginStream() override { stream_.Forget(); }
   PassReply Pass(std::span<const ProblemArrays> stream, const PassRequest& request) override {
-    stream_.Take(stream);
-    const std::shared_ptr<LcpSolver> solver = MakeLinked();
+    const std::unique_ptr<LcpSolver> solver = MakeLinked();
     auto* const peer = dynamic_cast<SolverOfRows*>(solver.get());
-    const auto solve = [solver, peer](const StepRows& rows, const LcpOptions& options, LcpResult* result) {
+    return stream_.Run(stream, request, [peer](const StepRows& rows, const LcpOptions& options, LcpResult* result) {
       peer->SolveRows(rows, options, result);
-    };
-    return RunPass([&] { return std::make_unique<RowsSolver>(stream_, solve); }, stream, request);
+    });
   }
 
  private:

@@ -45,12 +45,8 @@ struct Workload {
   // Within it a contact may lie.
   static BoundingBox BoxOf(const PlacedOutline& placed) {
     BoundingBox all = placed.boxes.front();
-    for (const BoundingBox& box : placed.boxes) {
-      all.lower = {std::min(all.lower.x, box.lower.x), std::min(all.lower.y, box.lower.y)};
-      all.upper = {std::max(all.upper.x, box.upper.x), std::max(all.upper.y, box.upper.y)};
-    }
-    const Vec2 around{kTolerance, kTolerance};
-    return {all.lower + placed.x - around, all.upper + placed.x + around};
+    for (const BoundingBox& box : placed.boxes) all = Union(all, box);
+    return Inflated(all, placed.x, kTolerance);
   }
 
   ContactSystem system;

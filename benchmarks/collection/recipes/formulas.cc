@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,18 +42,14 @@ LcpProblem Dense(Eigen::MatrixXd A, Eigen::VectorXd b, const MatrixFacts& facts)
   return LcpProblem::FromDense("", std::move(A), std::move(b), {}, OfRank(facts, n));
 }
 
+// Of formulas on square grids: checked by SideOf.
+constexpr std::pair kSquare{0, std::numeric_limits<int>::max()};
 int SideOf(int rows) {
   const int side = static_cast<int>(std::lround(std::sqrt(rows)));
   if (side < 2 || side * side != rows) {
     throw InputError("expected the square of a number >= 2 as rows, found " + std::to_string(rows));
   }
   return side;
-}
-
-void RequireRows(int rows, int least, int most) {
-  if (rows >= least && rows <= most) return;
-  throw InputError("expected " + std::to_string(least) + " to " + std::to_string(most) + " rows, found " +
-                   std::to_string(rows));
 }
 
 // A x, sums from left to right: the library's product may have another order, and other roundings.
@@ -157,7 +154,9 @@ FormulaProblem JournalBearing(int rows, double eccentricity, std::uint64_t /*see
 
 // The block tridiagonal matrix with S = tridiag(-1 - skew, 4 + shift, -1 + skew) and -(1 + skew) I, -(1 - skew) I
 // beside it, an M-matrix. f = (0, 1, 0, 1, ...), w = (1, 0, 1, 0, ...).
-FormulaProblem BlockTridiagonal(int rows, double shift, double skew) {
+template <bool is_skew>
+FormulaProblem BlockTridiagonal(int rows, double shift, std::uint64_t /*seed*/) {
+  constexpr double skew = is_skew ? 0.5 : 0;
   const int side = SideOf(rows);
   std::vector<Entry> entries;
   for (int i = 0; i < side; ++i) {
@@ -176,14 +175,8 @@ FormulaProblem BlockTridiagonal(int rows, double shift, double skew) {
   Eigen::VectorXd f(rows);
   for (int row = 0; row < rows; ++row) f[row] = row % 2;
   const Eigen::VectorXd b = Eigen::VectorXd::Ones(rows) - f - Product(entries, f);
-  return {Sparse(entries, b, skew == 0 ? kDefinite : kPMatrix), f};
+  return {Sparse(entries, b, is_skew ? kPMatrix : kDefinite), f};
 }
-
-FormulaProblem SymmetricBlocks(int rows, double shift, std::uint64_t /*seed*/) {
-  return BlockTridiagonal(rows, shift, 0);
-}
-
-FormulaProblem SkewBlocks(int rows, double shift, std::uint64_t /*seed*/) { return BlockTridiagonal(rows, shift, 0.5); }
 
 // ----- bound constrained quadratic programs in one dimension
 
@@ -191,7 +184,6 @@ FormulaProblem SkewBlocks(int rows, double shift, std::uint64_t /*seed*/) { retu
 // where all reach 0.9 but x_n = 0.95, which is free: f = 0.9 - x, row n bilateral. The objective is 0.015. w = f = 0 on
 // all rows but three: nothing is strictly complementary.
 FormulaProblem Biggsb1(int rows, double /*parameter*/, std::uint64_t /*seed*/) {
-  RequireRows(rows, 4, 1'000'000);
   std::vector<Entry> entries;
   for (int i = 0; i < rows; ++i) {
     entries.emplace_back(i, i, 4);
@@ -208,7 +200,6 @@ FormulaProblem Biggsb1(int rows, double /*parameter*/, std::uint64_t /*seed*/) {
 // The biharmonic stencil 1 -4 6 -4 1, whose condition grows as n^4. f = 1 on the first half, w = 0 on it and on the
 // next fifth, else 1.
 FormulaProblem ChenHarker(int rows, double /*parameter*/, std::uint64_t /*seed*/) {
-  RequireRows(rows, 10, 1'000'000);
   constexpr std::array kStencil{1.0, -4.0, 6.0, -4.0, 1.0};
   std::vector<Entry> entries;
   for (int i = 0; i < rows; ++i) {
@@ -246,13 +237,11 @@ Eigen::VectorXd Substitute(const Eigen::MatrixXd& L, const Eigen::VectorXd& b) {
 
 // L, 2 below the diagonal: Murty's principal pivoting takes 2^n - 1 steps from b = -(1, ..., 1).
 FormulaProblem Murty(int rows, double /*parameter*/, std::uint64_t /*seed*/) {
-  RequireRows(rows, 2, 4000);
   return {Dense(LowerTriangle(rows, 2), -Eigen::VectorXd::Ones(rows), kPMatrix), FirstUnit(rows)};
 }
 
 // The same L with b_i = -(2^(n+1) - 2^i): Lemke's method takes 2^n pivots with the covering vector of ones.
 FormulaProblem MurtyLemke(int rows, double /*parameter*/, std::uint64_t /*seed*/) {
-  RequireRows(rows, 2, 50);
   Eigen::VectorXd b(rows);
   for (int i = 0; i < rows; ++i) b[i] = std::ldexp(1, i + 1) - std::ldexp(1, rows + 1);
   const Eigen::MatrixXd L = LowerTriangle(rows, 2);
@@ -262,7 +251,6 @@ FormulaProblem MurtyLemke(int rows, double /*parameter*/, std::uint64_t /*seed*/
 
 // L L^T of Murty's L: symmetric positive definite, and both methods still take exponentially many steps.
 FormulaProblem Fathi(int rows, double /*parameter*/, std::uint64_t /*seed*/) {
-  RequireRows(rows, 2, 4000);
   Eigen::MatrixXd A(rows, rows);
   for (int i = 0; i < rows; ++i) {
     for (int j = 0; j < rows; ++j) A(i, j) = 4 * std::min(i, j) + (i == j ? 1 : 2);
@@ -272,7 +260,6 @@ FormulaProblem Fathi(int rows, double /*parameter*/, std::uint64_t /*seed*/) {
 
 // -1 below the diagonal: an M-matrix whose handicap grows as 4^n, which interior-point methods pay for. b alternates.
 FormulaProblem Csizmadia(int rows, double /*parameter*/, std::uint64_t /*seed*/) {
-  RequireRows(rows, 2, 50);
   Eigen::VectorXd b(rows);
   for (int i = 0; i < rows; ++i) b[i] = i % 3 == 2 ? std::ldexp(1, i) : -1;
   const Eigen::MatrixXd L = LowerTriangle(rows, -1);
@@ -280,9 +267,9 @@ FormulaProblem Csizmadia(int rows, double /*parameter*/, std::uint64_t /*seed*/)
   return {Dense(L, std::move(b), kPMatrix), std::move(f)};
 }
 
-// Hilbert's matrix 1 / (i + j - 1), in units that make it integer: times the least common multiple of 1 ... 2 n - 1.
+// Hilbert's matrix 1 / (i + j - 1), in units that make it integer: times the least common multiple of 1 ... 2 n - 1,
+// below 2^53 for 20 rows.
 FormulaProblem Hilbert(int rows, double /*parameter*/, std::uint64_t /*seed*/) {
-  RequireRows(rows, 2, 20);  // the multiple is below 2^53
   std::int64_t multiple = 1;
   for (std::int64_t k = 2; k < std::int64_t{2} * rows; ++k) {
     std::int64_t a = multiple;
@@ -301,15 +288,15 @@ FormulaProblem Hilbert(int rows, double /*parameter*/, std::uint64_t /*seed*/) {
 }
 
 // M^T M + B + D with entries of M in (-5, 5), B skew and D in (0, 0.3), b in (-500, 0): in integers, D in 64ths.
-FormulaProblem RandomDefinite(int rows, bool skew, std::uint64_t seed) {
-  RequireRows(rows, 2, 4000);
+template <bool is_skew>
+FormulaProblem RandomDefinite(int rows, double /*parameter*/, std::uint64_t seed) {
   constexpr int kMost = 5;
   Random random(seed);
   Eigen::MatrixXd M(rows, rows);
   for (Index k = 0; k < M.size(); ++k) M.data()[k] = random.Integer(-kMost, kMost);
   Eigen::MatrixXd A = M.transpose() * M;  // sums of integers: exact in any order
   for (int i = 0; i < rows; ++i) A(i, i) += random.Integer(1, 19) / 64.0;
-  for (int i = 0; skew && i < rows; ++i) {
+  for (int i = 0; is_skew && i < rows; ++i) {
     for (int j = 0; j < i; ++j) {
       const int value = random.Integer(-kMost, kMost);
       A(i, j) += value;
@@ -318,15 +305,7 @@ FormulaProblem RandomDefinite(int rows, bool skew, std::uint64_t seed) {
   }
   Eigen::VectorXd b(rows);
   for (double& value : b) value = -random.Integer(1, 499);
-  return {Dense(std::move(A), std::move(b), skew ? kPMatrix : kDefinite)};
-}
-
-FormulaProblem HarkerPang(int rows, double /*parameter*/, std::uint64_t seed) {
-  return RandomDefinite(rows, false, seed);
-}
-
-FormulaProblem HarkerPangSkew(int rows, double /*parameter*/, std::uint64_t seed) {
-  return RandomDefinite(rows, true, seed);
+  return {Dense(std::move(A), std::move(b), is_skew ? kPMatrix : kDefinite)};
 }
 
 // ----- neither semidefinite nor with one answer
@@ -334,7 +313,6 @@ FormulaProblem HarkerPangSkew(int rows, double /*parameter*/, std::uint64_t seed
 // 1 on the diagonal and 2 beside it: symmetric, indefinite and strictly copositive, so that Lemke's method ends with an
 // answer, one of 2^n - 1: f = 1 / (2 k - 1) on any k rows.
 FormulaProblem Clique(int rows, double /*parameter*/, std::uint64_t /*seed*/) {
-  RequireRows(rows, 2, 4000);
   Eigen::MatrixXd A = Eigen::MatrixXd::Constant(rows, rows, 2);
   A.diagonal().setOnes();
   const MatrixFacts symmetric{.symmetric = true, .positive_semidefinite = false, .rank = {}, .f_unique = false};
@@ -344,7 +322,6 @@ FormulaProblem Clique(int rows, double /*parameter*/, std::uint64_t /*seed*/) {
 // The knapsack  a.x = s, x_i in {0, 1},  of k = n - 2 weights as an LCP: f_i is 0 or a_i. NP-complete in general. With
 // `solvable` 0 all weights are even and s is odd: there is no answer.
 FormulaProblem Knapsack(int rows, double solvable, std::uint64_t seed) {
-  RequireRows(rows, 4, 400);
   if (solvable != 0 && solvable != 1) throw InputError("expected solvable 0 or 1, found " + NumberText(solvable));
   const int k = rows - 2;
   Random random(seed);
@@ -370,35 +347,35 @@ FormulaProblem Knapsack(int rows, double solvable, std::uint64_t seed) {
 }
 
 constexpr std::array kFormulas{
-    Formula{"obstacle", "Dembo, Tulowitzki, WP 71, Yale University, 1983, problem A; CUTE OBSTCLAE", "load", 1, -1e3,
-            1e3, &Obstacle},
-    Formula{"torsion", "More, Toraldo, SIAM J. Optim. 1 (1991) 93-113; MINPACK-2 DEPT; CUTE TORSION1-6", "angle", 5,
-            1e-3, 1e3, &Torsion},
+    Formula{"obstacle", "Dembo, Tulowitzki, WP 71, Yale University, 1983, problem A; CUTE OBSTCLAE", &Obstacle, kSquare,
+            "load", 1, -1e3, 1e3},
+    Formula{"torsion", "More, Toraldo, SIAM J. Optim. 1 (1991) 93-113; MINPACK-2 DEPT; CUTE TORSION1-6", &Torsion,
+            kSquare, "angle", 5, 1e-3, 1e3},
     Formula{"journal-bearing", "More, Toraldo, SIAM J. Optim. 1 (1991) 93-113; MINPACK-2 DPJB; CUTE JNLBRNG1-2",
-            "eccentricity", 0.1, 1e-3, 0.99, &JournalBearing},
-    Formula{"biggsb1", "Biggs, Hernandez: CUTE BIGGSB1", "", 0, 0, 0, &Biggsb1},
-    Formula{"chen-harker", "Chen, Harker, SIAM J. Matrix Anal. Appl. 14 (1993) 1168-1190; CUTE CHENHARK", "", 0, 0, 0,
-            &ChenHarker},
-    Formula{"block-tridiagonal", "Bai, Numer. Linear Algebra Appl. 17 (2010) 917-933, sec. 5", "shift", 4, 0, 1e3,
-            &SymmetricBlocks},
-    Formula{"fathi", "Fathi, Math. Program. 17 (1979) 335-344", "", 0, 0, 0, &Fathi},
-    Formula{"hilbert", "Hilbert, Acta Math. 18 (1894) 155-159", "", 0, 0, 0, &Hilbert},
-    Formula{"harker-pang", "Harker, Pang, Lect. Appl. Math. 26 (1990) 265-284, without its skew part", "", 0, 0, 0,
-            &HarkerPang},
-    Formula{"block-tridiagonal-skew", "Bai, Numer. Linear Algebra Appl. 17 (2010) 917-933, sec. 5", "shift", 4, 0, 1e3,
-            &SkewBlocks},
-    Formula{"murty", "Murty, Math. Program. Study 7 (1978) 61-73", "", 0, 0, 0, &Murty},
-    Formula{"murty-lemke", "Murty, Linear Complementarity, 1988, ch. 6", "", 0, 0, 0, &MurtyLemke},
-    Formula{"csizmadia", "E. Zs. Csizmadia: the handicap of lower triangular matrices, 2007", "", 0, 0, 0, &Csizmadia},
-    Formula{"harker-pang-skew", "Harker, Pang, Lect. Appl. Math. 26 (1990) 265-284", "", 0, 0, 0, &HarkerPangSkew},
-    Formula{"clique", "Cottle, Pang, Stone, The Linear Complementarity Problem, 1992: strictly copositive matrices", "",
-            0, 0, 0, &Clique},
-    Formula{"knapsack", "Chung, J. Optim. Theory Appl. 60 (1989) 393-399", "solvable", 1, 0, 1, &Knapsack},
+            &JournalBearing, kSquare, "eccentricity", 0.1, 1e-3, 0.99},
+    Formula{"biggsb1", "Biggs, Hernandez: CUTE BIGGSB1", &Biggsb1, {4, 1'000'000}},
+    Formula{"chen-harker",
+            "Chen, Harker, SIAM J. Matrix Anal. Appl. 14 (1993) 1168-1190; CUTE CHENHARK",
+            &ChenHarker,
+            {10, 1'000'000}},
+    Formula{"block-tridiagonal", "Bai, Numer. Linear Algebra Appl. 17 (2010) 917-933, sec. 5", &BlockTridiagonal<false>,
+            kSquare, "shift", 4, 0, 1e3},
+    Formula{"fathi", "Fathi, Math. Program. 17 (1979) 335-344", &Fathi},
+    Formula{"hilbert", "Hilbert, Acta Math. 18 (1894) 155-159", &Hilbert, {2, 20}},
+    Formula{"harker-pang", "Harker, Pang, Lect. Appl. Math. 26 (1990) 265-284, without its skew part",
+            &RandomDefinite<false>},
+    Formula{"block-tridiagonal-skew", "Bai, Numer. Linear Algebra Appl. 17 (2010) 917-933, sec. 5",
+            &BlockTridiagonal<true>, kSquare, "shift", 4, 0, 1e3},
+    Formula{"murty", "Murty, Math. Program. Study 7 (1978) 61-73", &Murty},
+    Formula{"murty-lemke", "Murty, Linear Complementarity, 1988, ch. 6", &MurtyLemke, {2, 50}},
+    Formula{"csizmadia", "E. Zs. Csizmadia: the handicap of lower triangular matrices, 2007", &Csizmadia, {2, 50}},
+    Formula{"harker-pang-skew", "Harker, Pang, Lect. Appl. Math. 26 (1990) 265-284", &RandomDefinite<true>},
+    Formula{"clique", "Cottle, Pang, Stone, The Linear Complementarity Problem, 1992: strictly copositive matrices",
+            &Clique},
+    Formula{"knapsack", "Chung, J. Optim. Theory Appl. 60 (1989) 393-399", &Knapsack, {4, 400}, "solvable", 1, 0, 1},
 };
 
 }  // namespace
-
-std::span<const Formula> AllFormulas() { return kFormulas; }
 
 const Formula* FindFormula(std::string_view key) {
   const auto* found =
@@ -416,6 +393,11 @@ FormulaProblem MakeFormula(const Formula& formula, const Recipe& recipe) {
                                  " to " + NumberText(formula.most) + ", found " + name + " " + NumberText(amount));
     }
     value = amount;
+  }
+  const auto [least, most] = formula.rows;
+  if (recipe.rows < least || recipe.rows > most) {
+    throw InputError("expected " + std::to_string(least) + " to " + std::to_string(most) + " rows, found " +
+                     std::to_string(recipe.rows));
   }
   return formula.generate(recipe.rows, value, recipe.seed);
 }

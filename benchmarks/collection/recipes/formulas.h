@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 #include <optional>
-#include <span>
 #include <string_view>
+#include <utility>
 
 #include "benchmarks/collection/recipes/recipe.h"
 #include "solvers/lcp/problem.h"
@@ -24,16 +24,15 @@ struct Formula {
   std::string_view key;
   /// Where it was published.
   std::string_view source;
+  /// Facts about A are in the problem. @throws InputError for a number of rows that the formula does not have
+  FormulaProblem (*generate)(int rows, double parameter, std::uint64_t seed) = nullptr;
+  std::pair<int, int> rows{2, 4000};  ///< the least and the most
   /// What a recipe's change of this name sets; "" where there is nothing to set.
-  std::string_view parameter;
+  std::string_view parameter = {};
   double standard = 0;  ///< the parameter's value without a change
   double least = 0;     ///< the least value that it may have
   double most = 0;      ///< the largest
-  /// Facts about A are in the problem. @throws InputError for a number of rows that the formula does not have
-  FormulaProblem (*generate)(int rows, double parameter, std::uint64_t seed) = nullptr;
 };
-
-std::span<const Formula> AllFormulas();
 
 /// Null where no formula has this key.
 const Formula* FindFormula(std::string_view key);
