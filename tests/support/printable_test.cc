@@ -24,6 +24,8 @@ TEST(Printable, ControlCharactersAndWhatIsNoUtf8AreEscaped) {
       {"\xf4\x90\x80\x80", "\\xf4\\x90\\x80\\x80"}  // beyond Unicode
   };
   for (const auto& [text, shown] : kCases) EXPECT_EQ(Printable(text), shown);
+  EXPECT_EQ(Excerpt("a\n", 2), "a\\n");
+  EXPECT_EQ(Excerpt("a\nb", 2), "a\\n...");
 }
 
 }  // namespace

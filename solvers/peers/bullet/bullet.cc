@@ -4,15 +4,22 @@
 // Lemke gives up after a number of loops of its own choosing unless told (default of the class: 100); it takes
 // unilateral rows only.
 
+#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
+#include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <BulletDynamics/MLCPSolvers/btDantzigLCP.h>
 #include <BulletDynamics/MLCPSolvers/btLemkeAlgorithm.h>
 #include <LinearMath/btScalar.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "solvers/lcp/memory_budget.h"
-#include "solvers/peers/bullet/sequential_impulses.h"
 #include "solvers/peers/dantzig_peer.h"
 #include "solvers/peers/linked_peers.h"
 #include "solvers/peers/peer_library.h"
@@ -69,9 +76,279 @@ class Lemke : public LcpSolver {
   btVectorXu q_;
 };
 
+/// One row as the engine has it: directions of the force and of its moment, for either body.
+struct EngineRow {
+  Index row = 0;
+  std::array<btVector3, 2> linear;
+  std::array<btVector3, 2> angular;
+  btScalar lower = 0;
+};
+
+/// Consecutive rows between the same two bodies.
+class Rows : public btTypedConstraint {
+ public:
+  Rows(btRigidBody* a, btRigidBody* b, const std::vector<EngineRow>* rows, std::size_t first, const double* minus_b)
+      : btTypedConstraint(D6_CONSTRAINT_TYPE, *a, *b), rows_(rows), first_(first), minus_b_(minus_b) {}
+  void Extend() { ++count_; }
+
+  void getInfo1(btConstraintInfo1* info) override {
+    info->m_numConstraintRows = count_;
+    info->nub = 0;
+  }
+  void getInfo2(btConstraintInfo2* info) override {
+    for (int i = 0; i < count_; ++i) {
+      const EngineRow& row = (*rows_)[first_ + static_cast<std::size_t>(i)];
+      const int at = i * info->rowskip;
+      for (int axis = 0; axis < 3; ++axis) {
+        info->m_J1linearAxis[at + axis] = row.linear[0][axis];
+        info->m_J1angularAxis[at + axis] = row.angular[0][axis];
+        info->m_J2linearAxis[at + axis] = row.linear[1][axis];
+        info->m_J2angularAxis[at + axis] = row.angular[1][axis];
+      }
+      info->m_constraintError[at] = minus_b_[row.row];
+      info->cfm[at] = 0;
+      info->m_lowerLimit[at] = row.lower;
+      info->m_upperLimit[at] = SIMD_INFINITY;
+    }
+  }
+  void setParam(int /*number*/, btScalar /*value*/, int /*axis*/) override {}
+  btScalar getParam(int /*number*/, int /*axis*/) const override { return 0; }
+
+ private:
+  const std::vector<EngineRow>* rows_;
+  std::size_t first_;
+  const double* minus_b_;
+  int count_ = 1;
+};
+
+/// The engine's solver, with the clock read at each sweep; keeps the impulses, which it would throw away.
+class Engine : public btSequentialImpulseConstraintSolver {
+ public:
+  void Start(const Deadline* deadline) {
+    deadline_ = deadline;
+    expired_ = false;
+    reset();  // the seed of random orders
+  }
+  bool expired() const { return expired_; }
+  int sweeps() const { return m_analyticsData.m_numIterationsUsed; }
+  double residual() const { return m_analyticsData.m_remainingLeastSquaresResidual; }
+  const std::vector<double>& impulses() const { return impulses_; }
+
+ protected:
+  btScalar solveSingleIteration(int iteration, btCollisionObject** bodies, int number_of_bodies,
+                                btPersistentManifold** manifolds, int number_of_manifolds,
+                                btTypedConstraint** constraints, int number_of_constraints,
+                                const btContactSolverInfo& info, btIDebugDraw* drawer) override {
+    const btScalar residual = btSequentialImpulseConstraintSolver::solveSingleIteration(
+        iteration, bodies, number_of_bodies, manifolds, number_of_manifolds, constraints, number_of_constraints, info,
+        drawer);
+    if (residual <= info.m_leastSquaresResidualThreshold || !deadline_->Expired()) return residual;
+    expired_ = true;
+    return 0;  // which ends the sweeps
+  }
+  btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int number_of_bodies,
+                                         const btContactSolverInfo& info) override {
+    const auto& pool = m_tmpSolverNonContactConstraintPool;
+    impulses_.resize(static_cast<std::size_t>(pool.size()));
+    for (int i = 0; i < pool.size(); ++i) impulses_[static_cast<std::size_t>(i)] = pool[i].m_appliedImpulse;
+    return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish(bodies, number_of_bodies, info);
+  }
+
+ private:
+  const Deadline* deadline_ = nullptr;
+  bool expired_ = false;
+  std::vector<double> impulses_;
+};
+
+/// A body with the scales of its columns: sqrt of the column's inverse mass over the body's.
+class Body {
+ public:
+  Body(const LcpProblem& problem, Index body) {
+    const Index width = problem.columns_per_body();
+    const auto inverse_mass = problem.inverse_mass().segment(body * width, width);
+    const Index directions = width / 2 + width % 2;  // 2 of 3, 3 of 6
+    const double largest = inverse_mass.head(directions).maxCoeff();
+    btVector3 inertia(0, 0, 0);
+    for (Index axis = 0; axis < directions; ++axis) {
+      linear_[static_cast<int>(axis)] = largest > 0 ? std::sqrt(inverse_mass[axis] / largest) : 0;
+    }
+    for (Index axis = 0; axis < width - directions; ++axis) {
+      const double inverse = inverse_mass[directions + axis];
+      // In the plane bodies turn about z.
+      if (inverse > 0) inertia[static_cast<int>(width == kPlanar ? 2 : axis)] = 1 / inverse;
+    }
+    // What can turn but not move gets a mass that nothing sees, since the engine takes a body without one for fixed.
+    const btScalar mass = largest > 0 ? 1 / largest : 1;
+    rigid_ = std::make_unique<btRigidBody>(btRigidBody::btRigidBodyConstructionInfo(mass, nullptr, nullptr, inertia));
+  }
+  btRigidBody* rigid() const { return rigid_.get(); }
+  /// An entry of a row of J becomes the engine's.
+  void Place(Index column, Index width, double value, btVector3* linear, btVector3* angular) const {
+    if (width == kPlanar) {
+      if (column < 2) {
+        (*linear)[static_cast<int>(column)] = value * linear_[static_cast<int>(column)];
+      } else {
+        (*angular)[2] = value;
+      }
+    } else if (column < 3) {
+      (*linear)[static_cast<int>(column)] = value * linear_[static_cast<int>(column)];
+    } else {
+      (*angular)[static_cast<int>(column - 3)] = value;
+    }
+  }
+
+ private:
+  static constexpr Index kPlanar = 3;
+  btVector3 linear_{0, 0, 0};
+  std::unique_ptr<btRigidBody> rigid_;
+};
+
+/// btSequentialImpulseConstraintSolver, projected Gauss-Seidel over the velocities of bodies, as engines run it: keys
+/// "bullet-si" (until the velocity that a sweep still corrects is small, see TierSettings) and "bullet-si-N" (N
+/// sweeps).
+///
+/// Needs J with rows on at most two bodies. Runs of rows between the same two bodies become one btTypedConstraint whose
+/// getInfo2 gives J, -b and the bounds. Nothing of the engine is left that would change w = A f + b: the bodies are at
+/// rest, without load, and have neither damping nor error reduction (erp), mixing (cfm) or split impulses. Planar
+/// bodies move in the xy-plane. The engine has one mass for the three directions of a body, the largest inverse one
+/// here: columns whose inverse mass is another are scaled, which leaves A as it is. f starts at zero always: the engine
+/// warm starts contacts only. Iterations are sweeps. Not a word of success is said with N sweeps, unless nothing moved
+/// in the last.
+class SequentialImpulses : public LcpSolver {
+ public:
+  SequentialImpulses(std::string_view key, SettingsReader* reader) {
+    constexpr std::string_view kPrefix = "bullet-si-";
+    if (key.starts_with(kPrefix)) {
+      std::from_chars(key.data() + kPrefix.size(), key.data() + key.size(), sweeps_);
+      return;
+    }
+    tier_ = PeerTier(key, reader);
+    is_random_ = Choose<bool>(reader, "order", {{"index", false}, {"random", true}});
+  }
+
+  std::string WhyUnsupported(const LcpProblem& problem) const override {
+    if (!problem.has_factors()) return "needs the bodies: J and the inverse masses";
+    return problem.has_two_body_rows() ? "" : "a row joins more than two bodies";
+  }
+
+ protected:
+  void DoPrepare(const LcpProblem& problem) override {
+    const Index width = problem.columns_per_body();
+    const Index bodies = problem.J().cols() / width;
+    RequireMemory(
+        static_cast<double>(bodies) * (sizeof(btRigidBody) + sizeof(btSolverBody)) +
+            static_cast<double>(problem.size()) * (sizeof(Rows) + sizeof(EngineRow) + sizeof(btSolverConstraint)),
+        "the bodies and rows of the engine");
+    constraints_.clear();
+    rows_.clear();
+    bodies_.clear();
+    std::vector<int> place(static_cast<std::size_t>(bodies), -1);
+    for (Index body = 0; body < bodies; ++body) {
+      if (problem.inverse_mass().segment(body * width, width).maxCoeff() <= 0) continue;
+      place[static_cast<std::size_t>(body)] = static_cast<int>(bodies_.size());
+      bodies_.emplace_back(problem, body);
+    }
+    minus_b_.resize(problem.size());
+    rows_.reserve(static_cast<std::size_t>(problem.size()));
+    for (Index row = 0; row < problem.size(); ++row) AddRow(problem, row, place);
+    objects_.clear();
+    for (const Body& body : bodies_) objects_.push_back(body.rigid());
+    pointers_.clear();
+    for (const auto& constraint : constraints_) pointers_.push_back(constraint.get());
+  }
+
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
+    const Deadline deadline(options);
+    btContactSolverInfo info;
+    TimeConversion(options, result, [&] {
+      minus_b_ = -problem.b();
+      // The velocities that the solve before left.
+      for (const Body& body : bodies_) {
+        body.rigid()->setLinearVelocity(btVector3(0, 0, 0));
+        body.rigid()->setAngularVelocity(btVector3(0, 0, 0));
+      }
+      info.m_timeStep = 1;
+      info.m_splitImpulse = 0;
+      info.m_numIterations = IterationLimit(options, sweeps_);
+      if (sweeps_ == 0) {
+        const double velocity = tier_.Tolerance(options) * problem.b().cwiseAbs().maxCoeff();
+        info.m_numIterations = tier_.Iterations(options);
+        info.m_leastSquaresResidualThreshold = velocity * velocity;
+      }
+      if (is_random_) info.m_solverMode |= SOLVER_RANDMIZE_ORDER;
+      engine_.Start(&deadline);
+    });
+    if (pointers_.empty()) {
+      result->status = LcpStatus::kSolved;
+      return;
+    }
+    TimeLibraryCall(options, result, [&] {
+      engine_.solveGroup(objects_.data(), static_cast<int>(objects_.size()), nullptr, 0, pointers_.data(),
+                         static_cast<int>(pointers_.size()), info, nullptr, nullptr);
+    });
+    TimeConversion(options, result, [&] {
+      for (std::size_t i = 0; i < rows_.size(); ++i) result->f[rows_[i].row] = engine_.impulses()[i];
+    });
+    result->iterations = engine_.sweeps();
+    if (engine_.expired()) {
+      result->status = LcpStatus::kTimeLimit;
+    } else if (engine_.residual() <= info.m_leastSquaresResidualThreshold) {
+      result->status = LcpStatus::kSolved;
+    } else {
+      result->status = LcpStatus::kIterationLimit;
+    }
+  }
+
+ private:
+  // Rows that move nothing are left out: the engine would divide by their A_ii.
+  void AddRow(const LcpProblem& problem, Index row, const std::vector<int>& place) {
+    const Index width = problem.columns_per_body();
+    std::array<int, 2> joined{-1, -1};
+    EngineRow made;
+    made.row = row;
+    made.lower = problem.is_bilateral(row) ? -SIMD_INFINITY : 0;
+    for (int side = 0; side < 2; ++side) {
+      made.linear[static_cast<std::size_t>(side)].setZero();
+      made.angular[static_cast<std::size_t>(side)].setZero();
+    }
+    for (SparseMatrix::InnerIterator entry(problem.J(), row); entry; ++entry) {
+      const int body = place[static_cast<std::size_t>(entry.col() / width)];
+      if (body < 0 || problem.inverse_mass()[entry.col()] == 0) continue;
+      if (joined[0] < 0) joined[0] = body;
+      if (body != joined[0]) joined[1] = body;
+      const std::size_t side = body == joined[0] ? 0 : 1;
+      bodies_[static_cast<std::size_t>(body)].Place(entry.col() % width, width, entry.value(), &made.linear[side],
+                                                    &made.angular[side]);
+    }
+    if (joined[0] < 0) return;
+    rows_.push_back(made);
+    if (!constraints_.empty() && joined == last_joined_) {
+      constraints_.back()->Extend();
+      return;
+    }
+    last_joined_ = joined;
+    btRigidBody* second =
+        joined[1] < 0 ? &btTypedConstraint::getFixedBody() : bodies_[static_cast<std::size_t>(joined[1])].rigid();
+    constraints_.push_back(std::make_unique<Rows>(bodies_[static_cast<std::size_t>(joined[0])].rigid(), second, &rows_,
+                                                  rows_.size() - 1, minus_b_.data()));
+  }
+
+  int sweeps_ = 0;  // 0: as the tier says
+  PeerTier tier_;
+  bool is_random_ = false;
+  std::vector<Body> bodies_;
+  std::vector<EngineRow> rows_;
+  std::vector<std::unique_ptr<Rows>> constraints_;
+  std::array<int, 2> last_joined_{-1, -1};
+  Eigen::VectorXd minus_b_;
+  std::vector<btCollisionObject*> objects_;
+  std::vector<btTypedConstraint*> pointers_;
+  Engine engine_;
+};
+
 std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
   if (key == "bullet-lemke") return std::make_unique<Lemke>();
-  if (key.starts_with("bullet-si")) return MakeSequentialImpulses(key, reader);
+  if (key.starts_with("bullet-si")) return std::make_unique<SequentialImpulses>(key, reader);
   return std::make_unique<DantzigPeer>(key, reader, DantzigPeer::Code{&NoPadding, &CallDantzig});
 }
 
