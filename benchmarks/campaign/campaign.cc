@@ -341,6 +341,12 @@ void TellWhatIsMissing(const CampaignPlan& plan) {
   if (!missing.empty()) std::cerr << "not in this build: " << missing << std::endl;
 }
 
+// What a plan's manifests give.
+struct Planned {
+  std::vector<Manifest> manifests;
+  std::vector<PlannedProblem> problems;  // point into `manifests`
+};
+
 std::vector<Manifest> ReadManifests(const CampaignPlan& plan) {
   std::vector<Manifest> manifests;
   for (const std::string& path : plan.manifests) manifests.push_back(ReadManifest(path));
@@ -357,9 +363,11 @@ std::vector<Manifest> ReadManifests(const CampaignPlan& plan) {
 }
 
 // A filter, or a size, that leaves nothing is a mistake.
-void RequireAny(const CampaignPlan& plan, const std::vector<PlannedProblem>& problems,
-                const std::vector<Manifest>& manifests) {
-  if (!problems.empty() || !PlanPasses(plan, manifests).empty()) return;
+Planned ReadPlanned(const CampaignPlan& plan) {
+  RequireValid(plan);
+  Planned planned{ReadManifests(plan), {}};
+  planned.problems = PlanProblems(plan, planned.manifests);
+  if (!planned.problems.empty() || !PlanPasses(plan, planned.manifests).empty()) return planned;
   const std::string rows =
       plan.most_rows > 0 ? ", or no problem has at most " + std::to_string(plan.most_rows) + " rows" : "";
   throw InputError("campaign '" + plan.name + "': nothing to solve: " +
@@ -369,10 +377,7 @@ void RequireAny(const CampaignPlan& plan, const std::vector<PlannedProblem>& pro
 }  // namespace
 
 std::vector<std::string> CampaignCells(const CampaignPlan& plan, const CampaignOptions& options) {
-  RequireValid(plan);
-  const std::vector<Manifest> manifests = ReadManifests(plan);
-  const std::vector<PlannedProblem> problems = PlanProblems(plan, manifests);
-  RequireAny(plan, problems, manifests);
+  const auto [manifests, problems] = ReadPlanned(plan);
   std::vector<std::string> names;
   for (const Task& task : TasksOfShard(PlanTasks(plan, problems), options.shard, options.shards)) {
     for (std::size_t k = task.begin; k < task.end; ++k) {
@@ -386,10 +391,7 @@ std::vector<std::string> CampaignCells(const CampaignPlan& plan, const CampaignO
 }
 
 int RunCampaign(const CampaignPlan& plan, const CampaignOptions& options) {
-  RequireValid(plan);
-  const std::vector<Manifest> manifests = ReadManifests(plan);
-  const std::vector<PlannedProblem> problems = PlanProblems(plan, manifests);
-  RequireAny(plan, problems, manifests);
+  const auto [manifests, problems] = ReadPlanned(plan);
   const nlohmann::ordered_json described = DescribeCampaign(plan, manifests, problems);
   std::error_code error;
   fs::create_directories(options.folder, error);

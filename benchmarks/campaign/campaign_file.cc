@@ -48,6 +48,40 @@ std::string Now() {
   return text.data();
 }
 
+Json DescribeSolver(const SolverEntry& entry) {
+  return {{"key", entry.key},
+          {"method", entry.method},
+          {"setting", SettingOf(entry)},
+          {"base", entry.base},
+          {"settings", entry.settings},
+          {"origin", kOrigins.at(static_cast<std::size_t>(entry.origin))},
+          {"uses_tolerance", entry.uses_tolerance},
+          {"tolerance", entry.tolerance()},
+          {"ablation", entry.ablation},
+          {"available", entry.available},
+          {"licence", entry.licence},
+          {"library_version", entry.available ? WorkerVersion(entry.key) : ""}};
+}
+
+// Adds what is said of sequences, where the campaign has any.
+void DescribeSequences(const CampaignPlan& plan, const std::vector<Manifest>& manifests, Json* json) {
+  std::set<const SequenceEntry*> planned;
+  for (const Task& pass : PlanPasses(plan, manifests)) planned.insert(pass.sequence);
+  for (const Manifest& manifest : manifests) {
+    for (const SequenceEntry& entry : manifest.sequences) {
+      if (!planned.contains(&entry)) continue;
+      (*json)["sequences"].push_back({{"sequence", entry.id},
+                                      {"set", manifest.name},
+                                      {"family", entry.family},
+                                      {"rows", SizeOf(entry)},
+                                      {"most_rows", entry.most_rows},
+                                      {"steps", entry.problems}});
+    }
+  }
+  if (planned.empty()) return;
+  json->update({{"deadlines_s", plan.deadlines_s}, {"pass_budget_s", plan.pass_budget_s}});
+}
+
 // That a line of problems.jsonl says what the plan says; what was measured need only be a measurement.
 void RequireDescribes(const nlohmann::json& line, const std::string& set, const PlannedProblem& planned) {
   const LcpProblem none = LcpProblem::FromDense("none", Eigen::MatrixXd(0, 0), Eigen::VectorXd(0));
@@ -70,21 +104,7 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
     json["manifests"].push_back(
         {{"name", manifest.name}, {"version", manifest.version}, {"sha256", ManifestHash(manifest)}});
   }
-  for (const std::string& key : plan.solvers) {
-    const SolverEntry& entry = FindSolver(key);
-    json["solvers"].push_back({{"key", entry.key},
-                               {"method", entry.method},
-                               {"setting", SettingOf(entry)},
-                               {"base", entry.base},
-                               {"settings", entry.settings},
-                               {"origin", kOrigins.at(static_cast<std::size_t>(entry.origin))},
-                               {"uses_tolerance", entry.uses_tolerance},
-                               {"tolerance", entry.tolerance()},
-                               {"ablation", entry.ablation},
-                               {"available", entry.available},
-                               {"licence", entry.licence},
-                               {"library_version", entry.available ? WorkerVersion(entry.key) : ""}});
-  }
+  for (const std::string& key : plan.solvers) json["solvers"].push_back(DescribeSolver(FindSolver(key)));
   if (!plan.tuning.file.empty()) {
     json["tuning"] = {{"file", plan.tuning.file}, {"sha256", plan.tuning.sha256}, {"budget", plan.tuning.budget}};
   }
@@ -104,44 +124,24 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
   std::size_t lines = 0;
   for (const Task& task : PlanTasks(plan, problems)) lines += task.judged.size();
   const TaskBudgets& budgets = plan.budgets;
-  json.update({{"passes", plan.passes},
-               {"budgets_s",
-                {{"judge", budgets.judge_s},
-                 {"timed", budgets.timed_s},
-                 {"parts", budgets.parts_s},
-                 {"again", budgets.again_s}}},
-               {"limits",
-                {{"time_per_row_s", plan.limits.time_per_row_s},
-                 {"least_s", plan.limits.least_s},
-                 {"most_s", plan.limits.most_s},
-                 {"memory_bytes", plan.memory_bytes}}},
-               {"noise",
-                {{"slower_clock", plan.noise.slower_clock},
-                 {"least_cpu_share", plan.noise.least_cpu_share},
-                 {"most_reruns", plan.noise.most_reruns}}},
-               {"size_limits", Json::array()},
-               {"lines", lines}});
+  json["passes"] = plan.passes;
+  json["budgets_s"] = {
+      {"judge", budgets.judge_s}, {"timed", budgets.timed_s}, {"parts", budgets.parts_s}, {"again", budgets.again_s}};
+  json["limits"] = {{"time_per_row_s", plan.limits.time_per_row_s},
+                    {"least_s", plan.limits.least_s},
+                    {"most_s", plan.limits.most_s},
+                    {"memory_bytes", plan.memory_bytes}};
+  json["noise"] = {{"slower_clock", plan.noise.slower_clock},
+                   {"least_cpu_share", plan.noise.least_cpu_share},
+                   {"most_reruns", plan.noise.most_reruns}};
+  json["size_limits"] = Json::array();
+  json["lines"] = lines;
   for (const SolverEntry& solver : AllSolvers()) {
     if (const std::optional<SizeLimit> limit = SizeLimitOf(solver.method_class)) {
       json["size_limits"].push_back({{"solver", solver.key}, {"largest", limit->largest}, {"reason", limit->reason}});
     }
   }
-  std::set<const SequenceEntry*> planned;
-  for (const Task& pass : PlanPasses(plan, manifests)) planned.insert(pass.sequence);
-  for (const Manifest& manifest : manifests) {
-    for (const SequenceEntry& entry : manifest.sequences) {
-      if (!planned.contains(&entry)) continue;
-      json["sequences"].push_back({{"sequence", entry.id},
-                                   {"set", manifest.name},
-                                   {"family", entry.family},
-                                   {"rows", SizeOf(entry)},
-                                   {"most_rows", entry.most_rows},
-                                   {"steps", entry.problems}});
-    }
-  }
-  if (json.contains("sequences")) {
-    json.update({{"deadlines_s", plan.deadlines_s}, {"pass_budget_s", plan.pass_budget_s}});
-  }
+  DescribeSequences(plan, manifests, &json);
   json.update({{"started", Now()}, {"environment", DescribeEnvironment()}});
   json["environment_hash"] = TextHash(json["environment"].dump()).substr(0, 16);
   return json;

@@ -283,7 +283,7 @@ void Journal::WritePass(const Task& task, int round, const SequenceReply& reply)
   rest["detail"] = reply.detail;
   rest["steps"] = steps;
   rest["environment"] = environment_hash_;
-  for (const ResultField& field : StepFields()) line[field.name] = rest.at(field.name);
+  for (const auto& [field, about] : ResultSchemaJson().at("steps").items()) line[field] = rest.at(field);
   AddRetry(reply, nullptr, &line);
   Append(steps_.get(), {line});
 }

@@ -12,21 +12,14 @@
 
 namespace lcpbench {
 
-// The fields of a campaign's files of lines (RESULTS.md): one table for what is written, for the reader
-// (report/lcpbench_report/statistics/result_fields.json) and for benchmarks/FIELDS.md.
+// How the values of the fields of a campaign's files of lines (RESULTS.md) are taken. What a field is says
+// report/lcpbench_report/statistics/result_fields.json, which is part of this program, the reader checks lines by, and
+// benchmarks/FIELDS.md shows.
 
-struct ResultField {
-  const char* name;
-  /// name (a text that is not empty), text, boolean, count, number, time (>= 0), positive, object or list; [kind] is a
-  /// list of these; a '?' behind: or null.
-  const char* type;
-  const char* unit;  ///< "" for none
-  const char* meaning;
-};
-
-/// With its value in a record of `Source`.
+/// A field with its value in a record of `Source`.
 template <typename Source>
-struct FieldOf : ResultField {
+struct FieldOf {
+  const char* name;
   nlohmann::ordered_json (*value)(const Source& source);
 };
 
@@ -64,20 +57,19 @@ std::span<const FieldOf<MeasuredAnswer>> ExceptionFields();
 nlohmann::json DescribeAnswer(const MeasuredAnswer& answer);
 
 /// The times of a pass, a list each over the problems of the task.
-struct TimeField : ResultField {
+struct TimeField {
+  const char* name;
   PassKind kind;
   double PassEntry::*seconds;
 };
 std::span<const TimeField> TimeFields();
 
-/// What a line of steps.jsonl begins with.
+/// What a line of steps.jsonl begins with; the sequence's runner makes what follows.
 struct PassSource {
   const Task& task;
   int round;
 };
 std::span<const FieldOf<PassSource>> PassFields();
-/// What it goes on with where the pass was run; the sequence's runner makes the values.
-std::span<const ResultField> StepFields();
 
 /// What problems.jsonl is made of.
 struct DescribedProblem {
@@ -93,19 +85,14 @@ std::span<const FieldOf<DescribedProblem>> ProblemFields();
 /// @throws InputError naming the first that is missing or of another type
 void RequireFields(const nlohmann::json& line);
 
-/// All fields, by the record that they are of.
-struct RecordSchema {
-  const char* record;
-  const char* meaning;
-  std::vector<ResultField> fields;
-};
-std::vector<RecordSchema> ResultSchema();
-
-/// docs/formats/campaign_lines.schema.json, benchmarks/FIELDS.md, and the object {record: {field: {type, unit,
-/// meaning}}} that the reader checks lines by.
+/// result_fields.json: {record: {field: {type, unit, meaning, optional}}}. A type is name (a text that is not empty),
+/// text, boolean, count, number, nonnegative, positive, object or list; [type] is a list of these, and a '?' behind it
+/// allows null. A line may lack what is optional: it is of programs of protocol version 1 only, or younger than stored
+/// campaigns.
+const nlohmann::ordered_json& ResultSchemaJson();
+/// The same as docs/formats/campaign_lines.schema.json and as benchmarks/FIELDS.md.
 nlohmann::ordered_json ResultJsonSchema();
 std::string ResultSchemaMarkdown();
-nlohmann::ordered_json ResultSchemaJson();
 
 /// A number with four digits, which is what a clock and a reader want; null where it is not finite. A campaign has
 /// millions of them.

@@ -1,12 +1,15 @@
+#include <algorithm>
 #include <iostream>
+#include <string>
+#include <string_view>
 
-#include "benchmarks/campaign/peer_facts.h"
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/command/commands.h"
 #include "build_info.h"
 #include "model/scenes/scene.h"
 #include "solvers/auto/auto_rules.h"
 #include "solvers/lcp/verify.h"
+#include "solvers/peers/peer_table.h"
 #include "solvers/registry.h"
 
 namespace lcpbench {
@@ -37,7 +40,41 @@ void PrintMetrics() {
   for (const MetricEntry& metric : AllMetrics()) PrintRow(metric.key, std::string(metric.formula));
 }
 
-void PrintPeers() { std::cout << PeerFactsJson().dump(1) << '\n'; }
+// What makes a peer stop, in words.
+std::string StopsBy(const PeerEntry& peer) {
+  constexpr std::string_view kDefault = "-default";
+  if (peer.fixed_effort) return "its number of sweeps, whatever is asked for";
+  if (peer.tiers) return std::string(peer.tiers->bounds);
+  if (!peer.key.ends_with(kDefault)) return "the end of the method: an answer or a breakdown";
+  const std::string_view tuned = peer.key.substr(0, peer.key.size() - kDefault.size());
+  const auto found = std::ranges::find(AllPeers(), tuned, &PeerEntry::key);
+  return std::string(found->tiers->bounds);  // AllPeers made its -default of it
+}
+
+// The peer table as report/ and docs/ read it (report/lcpbench_report/peers.json): `peers` [{`key, library, method,
+// licence, route` ("compiled" or "python") `, tolerance` (as SolverEntry::tolerance) `, tolerances` (for the tiers
+// 1e-3, 1e-6, 1e-9; null where it follows none) `, stops` (in words)}], `left_out` [{`name, reason`}]. Peers that are
+// not in this build have their entries, too.
+void PrintPeers() {
+  nlohmann::ordered_json peers = nlohmann::ordered_json::array();
+  for (const PeerEntry& peer : AllPeers()) {
+    nlohmann::ordered_json entry = {{"key", peer.key},
+                                    {"library", peer.project.library},
+                                    {"method", peer.method},
+                                    {"licence", peer.project.licence},
+                                    {"route", peer.project.route == PeerRoute::kPython ? "python" : "compiled"},
+                                    {"tolerance", FindSolver(peer.key).tolerance()}};
+    entry["tolerances"] = nullptr;
+    if (peer.tiers) entry["tolerances"] = peer.tiers->tolerances;
+    entry["stops"] = StopsBy(peer);
+    peers.push_back(entry);
+  }
+  nlohmann::ordered_json left_out = nlohmann::ordered_json::array();
+  for (const LeftOutSolver& other : SolversLeftOut()) {
+    left_out.push_back({{"name", other.name}, {"reason", other.reason}});
+  }
+  std::cout << nlohmann::ordered_json{{"peers", peers}, {"left_out", left_out}}.dump(1) << '\n';
+}
 
 void PrintRules() { std::cout << AutoRulesAsMarkdown(); }
 

@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "benchmarks/campaign/campaign_plan.h"
-#include "benchmarks/campaign/peer_facts.h"
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/collection/build.h"
@@ -425,9 +424,30 @@ TEST(ResultFields, CommittedFilesSayWhatTheTablesSay) {
   EXPECT_EQ(ReadFile(source / "benchmarks/FIELDS.md"), ResultSchemaMarkdown()) << "run lcpbench list fields";
   EXPECT_EQ(ReadFile(source / "docs/formats/campaign_lines.schema.json"), ResultJsonSchema().dump(1) + "\n")
       << "run lcpbench list fields --schema";
-  EXPECT_EQ(ReadFile(source / "report/lcpbench_report/statistics/result_fields.json"),
-            ResultSchemaJson().dump(1) + "\n")
-      << "run lcpbench list fields --json";
+}
+
+TEST(ResultFields, EveryFieldIsDescribedAndHasItsValue) {
+  const auto described = [](const char* record) {
+    std::set<std::string> names;
+    for (const auto& [name, field] : ResultSchemaJson().at(record).items()) names.insert(name);
+    return names;
+  };
+  const auto taken = [](const auto& fields) {
+    std::set<std::string> names;
+    for (const auto& field : fields) names.insert(field.name);
+    return names;
+  };
+  EXPECT_EQ(taken(ProblemFields()), described("problem"));
+  EXPECT_EQ(taken(LineFields()), described("line"));
+  EXPECT_EQ(taken(PassFields()), described("pass"));
+  std::set<std::string> exception = taken(ExceptionFields());
+  exception.insert("at");
+  EXPECT_EQ(exception, described("exception"));
+  for (const std::string& column : taken(ColumnFields())) EXPECT_TRUE(described("judge").contains(column)) << column;
+  for (const TimeField& field : TimeFields()) {
+    const char* kind = std::array{"fresh", "parts", "again"}.at(static_cast<std::size_t>(field.kind));
+    EXPECT_TRUE(described(kind).contains(field.name)) << field.name;
+  }
 }
 
 TEST(ResultFields, BelowTheFloorIsWhatTheJudgeFindsAtTheAnswerAndNotWhatASolverSays) {
@@ -459,9 +479,9 @@ TEST(ResultFields, BelowTheFloorIsWhatTheJudgeFindsAtTheAnswerAndNotWhatASolverS
   EXPECT_FALSE(describe(rounded, failed, 1e-9, known)) << "the problem has an answer that needs no such forces";
 }
 
-TEST(PeerFacts, TheCommittedFileSaysWhatTheTableSays) {
+TEST_F(CampaignCommand, TheCommittedFactsOfPeersAreThoseOfTheTable) {
   const std::filesystem::path source = LCPBENCH_SOURCE_DIR;
-  EXPECT_EQ(ReadFile(source / "report/lcpbench_report/peers.json"), PeerFactsJson().dump(1) + "\n")
+  EXPECT_EQ(ReadFile(source / "report/lcpbench_report/peers.json"), Succeed("list peers").out)
       << "run lcpbench list peers";
 }
 
