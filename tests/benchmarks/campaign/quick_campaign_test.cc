@@ -114,8 +114,8 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
   Succeed("analyse " + Path("q"));
   const std::string cells = ReadFile(folder_ / "q/analysis/cells.csv");
   for (const auto& [problem, set] : expected) EXPECT_NE(cells.find(problem), std::string::npos) << problem;
-  // header + 2 modes
-  EXPECT_EQ(Lines(ReadFile(folder_ / "q/analysis/latency.csv")).size(), 3U);
+  // header + 2 modes, of one size and of all
+  EXPECT_EQ(Lines(ReadFile(folder_ / "q/analysis/latency_by_solver.csv")).size(), 5U);
   // Only what counts is in the means.
   const std::string coverage = ReadFile(folder_ / "q/analysis/coverage.csv");
   EXPECT_NE(coverage.find("counted"), std::string::npos) << coverage;
@@ -127,7 +127,7 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
   for (const char* section : {"performance", "robustness", "sequences", "limitations"}) {
     EXPECT_NE(page.find("<section id=\"" + std::string(section) + "\">"), std::string::npos) << section;
   }
-  for (const char* file : {"summary.md", "tables/coverage.tex", "tables/latency.csv", "figures/coverage.svg"}) {
+  for (const char* file : {"summary.md", "tables/coverage.tex", "tables/deadline.csv", "figures/time-by-size.svg"}) {
     EXPECT_TRUE(std::filesystem::exists(folder_ / "report" / file)) << file;
   }
 

@@ -336,8 +336,9 @@ TEST_F(SequenceCampaign, EveryPassHasALineInEveryRound) {
   EXPECT_EQ(campaign["sequences"][1]["rows"], 12);
 
   Succeed("analyse " + Path("c"));
-  // Tiers: two cold, two warm, and of three deadlines the strictest alone; and the header.
-  EXPECT_EQ(Lines(ReadFile(folder_ / "c" / "analysis" / "latency.csv")).size(), 2 * 2 * (2 + 2 + 3) + 1U);
+  // Two solvers; one size and all together; tiers: two cold, two warm, and of three deadlines the strictest alone; and
+  // the header.
+  EXPECT_EQ(Lines(ReadFile(folder_ / "c" / "analysis" / "latency_by_solver.csv")).size(), 2 * 2 * (2 + 2 + 3) + 1U);
   EXPECT_TRUE(std::filesystem::exists(folder_ / "c" / "analysis" / "deadline.csv"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "c" / "analysis" / "cells.csv"));
 }
