@@ -31,7 +31,6 @@ constexpr double kWorthRefining = 1e-7;
 constexpr int kMaxRefinements = 5;
 // An estimate of rho above this times what refinement is tried from is no matter of rounding.
 constexpr double kNear = 10;
-constexpr int kMaxRelaxations = 6;
 // Where blocks cycle, e rises to this at least, then tenfold: on all redundant families blocks settle there.
 constexpr double kCyclingWeight = 1e-2;
 constexpr double kRaise = 10;
@@ -229,22 +228,6 @@ bool BlockPivoting::Refine(double tolerance) {
     task_.block->Solve(residual_.data());
     f_ += residual_;
     if (Publish()) return true;
-  }
-  return RelaxTinyRows(tolerance);
-}
-
-// Rows whose own terms are tiny beside the rounding of others, one by one in their own units.
-bool BlockPivoting::RelaxTinyRows(double tolerance) {
-  const Eigen::VectorXd& diagonal = task_.problem->DiagonalA();
-  GiveForces(0, &ray_);
-  for (int k = 0; k < kMaxRelaxations && tier() > tolerance && product_.Rho(ray_) <= task_.tolerance; ++k) {
-    for (Index i = 0; i < f_.size(); ++i) {
-      if (!task_.scaled->acts(i) || product_.RowMeets(task_.tolerance, ray_, i)) continue;
-      const double force = ray_[i] - static_cast<double>(product_.w(i)) / diagonal[i];
-      ray_[i] = task_.scaled->is_joint(i) ? force : std::max(force, 0.0);
-    }
-    task_.sink->candidate() = ray_;
-    if (task_.sink->Publish()) return true;
   }
   return false;
 }

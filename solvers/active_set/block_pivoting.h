@@ -104,7 +104,6 @@ class BlockPivoting {
   End SolveActive();
   End CorrectForces();
   bool Refine(double tolerance);
-  bool RelaxTinyRows(double tolerance);
   End Polish(Index most, double tolerance);
   Index FindViolated(bool of_proximal);
   bool ActiveGapsMeet() const;

@@ -114,8 +114,8 @@ class LcpSolver {
   /// Allocates workspace for problems of up to `max_rows` rows, so that a dense solver's later Solve does not allocate.
   virtual void Reserve(Index max_rows);
 
-  /// Whether the problems to come are steps of a sequence, each much like the one before; off at first. On: orders and
-  /// symbolic analyses of the problem before are kept where they still serve, and some rounding depends on it then.
+  /// Whether the problems to come are steps of a sequence, each much like the one before; off at first. On: the order
+  /// and the symbolic analysis of the problem before are kept where the pattern is the same.
   void SetInSequence(bool in_sequence) { in_sequence_ = in_sequence; }
 
   /// Set-up for `problem`, see above. Idempotent: a second call with a problem of the same matrix costs nothing.
