@@ -19,7 +19,7 @@
 
 constexpr double kStep = 1.0 / 240, kGravity = -9.81;  // [s], [m/s^2]
 constexpr double kBowl = 3;                            // radius of the bowl about the origin [m]
-constexpr double kMostUndone = 1e-3;                   // [m]
+constexpr double kMostUndone = 3e-3;                   // [m], a hundredth of the smallest disc's width
 
 struct Disc {
   double radius, mass, inertia;  // inertia about the centre of mass

@@ -38,7 +38,6 @@ TEST(EngineLoop, MovesAsTheModelDoes) {
   const std::vector<Disc> discs = DropDiscs(15);
   lcpbench::VelocityOptions options;
   options.step = kStep;
-  options.depth_clamp = kMostUndone / 0.3;  // in widths of the smallest disc
   options.lcp.tolerance = 1e-9;
   const auto solver = lcpbench::MakeSolver("dantzig");
   const auto motion = lcpbench::MakeVelocityMotion(WorldOf(discs), options, *solver);
