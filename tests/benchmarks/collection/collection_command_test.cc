@@ -133,7 +133,8 @@ TEST_F(CollectionCommand, ARecorderOfAUsersOwnEngineGivesProblemsThatAreSolved) 
   const std::string dimension = "\"dimension\": 2";
   Write("wrong.jsonl", text.replace(text.find(dimension), dimension.size(), "\"dimension\": 4"));
   ExpectMistake("recording " + Path("wrong.jsonl"), "wrong.jsonl:1: /dimension: expected 2 or 3, found 4");
-  ExpectMistake("recording --level x " + Path("discs.jsonl"), "--level: x not in {velocity,acceleration}");
+  ExpectMistake("recording --level x " + Path("discs.jsonl"),
+                "--level: expected one of velocity,acceleration, found 'x'");
 }
 
 TEST_F(CollectionCommand, AProblemThatIsNotThereIsNamed) {
