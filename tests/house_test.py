@@ -49,9 +49,9 @@ _CITED_PATH = re.compile(rf"(?<![\w/.$}}<>*-])((?:{_TOP})(?:/[\w.+-]+)*/[\w.+-]+
 _CITED_FOLDER = re.compile(rf"(?<![\w/.$}}<>*-])((?:{_TOP})(?:/[\w-]+)+)/(?![\w.*<{{$(%-])")
 # A path without its first folders, such as lcp/verify.h.
 _CITED_TAIL = re.compile(r"(?<![\w/.$}<>*-])((?:[\w-]+/)+[\w-]+\.(?:h|cc|py))(?![\w/*])")
-# Sections of the page on the model, such as docs/model.md sections 3, 4 and 8; and a page's headings as links.
+# Sections of the page on the model, such as docs/model.md sections 3, 4 and 8; and links to files and a page's headings.
 _CITED_SECTIONS = re.compile(r"model\.md\)? sections? (\d+(?:(?:, (?:and )?| and )\d+)*)(?!\d|\.\d)")
-_LINKED_HEADING = re.compile(r"\]\(([\w./-]*\.md)?#([^)\s]+)\)")
+_LINKED = re.compile(r"\]\(([\w./-]*)(?:#([^)\s]+))?\)")
 _CITED_NAME = re.compile(r"(?<![\w/.$}<>*-])([a-z][\w-]+\.(?:h|cc))(?![\w/*(])")
 
 _CXX_TOKEN = re.compile(
@@ -248,17 +248,18 @@ class Citations(_Tree):
                  if " ".join(block.split()) not in " ".join((_ROOT / source).read_text(encoding="utf-8").split())]
         self.assertNone(wrong, "an excerpt differs from its file:")
 
-    def test_headings_that_are_linked_exist(self):
+    def test_files_and_headings_that_are_linked_exist(self):
         pages = [path for path in self.texts if path.endswith(".md")]
         anchors = {page: set(map(_anchor, self._headings(page))) for page in pages}
         links = [
             (page, os.path.normpath(Path(page).parent / to) if to else page, anchor)
             for page in pages
-            for to, anchor in _LINKED_HEADING.findall("\n".join(self.texts[page][0]))
+            for to, anchor in _LINKED.findall(re.sub(r"`[^`]*`|(?m:^    .*$)", "", "\n".join(self.texts[page][0])))
         ]
         self.assertTrue(links)
-        wrong = [f"{page} links {to}#{anchor}" for page, to, anchor in links if anchor not in anchors.get(to, ())]
-        self.assertNone(wrong, "no such heading:")
+        wrong = [f"{page} links {to}#{anchor}" for page, to, anchor in links
+                 if (anchor not in anchors.get(to, ()) if anchor else to not in self.known | self.folders)]
+        self.assertNone(wrong, "no such file or heading:")
 
     def test_tests_that_documents_name_exist(self):
         tests = set()

@@ -1,4 +1,4 @@
-"""The blocks of numbers of README.md and docs/ are what the committed results give, and links among the pages resolve."""
+"""The blocks of numbers of README.md and docs/ are what the committed results give."""
 
 import re
 import unittest
@@ -15,23 +15,10 @@ _PAGES = {path: path.read_text(encoding="utf-8") for path in [*sorted(_ROOT.glob
 _CORE = _REPORT / "reference" / "core"
 _ABLATION = _REPORT / "reference" / "ablation"
 _HELP = "make reference-report writes them"
-# A link or an image.
-_LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 
 
 def _name(path: Path) -> str:
     return path.relative_to(_ROOT).as_posix()
-
-
-def _words(text: str) -> str:
-    """Without code."""
-    lines = [line for line in text.splitlines() if not line.startswith("    ")]
-    return re.sub(r"`[^`]*`", "", "\n".join(lines))
-
-
-def _anchor(heading: str) -> str:
-    """As GitHub makes it."""
-    return re.sub(r"[^\w\- ]", "", heading.replace("`", "").strip().lower()).replace(" ", "-")
 
 
 class Readme(unittest.TestCase):
@@ -50,17 +37,6 @@ class Readme(unittest.TestCase):
             with self.subTest(_name(path)):
                 filled = readme_blocks.fill(text, readme_blocks.Page(inputs, found, _ROOT, path))
                 self.assertEqual(text.splitlines(), filled.splitlines(), _HELP)
-
-    def test_links_lead_to_files_and_headings_that_are_there(self):
-        for path, text in _PAGES.items():
-            for link in filter(lambda link: not link.startswith("http"), _LINK.findall(_words(text))):
-                with self.subTest(f"{_name(path)}: {link}"):
-                    file, _, anchor = link.partition("#")
-                    target = (path.parent / file).resolve() if file else path
-                    self.assertTrue(target.exists(), "no such file")
-                    if anchor:
-                        headings = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), re.MULTILINE)
-                        self.assertIn(anchor, [_anchor(heading) for heading in headings])
 
     def test_every_solver_and_scene_is_spoken_of_on_its_page(self):
         inputs = load_inputs([_CORE])

@@ -96,7 +96,6 @@ static lcpbench_step* MakeStep(void) {
 
 /* Solves by `step`, verifies, and compares with "auto". */
 static void ExpectSolved(lcpbench_step* step, const lcpbench_step_rows* rows) {
-  enum { kWarm = 2 };
   const int64_t n = rows->rows;
   double f[kMostRows], w[kMostRows], again[kMostRows], start[kMostRows], expected_w[kMostRows];
   lcpbench_step_answer answer;
@@ -128,22 +127,11 @@ static void ExpectSolved(lcpbench_step* step, const lcpbench_step_rows* rows) {
     start[i] = f[i];
   }
 
-  /* The same bits again, also without w; and from the answer the answer in no more pivots. */
+  /* From the answer the answer in no more pivots, also without w. */
   const int64_t cold = answer.iterations;
-  CHECK_OK(lcpbench_step_solve(step, rows, NULL, again, NULL, &answer, sizeof answer));
-  CHECK(memcmp(f, again, (size_t)n * sizeof *f) == 0 && answer.iterations == cold);
-  for (int k = 0; k < kWarm; ++k) {
-    CHECK_OK(lcpbench_step_solve(step, rows, start, again, w, &answer, sizeof answer));
-    CHECK(answer.status == LCPBENCH_SOLVED && answer.iterations <= (cold > 1 ? cold : 1));
-    for (int64_t i = 0; i < n; ++i) CHECK(fabs(again[i] - f[i]) < 1e-9 * (1 + fabs(f[i])));
-    for (int64_t i = 0; i < n; ++i) start[i] = Random(); /* a poor start does no harm */
-    if (k + 1 < kWarm) {
-      CHECK_OK(lcpbench_step_solve(step, rows, start, again, w, &answer, sizeof answer));
-      CHECK(answer.status == LCPBENCH_SOLVED);
-      for (int64_t i = 0; i < n; ++i) CHECK(fabs(again[i] - f[i]) < 1e-9 * (1 + fabs(f[i])));
-      memcpy(start, f, (size_t)n * sizeof *f);
-    }
-  }
+  CHECK_OK(lcpbench_step_solve(step, rows, start, again, NULL, &answer, sizeof answer));
+  CHECK(answer.status == LCPBENCH_SOLVED && answer.iterations <= (cold > 1 ? cold : 1));
+  for (int64_t i = 0; i < n; ++i) CHECK(fabs(again[i] - f[i]) < 1e-9 * (1 + fabs(f[i])));
   lcpbench_result_free(result);
   lcpbench_solver_free(solver);
   lcpbench_problem_free(problem);
@@ -391,7 +379,7 @@ static void WrongOptionsAreRefused(void) {
   CHECK(problem == NULL);
 }
 
-/* Every mistake by its words, with nothing written. */
+/* What is wrong within the arrays: step_solver_test.cc. Nothing is written. */
 static void MistakesAreRefused(void) {
   static Arrays arrays;
   const lcpbench_step_rows right = MakeRows(&arrays, 5, 3, 1, 0);
@@ -411,37 +399,16 @@ static void MistakesAreRefused(void) {
     CHECK_REFUSED(SOLVE(), words); \
   } while (0)
   WITH(size, 8, "size is 8, expected sizeof(lcpbench_step_rows (call lcpbench_step_rows_init))");
-  WITH(columns_per_body, 4, "columns per body must be 3 or 6, found 4");
   WITH(rows, -1, "rows.rows is -1");
   WITH(rows, (int64_t)1 << 31, "rows.rows is 2147483648");
   WITH(bodies, -1, "rows.bodies is -1");
   WITH(bodies, (int64_t)1 << 31, "rows.bodies is 2147483648");
-  WITH(bodies, 3, "body of row ");
-  WITH(bodies, 0, "body of row 0 is ");
   WITH(reserved, 1, "rows.reserved is 1, expected 0");
   WITH(body, NULL, "body is missing");
-  WITH(b, NULL, "b is missing");
-  WITH(J, NULL, "J is missing");
   WITH(J_single, arrays.J_single, "rows.J and rows.J_single are both given");
-  WITH(inverse_mass, NULL, "inverse mass is missing");
-#define WITH_NUMBER(place, value, words) \
-  do {                                   \
-    const Arrays kept = arrays;          \
-    rows = right;                        \
-    arrays.place = value;                \
-    CHECK_REFUSED(SOLVE(), words);       \
-    arrays = kept;                       \
-  } while (0)
-  WITH_NUMBER(body[3], -2, "body of row 1 is -2");
-  WITH_NUMBER(body[9], 7, "body of row 4 is 7");
-  WITH_NUMBER(J[6 * 2 + 1], NAN, "J of row 2 is nan, expected a finite number");
-  WITH_NUMBER(J[6 * 4 + 5], -INFINITY, "J of row 4 is -inf, expected a finite number");
-  WITH_NUMBER(b[3], NAN, "b of row 3 is nan, expected a finite number");
-  WITH_NUMBER(b[0], INFINITY, "b of row 0 is inf, expected a finite number");
-  WITH_NUMBER(inverse_mass[3 * 4 + 2], -1, "inverse mass of body 4 is -1");
-  WITH_NUMBER(inverse_mass[0], NAN, "inverse mass of body 0 is nan");
-  WITH_NUMBER(inverse_mass[1], INFINITY, "inverse mass of body 0 is inf");
-  WITH_NUMBER(kinds[2], 7, "rows.kinds[2] is 7, expected LCPBENCH_UNILATERAL (0) or LCPBENCH_BILATERAL (1)");
+  rows = right;
+  arrays.kinds[2] = 7;
+  CHECK_REFUSED(SOLVE(), "rows.kinds[2] is 7, expected LCPBENCH_UNILATERAL (0) or LCPBENCH_BILATERAL (1)");
   rows = MakeRows(&arrays, 5, 3, 1, 1);
   arrays.J_single[6 * 3] = NAN;
   CHECK_REFUSED(SOLVE(), "J of row 3 is nan, expected a finite number");

@@ -1,4 +1,4 @@
-"""The published JSON Schema of manifests accepts the collection's and refuses what is malformed."""
+"""The published JSON Schema of manifests accepts the collection's, and they keep what data/README.md promises."""
 
 import functools
 import subprocess
@@ -6,30 +6,12 @@ import sys
 import unittest
 from pathlib import Path
 
-from schema_case import REMOVED, changed, json_of, validator_of
+from schema_case import json_of, validator_of
 
 _DATA = Path(__file__).resolve().parents[2] / "data"
 sys.path.insert(0, str(_DATA))
 import coverage  # noqa: E402
 _TIERS = ["smoke", "engine", "standard", "large", "sequences", "pathological", "literature", "nonsymmetric"]
-
-# Changes of the smoke tier's manifest that must not pass.
-_MALFORMED = [
-    (("lcpbench_manifest",), 2),
-    (("name",), REMOVED),
-    (("version",), 1),
-    (("problems",), {}),
-    (("refused", 0, "reason"), REMOVED),
-    (("refused_by_reason",), {"f = 0": 0}),
-    *((("problems", 0, key), value) for key, value in (
-        ("id", ""), ("recipe", REMOVED), ("file", {"path": "a.jsonl", "line": 1}), ("rank", -1), ("rank_method", None),
-        ("condition", 0.5), ("fraction_active", 1.5), ("licence", None), ("origin", "imagined"), ("base", ""),
-        ("sha256", "0123"), ("colour", "red"))),
-    *((("problems", 0, "recipe", key), value) for key, value in (
-        ("rows", 0), ("seed", -1), ("changes", [{"name": "magic", "amount": 1}]))),
-    (("problems", 0, "reference", "kind"), "believed"),
-    (("fill",), [{"size_class": "1", "problems": 0}]),
-]
 
 
 @functools.cache
@@ -38,13 +20,10 @@ def _manifest(tier):
 
 
 class ManifestSchema(unittest.TestCase):
-    def test_the_committed_ones_are_valid_and_malformed_ones_are_refused(self):
+    def test_the_committed_ones_are_valid(self):
         validator = validator_of("manifest")
         for tier in _TIERS:
             self.assertEqual([error.message for error in validator.iter_errors(_manifest(tier))], [], tier)
-        for path, value in _MALFORMED:
-            with self.subTest("/".join(map(str, path)), value=value):
-                self.assertFalse(validator.is_valid(changed(_manifest("smoke"), path, value)))
 
 
 class Collection(unittest.TestCase):

@@ -17,17 +17,6 @@ int Integer(std::mt19937& random, int low, int high) {
   return low + static_cast<int>(random() % static_cast<unsigned>(high - low + 1));
 }
 
-TestProblem Dense(const std::string& name, const Eigen::MatrixXd& A, const Eigen::VectorXd& b, const Eigen::VectorXd& f,
-                  const std::vector<Index>& bilateral = {}) {
-  return {LcpProblem::FromDense(name, A, b, RowBounds::WithBilateralRows(b.size(), bilateral), SymmetricPsd()),
-          {LcpReference::Status::kSolved, A * f + b, std::nullopt}};
-}
-
-TestProblem Infeasible(TestProblem test) {
-  test.reference = {LcpReference::Status::kInfeasible, std::nullopt, std::nullopt};
-  return test;
-}
-
 // A chain: row i couples bodies i and i + 1 along x, as discs in a row do; A is tridiagonal.
 TestProblem Chain(Index n, unsigned seed) {
   std::mt19937 random(seed);
@@ -82,41 +71,12 @@ std::vector<TestProblem> OracleProblems() {
 }
 
 std::vector<TestProblem> TextbookProblems() {
-  using Eigen::Matrix2d;
-  using Eigen::MatrixXd;
-  using Eigen::Vector2d;
-  using Eigen::VectorXd;
   std::vector<TestProblem> problems;
-  problems.push_back(
-      Dense("one-active", MatrixXd::Constant(1, 1, 2), VectorXd::Constant(1, -4), VectorXd::Constant(1, 2)));
-  problems.push_back(Dense("one-inactive", MatrixXd::Constant(1, 1, 2), VectorXd::Constant(1, 4), VectorXd::Zero(1)));
-  problems.push_back(Dense("one-degenerate", MatrixXd::Constant(1, 1, 2), VectorXd::Zero(1), VectorXd::Zero(1)));
-  problems.push_back(
-      Dense("one-joint", MatrixXd::Constant(1, 1, 2), VectorXd::Constant(1, 4), VectorXd::Constant(1, -2), {0}));
-  Matrix2d coupled;
-  coupled << 2, 1, 1, 2;
-  problems.push_back(Dense("two-active", coupled, Vector2d(-5, -4), Vector2d(2, 1)));
-  problems.push_back(Dense("one-lifts-the-other", coupled, Vector2d(-4, -1), Vector2d(2, 0)));
-  Matrix2d twins;
-  twins << 1, 1, 1, 1;
-  problems.push_back(Dense("duplicated-rows", twins, Vector2d(-3, -3), Vector2d(1, 2)));
-  problems.push_back(Dense("duplicated-rows-unequal-b", twins, Vector2d(-3, -1), Vector2d(3, 0)));
-  problems.push_back(Dense("duplicated-joints", twins, Vector2d(3, 3), Vector2d(-3, 0), {0, 1}));
-  problems.push_back(Dense("joint-and-contact-alike", twins, Vector2d(3, 3), Vector2d(-3, 0), {0}));
-  Matrix2d opposed;
-  opposed << 1, -1, -1, 1;
-  problems.push_back(Dense("opposed-walls", opposed, Vector2d(-1, 1), Vector2d(1, 0)));
-  problems.push_back(Infeasible(Dense("opposed-walls-closing", opposed, Vector2d(-1, -1), Vector2d(0, 0))));
-  problems.push_back(Infeasible(Dense("contradicting-joints", twins, Vector2d(1, 2), Vector2d(0, 0), {0, 1})));
-  problems.push_back(Dense("zero-row-solvable", Vector2d(1, 0).asDiagonal(), Vector2d(-1, 2), Vector2d(1, 0)));
-  problems.push_back(
-      Infeasible(Dense("zero-row-infeasible", Vector2d(1, 0).asDiagonal(), Vector2d(-1, -2), Vector2d(0, 0))));
-  problems.push_back(Dense("all-zero", MatrixXd::Zero(3, 3), VectorXd::Zero(3), VectorXd::Zero(3)));
-  // Four legs of a table: rank 3.
-  MatrixXd legs(4, 3);
-  legs << 1, 1, 1, 1, 1, -1, 1, -1, 1, 1, -1, -1;
-  const MatrixXd table = legs * legs.transpose();
-  problems.push_back(Dense("table-on-four-legs", table, -table * VectorXd::Ones(4), VectorXd::Ones(4)));
+  for (const LcpRecord& record : ReadLcpFile(LCPBENCH_SOURCE_DIR "/tests/data/textbook.jsonl")) {
+    const LcpProblem& given = record.problem;
+    problems.push_back({LcpProblem::FromDense(given.id(), given.DenseA(), given.b(), given.bounds(), SymmetricPsd()),
+                        record.reference});
+  }
   return problems;
 }
 

@@ -139,9 +139,6 @@ TEST_F(Command, MistakesAreOneLineAndStatusTwo) {
     ExpectMistake(arguments, mistake[1], mistake[2].empty() ? kProblem : mistake[2]);
   }
   ExpectMistake("solve --solver dantzig -", "empty", "");
-  ExpectMistake("recommend --scene disc-pile --cpu 9999", "--cpu: expected a processor");
-  ExpectMistake("recommend --scene disc-pile --steps 0", "--steps: expected a number >= 1");
-  ExpectMistake("recommend --scene disc-pile --rounds 0", "--rounds: expected a number >= 1");
   EXPECT_FALSE(fs::exists(folder_ / "r"));
 }
 
@@ -290,11 +287,6 @@ TEST_F(Command, EverySolverSolvesWhatGenerateWrites) {
   }
 }
 
-TEST_F(Command, ReportNamesWhatItCannotTake) {
-  Write("campaign.json", "{}");
-  ExpectMistake("report " + folder_.string(), "schema");
-}
-
 TEST_F(Command, CertifyAnswersInFractions) {
   const CommandOutcome outcome = Succeed("certify -", R"({"id":"p","A":[[2,1],[1,"7/3"]],"b":[-5,"-1/3"]})"
                                                       "\n"
@@ -376,26 +368,6 @@ TEST_F(Command, CertifyBoundsWhatIsTooLargeToBeExact) {
   EXPECT_EQ(bearing["proof"], "nearby problem");
   EXPECT_GT(bearing["energy_shift"], 0);
   EXPECT_FALSE(Records(Run("certify --exact-up-to 0 --rounded -", problems).out).at(0).contains("f_exact"));
-}
-
-TEST_F(Command, ConvertGoesThroughEveryFormatBitForBit) {
-  // Bilateral rows stand between the others; of factors Siconos' text keeps the rounded matrix.
-  const std::string problem = Run("generate gear-train --size 12 --seed 3").out;
-  const Json given = Json::parse(problem);
-  ASSERT_FALSE(given["bilateral"].empty());
-  Succeed("convert - -o " + Path("a.hdf5"), problem);
-  Succeed("convert " + Path("a.hdf5") + " -o " + Path("b.mtx"));
-  Succeed("convert " + Path("b.mtx") + " -o " + Path("c.h5"));
-  Json back = Json::parse(Run("convert " + Path("c.h5")).out);
-  EXPECT_EQ(back["id"], "b");
-  for (const char* field : {"n", "J", "invM", "b", "bilateral"}) EXPECT_EQ(back[field], given[field]) << field;
-  Succeed("convert " + Path("c.h5") + " -o " + Path("d.dat"));
-  Succeed("convert " + Path("d.dat") + " -o " + Path("e.hdf5"));
-  Succeed("convert " + Path("e.hdf5") + " -o " + Path("f.dat"));
-  EXPECT_EQ(ReadFile(Path("f.dat")), ReadFile(Path("d.dat")));
-  back = Json::parse(Run("convert " + Path("e.hdf5")).out);
-  EXPECT_FALSE(back.contains("J"));
-  for (const char* field : {"n", "b", "bilateral"}) EXPECT_EQ(back[field], given[field]) << field;
 }
 
 TEST_F(Command, ConvertFillsAFolderWithFilesOfAFormat) {

@@ -109,19 +109,9 @@ TEST_F(TunedSettings, RunBesideTheDefaults) {
 }
 
 TEST_F(TunedSettings, WhatIsNoTunedFileIsRefusedByOneLine) {
-  const std::pair<const char*, const char*> mistakes[] = {
-      {"{", "not valid JSON"},
-      {R"({"schema": "lcpbench-tuned/1", "budget": 5, "budget": 9})", "/budget: this key is given twice"},
-      {R"({"schema": "lcpbench-tuning/1"})", "lcpbench-tuned/1"},
-      {R"({"schema": "lcpbench-tuned/1", "budget": 5})", "/solvers: missing field"},
-      {R"({"schema": "lcpbench-tuned/1", "budget": 5, "solvers": [{"solver": "nobody", "chosen": {}}]})", "nobody"},
-      {R"({"schema": "lcpbench-tuned/1", "budget": 5, "solvers": [{"solver": "pgs", "chosen": {"nonsense": "1"}}]})",
-       "nonsense"},
-      {R"({"schema": "lcpbench-tuned/1", "budget": 5, "solvers": [{"solver": "pgs", "chosen": {"sweep": 3}}]})",
-       "/solvers/0/chosen/sweep: expected a string"}};
-  for (const auto& [text, told] : mistakes) {
-    Write("wrong.json", text);
-    ExpectMistake(Campaign("c", "--solvers pgs --tuned " + Path("wrong.json")), told);
+  for (const auto& refused : RefusalCases("tuned")) {
+    Write("wrong.json", refused[0]);
+    ExpectMistake(Campaign("c", "--solvers pgs --tuned " + Path("wrong.json")), refused[1]);
     EXPECT_FALSE(std::filesystem::exists(folder_ / "c"));
   }
   ExpectMistake(Campaign("c", "--solvers pgs --tuned " + Path("none.json")), "none.json");
@@ -135,13 +125,6 @@ TEST_F(TunedSettings, CampaignsSayWhichKeysRunTuned) {
         std::pair("bullet-dantzig", "default"), std::pair("again", "variant")}) {
     EXPECT_EQ(solvers.at(key)["setting"], setting) << key;
   }
-}
-
-TEST_F(TunedSettings, TuneTellsMistakesInItsSpace) {
-  Write("space.json", R"({"schema": "lcpbench-tuning/1", "solvers": [{"solver": "pgs", "settings": {"sweep": 3}}]})");
-  const std::string arguments = "tune --folder " + Path("t") + " -o " + Path("out.json") + " --space ";
-  ExpectMistake(arguments + Path("space.json"), "sweep");
-  EXPECT_EQ(Run(arguments + Path("space.json") + " --budget 0").status, 2);
 }
 
 // The whole way, small: what tune writes, run takes.

@@ -525,24 +525,5 @@ TEST_F(RecommendCommand, AHangingOrLyingCandidateEndsAsAnEvidenceAgainstIt) {
   EXPECT_EQ(RowOf(found, "lying")["false_successes"], 2);
 }
 
-TEST_F(RecommendCommand, MistakesAreOneLineAndStatusTwo) {
-  Write("torn.jsonl", R"({"id":"a","A":[[1]],"b":[-1],"previous":[3]})");
-  Write("empty.jsonl", "");
-  const std::vector<std::pair<std::string, std::string>> mistakes = {
-      {"", "expected one FILE or --scene, found 0"},
-      {"a.jsonl b.jsonl", "expected one FILE or --scene, found 2"},
-      {"--scene disc-pile --deadline 3min", "--deadline: expected a time > 0"},
-      {"--scene disc-pile --tolerance 2", "--tolerance: expected a number in (0, 1)"},
-      {"--scene disc-pile --rounds 0", "--rounds: expected"},
-      {"--scene disc-pile --candidates danzig", "danzig"},
-      {"--scene disc-pile --budget 0", "--budget: expected"},
-      {"--scene disc-pile --budget 1e-9", "--budget: no solver had its turn within 1e-09 s"},
-      {"--scene disc-pyle", "disc-pyle"},
-      {Path("nowhere.jsonl"), "cannot be opened"},
-      {Path("empty.jsonl"), "is empty"},
-      {Path("torn.jsonl"), "torn.jsonl:1: field 'previous': expected a row of the line before"}};
-  for (const auto& [arguments, expected] : mistakes) ExpectMistake("recommend " + arguments, expected);
-}
-
 }  // namespace
 }  // namespace lcpbench

@@ -257,12 +257,8 @@ TEST(Assembly, ParallelContactsOfDiscsHaveRowsThatDependExactly) {
 
 TEST(Assembly, RefusesWrongBodiesNamingThem) {
   ContactSystem system = BoxOnFloor();
-  system.constraints[1].body2 = 7;
-  EXPECT_TRUE(Names(ErrorOf(system), {"box-on-floor", "contact 1", "body index 7", "[0, 2)"}));
-  system.constraints[1].body2 = -1;
-  EXPECT_TRUE(Names(ErrorOf(system), {"contact 1", "body index -1"}));
   system.constraints[1].body2 = 1;
-  EXPECT_TRUE(Names(ErrorOf(system), {"contact 1", "must differ", "body 1 'box'"}));
+  EXPECT_TRUE(Names(ErrorOf(system), {"box-on-floor", "contact 1", "must differ", "body 1 'box'"}));
 
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();

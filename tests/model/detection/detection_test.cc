@@ -285,6 +285,10 @@ TEST(FlushContacts, ABodyOnItsFlatSideTouchesAtBothEndsOfIt) {
     for (const double tilt : Tilts(1e-4)) {
       const auto rows = Contacts(OnFloor(shape.outline, shape.half, tilt, gap), Floor(), tolerance);
       ASSERT_EQ(rows.size(), 2u) << shape.outline.name << " " << tilt;
+      if (std::abs(tilt) < 4e-7) {  // as it does where it has sunk in
+        const Placed sunk = OnFloor(shape.outline, shape.half, tilt, -gap);
+        EXPECT_EQ(Contacts(sunk, Floor(), 1e-5).size(), 2u) << shape.outline.name << " " << tilt;
+      }
       const double rise = 2 * shape.half * std::sin(std::abs(tilt));
       const RowInfo& near = rows[tilt > 0 ? 0 : 1];
       const RowInfo& far = rows[tilt > 0 ? 1 : 0];
@@ -306,15 +310,6 @@ TEST(FlushContacts, ABodyTiltedOutOfTheToleranceTouchesAtOneEnd) {
       const Placed body = OnFloor(shape.outline, shape.half, tilt, 1e-10);
       EXPECT_EQ(Contacts(body, Floor(), 0.99 * rise).size(), 1u) << shape.outline.name << " " << tilt;
       EXPECT_EQ(Contacts(body, Floor(), 1.01 * rise).size(), 2u) << shape.outline.name << " " << tilt;
-    }
-  }
-}
-
-TEST(FlushContacts, ABodyThatHasSunkInTouchesAtBothEnds) {
-  for (const Resting& shape : RestingShapes()) {
-    for (const double tilt : Tilts(1e-7)) {
-      const Placed body = OnFloor(shape.outline, shape.half, tilt, -1e-7);
-      EXPECT_EQ(Contacts(body, Floor(), 1e-5).size(), 2u) << shape.outline.name << " " << tilt;
     }
   }
 }

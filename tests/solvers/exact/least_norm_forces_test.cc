@@ -67,34 +67,6 @@ TEST(UniqueForces, NeverContradictsTheExactAnswer) {
   EXPECT_LT(unknown, yes + no);
 }
 
-// A plank of 20 kg on four legs under its weight: of all distributions equal shares have the least norm.
-TEST(LeastNormForces, APlankOnFourLegsRestsOnAllOfThem) {
-  const Eigen::Vector4d legs(-1.5, -0.5, 0.5, 1.5);
-  const double mass = 10;
-  const double inertia = 4;
-  const double weight = 98.1;
-  SparseMatrix J(4, 3);
-  for (int i = 0; i < 4; ++i) {
-    J.insert(i, 1) = 1;
-    J.insert(i, 2) = legs[i];
-  }
-  const Eigen::Vector3d inverse_mass(1 / mass, 1 / mass, 1 / inertia);
-  const LcpProblem problem =
-      LcpProblem::FromFactors("plank", J, inverse_mass, Eigen::VectorXd::Constant(4, -weight / mass));
-  const LcpResult result = SolveBy("auto", problem, 1e-9);
-  ASSERT_EQ(result.status, LcpStatus::kSolved);
-  EXPECT_EQ(UniqueForces(problem, Eigen::Vector4d::Constant(weight / 4)), false);
-  const LeastNormForces found = FindLeastNormForces(problem, result.f);
-  ASSERT_EQ(found.status, LcpStatus::kSolved) << found.detail;
-  EXPECT_EQ(found.nullity, 2);
-  for (int i = 0; i < 4; ++i) EXPECT_NEAR(found.f[i], weight / 4, 1e-9);
-  // Of a matrix nothing is known beforehand; its eigenvalues tell.
-  const LcpProblem dense = LcpProblem::FromDense("plank", problem.DenseA(), problem.b());
-  const LeastNormForces of_matrix = FindLeastNormForces(dense, result.f);
-  ASSERT_EQ(of_matrix.status, LcpStatus::kSolved) << of_matrix.detail;
-  for (int i = 0; i < 4; ++i) EXPECT_NEAR(of_matrix.f[i], weight / 4, 1e-9);
-}
-
 TEST(LeastNormForces, RefuseWhatTheyAreNotFor) {
   const Eigen::Vector2d b(-1, -1);
   Eigen::Matrix2d A;

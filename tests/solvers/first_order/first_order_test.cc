@@ -191,21 +191,9 @@ TEST_P(FirstOrder, WarmStartAtTheSolutionTakesNoIteration) {
   }
 }
 
-// A long chain: tridiagonal A that is given as such.
-LcpProblem LongChain(Index n) {
-  SparseMatrix A(n, n);
-  A.reserve(Eigen::VectorXi::Constant(static_cast<int>(n), 3));
-  for (Index i = 0; i < n; ++i) {
-    if (i > 0) A.insert(i, i - 1) = -0.5;
-    A.insert(i, i) = 1.0;
-    if (i + 1 < n) A.insert(i, i + 1) = -0.5;
-  }
-  return LcpProblem::FromSparse("long-chain", A, Eigen::VectorXd::Constant(n, -1.0), {}, SymmetricPsd());
-}
-
 TEST_P(FirstOrder, ReadsTheClockOftenWithinAnIteration) {
   constexpr Index kRows = 4 * FirstOrderEngine::kEntriesPerClockRead;
-  const LcpProblem problem = LongChain(kRows);
+  const LcpProblem problem = InForm(PressedChain(kRows), MatrixForm::kSparse);
   const LcpResult late = Solve(problem, {.time_limit_s = 0.5, .now = &TickingClock});  // over at the first reading
   EXPECT_EQ(late.status, LcpStatus::kTimeLimit);
   EXPECT_EQ(late.iterations, 0);

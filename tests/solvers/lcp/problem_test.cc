@@ -45,17 +45,21 @@ LcpProblem RandomFactors(Index n, int bodies, unsigned seed, Entries entries = E
 }
 
 // What DenseA and SparseA document, rounding and all, in the plainest words; so A is symmetric bit for bit.
+Eigen::MatrixXd SumOverColumns(const Eigen::MatrixXd& J, const Eigen::VectorXd& inverse_mass) {
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(J.rows(), J.rows());
+  for (Index k = 0; k < J.cols(); ++k) {
+    for (Index i = 0; i < J.rows(); ++i) {
+      for (Index j = 0; j < J.rows(); ++j) A(i, j) += inverse_mass[k] * (J(i, k) * J(j, k));
+    }
+  }
+  return A;
+}
+
 TEST(LcpProblem, EveryEntryOfASumsOverAscendingColumnsOfJ) {
   for (unsigned seed = 0; seed < 50; ++seed) {
     for (const Entries entries : {Entries::kIntegers, Entries::kReals, Entries::kScattered}) {
       const LcpProblem problem = RandomFactors(1 + seed % 17, 1 + static_cast<int>(seed % 6), seed, entries);
-      const Eigen::MatrixXd J(problem.J());
-      Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(J.rows(), J.rows());
-      for (Index k = 0; k < J.cols(); ++k) {
-        for (Index i = 0; i < J.rows(); ++i) {
-          for (Index j = 0; j < J.rows(); ++j) expected(i, j) += problem.inverse_mass()[k] * (J(i, k) * J(j, k));
-        }
-      }
+      const Eigen::MatrixXd expected = SumOverColumns(Eigen::MatrixXd(problem.J()), problem.inverse_mass());
       EXPECT_EQ(problem.DenseA(), expected);
       EXPECT_EQ(Eigen::MatrixXd(problem.SparseA()), expected);
       EXPECT_EQ(problem.DiagonalA(), expected.diagonal());
@@ -79,12 +83,7 @@ TEST(LcpProblem, FullJacobiansGiveTheSameBits) {
           inverse_mass[k] = Uniform(&random, 0, 1) < 0.2 ? 0 : Uniform(&random, 0.1, 10);
           for (Index i = 0; i < n; ++i) J(i, k) = Uniform(&random, 0, 1) < share ? Uniform(&random, -1, 1) : 0;
         }
-        Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(n, n);
-        for (Index k = 0; k < columns; ++k) {
-          for (Index i = 0; i < n; ++i) {
-            for (Index j = 0; j < n; ++j) expected(i, j) += inverse_mass[k] * (J(i, k) * J(j, k));
-          }
-        }
+        const Eigen::MatrixXd expected = SumOverColumns(J, inverse_mass);
         const SparseMatrix sparse_J = J.sparseView();
         const LcpProblem problem = LcpProblem::FromFactors("", sparse_J, inverse_mass, Eigen::VectorXd::Zero(n));
         EXPECT_EQ(problem.DenseA(), expected);
@@ -205,15 +204,6 @@ TEST(LcpProblem, SparseMatrixStoresTheWholeDiagonal) {
   EXPECT_EQ(problem.SparseA().nonZeros(), 5);
   EXPECT_EQ(problem.DiagonalA(), Eigen::Vector3d::Zero());
   EXPECT_EQ(LcpProblem::FromDense("no rows", {}, {}).SparseA().nonZeros(), 0);
-}
-
-TEST(LcpProblem, RowKindsFollowTheBounds) {
-  const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(3, 3);
-  const LcpProblem mixed =
-      LcpProblem::FromDense("m", A, Eigen::Vector3d(1, 1, 1), RowBounds::WithBilateralRows(3, {1}));
-  EXPECT_FALSE(mixed.is_bilateral(0));
-  EXPECT_TRUE(mixed.is_bilateral(1));
-  EXPECT_EQ(mixed.bilateral_rows(), std::vector<Index>{1});
 }
 
 TEST(LcpProblem, BadInputIsRefusedAtTheDoor) {

@@ -52,15 +52,6 @@ TEST(Lemke, FollowsThePathOfATwoByTwoProblemByHand) {
   EXPECT_EQ(result.iterations, 2) << "one event at z = 1, and the step to z = 0";
 }
 
-TEST(Lemke, TakesFewPivotsOnFullyDegenerateProblems) {
-  for (unsigned seed = 0; seed < 500; ++seed) {
-    const LcpProblem problem = FullyDegenerate(seed, 40);
-    const LcpResult result = Solve(problem);
-    ExpectSolved(problem, result);
-    EXPECT_LE(result.iterations, 4 * problem.size() + 4) << "seed " << seed;
-  }
-}
-
 // All contacts of a symmetric problem reach 0 at the same z, so that every pivot is a tie: without an order among tied
 // rows the path may go round.
 TEST(Lemke, ResolvesTiesOfEqualRows) {

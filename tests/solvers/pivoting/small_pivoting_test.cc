@@ -155,29 +155,6 @@ TEST_P(SmallPivotingTest, ARightGuessNeedsNoTableauAndAWrongOneDoesNoHarm) {
   }
 }
 
-TEST_P(SmallPivotingTest, PowersOfTwoChangeNoBit) {
-  SmallPivoting tableau(GetParam());
-  tableau.Reserve(40);
-  for (unsigned seed = 0; seed < 100; ++seed) {
-    const TestProblem planted = PlantedExactly(seed, 40, false);
-    const Index n = planted.problem.size();
-    TestRandom random(seed);
-    VectorXd s(n);
-    for (Index i = 0; i < n; ++i) s[i] = std::ldexp(1.0, random.Integer(-20, 20));
-    const double t = std::ldexp(1.0, random.Integer(-40, 40));
-    const MatrixXd A = s.asDiagonal() * planted.problem.DenseA() * s.asDiagonal();
-    const VectorXd b = t * s.cwiseProduct(planted.problem.b());
-    const LcpProblem scaled = LcpProblem::FromDense("scaled", A, b, planted.problem.bounds(), SymmetricPsd());
-    VectorXd f = VectorXd::Zero(n);
-    VectorXd g = VectorXd::Zero(n);
-    const double rho = tableau.Solve(planted.problem, {}, &f).rho;
-    const int pivots = tableau.pivots();
-    EXPECT_EQ(tableau.Solve(scaled, {}, &g).rho, rho);
-    EXPECT_EQ(tableau.pivots(), pivots);
-    EXPECT_EQ(f, VectorXd(s.cwiseProduct(g) / t));
-  }
-}
-
 INSTANTIATE_TEST_SUITE_P(Machine, SmallPivotingTest, testing::ValuesIn(AvailableInstructionSets()),
                          [](const auto& test) { return std::string(ToString(test.param)); });
 

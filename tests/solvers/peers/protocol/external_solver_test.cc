@@ -210,15 +210,6 @@ TEST(ExternalSolver, MemoryIsBounded) {
   EXPECT_EQ(result.status, LcpStatus::kNumericalFailure) << result.detail;
 }
 
-TEST(ExternalSolver, ClaimsAreJudgedLikeAnyOthers) {
-  for (const char* manner : {"print", "nan"}) {
-    ExternalSolver solver(Worker(manner));
-    const LcpResult result = SolveThere(solver, AnyProblem());
-    EXPECT_EQ(result.status, LcpStatus::kSolved) << manner;
-    EXPECT_TRUE(Verify(AnyProblem(), result, 1e-9).false_success) << manner;
-  }
-}
-
 TEST(ExternalSolver, WhatIsNoWorkerIsRefusedByName) {
   for (const char* manner : {"garbage", "mute"}) {
     ExternalSolverOptions options = Worker(manner);
