@@ -99,7 +99,8 @@ constexpr std::size_t kMostGroups = 256;  // beyond so many, the guard does not 
 
 int guard = -1;  // the socket to it
 
-// The guard starts with the first group. Where the system has no process for it, PR_SET_PDEATHSIG has to do.
+// The guard starts with the first group; where the system has no process for it, with a later one, and until then
+// PR_SET_PDEATHSIG has to do, which reaches what this process started itself.
 void TellGuard(pid_t told) {
   static std::mutex mutex;
   const std::lock_guard lock(mutex);
@@ -110,7 +111,11 @@ void TellGuard(pid_t told) {
     // Here too: who kills this process' group before the guard has run must not kill the guard with it.
     if (started > 0) setpgid(started, started);
     close(ends[0]);
-    guard = ends[1];
+    if (started > 0) {
+      guard = ends[1];
+    } else {
+      close(ends[1]);
+    }
   }
   send(guard, &told, sizeof told, MSG_NOSIGNAL);
 }

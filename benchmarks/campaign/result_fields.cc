@@ -206,7 +206,7 @@ constexpr Kind kKinds[] = {
     {"list", [](const Value& v) { return v.is_array(); }, "a list", R"({"type": "array"})"},
 };
 
-// ResultField::type in its parts.
+// The type of a field in its parts.
 struct Type {
   explicit Type(std::string_view text) {
     is_list = text.front() == '[';

@@ -83,7 +83,7 @@ struct ListFields {
   bool as_schema = false;
 
   void Declare(CLI::App& app) {
-    app.add_flag("--json", as_json, "As one JSON object, by which report/ checks what it reads");
+    app.add_flag("--json", as_json, "As one JSON object: report/lcpbench_report/statistics/result_fields.json");
     app.add_flag("--schema", as_schema, "As a JSON Schema (docs/formats/campaign_lines.schema.json)")
         ->excludes("--json");
   }

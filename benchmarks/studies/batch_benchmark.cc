@@ -1,8 +1,7 @@
-// Times StepSolver::SolveBatch from an engine's arrays to forces: 100,000 islands of 1 to 16 rows
-// (IslandBatch), in the plane and in space, J in double and in single precision, fresh in every
-// pass, because all together are larger than the caches. Items are rows. `left`: the share of problems that lanes did
-// not solve; `refused`: how many answers the verifier refused; `floor` reads the arrays once in order and writes f
-// once; `one_by_one` is StepSolver::Solve.
+// Times StepSolver::SolveBatch from an engine's arrays to forces: 100,000 islands of 1 to 16 rows (IslandBatch), in the
+// plane and in space, J in double and in single precision, fresh in every pass, because all together are larger than
+// the caches. Items are rows. `left`: the share of problems that lanes did not solve; `refused`: how many answers the
+// verifier refused; `floor` reads the arrays once in order and writes f once; `one_by_one` is StepSolver::Solve.
 
 #include <array>
 #include <cmath>

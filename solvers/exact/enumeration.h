@@ -28,9 +28,9 @@ inline constexpr Index kMostEnumeratedRows = 12;
 /// Up to this many rows the active set of a guess is tried.
 inline constexpr Index kMostGuessedRows = 128;
 
-/// Tries active sets F (bilateral rows are in all of them): A_FF f_F = -b_F in rationals, by elimination, then signs. A
-/// problem has no solution where no F has one and every A_FF is nonsingular; a singular A_FF proves nothing. Nor has it
-/// one where a unilateral row has b_i < 0 and nothing above 0 in A, while no row is bilateral.
+/// Tries active sets F (bilateral rows are in all of them): A_FF f_F = -b_F in rationals, then signs. A problem has no
+/// solution where no F has one and every A_FF is nonsingular; a singular A_FF proves nothing. Nor has it one where a
+/// unilateral row has b_i < 0 and nothing above 0 in A, while no row is bilateral.
 /// @param guesses  n values each, whose active rows are tried first; they are not trusted
 EnumeratedAnswer SolveByEnumeration(const LcpProblem& problem, const std::vector<Eigen::VectorXd>& guesses);
 

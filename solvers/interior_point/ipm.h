@@ -58,7 +58,7 @@ struct IpmOptions {
 /// that of f = 0. Else: its active set, with block pivots only as long as they pay (BlockPivoting); nncg for as long
 /// as its rate promises an answer within the time of four factorizations; the interior point from the best iterate so
 /// far where that has a rho below 3 % of that of f = 0, or cold. May change the answer where f is not unique.
-/// In a sequence order and symbolic analysis are kept where they still fit. Measured: docs/solvers/interior_point.md.
+/// In a sequence order and symbolic analysis are kept for the same pattern. Measured: docs/solvers/interior_point.md.
 class IpmSolver final : public EngineSolver<IpmOptions, class IpmEngine> {
  public:
   using EngineSolver::EngineSolver;

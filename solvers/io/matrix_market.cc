@@ -103,9 +103,20 @@ void RequireShape(const MarketMatrix& matrix, Index rows, Index columns, const s
 
 }  // namespace
 
+// Not by setFromTriplets, which takes memory for every column that the header promises.
 SparseMatrix MarketMatrix::ToSparse() const {
+  std::vector<Eigen::Triplet<double, int>> sorted = entries;
+  std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) {
+    return std::make_pair(a.row(), a.col()) < std::make_pair(b.row(), b.col());
+  });
   SparseMatrix matrix(rows, columns);
-  matrix.setFromTriplets(entries.begin(), entries.end());
+  matrix.reserve(static_cast<Index>(sorted.size()));
+  auto next = sorted.begin();
+  for (Index i = 0; i < rows; ++i) {
+    matrix.startVec(i);
+    for (; next != sorted.end() && next->row() == i; ++next) matrix.insertBack(i, next->col()) = next->value();
+  }
+  matrix.finalize();
   return matrix;
 }
 

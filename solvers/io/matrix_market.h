@@ -20,7 +20,7 @@ struct MarketMatrix {
   bool is_symmetric = false;  ///< the file has the lower triangle; `entries` has both
   std::vector<Eigen::Triplet<double, int>> entries;  ///< of an array in the order of the file: by columns
 
-  /// With the entries that are stored, also those that are 0. Takes memory for every row and column of the header.
+  /// With the entries that are stored, also those that are 0.
   SparseMatrix ToSparse() const;
   /// A matrix of one column, or one row, as a vector. @throws InputError with `where` for another shape
   Eigen::VectorXd ToVector(const std::string& where) const;

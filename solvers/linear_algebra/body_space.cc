@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "solvers/lcp/in_sequence.h"
+#include "solvers/lcp/memory_budget.h"
 #include "solvers/linear_algebra/islands.h"
 #include "support/array_index.h"
 
@@ -97,6 +98,7 @@ void BodySpace::Order(Index triples, bool will_update) {
     return factor_.flops();
   };
   Eigen::VectorXi nodes = OrderGraph(graph, GraphOrder::kMinimumDegree);
+  if (nodes.size() != graph.cols()) throw MemoryRefusal("there is no memory for the order of the bodies");
   const double work = analyze(nodes);
   if (work > kWorthDissection) {
     Eigen::VectorXi dissected = OrderGraph(graph, GraphOrder::kNestedDissection);

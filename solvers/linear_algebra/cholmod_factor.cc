@@ -260,7 +260,12 @@ void CholmodFactor::AnalyzeBy(Definiteness definiteness, const ColumnMatrix& low
   // Supernodes hold numbers only, a factor by columns has an index beside each. Factorize holds no more for long.
   const double entry = s.factor->is_super != 0 ? sizeof(double) : sizeof(double) + sizeof(int);
   const double entries = s.factor->is_super != 0 ? static_cast<double>(s.factor->xsize) : s.fill;
-  RequireMemory(entries * entry, "the factor");
+  try {
+    RequireMemory(entries * entry, "the factor");
+  } catch (const MemoryRefusal&) {
+    s.Free();  // TakeValues must not take it for one that may be filled
+    throw;
+  }
   s.right_side.resize(n);
 }
 

@@ -30,7 +30,7 @@ _KINDS = {
 }
 
 
-# {record: {field: {"type": kind, ...}}}, written by `lcpbench list fields --json`; [kind] is a list of it.
+# {record: {field: {"type": kind, ...}}}, which is part of the command, too; [kind] is a list of it.
 _SCHEMA = json.loads((Path(__file__).parent / "result_fields.json").read_text(encoding="utf-8"))
 # Record -> field -> kind; of lists only that they are.
 _KINDS_OF = {record: {key: "list" if field["type"][0] == "[" else field["type"] for key, field in fields.items()}

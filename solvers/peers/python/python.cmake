@@ -1,5 +1,5 @@
 # Libraries whose wheels have no headers: their Python modules, run by an interpreter within the worker.
-lcpbench_peer_option(PYTHON_PEERS "Python peers" "libpython3-dev, PyPI: requirements-peers.txt")
+lcpbench_peer_option(PYTHON_PEERS "Python peers" "libpython3-dev, PyPI: cmake/packages/requirements-peers.txt")
 if(LCPBENCH_WITH_PYTHON_PEERS)
   find_package(Python3 QUIET COMPONENTS Development.Embed)
   # Folder of the table, and the module that has to be there.
@@ -15,7 +15,7 @@ if(LCPBENCH_WITH_PYTHON_PEERS)
         LCPBENCH_PYTHON="${LCPBENCH_PEERS_VENV}/bin/python")
       set(has_python_peers TRUE)
     else()
-      lcpbench_peer_missing(PYTHON_PEERS ${folder} "libpython3-dev, PyPI: requirements-peers.txt")
+      lcpbench_peer_missing(PYTHON_PEERS ${folder} "libpython3-dev, PyPI: cmake/packages/requirements-peers.txt")
     endif()
   endforeach()
   # Beside the workers (python.cc), in the build as in an installation.

@@ -129,5 +129,14 @@ TEST(CholmodFactor, RefusesAPivotThatIsNotPositiveAndRecovers) {
   }
 }
 
+TEST(CholmodFactor, RefusesWhatIsNoPermutation) {
+  const ColumnMatrix lower = LowerTriangle(Arrow(3, 0));
+  CholmodFactor factor;
+  for (const std::vector<int>& nodes : std::vector<std::vector<int>>{{0, 1}, {0, 1, 1}, {0, 1, 3}}) {
+    const Eigen::VectorXi order = Eigen::VectorXi::Map(nodes.data(), static_cast<Eigen::Index>(nodes.size()));
+    EXPECT_THROW(factor.Analyze(Definiteness::kPositiveDefinite, lower, order), std::runtime_error);
+  }
+}
+
 }  // namespace
 }  // namespace lcpbench
