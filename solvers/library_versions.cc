@@ -1,7 +1,5 @@
 #include "solvers/library_versions.h"
 
-#include <dlfcn.h>
-
 #include <Eigen/Core>
 
 #ifdef LCPBENCH_WITH_SUITESPARSE
@@ -11,23 +9,9 @@
 #include <IpoptConfig.h>
 #endif
 
+#include "solvers/linear_algebra/loaded_blas.h"
+
 namespace lcpbench {
-namespace {
-
-// The BLAS behind CHOLMOD and MUMPS is the system's choice (Debian alternatives), known only once loaded.
-std::string LoadedBlas() {
-  using GetConfig = char* (*)();
-  // dlsym gives void*; the conversion to a function pointer is what POSIX prescribes.
-  if (const auto get_config = reinterpret_cast<GetConfig>(dlsym(RTLD_DEFAULT, "openblas_get_config"))) {
-    return get_config();
-  }
-  void* symbol = dlsym(RTLD_DEFAULT, "dgemm_");
-  Dl_info info;
-  if (symbol != nullptr && dladdr(symbol, &info) != 0 && info.dli_fname != nullptr) return info.dli_fname;
-  return "unknown";
-}
-
-}  // namespace
 
 std::vector<std::pair<std::string, std::string>> LibraryVersions() {
   std::vector<std::pair<std::string, std::string>> versions;
@@ -40,7 +24,7 @@ std::vector<std::pair<std::string, std::string>> LibraryVersions() {
 #ifdef LCPBENCH_WITH_IPOPT
   versions.emplace_back("Ipopt", IPOPT_VERSION);
 #endif
-  versions.emplace_back("BLAS", LoadedBlas());
+  versions.emplace_back("BLAS", BlasVersion());
   return versions;
 }
 

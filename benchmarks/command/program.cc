@@ -1,15 +1,20 @@
 #include "benchmarks/command/program.h"
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <new>
+#include <string>
 #include <system_error>
+#include <vector>
 
 #include "solvers/lcp/memory_budget.h"
-#include "solvers/linear_algebra/library_threads.h"
+#include "solvers/linear_algebra/loaded_blas.h"
 #include "support/exit_status.h"
 #include "support/input_error.h"
 #include "support/output_error.h"
@@ -46,6 +51,27 @@ std::string Reworded(const CLI::App& failed, const CLI::Error& error) {
   return text;
 }
 
+// Starts the program anew with the widest kernels of OpenBLAS that the processor can run and that are right, where it
+// chose narrower ones. A choice in the environment stays; workers have that of their host.
+void ChooseBlasKernels(char** argv) {
+  constexpr const char* kChoice = "OPENBLAS_CORETYPE";
+  constexpr const char* kTried = "LCPBENCH_BLAS_KERNELS_TRIED";  // set in a program that was started anew: how many
+  const char* const before = std::getenv(kTried);
+  const std::size_t tried = before == nullptr ? 0 : std::strtoul(before, nullptr, 10);
+  unsetenv(kTried);
+  if (before == nullptr ? std::getenv(kChoice) != nullptr || !HasNarrowBlasKernels() : BlasIsRight()) return;
+  const std::vector<std::string> kernels = RunnableBlasKernels();
+  if (tried > kernels.size()) return;
+  if (tried < kernels.size()) {
+    setenv(kChoice, kernels[tried].c_str(), 1);
+  } else {
+    unsetenv(kChoice);
+  }
+  setenv(kTried, std::to_string(tried + 1).c_str(), 1);
+  execv("/proc/self/exe", argv);
+  unsetenv(kTried);
+}
+
 }  // namespace
 
 int RunProgram(const std::string& name, const std::function<int()>& run) {
@@ -77,6 +103,7 @@ int RunProgram(const std::string& name, const std::function<int()>& run) {
 }
 
 std::optional<int> ParseCommandLine(CLI::App& app, int argc, char** argv) {
+  ChooseBlasKernels(argv);
   // Not first of all: where libgomp gets no memory it ends the process with a line of its own.
   LimitLibraryThreads(1);
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {

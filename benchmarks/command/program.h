@@ -16,7 +16,8 @@ namespace lcpbench {
 int RunProgram(const std::string& name, const std::function<int()>& run);
 
 /// Reads a command line; a mistake becomes one line, as everywhere else. From here on libraries keep to one thread:
-/// one solve, one thread, for every backend alike.
+/// one solve, one thread, for every backend alike. Where OpenBLAS chose kernels with narrower registers than the
+/// processor has, and OPENBLAS_CORETYPE is not set, the program first starts itself anew with wider ones.
 /// @return the exit status where the program ends here: --help, --version, or a mistake
 std::optional<int> ParseCommandLine(CLI::App& app, int argc, char** argv);
 

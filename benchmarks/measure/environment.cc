@@ -16,7 +16,7 @@
 #include "build_info.h"
 #include "git_revision.h"
 #include "solvers/library_versions.h"
-#include "solvers/linear_algebra/library_threads.h"
+#include "solvers/linear_algebra/loaded_blas.h"
 
 namespace lcpbench {
 namespace {

@@ -40,9 +40,10 @@ def _builds(inputs: Inputs) -> _Lines:
     environments = [campaign.info.get("environment", {}) for campaign in inputs.campaigns]
     machines = list(dict.fromkeys(f"{e.get('cpu', 'unknown')}, {e.get('cores', '?')} cores" for e in environments))
     threads = environments[0].get("library_threads")
+    blas = environments[0].get("libraries", {}).get("BLAS", "BLAS")  # its name says which kernels it runs
     yield ("One machine" if len(machines) == 1 else "Several machines",
            f"Times are from {'; '.join(machines)}. Ratios between solvers, and even their order, can differ on "
-           "another." + (f" BLAS and OpenMP ran on {formats.plural(threads, 'thread')}." if threads else ""))
+           "another." + (f" {blas} and OpenMP ran on {formats.plural(threads, 'thread')}." if threads else ""))
     if any(e.get("git_dirty") for e in environments):
         yield ("Uncommitted changes", "The tree differed from its commit when this was built: the commit alone does not "
                "reproduce it.")

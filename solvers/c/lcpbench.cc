@@ -23,7 +23,7 @@
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/verify.h"
-#include "solvers/linear_algebra/library_threads.h"
+#include "solvers/linear_algebra/loaded_blas.h"
 #include "solvers/pivoting/least_norm.h"
 #include "solvers/registry.h"
 #include "solvers/step/step_solver.h"

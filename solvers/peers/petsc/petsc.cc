@@ -22,7 +22,7 @@
 #include <utility>
 
 #include "solvers/lcp/memory_budget.h"
-#include "solvers/linear_algebra/library_threads.h"
+#include "solvers/linear_algebra/loaded_blas.h"
 #include "solvers/peers/peer_library.h"
 
 namespace lcpbench {

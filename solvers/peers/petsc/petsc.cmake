@@ -7,7 +7,7 @@ if(LCPBENCH_WITH_PETSC)
     pkg_check_modules(petsc QUIET IMPORTED_TARGET PETSc>=3.18)
   endif()
   if(TARGET PkgConfig::petsc AND MPI_CXX_FOUND)
-    lcpbench_add_peer(petsc SOURCES petsc/petsc.cc ../linear_algebra/library_threads.cc
+    lcpbench_add_peer(petsc SOURCES petsc/petsc.cc ../linear_algebra/loaded_blas.cc
                       LIBRARIES PkgConfig::petsc MPI::MPI_CXX ${CMAKE_DL_LIBS})
     target_include_directories(lcpbench_worker_petsc SYSTEM PRIVATE ${petsc_INCLUDE_DIRS})
   else()

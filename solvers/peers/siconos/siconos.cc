@@ -34,7 +34,7 @@
 #include <vector>
 
 #include "solvers/lcp/memory_budget.h"
-#include "solvers/linear_algebra/library_threads.h"
+#include "solvers/linear_algebra/loaded_blas.h"
 #include "solvers/peers/peer_library.h"
 
 namespace lcpbench {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "solvers/lcp/memory_budget.h"
-#include "solvers/linear_algebra/library_threads.h"
+#include "solvers/linear_algebra/loaded_blas.h"
 #include "solvers/peers/alarm.h"
 #include "solvers/peers/peer_library.h"
 #include "solvers/peers/simbody/impulse_code.h"

@@ -13,7 +13,7 @@ if(LCPBENCH_WITH_SIMBODY)
     target_include_directories(lcpbench_simbody_code PRIVATE "${PROJECT_SOURCE_DIR}")
     target_include_directories(lcpbench_simbody_code SYSTEM PRIVATE "${SIMBODY_INCLUDE_DIR}")
     target_link_libraries(lcpbench_simbody_code PRIVATE lcpbench_warnings)
-    lcpbench_add_peer(simbody SOURCES simbody/simbody.cc ../linear_algebra/library_threads.cc
+    lcpbench_add_peer(simbody SOURCES simbody/simbody.cc ../linear_algebra/loaded_blas.cc
                       LIBRARIES lcpbench_simbody_code "${SIMBODY_LIBRARY}" "${SIMBODY_COMMON_LIBRARY}"
                                 ${CMAKE_DL_LIBS})
   else()

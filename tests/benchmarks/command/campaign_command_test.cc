@@ -20,6 +20,7 @@
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/collection/build.h"
 #include "benchmarks/collection/manifest.h"
+#include "solvers/linear_algebra/loaded_blas.h"
 #include "support/input_error.h"
 #include "tests/benchmarks/command/command_fixture.h"
 
@@ -284,6 +285,26 @@ TEST_F(CampaignCommand, ASlowSolverIsMeasuredOnFewerProblems) {
     EXPECT_EQ(line.value("rho", Json()).size(), line.value("attempted", 0U));
     EXPECT_TRUE(line["kind"] != "fresh" || line["fresh_s"].size() == line["count"]);
   }
+}
+
+// OpenBLAS runs its oldest kernels on processors newer than itself, which the command mends; a choice of the user
+// stays.
+TEST_F(CampaignCommand, TakesTheWidestKernelsOfOpenBlasUnlessTold) {
+  const std::string run = "run --suite quick --filter n25-s1/ --tiers 1e-6 --passes 1 --solvers dantzig -o ";
+  const auto blas_of = [&](const std::string& folder) {
+    Succeed(run + Path(folder));
+    return ReadJson(folder_ / folder / "campaign.json").at("environment").at("libraries").at("BLAS").get<std::string>();
+  };
+  unsetenv("OPENBLAS_CORETYPE");
+  const bool is_narrow = HasNarrowBlasKernels();  // as this process loaded it
+  const std::string own = BlasVersion();
+  const std::string chosen = blas_of("own");
+  EXPECT_NE(chosen.find(is_narrow ? RunnableBlasKernels().front() : own), std::string::npos) << chosen;
+  if (own.find("OpenBLAS") == std::string::npos) return;
+  setenv("OPENBLAS_CORETYPE", "Prescott", 1);
+  const std::string told = blas_of("told");
+  unsetenv("OPENBLAS_CORETYPE");
+  EXPECT_NE(told.find("Prescott"), std::string::npos) << told;
 }
 
 TEST_F(CampaignCommand, GoogleBenchmarksFiltersWork) {
