@@ -8,6 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/campaign/result_fields.h"
+#include "benchmarks/collection/manifest.h"
+#include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "support/subprocess.h"
 #include "tests/benchmarks/command/command_fixture.h"
@@ -99,6 +102,28 @@ TEST_F(Campaign, GoesOnAfterAWorkerThatCrashesHangsOrExhaustsMemory) {
     EXPECT_EQ(row["verified"], good ? "2" : "0") << key;
     EXPECT_EQ(row["false_successes"], !good && worker.claim == "solved" ? "2" : "0") << key;
   }
+}
+
+// What a line has in arrays is of the problems in their order.
+TEST_F(Campaign, EveryProblemHasItsOwnNumbers) {
+  Succeed(Data("smoke") + " --filter 'n(8|40)-' --tiers 1e-6 --passes 1 --no-fills --solvers pgs -o " + Path("r"));
+  ProblemSource problems(LCPBENCH_SOURCE_DIR "/data");
+  const auto solver = MakeSolver("pgs");
+  std::map<std::string, Json> cells;
+  for (const Json& cell : Cells()) cells[cell["problem"]] = cell;
+  std::set<Json> seen;
+  for (const ManifestEntry& entry : ReadManifest(LCPBENCH_SOURCE_DIR "/data/smoke.json").problems) {
+    const auto cell = cells.find(entry.id);
+    if (cell == cells.end()) continue;
+    const LcpProblem problem = problems.Get(entry);
+    LcpResult answer;
+    solver->Solve(problem, {.tolerance = 1e-6}, &answer);
+    EXPECT_EQ(cell->second["iterations"], answer.iterations) << entry.id;
+    EXPECT_EQ(cell->second["rho"], Json(RoundedNumber(Verify(problem, answer, 1e-6).metrics.rho))) << entry.id;
+    seen.insert(cell->second["rho"]);
+  }
+  EXPECT_EQ(cells.size(), seen.size());  // no two alike
+  EXPECT_GT(seen.size(), 10U);
 }
 
 TEST_F(Campaign, AnswersAtTheFloorAreVerifiedAndTimed) {
