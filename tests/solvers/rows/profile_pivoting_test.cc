@@ -165,8 +165,9 @@ TEST(ProfileFactor, SolvesAsEigenForEveryActiveSet) {
       }
       Eigen::MatrixXd shifted = A(active, active);
       shifted.diagonal() += shift(active);
+      shifted.diagonal().array() += 0.5;
       const Eigen::VectorXd expected = shifted.ldlt().solve(x(active));
-      EXPECT_TRUE(factor.Factorize(is_active.data(), 0, shift.data()));
+      EXPECT_TRUE(factor.Factorize(is_active.data(), 0.5, shift.data()));
       factor.Solve(x.data());
       EXPECT_LT((x(active) - expected).norm(), 1e-11 * (1 + expected.norm()));
       for (Index i = 0; i < n; ++i) {
