@@ -45,8 +45,8 @@ const ProblemFormat& FormatNamed(const std::string& name);
 /// @throws InputError as the format's reader, and for formats that are written only
 LcpProblem ReadProblemFile(const std::string& path, const ReadingOptions& options);
 
-/// ReadEachLine (gzip_file.h) for several files, going on after a line or file that is refused with InputError (one line
-/// on standard error), so that nothing already computed is lost. A file whose first line is not a JSON object is a
+/// ReadEachLine (gzip_file.h) for several files, going on after a line or file that is refused with InputError (one
+/// line on standard error), so that nothing already computed is lost. A file whose first line is not a JSON object is a
 /// wrong one: one line says so, and the rest is not read. In other files each reason is reported once, ten at most,
 /// then the number of further lines. @return 0, or 2 when something was refused
 int ForEachLine(const std::vector<std::string>& files,
