@@ -68,10 +68,10 @@ std::string NcpLocal(const LcpProblem& /*problem*/, double /*tolerance*/) {
 }
 
 template <AutoMethod method>
-SolverEntry MethodOfAuto(const std::string& text, std::string source) {
+SolverEntry MethodOfAuto(const std::string& text, const std::string& source) {
   return {.key = std::string(KeyOf(method)),
           .method = text + "; a method of auto alone",
-          .source = std::move(source),
+          .source = source,
           .uses_tolerance = true,
           .why_not_guaranteed = &LeavesHardOnes,
           .make = [](const Settings& settings) -> std::unique_ptr<LcpSolver> {

@@ -292,7 +292,7 @@ Json ResultJsonSchema() {
     for (const auto& [key, field] : ResultSchemaJson().at(name).items()) {
       if (!field.contains("optional")) record["required"].push_back(key);
       Json& property = record["properties"][key] = Type(field["type"].get_ref<const std::string&>()).Schema();
-      if (field["meaning"] != "") property["description"] = field["meaning"];
+      if (!field["meaning"].get_ref<const std::string&>().empty()) property["description"] = field["meaning"];
     }
   }
   const auto ref = [](const std::string& record) { return Json{{"$ref", "#/$defs/" + record}}; };

@@ -26,7 +26,7 @@ namespace {
 
 // CLI11's own words, where they do not say what was expected.
 std::string Reworded(const CLI::App& failed, const CLI::Error& error) {
-  const std::string text = error.what();
+  std::string text = error.what();
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) {
     return "unexpected: " + CLI::detail::join(failed.remaining(true), " ");
   }

@@ -14,13 +14,16 @@ namespace {
 
 constexpr int kAxes = BodySpace::kAxes;
 
+// The first column of a body.
+Index First(int body) { return Index{kAxes} * body; }
+
 // x_body += j value, and j.x_body.
 void Add(const double* j, double value, double* x, int body) {
-  for (Index a = 0; a < kAxes; ++a) x[kAxes * body + a] += j[a] * value;
+  for (Index a = 0; a < kAxes; ++a) x[First(body) + a] += j[a] * value;
 }
 double Dot(const double* j, const double* x, int body) {
   double sum = 0;
-  for (Index a = 0; a < kAxes; ++a) sum += j[a] * x[kAxes * body + a];
+  for (Index a = 0; a < kAxes; ++a) sum += j[a] * x[First(body) + a];
   return sum;
 }
 
@@ -32,9 +35,6 @@ constexpr double kWorthDissection = 4e8;
 constexpr double kWorthChange = 0.9;  // its work against that of minimum degree
 
 constexpr int kNone = -1;
-
-// The first column of a body.
-Index First(int body) { return kAxes * body; }
 
 // The lower triangle of K, zeros, for the bodies of a graph in the order `nodes`.
 Graph PatternOfK(const Graph& graph, const Eigen::VectorXi& nodes) {
@@ -139,7 +139,7 @@ void BodySpace::Prepare(const LcpProblem& problem, const std::vector<char>& taki
     row.below = static_cast<int>(std::lower_bound(begin, end, kAxes * row.second) - begin);
   }
   for (Eigen::VectorXd* v : {&weight_, &product_}) v->setZero(rows());
-  for (Eigen::VectorXd* v : {&body_, &image_}) v->setZero(kAxes * bodies_);
+  for (Eigen::VectorXd* v : {&body_, &image_}) v->setZero(First(bodies_));
 }
 
 void BodySpace::Load(const LcpProblem& problem, const Eigen::VectorXd& root) {
@@ -184,13 +184,13 @@ void BodySpace::Multiply(const double* f, double* y) const {
 bool BodySpace::Factorize(const Eigen::VectorXd& theta) {
   double* values = factor_.values();
   const int* starts = factor_.column_starts();
-  const Index columns = kAxes * bodies_;
+  const Index columns = First(bodies_);
   std::fill(values, values + starts[columns], 0.0);
   for (Index j = 0; j < columns; ++j) values[starts[j]] = 1;
   // The lower triangle of the block of one body.
   const auto add_block = [&](int body, const double* j, double t) {
     for (Index a = 0; a < kAxes; ++a) {
-      double* column = values + starts[kAxes * body + a];
+      double* column = values + starts[First(body) + a];
       for (Index r = a; r < kAxes; ++r) column[r - a] += t * j[a] * j[r];
     }
   };
@@ -202,7 +202,7 @@ bool BodySpace::Factorize(const Eigen::VectorXd& theta) {
     if (row.second < 0) continue;
     add_block(row.second, row.second_j, t);
     for (Index a = 0; a < kAxes; ++a) {
-      double* block = values + starts[kAxes * row.first + a] + (kAxes - a) + row.below;
+      double* block = values + starts[First(row.first) + a] + (kAxes - a) + row.below;
       for (Index r = 0; r < kAxes; ++r) block[r] += t * row.first_j[a] * row.second_j[r];
     }
   }
@@ -214,7 +214,7 @@ bool BodySpace::Update(std::vector<int>* rows, const Eigen::VectorXd& theta, boo
   // Rows with much of their way in common follow each other: CHOLMOD takes up to eight together.
   std::sort(rows->begin(), rows->end(),
             [&](int i, int j) { return std::pair(row(i).first, i) < std::pair(row(j).first, j); });
-  CholmodFactor::ColumnMatrix columns(kAxes * bodies_, static_cast<int>(rows->size()));
+  CholmodFactor::ColumnMatrix columns(First(bodies_), static_cast<int>(rows->size()));
   columns.reserve(Index{2} * kAxes * static_cast<Index>(rows->size()));
   int k = 0;
   for (const int i : *rows) {
@@ -222,9 +222,9 @@ bool BodySpace::Update(std::vector<int>* rows, const Eigen::VectorXd& theta, boo
     weight_[i] = join ? t : 0.0;
     const double root = std::sqrt(t);
     columns.startVec(k);
-    for (Index a = 0; a < kAxes; ++a) columns.insertBack(kAxes * row(i).first + a, k) = root * row(i).first_j[a];
+    for (Index a = 0; a < kAxes; ++a) columns.insertBack(First(row(i).first) + a, k) = root * row(i).first_j[a];
     for (Index a = 0; a < kAxes && row(i).second >= 0; ++a) {
-      columns.insertBack(kAxes * row(i).second + a, k) = root * row(i).second_j[a];
+      columns.insertBack(First(row(i).second) + a, k) = root * row(i).second_j[a];
     }
     ++k;
   }
