@@ -161,7 +161,7 @@ constexpr FieldOf<Described> kProblem[] = {
     {"floor", [](const Described& of) { return OrNull(of.floor); }},
 };
 
-// Of every record of result_fields.json, which stand in that order.
+// What each record of result_fields.json is, in the order of that file.
 constexpr std::pair<const char*, const char*> kMeanings[] = {
     {"problem", "A line of problems.jsonl"},
     {"line", "What every line of streams.jsonl begins with"},

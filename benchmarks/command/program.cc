@@ -103,7 +103,6 @@ int RunProgram(const std::string& name, const std::function<int()>& run) {
 }
 
 std::optional<int> ParseCommandLine(CLI::App& app, int argc, char** argv) {
-  ChooseBlasKernels(argv);
   // Not first of all: where libgomp gets no memory it ends the process with a line of its own.
   LimitLibraryThreads(1);
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
@@ -114,6 +113,7 @@ std::optional<int> ParseCommandLine(CLI::App& app, int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kMisuse;
   }
+  ChooseBlasKernels(argv);
   return std::nullopt;
 }
 

@@ -125,7 +125,7 @@ Assessment Assess(const Measurement& measured, const RecommendationRequest& requ
   const bool verified = measured.outcome == "completed" && found.verified == 1;
   found.meets = verified && in_time;
   if (!verified) found.shortcoming = WhyNotVerified(measured, request.tolerance);
-  // Of a pass that ended early the verdict says enough.
+  // The verdict says enough where a pass ended early.
   if (!in_time && measured.outcome == "completed") {
     found.shortcoming += (found.shortcoming.empty() ? "" : "; ") + std::string("deadline missed in ") +
                          Percent(1 - found.in_time) + " of the steps";

@@ -52,7 +52,7 @@ class Passes {
 /// A measurement, judged by the request.
 struct Assessment {
   Measurement measured;
-  // Of the steps' latencies [s] (Quantile).
+  // Quantiles of the steps' latencies [s] (Quantile).
   double p50_s = 0;
   double p99_s = 0;
   double max_s = 0;

@@ -167,7 +167,7 @@ void LeaveOutStart(const std::string& declaration, Replacements* replacements) {
   replacements->emplace_back(declaration, "");
 }
 
-// Of the best solver.
+// The code that uses the best solver.
 std::string RecommendedCode(const Recommendation& all) {
   const Measurement& measured = all.ranked.front().measured;
   if (measured.solver == "auto" && all.step_sizes) {

@@ -178,7 +178,7 @@ class RecordedWorld : public btDiscreteDynamicsWorld {
         if (point.getDistance() > manifold->getContactProcessingThreshold()) continue;
         auto number = reinterpret_cast<std::uintptr_t>(point.m_userPersistentData);
         if (number == 0) {
-          // Of two spheres the engine forgets its only point in every step.
+          // Between two spheres the engine forgets its only point in every step.
           number = Radius(*a.getCollisionShape()) > 0 && Radius(*b.getCollisionShape()) > 0 ? 1 : ++last_number_[pair];
           point.m_userPersistentData = reinterpret_cast<void*>(number);  // NOLINT(performance-no-int-to-ptr)
         }
@@ -514,7 +514,7 @@ void Gyroscopic(Stage& stage) {
   stage.world.getSolverInfo().m_maxGyroscopicForce = 10;
 }
 
-/// Of the joints of the example: a door on a hinge, two boxes on a hinge, a slider, a cone, all with limits, and a
+/// Joints as in the engine's example: a door on a hinge, two boxes on a hinge, a slider, a cone, all with limits, and a
 /// ball.
 void Constraints(Stage& stage) {
   stage.Add(0, At(0, -56, 0), stage.Make<btStaticPlaneShape>(btVector3(0, 1, 0), 40));

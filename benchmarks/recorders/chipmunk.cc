@@ -586,7 +586,7 @@ class Stage : private FirstSpace, public Scene {
     const cpBody* const a = joint->a;
     const cpBody* const b = joint->b;
     std::vector<JointRow> rows;
-    // Of the points at these levers about the centres of mass, along n.
+    // A row along n for the points at these levers about the centres of mass.
     const auto add = [&](cpVect lever_a, cpVect lever_b, cpVect n, double error, bool is_limit = false) {
       rows.push_back({{-n.x, -n.y, -cpvcross(lever_a, n), n.x, n.y, cpvcross(lever_b, n)}, error, is_limit});
     };

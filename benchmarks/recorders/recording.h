@@ -44,7 +44,7 @@ Json Numbers(const Range& values) {
 }
 inline Json Numbers(std::initializer_list<double> values) { return Numbers<std::initializer_list<double>>(values); }
 
-/// Of any engine's type.
+/// A vector of any engine, by its functions x(), y() and z().
 Json Vector(const auto& v) { return Numbers({v.x(), v.y(), v.z()}); }
 Json Quaternion(const auto& q) { return Numbers({q.w(), q.x(), q.y(), q.z()}); }
 

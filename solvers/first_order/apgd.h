@@ -10,7 +10,8 @@ namespace lcpbench {
 /// Options of ApgdSolver.
 struct ApgdOptions {
   static constexpr std::int64_t kDefaultIterations = 20000;  ///< limit where max_iterations is 0
-  /// Of the estimated Lipschitz constant: per iteration, so that steps grow again where the curvature met is small ...
+  /// The factor of the estimated Lipschitz constant per iteration, so that steps grow again where the curvature met is
+  /// small ...
   static constexpr double kDecay = 0.98;
   /// ... and at least, after a step that was too long for its own curvature.
   static constexpr double kGrowth = 1.5;

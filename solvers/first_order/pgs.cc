@@ -11,8 +11,8 @@
 namespace lcpbench {
 namespace {
 
-// Of a measured rate: sweeps that are passed over after a change of omega, for which the steps still tell of the old
-// one, and sweeps that it is averaged over.
+// To measure a rate, so many sweeps after a change of omega are passed over, whose steps still tell of the old one, and
+// so many are averaged.
 constexpr int kSettlingSweeps = 2;
 constexpr int kMeasuredSweeps = 8;
 // Share of the way from omega - 1 (the rate of an omega at or above the best) to 1 from which on a rate counts as that
@@ -20,7 +20,8 @@ constexpr int kMeasuredSweeps = 8;
 constexpr double kBelowBest = 0.3;
 // Above, sweeps at the best omega of the slowest mode hardly damp the others: A is not consistently ordered.
 constexpr double kLargest = 1.9;
-// Of the distance from 1 when omega seems too large; of the distance to 2 that one change may take at most.
+// Where omega seems too large, its distance from 1 shrinks to this part; one change takes at most this part of its
+// distance to 2.
 constexpr double kRetreat = 0.9;
 constexpr double kLargestAdvance = 0.5;
 

@@ -20,7 +20,7 @@ constexpr PeerProject kClp{"clp", "Clp", "EPL-1.0"};
 constexpr PeerProject kMujoco{"mujoco", "MuJoCo", "Apache-2.0"};
 constexpr PeerProject kAlglib{"alglib", "ALGLIB", "GPL-2.0-or-later"};
 constexpr PeerProject kSimbody{"simbody", "Simbody", "Apache-2.0"};
-// Of PyPI. The headers of some are in another project's wheel (cmake/packages/requirements-peers.txt).
+// These come from PyPI. The headers of some are in another project's wheel (cmake/packages/requirements-peers.txt).
 constexpr PeerProject kOsqp{"osqp", "OSQP", "Apache-2.0"};
 constexpr PeerProject kDaqp{"daqp", "DAQP", "MIT"};
 constexpr PeerProject kQpOases{"qpoases", "qpOASES", "LGPL-2.1-or-later"};

@@ -10,7 +10,7 @@ namespace {
 
 using Index = Eigen::Index;
 
-// Of bodies in space.
+// Bodies in space have so many columns.
 constexpr Index kMostColumnsPerBody = 6;
 constexpr Index kMostWidth = 8;
 constexpr KernelTable<TableauKernel> kKernels{

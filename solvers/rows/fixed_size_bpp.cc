@@ -24,7 +24,7 @@ struct Tiny {
   double A[n][n], b[n], f[n], w[n];
   unsigned joints = 0;
   double noise = 0;
-  // Of the last active set: L D L^T of its rows, 1/D or 0 for a row that depends on those before it.
+  // L D L^T of the last active set; `inverse` is 1/D, or 0 for a row that depends on those before it.
   double L[n][n], inverse[n];
   unsigned active = 0, depends = 0;
 

@@ -42,7 +42,7 @@ class ProfileFactor {
   /// A~ = G G^T, by the rows that bodies share. False as LayOut.
   bool FindProfile(const ScaledRows& rows);
   void Assemble(const ScaledRows& rows);
-  /// Of a factorization with all rows active, in processor cycles, roughly.
+  /// What a factorization with all rows active costs, in processor cycles, roughly.
   double cost() const { return cost_; }
 
   /// @param is_active  n, 1 for the rows of F

@@ -52,7 +52,7 @@ class ProfilePivoting {
   /// @param rounding  forces of at most this part of the largest one become 0
   double Polish(double rounding, double* f);
 
-  /// Of the last Solve: iterations of conjugate gradients, and factorizations.
+  /// Iterations of conjugate gradients and factorizations of the last Solve, together.
   std::int64_t iterations() const { return iterations_; }
 
  private:

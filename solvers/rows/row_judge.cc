@@ -10,7 +10,7 @@
 namespace lcpbench {
 namespace {
 
-// Of bodies in space.
+// Bodies in space have so many columns.
 constexpr Index kMostColumns = 6;
 
 }  // namespace

@@ -105,7 +105,7 @@ constexpr std::array<const char*, kOutcomes> kNames{"solved",           "proved"
                                                     "of a solvable",    "honest failure", "false success",
                                                     "wrong infeasible", "over the limit", "not right"};
 
-// Of this thread, for the limit too: what else runs on the machine does not count.
+// Processor time of this thread, for the limit too: what else runs on the machine does not count.
 double CpuSeconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

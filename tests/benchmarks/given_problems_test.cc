@@ -87,7 +87,7 @@ Tally SolveAll(const Direct& direct, double tolerance, std::vector<Given>* probl
   return tally;
 }
 
-// Of every direct solver of this build.
+// One tally for every direct solver of this build.
 std::vector<std::pair<Direct, Tally>> TalliesOf(double tolerance, std::vector<Given> problems) {
   std::vector<std::pair<Direct, Tally>> tallies;
   for (const Direct& direct : kDirect) {

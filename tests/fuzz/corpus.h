@@ -72,7 +72,7 @@ void ExpectLawHolds(std::string (*broken)(const std::string&), const std::string
   }
 }
 
-/// Of a text, by ChangedBytes.
+/// Changes a text's bytes by ChangedBytes.
 inline auto ChangesOfText() {
   return [random = std::mt19937(1)](const std::string& text, const std::vector<std::string>& corpus) mutable {
     return std::vector<std::string>{ChangedBytes(text, corpus, &random)};

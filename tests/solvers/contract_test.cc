@@ -375,7 +375,7 @@ TEST(Registry, UnknownKeysNameTheKnownOnes) {
   ExpectRefused([] { FindSolver("simplex"); }, "dantzig");
 }
 
-// Of peers that are in this build the adapter must take it; how far their solver gets is its own matter.
+// The adapters of peers in this build must take it; how far their solver gets is its own matter.
 TEST(NonsymmetricMatrices, TheRefusalNamesWhoTakesThem) {
   Eigen::Matrix2d A;
   A << 2, 1, -1, 2;

@@ -2,7 +2,7 @@
 //
 //     LCPBENCH_FAULT="KIND K ERROR COUNT"
 //
-// Of its calls of KIND from main on, the K-th fails with errno ERROR; with ERROR 0 the process is killed there
+// The K-th of its calls of KIND from main on fails with errno ERROR; with ERROR 0 the process is killed there
 // (SIGKILL), a write after half of it. When the process ends by itself, the number of these calls is written to the
 // file COUNT.
 //     write   also pwrite, writev, send      read    readv; files    fsync   also fdatasync
@@ -60,7 +60,7 @@ bool WriteFails(int file, const void* data, std::size_t size) {
   return true;
 }
 
-// Of sockets the other end may have ended as well.
+// A call on a socket may fail because its other end has ended.
 bool IsRegular(int file) {
   struct stat found {};
   return fstat(file, &found) == 0 && S_ISREG(found.st_mode);

@@ -42,7 +42,7 @@ LcpProblem Dense(Eigen::MatrixXd A, Eigen::VectorXd b, const MatrixFacts& facts)
   return LcpProblem::FromDense("", std::move(A), std::move(b), {}, OfRank(facts, n));
 }
 
-// Of formulas on square grids: checked by SideOf.
+// The rows of a formula on a square grid; SideOf checks that they are a square.
 constexpr std::pair kSquare{0, std::numeric_limits<int>::max()};
 int SideOf(int rows) {
   const int side = static_cast<int>(std::lround(std::sqrt(rows)));

@@ -21,8 +21,9 @@ constexpr Index kBlock = 32;
 
 }  // namespace
 
-// Of the sweep's step z and the previous step p: u.A v, and u.w at x. Those with w are sums of the size of |z|^2 while
-// f.Af is of the size of 1, so they are never taken as differences: near the solution nothing would be left.
+// The products u.A v of the sweep's step z and the previous step p, and u.w at x. Those with w are sums of the size of
+// |z|^2 while f.Af is of the size of 1, so they are never taken as differences: near the solution nothing would be
+// left.
 struct ConjugateSweeps::Products {
   double zz = 0;
   double zp = 0;

@@ -22,8 +22,8 @@ struct Point {
 struct StepSums {
   double residual = 0;  ///< of r_k^2, r_k the natural residual of row k at the moment of its step
   double change = 0;    ///< of (change of f_k)^2
-  /// Of the change of the energy f.A f / 2 + b.f, step by step (sweeps only): exact to rounding of the change, where
-  /// the difference of two energies would be exact to rounding of the energy.
+  /// The sum of the changes of the energy f.A f / 2 + b.f (sweeps only): exact to rounding of the change, where the
+  /// difference of two energies would be exact to rounding of the energy.
   double energy = 0;
 };
 

@@ -73,7 +73,7 @@ class FaultInjection : public CommandTest {
     whole_ = Results("whole");
   }
 
-  // Of one of our own solvers and of one in a process of its own, on three problems and a sequence.
+  // Runs one of our own solvers and one in a process of its own, on three problems and a sequence.
   std::string Campaign(const std::string& folder) const {
     return "run --resume --suite " + Path("p/manifest.json") +
            " --tiers 1e-6 --passes 1 --task-budget 1000 --time-limit 60 --filter 'solve/|/cold$' "
@@ -100,7 +100,7 @@ class FaultInjection : public CommandTest {
     return outcome;
   }
 
-  // Of this kind, in an undisturbed campaign.
+  // How many calls of this kind an undisturbed campaign makes.
   long Calls(const std::string& kind) {
     EXPECT_EQ(RunWith(kind, 0, EIO, "counted").status, 0);
     fs::remove_all(folder_ / "counted");

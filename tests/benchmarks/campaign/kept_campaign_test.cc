@@ -189,7 +189,7 @@ TEST_F(KeptCampaign, AWorkerThatSomethingElseKillsIsGivenASecondTry) {
       });
       const Json line = JsonLines(folder_ / folder / "streams.jsonl").at(0);
       ASSERT_EQ(line["exceptions"].size(), 1U) << line.dump();
-      // Of a process of its own the solver tells that it ended.
+      // A solver in a process of its own is told by the end of that process.
       const char* twice = of_the_solver ? "numerical_failure" : "crashed";
       EXPECT_EQ(line["exceptions"][0]["claim"], kills == 2 ? twice : "time_limit") << line.dump();
       ExpectRetried(line, 0);

@@ -45,7 +45,7 @@ Eigen::VectorXd AnswerW(const LcpProblem& problem) { return ComputeMetrics(probl
 
 double Largest(const Eigen::MatrixXd& matrix) { return matrix.size() == 0 ? 0 : matrix.cwiseAbs().maxCoeff(); }
 
-// Of a scene family; `given_` is its problem without changes.
+// The changes of a scene family; `given_` is its problem without changes.
 class ChangesOf : public testing::TestWithParam<std::string_view> {
  protected:
   Instance With(const char* change, double amount, std::uint64_t seed = 3) const {
@@ -125,7 +125,7 @@ TEST_P(ChangesOf, CrowdedContactsAreNeighbours) {
     ASSERT_EQ(constraint.type, ConstraintType::kContact);
     const Body& body1 = bodies[static_cast<size_t>(constraint.body1)];
     const Body& body2 = bodies[static_cast<size_t>(constraint.body2)];
-    // Of the body that turns more easily.
+    // The inertia of the body that turns more easily decides.
     const auto inertia = [](const Body& body) { return body.fixed ? HUGE_VAL : body.inertia; };
     const Body& turned = inertia(body1) <= inertia(body2) ? body1 : body2;
     const Vec2 moved = kDistance * std::sqrt(turned.inertia / turned.mass) * Vec2{-row.n.y, row.n.x};

@@ -133,7 +133,7 @@ TEST(Recording, RowsAreTheSpeedsAtWhichBodiesPart) {
         if (contact.first >= 0) push(contact.first, -impulse, -arm(contact, contact.first).cross(impulse));
         if (contact.second >= 0) push(contact.second, impulse, arm(contact, contact.second).cross(impulse));
       }
-      // Of a joint's body, from `begin` on: the linear and the angular part.
+      // The linear or the angular part of a joint's body, which begins at `begin`.
       const auto part = [&](const RecordedStep::JointRow& row, std::size_t begin, bool angular) -> Eigen::Vector3d {
         const double* j = row.J.data() + begin;
         if (dimension == 2) return angular ? Eigen::Vector3d(0, 0, j[2]) : Eigen::Vector3d(j[0], j[1], 0);

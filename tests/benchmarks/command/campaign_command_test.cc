@@ -62,8 +62,8 @@ class CampaignCommand : public CommandTest {
   }
   std::vector<Json> Cells() const { return CellsOf(folder_ / "c"); }
   std::vector<Json> Streams() const { return JsonLines(folder_ / "c" / "streams.jsonl"); }
-  // Of problems and sequences, what must not depend on when and where something was run, sorted. What a deadline leaves
-  // time for does.
+  // What must not depend on when and where problems and sequences were run, sorted. What a deadline leaves time for
+  // does.
   std::vector<std::string> WithoutTimes(const std::string& folder) const {
     std::vector<std::string> kept;
     for (const char* file : {"streams.jsonl", "steps.jsonl"}) {

@@ -145,7 +145,7 @@ class CommandTest : public FolderTest {
   /// @return its status, as waitpid gives it
   int RunUntil(const std::string& file, std::uintmax_t growth, int signal, bool whole_group,
                const std::string& arguments, bool once = false) const {
-    // Of the file, or of what is to take its place when it is complete (TextOutput).
+    // The size of the file, or of what is to take its place when it is complete (TextOutput).
     const auto size = [&] {
       std::error_code none;
       const std::uintmax_t bytes = std::filesystem::file_size(folder_ / file, none);

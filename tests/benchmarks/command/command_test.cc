@@ -480,7 +480,7 @@ TEST_F(Command, ConvertInPlaceAndOnAFullDiskKeepsTheInput) {
   Succeed("convert " + Path("y.h5"));
   Succeed("convert " + Path("y.mtx"));
   EXPECT_LE(before(), files + 1);  // the file of errors
-  // Of bad records alone nothing is made, and good ones are not lost for a bad one.
+  // Bad records alone make nothing, and good ones are not lost for a bad one.
   EXPECT_EQ(Run("convert - -o " + x, "no problem\n").status, 2);
   EXPECT_EQ(Records(ReadFile(x)).size(), 2000U);
   EXPECT_EQ(Run("convert - -o " + x, std::string(kProblem) + "\nno problem\n").status, 2);

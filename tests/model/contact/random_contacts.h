@@ -102,7 +102,7 @@ inline const std::vector<PairKind>& AllPairKinds() {
   return kinds;
 }
 
-/// Of all kinds those that fulfil a condition.
+/// The kinds that fulfil a condition.
 template <class Condition>
 std::vector<PairKind> PairKindsWhere(const Condition& condition) {
   std::vector<PairKind> kinds = AllPairKinds();
@@ -133,7 +133,7 @@ struct ContactCase {
   Vec2 p1;
   Vec2 p2;
   double d = 0;
-  // Of general curves: the parameters of p1 and p2.
+  // The parameters of p1 and p2 on general curves.
   std::optional<double> s1;
   std::optional<double> s2;
 

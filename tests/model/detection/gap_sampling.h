@@ -346,7 +346,7 @@ inline bool IsLocalMinimum(const SampledLoop& loop1, const LoopPlace& place1, co
         return sense == 0 ? std::abs(slope) > kLevel : sense * slope < -kLevel;
       };
       if (falls(slope1, side1.sense) || falls(slope2, side2.sense)) return false;
-      // Of |v|^2 / 2, by lengths along the pieces.
+      // Second derivatives of |v|^2 / 2 by lengths along the pieces.
       const double h11 = 1 + Dot(v, j1.d2) / Dot(j1.d1, j1.d1);
       const double h22 = 1 - Dot(v, j2.d2) / Dot(j2.d1, j2.d1);
       const double h12 = Dot(j1.d1, j2.d1) / (Norm(j1.d1) * Norm(j2.d1));
@@ -359,7 +359,7 @@ inline bool IsLocalMinimum(const SampledLoop& loop1, const LoopPlace& place1, co
   return true;
 }
 
-/// Of the polygons through the samples, which must not overlap.
+/// The least distance of the polygons through the samples, which must not overlap.
 inline double SmallestDistance(const SampledLoop& loop1, const SampledLoop& loop2) {
   double least = 1e300;
   const auto from_points_of = [&](const SampledLoop& one, const SampledLoop& other) {

@@ -75,7 +75,7 @@ TEST(PathJoints, AreFoundWhereNoStartIsGivenAndOthersAreLeftAlone) {
   EXPECT_FALSE(constraints[2].s2.has_value());
 }
 
-// Of a train that moved by a good part of its track: both levels give back a world whose joints say where they are.
+// A train moves by a good part of its track: both levels give back a world whose joints say where they are.
 TEST(PathJoints, KeepTheirPlaceInMotionAtBothLevels) {
   for (const MotionLevel level : {MotionLevel::kVelocity, MotionLevel::kAcceleration}) {
     for (const std::uint64_t seed : {1ULL, 2ULL}) {

@@ -53,7 +53,7 @@ class Solid {
     for (const OutlineLoop& loop : OutlineOf(body).loops) {
       std::vector<Vec2>& polygon = polygons_.emplace_back();
       for (const OutlinePiece& piece : loop) {
-        // Of long walls and floors, points that nothing which lies in them can miss.
+        // Long walls and floors have points so close that nothing which lies in them can miss all.
         const bool is_angle = std::visit([](const auto& e) { return e.kIsAngle; }, piece.edge);
         const double per_parameter = is_angle ? 20 : body.fixed ? 120 : 4;
         const int samples = 1 + static_cast<int>(per_parameter * std::abs(piece.s_end - piece.s_begin));
@@ -67,7 +67,7 @@ class Solid {
   }
 
   const std::vector<std::vector<Vec2>>& polygons() const { return polygons_; }
-  /// Of the outline's points from the centre of mass [m].
+  /// The largest distance of the outline's points from the centre of mass [m].
   double reach() const { return reach_; }
 
   /// By the number of edges that a ray to the right crosses.

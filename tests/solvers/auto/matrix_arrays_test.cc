@@ -61,7 +61,7 @@ TEST(MatrixArrays, ObstaclesNeedNoOtherBackend) {
   }
 }
 
-// Of any rank, with joints and degenerate rows: what the band leaves open goes on.
+// The problems have any rank, joints and degenerate rows: what the band leaves open goes on.
 TEST(MatrixArrays, PlantedProblemsAreSolvedInEveryForm) {
   int by_band = 0;
   for (unsigned seed = 0; seed < 120; ++seed) {

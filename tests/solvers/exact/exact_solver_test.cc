@@ -114,7 +114,7 @@ TEST(ExactSolver, NeitherTheProblemBeforeNorAWarmStartChangesABit) {
       LcpOptions options;
       options.initial_f = &fresh.f;
       ExpectSameBits(fresh, SolveWith(&used, problem, options));
-      // Of 40 rows of a roller bearing some contradict themselves; nothing else asks for the tolerance.
+      // Some of the 40 rows of a roller bearing contradict themselves; nothing else asks for the tolerance.
       if (!fresh.detail.empty()) continue;
       options.tolerance = 1e-15;
       ExpectSameBits(fresh, SolveWith(&used, problem, options));

@@ -41,7 +41,7 @@ TEST(SiconosText, ProblemsComeBackBitForBit) {
     const LcpProblem dense_back = Parse(Format(dense));
     EXPECT_EQ(dense_back.given_form(), MatrixForm::kDense);
     EXPECT_EQ(DifferenceOfProblems(dense_back, dense), "");
-    // Of factors the rounded matrix.
+    // Factors are written as their rounded matrix.
     EXPECT_EQ(DifferenceOfProblems(Parse(Format(test.problem)), sparse), "");
   }
   EXPECT_GT(mixed, 10);
