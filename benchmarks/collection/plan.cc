@@ -222,7 +222,7 @@ using Plan = std::pair<const char*, Tier (*)()>;
 constexpr Plan kPlans[] = {
     {"smoke", &Smoke},           {"engine", &Engine},       {"standard", &Standard},
     {"large", &Large},           {"sequences", &Sequences}, {"pathological", &Pathological},
-    {"literature", &Literature}, {"recorded", &Recorded},   {kNonsymmetricTier, &Nonsymmetric},
+    {kLiteratureTier, &Literature}, {"recorded", &Recorded},   {kNonsymmetricTier, &Nonsymmetric},
 };
 
 }  // namespace

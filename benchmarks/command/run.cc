@@ -115,19 +115,17 @@ struct RunCampaigns {
            },
            "Seconds per solve, whatever its size")
         ->check(PositiveSeconds());
-    AddChange(app, "--passes,--benchmark_repetitions", &CampaignPlan::passes,
-              "Timed passes over every stream of problems, at most [default: the campaign's]")
+    app.add_option_function<int>(
+           "--launches,--benchmark_repetitions",
+           [this](int most) {
+             changes.emplace_back([most](CampaignPlan& plan) {
+               plan.launches.near = plan.rounds = most;
+               plan.launches.others = std::min(plan.launches.others, most);
+             });
+           },
+           "Timed launches of a solver over a size class, and rounds over a sequence, at most [default: the campaign's]")
         ->take_last()
         ->check(AtLeast(1));
-    app.add_option_function<double>(
-           "--task-budget",
-           [this](double budget_s) {
-             // Parts and "again" explain; the other two decide.
-             const TaskBudgets budgets{budget_s, budget_s, budget_s / 4, budget_s / 4};
-             changes.emplace_back([budgets](CampaignPlan& plan) { plan.budgets = budgets; });
-           },
-           "Seconds that a solver has for judging a size class at a tier, and as many for timing it")
-        ->check(PositiveSeconds());
     AddChange(app, "--most-rows", &CampaignPlan::most_rows, "No larger problems")->check(AtLeast(1));
     app.add_flag("--ablations", ablations,
                  "Adds our solvers without their own check, and peers with one: for the ablation table");

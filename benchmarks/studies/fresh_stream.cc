@@ -8,7 +8,7 @@
 #include <numeric>
 #include <utility>
 
-#include "benchmarks/measure/process_watch.h"
+#include "support/process_watch.h"
 #include "benchmarks/measure/quantile.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/peers/protocol/external_solver.h"

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "benchmarks/measure/process_watch.h"
+#include "support/process_watch.h"
 #include "benchmarks/studies/study.h"
 #include "model/contact/assembly.h"
 #include "model/detection/detection.h"

@@ -75,8 +75,8 @@ def run_campaign(command: Command, manifest: Path, folder: Path, tried: dict[str
     @returns the campaign's folder
     """
     campaign = folder / CAMPAIGN
-    arguments = ["run", "--suite", str(manifest), "--tiers", f"{TIER:g}", "--passes", str(passes),
-                 "--task-budget", f"{TASK_BUDGET_S:g}", "-o", str(campaign)]
+    arguments = ["run", "--suite", str(manifest), "--tiers", f"{TIER:g}", "--launches", str(passes),
+                 "-o", str(campaign)]
     arguments += ["--solvers", ",".join(key for solver, all_ in tried.items() for key in keys_of(solver, len(all_)))]
     for solver, configurations in tried.items():
         for key, configuration in list(zip(keys_of(solver, len(configurations)), configurations))[1:]:

@@ -76,7 +76,7 @@ class FaultInjection : public CommandTest {
   // Runs one of our own solvers and one in a process of its own, on three problems and a sequence.
   std::string Campaign(const std::string& folder) const {
     return "run --resume --suite " + Path("p/manifest.json") +
-           " --tiers 1e-6 --passes 1 --task-budget 1000 --time-limit 60 --filter 'solve/|/cold$' "
+           " --tiers 1e-6 --launches 1 --time-limit 60 --filter 'solve/|/cold$' "
            "--solvers dantzig,other --external 'other=" LCPBENCH_TEST_WORKER " dantzig' -o " +
            Path(folder);
   }

@@ -29,9 +29,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kLong = "--passes 60 ";  // so many that signals come in the midst of them
+constexpr const char* kLong = "--launches 60 ";  // so many that signals come in the midst of them
 // Neither limits nor budgets end anything, however slow the machine or a sanitizer is.
-constexpr const char* kNoHurry = "--time-limit 60 --task-budget 1000 ";
+constexpr const char* kNoHurry = "--time-limit 60 ";
 constexpr const char* kManifest = LCPBENCH_SOURCE_DIR "/data/smoke.json";
 
 class CampaignCommand : public CommandTest {
@@ -39,7 +39,7 @@ class CampaignCommand : public CommandTest {
   // Own solvers: one by tolerance, one direct, one that fails at times.
   std::string Campaign(const std::string& folder, const std::string& more = "") const {
     return "run --suite " + manifest_ + " --solvers dantzig,pgs,lemke --filter 'n8|rounded-wall|tall|^steps' " +
-           "--passes 2 " + kNoHurry + "-o " + Path(folder) + " " + more;
+           "--launches 2 " + kNoHurry + "-o " + Path(folder) + " " + more;
   }
   // From now on the campaign has two sequences, too.
   void AddSequences() {
@@ -221,7 +221,7 @@ TEST_F(CampaignCommand, MistakesAreToldInOneLine) {
 }
 
 TEST_F(CampaignCommand, VariantsAreSolversOfTheirOwn) {
-  const std::string arguments = std::string("run --suite ") + kManifest + " --filter n8 --tiers 1e-6 --passes 1 " +
+  const std::string arguments = std::string("run --suite ") + kManifest + " --filter n8 --tiers 1e-6 --launches 1 " +
                                 "--solvers pgs,over,again,slow -o " + Path("c") +
                                 " --variant over=pgs,relaxation=1.3 --variant again=pgs --variant slow=pgs,slowdown=3";
   Succeed(arguments);
@@ -256,7 +256,7 @@ TEST_F(CampaignCommand, VariantsAreSolversOfTheirOwn) {
 
 TEST_F(CampaignCommand, EveryJudgementSaysWhatItsSolveTook) {
   Succeed(std::string("run --suite ") + kManifest + " --solvers dantzig,pgs,ipm --filter n40 --tiers 1e-6 " +
-          "--passes 1 -o " + Path("c"));
+          "--launches 1 -o " + Path("c"));
   for (const auto& cell : Cells()) {
     if (cell["passes"] != true) continue;
     const std::string solver = cell["solver"];
@@ -278,7 +278,7 @@ TEST_F(CampaignCommand, EveryJudgementSaysWhatItsSolveTook) {
 
 // The budget of a task ends it, for judging and for timing; what had no turn is not counted as failed.
 TEST_F(CampaignCommand, ASlowSolverIsMeasuredOnFewerProblems) {
-  Succeed(std::string("run --suite quick --filter n25-s1/ --tiers 1e-6 --passes 3 --solvers dantzig,slow ") +
+  Succeed(std::string("run --suite quick --filter n25-s1/ --tiers 1e-6 --launches 3 --solvers dantzig,slow ") +
           "--variant slow=dantzig,slowdown=100 -o " + Path("c"));
   for (const auto& line : Streams()) {
     EXPECT_LE(line.value("attempted", 0), line["count"]);
@@ -290,7 +290,7 @@ TEST_F(CampaignCommand, ASlowSolverIsMeasuredOnFewerProblems) {
 // OpenBLAS runs its oldest kernels on processors newer than itself, which the command mends; a choice of the user
 // stays.
 TEST_F(CampaignCommand, TakesTheWidestKernelsOfOpenBlasUnlessTold) {
-  const std::string run = "run --suite quick --filter n25-s1/ --tiers 1e-6 --passes 1 --solvers dantzig -o ";
+  const std::string run = "run --suite quick --filter n25-s1/ --tiers 1e-6 --launches 1 --solvers dantzig -o ";
   const auto blas_of = [&](const std::string& folder) {
     Succeed(run + Path(folder));
     return ReadJson(folder_ / folder / "campaign.json").at("environment").at("libraries").at("BLAS").get<std::string>();

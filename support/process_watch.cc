@@ -1,4 +1,4 @@
-#include "benchmarks/measure/process_watch.h"
+#include "support/process_watch.h"
 
 #include <malloc.h>
 #include <sys/resource.h>
