@@ -89,6 +89,7 @@ struct RunCampaigns {
   std::string filter;
   std::string shard = "1/1";
   std::string tuned;
+  std::string again;
   bool ablations = false;
   bool list = false;
   CampaignOptions options;
@@ -117,13 +118,13 @@ struct RunCampaigns {
         ->check(PositiveSeconds());
     app.add_option_function<int>(
            "--launches,--benchmark_repetitions",
-           [this](int most) {
-             changes.emplace_back([most](CampaignPlan& plan) {
-               plan.launches.near = plan.rounds = most;
-               plan.launches.others = std::min(plan.launches.others, most);
+           [this](int count) {
+             changes.emplace_back([count](CampaignPlan& plan) {
+               plan.launches.near = plan.launches.others = plan.rounds = count;
              });
            },
-           "Timed launches of a solver over a size class, and rounds over a sequence, at most [default: the campaign's]")
+           "Timed launches of every solver over a size class, and rounds over a sequence [default: more of those near "
+           "the best, see docs/campaigns.md]")
         ->take_last()
         ->check(AtLeast(1));
     AddChange(app, "--most-rows", &CampaignPlan::most_rows, "No larger problems")->check(AtLeast(1));
@@ -133,6 +134,10 @@ struct RunCampaigns {
         "--no-fills", [this] { changes.emplace_back([](CampaignPlan& plan) { plan.fills = false; }); },
         "Only the manifests' own problems, without further seeds");
     AddCpuOption(app, &options.cpu);
+    app.add_option("--again", again,
+                   "A folder of the same campaign, or of one with more solvers or classes: when all is run, prints how "
+                   "far its times and ratios moved")
+        ->check(CLI::ExistingDirectory);
     app.add_option("--shard", shard, "k/N, the k-th of N parts; see lcpbench merge");
     app.add_option(
         "--tuned", tuned,
@@ -166,6 +171,7 @@ struct RunCampaigns {
     }
     const int status = RunCampaign(plan, options);
     std::cout << "results: " << options.folder << (status == 0 ? "" : " (interrupted; --resume goes on)") << std::endl;
+    if (status == 0 && !again.empty()) return RunReportCommand("moved", {again, options.folder});
     return status;
   }
 
