@@ -11,7 +11,7 @@
 #include <limits>
 #include <string>
 
-#include "solvers/lcp/solver.h"
+#include "support/clock.h"
 
 namespace lcpbench {
 namespace {

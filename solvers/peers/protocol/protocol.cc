@@ -330,7 +330,8 @@ Bytes Encode(const PassReply& reply) {
   Writer out;
   out.As("count", static_cast<std::uint32_t>(reply.entries.size()));
   for (const PassEntry& entry : reply.entries) Fields(out, entry, entry.f.size());
-  Fields(out, reply.disturbance.value_or(Disturbance()));
+  const Disturbance disturbance = reply.disturbance.value_or(Disturbance());
+  Fields(out, disturbance);
   return out.Take();
 }
 
