@@ -67,7 +67,7 @@ help:
 	@echo "make ablation   what our own checks, checks for peers, and instruction sets are worth: a build and a campaign (20 minutes)"
 	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
 	@echo "make record-engines   let physics engines step scenes of their own, and record them in data/recordings (RECORDINGS=box2d-)"
-	@echo "make fresh-benchmark      fresh times of our solvers, ODE and Bullet in one process, by size class and origin (OPTIONS=--cpu 1; two minutes)"
+	@echo "make fresh-benchmark      fresh times of our solvers, ODE and Bullet, by size class and origin (OPTIONS=--cpu 1)"
 	@echo "make scene-benchmark      time scene generation, contact detection and assembly at 10^3 to 10^5 rows"
 	@echo "make solver-curves        residual against mass ratio, regularization, sweeps and precision, for the report (CURVES=sweeps; a minute or two)"
 	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, numbers in README.md and docs/"

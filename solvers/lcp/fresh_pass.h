@@ -33,8 +33,8 @@ struct PassRequest {
   /// On rho, LcpOptions::tolerance.
   double tolerance = 1e-9;
   double time_limit_s = 0;  ///< of one solve [s]
-  /// Solved first and not timed, so that the solver object has its workspace and the processor knows the code: once, and
-  /// again until what they take settles.
+  /// Solved first and not timed, so that the solver object has its workspace and the processor knows the code: once,
+  /// and again until what they take settles.
   std::vector<std::uint32_t> warm_up;
   double settle_s = 0;               ///< how long that may go on after the first time [s]
   std::vector<std::uint32_t> order;  ///< timed, in this order; none of warm_up, each once
@@ -66,8 +66,9 @@ struct PassReply {
 /// Makes the solver object of a pass.
 using SolverFactory = std::function<std::unique_ptr<LcpSolver>()>;
 
-/// Runs one pass in this thread. The solver object is made for it, warmed up, and meets every problem once. Every solve
-/// is timed by itself (Stopwatch).
+/// Runs one pass in this thread. The solver object is made for it, warmed up, and meets every problem once. The stream
+/// is read just before, as arrays that were just written: whatever ran earlier, it lies in the caches as far as these
+/// hold it. Every solve is timed by itself (Stopwatch).
 /// @param problems  the whole stream
 PassReply RunPass(const SolverFactory& make, std::span<const ProblemArrays> problems, const PassRequest& request);
 
