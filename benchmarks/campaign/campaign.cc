@@ -18,6 +18,7 @@
 #include "benchmarks/campaign/sequence_file.h"
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/measure/progress.h"
+#include "benchmarks/measure/quantile.h"
 #include "solvers/registry.h"
 #include "support/file_lock.h"
 #include "support/input_error.h"
@@ -29,19 +30,6 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string In(const std::string& folder, const char* file) { return (fs::path(folder) / file).string(); }
-
-// The least value with half of the weight at or below it. @param values  with their weights, not empty
-double WeightedMedian(std::vector<std::pair<double, double>> values) {
-  std::sort(values.begin(), values.end());
-  double weight = 0;
-  for (const auto& [value, own] : values) weight += own;
-  double below = 0;
-  for (const auto& [value, own] : values) {
-    below += own;
-    if (2 * below >= weight) return value;
-  }
-  return values.back().first;
-}
 
 class Campaign {
  public:
@@ -191,7 +179,7 @@ class Campaign {
           weight += own;
           if (!fails) right += own;
         }
-        const Standing standing{WeightedMedian(std::move(times)), right >= plan_.launches.right * weight};
+        const Standing standing{WeightedQuantile(std::move(times), 0.5), right >= plan_.launches.right * weight};
         standings[{task.begin, key.tier}][task.solver] = standing;
       }
     }

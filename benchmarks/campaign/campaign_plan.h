@@ -7,8 +7,8 @@
 
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/properties.h"
-#include "support/process_watch.h"
 #include "solvers/lcp/fresh_pass.h"
+#include "support/process_watch.h"
 
 namespace lcpbench {
 

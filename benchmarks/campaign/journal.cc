@@ -120,10 +120,10 @@ void Journal::RequireNew(const nlohmann::json& line) const {
   }
   const bool is_sequence = line.contains("sequence");
   const int least = is_sequence || kind == kJudge ? 0 : 1;
-  const int most = is_sequence                          ? rounds_ - 1
-                   : kind == kJudge                     ? 0
+  const int most = is_sequence                         ? rounds_ - 1
+                   : kind == kJudge                    ? 0
                    : kind == KindKey(PassKind::kFresh) ? launches_.near
-                                                        : 1;
+                                                       : 1;
   const nlohmann::json& number = line.at(is_sequence ? "round" : "pass");
   if (number != pass || pass < least || pass > most) {
     throw InputError((is_sequence ? "round " : "pass ") + number.dump());

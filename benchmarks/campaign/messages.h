@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "benchmarks/campaign/campaign_plan.h"
-#include "support/process_watch.h"
 #include "solvers/lcp/fresh_pass.h"
 #include "support/input_error.h"
+#include "support/process_watch.h"
 
 // std::optional as null or a value.
 template <typename Value>

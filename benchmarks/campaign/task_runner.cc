@@ -6,9 +6,9 @@
 
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/collection/recipes/recipe.h"
-#include "support/process_watch.h"
 #include "solvers/lcp/verify.h"
 #include "support/input_error.h"
+#include "support/process_watch.h"
 
 namespace lcpbench {
 namespace {

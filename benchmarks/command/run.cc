@@ -119,9 +119,8 @@ struct RunCampaigns {
     app.add_option_function<int>(
            "--launches,--benchmark_repetitions",
            [this](int count) {
-             changes.emplace_back([count](CampaignPlan& plan) {
-               plan.launches.near = plan.launches.others = plan.rounds = count;
-             });
+             changes.emplace_back(
+                 [count](CampaignPlan& plan) { plan.launches.near = plan.launches.others = plan.rounds = count; });
            },
            "Timed launches of every solver over a size class, and rounds over a sequence [default: more of those near "
            "the best, see docs/campaigns.md]")

@@ -91,9 +91,9 @@ class ExternalSolver : public LcpSolver {
   /// The stream that passes are about; it must stay until another is loaded. A worker started later gets it by itself.
   /// @throws WorkerFailure
   void LoadStream(std::span<const ProblemArrays> stream);
-  /// As lcpbench::RunPass, in the worker. With a worker of a version before 4 every problem is a solve of its own by one
-  /// and the same worker; of version 1 PassEntry::problem_s is what forming A took here, whatever the kind, and nothing
-  /// is known "again".
+  /// As lcpbench::RunPass, in the worker. With a worker of a version before 4 every problem is a solve of its own by
+  /// one and the same worker; of version 1 PassEntry::problem_s is what forming A took here, whatever the kind, and
+  /// nothing is known "again".
   /// @param limit_s  for the whole pass [s]
   /// @throws WorkerFailure
   PassReply RunPass(const PassRequest& request, double limit_s);

@@ -165,7 +165,8 @@ TEST_F(Campaign, StricterTiersAreNotTriedAfterTheTimeRanOut) {
 }
 
 TEST_F(Campaign, SolversThatAreNotInTheBuildAreNamedAndHaveNoCells) {
-  const CommandOutcome run = Succeed(Data("smoke") + " --filter disc-pile-n8- --tiers 1e-3 --launches 1 -o " + Path("r"));
+  const CommandOutcome run =
+      Succeed(Data("smoke") + " --filter disc-pile-n8- --tiers 1e-3 --launches 1 -o " + Path("r"));
   std::set<std::string> with_cells;
   for (const Json& cell : Cells()) with_cells.insert(cell["solver"].get<std::string>());
   const Json campaign = ReadJson(folder_ / "r/campaign.json");

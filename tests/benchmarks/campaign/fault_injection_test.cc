@@ -34,8 +34,8 @@ constexpr int kSigkill = 128 + 9;
 
 // Without what is measured.
 Json Repeatable(const Json& json) {
-  static const std::set<std::string> measured = {"started",     "peak_bytes", "factor_share", "disturbance",
-                                                 "preempted",  "retried"};
+  static const std::set<std::string> measured = {"started",     "peak_bytes", "factor_share",
+                                                 "disturbance", "preempted",  "retried"};
   Json kept = json;
   if (json.is_object()) {
     for (const auto& [key, value] : json.items()) {

@@ -131,8 +131,8 @@ TEST_F(TunedSettings, CampaignsSayWhichKeysRunTuned) {
 TEST_F(TunedSettings, TuneWritesWhatRunTakes) {
   // A peer without settings, where there is one, is left out.
   const std::string peer = FindSolver("bullet-lemke").available ? ",bullet-lemke" : "";
-  Succeed("tune --solvers lemke" + peer + " --budget 2 --sizes 12 --problem-seed 77 --launches 1 --folder " + Path("t") +
-          " -o " + Path("tuned.json"));
+  Succeed("tune --solvers lemke" + peer + " --budget 2 --sizes 12 --problem-seed 77 --launches 1 --folder " +
+          Path("t") + " -o " + Path("tuned.json"));
   const auto tuned = ReadJson(folder_ / "tuned.json");
   EXPECT_EQ(tuned["budget"], 2);
   EXPECT_EQ(tuned["problems"]["count"], 48);
