@@ -32,6 +32,7 @@ const std::vector<CampaignPlan>& NamedCampaigns() {
        .manifests = {"engine", "standard", "recorded", "literature"},
        .filter = "^solve/",
        .most_rows = 10'000,
+       .most_of_side = {{"101-300", 75}, {"301-1000", 32}, {"1001-1e4", 12}},
        .budgets = {.judge_s = 2, .timed_s = 1, .parts_s = 0.2, .again_s = 0.2},
        .limits = {.most_s = 1},
        .tuning = {"tuned"}},
