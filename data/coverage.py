@@ -84,19 +84,35 @@ def motion_share(problems):
     return sum(of_motions) / sum(weights(problems))
 
 
-# Size classes of benchmarks/collection/properties.h that the standard tier's motions are meant for.
-_MOTION_CLASSES = [("31–100", 31, 100), ("101–300", 101, 300), ("301–1000", 301, 1000), ("1001–10⁴", 1001, 10_000)]
+# Size classes of benchmarks/collection/properties.h.
+_CLASSES = [("1", 1), ("2–3", 3), ("4–6", 6), ("7–12", 12), ("13–30", 30), ("31–100", 100), ("101–300", 300),
+            ("301–1000", 1000), ("1001–10⁴", 10_000)]
+
+
+def of_class(problems, label):
+    return [problem for problem in problems if _class(problem["rows"], _CLASSES) == label]
 
 
 def motions(problems):
     """How much of the standard tier's weight are steps of motions, by size class; fill-ups are not among them."""
     rows = []
-    for label, least, most in [*_MOTION_CLASSES, ("all", 1, 10**9)]:
-        chosen = [problem for problem in problems if least <= problem["rows"] <= most]
+    for label in ("31–100", "101–300", "301–1000", "1001–10⁴", "all"):
+        chosen = problems if label == "all" else of_class(problems, label)
         steps = [problem for problem in chosen if problem["origin"] == "motion"]
         bases, of_steps = (len({problem["base"] for problem in some}) for some in (chosen, steps))
         rows.append([label, len(chosen), bases, len(steps), of_steps, f"{100 * motion_share(chosen):.0f} %"])
     return _table(["rows", "problems", "bases", "steps of motions", "motions", "their weight"], rows)
+
+
+def engines(problems):
+    """What engines contribute to each size class."""
+    rows = []
+    for label, _ in _CLASSES:
+        chosen = of_class(problems, label)
+        scenes = {problem["family"] for problem in chosen}
+        rows.append([label, len(chosen), len({problem["base"] for problem in chosen}), len(scenes),
+                     len({scene.split()[0] for scene in scenes})])
+    return _table(["rows", "problems", "bases", "scenes", "engines"], rows)
 
 
 def fill_ups(manifests):
@@ -170,6 +186,8 @@ def text():
         refusals(manifests),
         "Steps of motions in `standard`, by weight (each of k problems of one base 1/k; fill-ups are not among these):",
         motions(manifests["standard"]["problems"]),
+        "Problems of engines (`recorded`), by size class:",
+        engines(manifests["recorded"]["problems"]),
         "Fill-ups:",
         fill_ups(manifests),
         "What few rows have as answer (`engine`, where nothing is refused):",

@@ -112,6 +112,7 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
                {"filter", plan.filter},
                {"most_rows", plan.most_rows},
                {"fills", plan.fills},
+               {"most_of_side", plan.most_of_side},
                {"seed", plan.seed},
                {"size_classes", Json::array()}});
   for (const SizeClass& size_class : kSizeClasses) {

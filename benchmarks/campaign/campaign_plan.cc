@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "benchmarks/collection/plan.h"
+#include "benchmarks/collection/turns.h"
 #include "model/scenes/random.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
@@ -59,37 +60,60 @@ void AddByTier(Task task, const CampaignPlan& plan, std::vector<Task>* tasks) {
   }
 }
 
-void SetWeights(const std::vector<Manifest>& manifests, std::vector<PlannedProblem>* problems) {
-  std::map<std::string_view, double> sharing;
-  for (const PlannedProblem& problem : *problems) sharing[problem.entry->base] += 1;
-  for (PlannedProblem& problem : *problems) problem.weight = 1 / sharing[problem.entry->base];
-  const auto is_in_means = [&](const PlannedProblem& problem) { return IsInMeans(manifests[problem.manifest].name); };
-  std::map<const SizeClass*, std::map<std::string_view, double>> weights;
-  for (const PlannedProblem& problem : *problems) {
-    if (is_in_means(problem)) weights[problem.size_class][problem.entry->origin] += problem.weight;
-  }
-  for (PlannedProblem& problem : *problems) {
-    if (!is_in_means(problem)) continue;
-    const auto& by_origin = weights[problem.size_class];
-    double sum = 0;
-    for (const auto& [origin, weight] : by_origin) sum += weight;
-    problem.weight *= sum / (static_cast<double>(by_origin.size()) * by_origin.at(problem.entry->origin));
-  }
+// What a problem's size class is made of: scenes of ours (placed or in motion) and engines' recordings; and, apart from
+// these, what is in no mean.
+using Side = std::tuple<Index, bool, bool>;
+Side SideOf(const PlannedProblem& problem, const std::vector<Manifest>& manifests) {
+  return {problem.size_class->least, IsInMeans(manifests[problem.manifest].name), problem.entry->origin == "recorded"};
 }
 
-// Orders problems by size class and fill, and takes the origins in turn within each of these lists.
-void TakeTurns(std::vector<PlannedProblem>* problems) {
-  std::map<std::tuple<Index, bool, std::string_view>, int> taken;
-  std::map<const ManifestEntry*, int> turn;
-  const auto list = [](const PlannedProblem& problem) {
-    return std::tuple(problem.size_class->least, problem.entry->fill);
+// Takes turns by sides, within these by origins, families and bases; fill-ups come after all others of their class.
+void OrderByTurns(const std::vector<Manifest>& manifests, std::vector<PlannedProblem>* problems) {
+  const auto side = [&](const PlannedProblem& problem) {
+    return std::pair(problem.entry->fill, SideOf(problem, manifests));
   };
-  for (const PlannedProblem& problem : *problems) {
-    turn[problem.entry] = taken[std::tuple_cat(list(problem), std::tuple(std::string_view(problem.entry->origin)))]++;
+  for (const auto member : {&ManifestEntry::base, &ManifestEntry::family, &ManifestEntry::origin}) {
+    TakeTurns(problems, [&](const PlannedProblem& problem) {
+      return std::pair(side(problem), std::string_view(problem.entry->*member));
+    });
   }
-  std::stable_sort(problems->begin(), problems->end(), [&](const PlannedProblem& a, const PlannedProblem& b) {
-    return std::tuple(list(a), turn.at(a.entry)) < std::tuple(list(b), turn.at(b.entry));
+  TakeTurns(problems, side);
+  const auto list = [](const PlannedProblem& problem) {
+    return std::pair(problem.size_class->least, problem.entry->fill);
+  };
+  std::stable_sort(problems->begin(), problems->end(),
+                   [&](const PlannedProblem& a, const PlannedProblem& b) { return list(a) < list(b); });
+}
+
+void KeepMostOfSides(const CampaignPlan& plan, const std::vector<Manifest>& manifests,
+                     std::vector<PlannedProblem>* problems) {
+  std::map<Side, int> kept;
+  std::erase_if(*problems, [&](const PlannedProblem& problem) {
+    const auto most = plan.most_of_side.find(std::string(problem.size_class->key));
+    return most != plan.most_of_side.end() && ++kept[SideOf(problem, manifests)] > most->second;
   });
+}
+
+void SetWeights(const std::vector<Manifest>& manifests, std::vector<PlannedProblem>* problems) {
+  const auto base = [](const PlannedProblem& problem) {
+    return std::pair(problem.size_class, std::string_view(problem.entry->base));
+  };
+  std::map<std::pair<const SizeClass*, std::string_view>, double> sharing;
+  for (const PlannedProblem& problem : *problems) sharing[base(problem)] += 1;
+  std::map<const SizeClass*, std::map<Side, double>> weights;
+  for (PlannedProblem& problem : *problems) {
+    problem.weight = 1 / sharing[base(problem)];
+    if (IsInMeans(manifests[problem.manifest].name)) {
+      weights[problem.size_class][SideOf(problem, manifests)] += problem.weight;
+    }
+  }
+  for (PlannedProblem& problem : *problems) {
+    if (!IsInMeans(manifests[problem.manifest].name)) continue;
+    const std::map<Side, double>& by_side = weights[problem.size_class];
+    double sum = 0;
+    for (const auto& [side, weight] : by_side) sum += weight;
+    problem.weight *= sum / (static_cast<double>(by_side.size()) * by_side.at(SideOf(problem, manifests)));
+  }
 }
 
 }  // namespace
@@ -124,6 +148,7 @@ void RequireValid(const CampaignPlan& plan) {
           "a rule for noise that some cells pass");
   require(plan.rounds >= 1 && plan.launches.others >= 1 && plan.launches.near >= plan.launches.others, "launches >= 1");
   require(plan.most_rows >= 0, "rows >= 0");
+  for (const auto& [size_class, most] : plan.most_of_side) require(most >= 1, "problems of a side >= 1");
   const SolveLimits& limits = plan.limits;
   require(limits.time_per_row_s >= 0 && limits.least_s > 0 && limits.most_s >= limits.least_s,
           "time limits > 0 s, in order");
@@ -161,8 +186,9 @@ std::vector<PlannedProblem> PlanProblems(const CampaignPlan& plan, const std::ve
     };
     return key(a) < key(b);
   });
+  OrderByTurns(manifests, &problems);
+  KeepMostOfSides(plan, manifests, &problems);
   SetWeights(manifests, &problems);
-  TakeTurns(&problems);
   return problems;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -63,8 +64,11 @@ struct CampaignPlan {
   std::vector<double> tiers = {1e-3, 1e-6, 1e-9};
   /// Regular expression that "solve/<problem>/" must contain, and PassName; "" for all.
   std::string filter = {};
-  Index most_rows = 0;     ///< no larger problems; 0: all
-  bool fills = true;       ///< streams are filled up with the manifests' problems of further seeds
+  Index most_rows = 0;  ///< no larger problems; 0: all
+  bool fills = true;    ///< streams are filled up with the manifests' problems of further seeds
+  /// By key of a size class: no more problems of either side, own scenes and engines, nor of those that are in no mean,
+  /// the first by their turns (PlanProblems). Classes that are not named have all their problems.
+  std::map<std::string, int> most_of_side = {};
   std::uint64_t seed = 1;  ///< of all orders
   Launches launches = {};
   int rounds = 5;  ///< over sequences
@@ -89,9 +93,10 @@ struct PlannedProblem {
 bool IsInMeans(const std::string& manifest);
 
 /// The campaign's problems by size class, within a class those of the collection before those that fill it up, and
-/// both by turns of their origins, of each in an order drawn by the seed.
-/// Weights: the k problems that have a base in common share a weight of 1, and within a size class the origins that
-/// are there weigh the same, their sum being what it was; but for problems that are in no mean (IsInMeans).
+/// both by turns: of own scenes (placed or in motion) and engines' recordings, of origins, of families and of bases, of
+/// each in an order drawn by the seed. The first so many are a fair sample (CampaignPlan::most_of_side).
+/// Weights: the k problems of a size class that have a base in common share a weight of 1; and within a size class own
+/// scenes and engines weigh the same, their sum being what it was, but for problems that are in no mean (IsInMeans).
 /// @param manifests  must outlive the result
 std::vector<PlannedProblem> PlanProblems(const CampaignPlan& plan, const std::vector<Manifest>& manifests);
 

@@ -31,7 +31,8 @@ const std::vector<CampaignPlan>& NamedCampaigns() {
        .manifests = {"engine", "standard", "recorded", "literature"},
        .filter = "^solve/",
        .most_rows = 10'000,
-       .limits = {.most_s = 2},
+       .most_of_side = {{"101-300", 75}, {"301-1000", 32}, {"1001-1e4", 12}},
+       .limits = {.most_s = 1},
        .tuning = {"tuned"}},
       // What checks and instruction sets are worth: with --ablations and --external KEY-baseline=...
       {.name = "ablation",

@@ -4,14 +4,17 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/collection/recipes/formulas.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
+#include "benchmarks/collection/recorded_islands.h"
 #include "benchmarks/collection/recording.h"
 #include "benchmarks/collection/sequence_problems.h"
+#include "benchmarks/collection/turns.h"
 #include "benchmarks/measure/reference_solves.h"
 #include "benchmarks/motions/sequence.h"
 #include "model/scenes/scene.h"
@@ -140,20 +143,46 @@ class Builder {
       if (name.ends_with(".jsonl.gz")) names.insert(name);
     }
     all_ += static_cast<int>(names.size());
+    std::vector<RecordedIsland> islands;
+    std::map<std::string, RecordingHeader> headers;  // by path
     for (const std::string& name : names) {
       if (name.ends_with(kRecordedSequence)) {
         AddRecordedSequence(name);
         continue;
       }
-      RecordingReader reader((fs::path(folder_) / kRecordings / name).string());
+      const std::string path = std::string(kRecordings) + "/" + name;
+      for (RecordedIsland& island : ChooseIslands(folder_, path)) islands.push_back(std::move(island));
+      RecordingReader reader((fs::path(folder_) / path).string());
+      headers[path] = reader.header();
       std::vector<RecordedStep> steps;
       for (RecordedStep step; reader.Next(&step);) steps.push_back(step);
       const std::size_t count = std::min<std::size_t>(steps.size(), kRecordedSteps);
       for (std::size_t k = 0; k < count; ++k) {
-        AddRecordedStep(reader.header(), steps[k * steps.size() / count], std::string(kRecordings) + "/" + name);
+        AddRecordedStep(reader.header(), steps[k * steps.size() / count], path);
       }
       Advance(name);
     }
+    AddIslands(std::move(islands), headers);
+  }
+
+  // By turns of the recordings, until their size class has enough; in the manifest in the order of the recordings.
+  void AddIslands(std::vector<RecordedIsland> islands, const std::map<std::string, RecordingHeader>& headers) {
+    TakeTurns(&islands, [](const RecordedIsland& island) {
+      return std::pair(SizeClassOf(island.made.problem.size()).least, island.source.path);
+    });
+    const std::size_t first = manifest_.problems.size();
+    std::map<Index, std::size_t> taken;
+    for (const RecordedIsland& island : islands) {
+      std::size_t& of_class = taken[SizeClassOf(island.made.problem.size()).least];
+      if (of_class == kIslandsOfClass) continue;
+      if (TakeRecorded(headers.at(island.source.path), island.made, island.source, island.base)) ++of_class;
+    }
+    const auto place = [](const ManifestEntry& entry) {
+      const auto& source = std::get<RecordingSource>(entry.source);
+      return std::tuple(source.path, source.step, source.island);
+    };
+    std::sort(manifest_.problems.begin() + static_cast<std::ptrdiff_t>(first), manifest_.problems.end(),
+              [&](const ManifestEntry& a, const ManifestEntry& b) { return place(a) < place(b); });
   }
 
   // All of its steps.
@@ -176,37 +205,40 @@ class Builder {
   }
 
   void AddRecordedStep(const RecordingHeader& header, const RecordedStep& step, const std::string& path) {
+    const auto take = [&](const RecordedProblem& made, RecordedLevel level, std::ptrdiff_t island) {
+      const Index rows = made.problem.size();
+      if (rows < kLeastRecordedRows || rows > kMostRecordedRows) {
+        manifest_.refused.push_back({made.problem.id(), "too few or too many rows"});
+        return;
+      }
+      TakeRecorded(header, made, {path, step.number, level, static_cast<int>(island)},
+                   header.engine + "-" + header.scene);
+    };
     const RecordedProblem whole = VelocityProblem(header, step);
-    TakeRecorded(header, whole, {path, step.number, RecordedLevel::kVelocity, 0});
+    take(whole, RecordedLevel::kVelocity, 0);
     const std::vector<RecordedProblem> islands = IslandsOf(whole, 1);
     const auto largest = std::max_element(islands.begin(), islands.end(), [](const auto& a, const auto& b) {
       return a.problem.size() < b.problem.size();
     });
-    if (islands.size() > 1) {
-      TakeRecorded(header, *largest,
-                   {path, step.number, RecordedLevel::kVelocity, static_cast<int>(largest - islands.begin()) + 1});
-    }
-    if (const auto at_rest = AccelerationProblem(header, step)) {
-      TakeRecorded(header, *at_rest, {path, step.number, RecordedLevel::kAcceleration, 0});
-    }
+    if (islands.size() > 1) take(*largest, RecordedLevel::kVelocity, largest - islands.begin() + 1);
+    if (const auto at_rest = AccelerationProblem(header, step)) take(*at_rest, RecordedLevel::kAcceleration, 0);
   }
 
-  void TakeRecorded(const RecordingHeader& header, const RecordedProblem& made, RecordingSource source) {
-    const Index rows = made.problem.size();
-    std::string reason;
-    if (rows < kLeastRecordedRows || rows > kMostRecordedRows) reason = "too few or too many rows";
-    if (reason.empty() && contents_.contains(ContentHash(made.problem))) reason = "the same as another";
-    if (!reason.empty()) {
-      manifest_.refused.push_back({made.problem.id(), reason});
-      return;
+  // False where it is refused.
+  bool TakeRecorded(const RecordingHeader& header, const RecordedProblem& made, RecordingSource source,
+                    const std::string& base) {
+    if (contents_.contains(ContentHash(made.problem))) {
+      manifest_.refused.push_back({made.problem.id(), "the same as another"});
+      return false;
     }
     ManifestEntry* entry = Take({{}, {}, made.problem}, header.engine + " " + header.scene);
-    if (entry == nullptr) return;
+    if (entry == nullptr) return false;
     entry->source = std::move(source);
-    entry->base = header.engine + "-" + header.scene;
+    entry->base = base;
     entry->origin = "recorded";
     entry->provenance = ProvenanceOf(header);
     entry->licence = header.licence;
+    return true;
   }
 
   void AddMotion(const MotionCandidate& candidate) {

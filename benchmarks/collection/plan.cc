@@ -211,9 +211,11 @@ Tier Nonsymmetric() {
 }
 
 Tier Recorded() {
-  Tier tier{"recorded", "What physics engines met in scenes of their own: whole scenes and islands of 4 to 5000 rows.",
-            true, true};
-  tier.version = "3.0.0";
+  Tier tier{
+      "recorded",
+      "What physics engines met in scenes of their own: whole scenes of 4 to 5000 rows, and islands of 1 or more.",
+      true, true};
+  tier.version = "3.1.0";
   tier.has_recordings = true;
   return tier;
 }

@@ -61,10 +61,6 @@ std::array<Vector, 3> AxesOf(const std::array<double, 4>& q) {
            {s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y)}}};
 }
 
-bool CanMove(const RecordingHeader::Body& body) {
-  return body.inverse_mass > 0 || *std::max_element(body.inverse_inertia.begin(), body.inverse_inertia.end()) > 0;
-}
-
 // Rows of J by their two bodies' linear and angular parts in world axes, put together to a problem.
 class RowBuilder {
  public:
@@ -89,7 +85,7 @@ class RowBuilder {
     for (const Part* part : {&first, &second}) {
       if (part->body < 0) continue;
       b += Dot(part->linear, FreeVelocity(part->body)) + Dot(part->angular, FreeSpin(part->body));
-      moves |= CanMove(header_.bodies[static_cast<std::size_t>(part->body)]);
+      moves |= CanMove(header_, part->body);
     }
     if (!moves) return;
     for (const Part* part : {&first, &second}) AddPart(*part);
@@ -122,7 +118,7 @@ class RowBuilder {
 
  private:
   void AddPart(const Part& part) {
-    if (part.body < 0 || !CanMove(header_.bodies[static_cast<std::size_t>(part.body)])) return;
+    if (!CanMove(header_, part.body)) return;
     int& place = place_[static_cast<std::size_t>(part.body)];
     if (place < 0) {
       place = static_cast<int>(columns_of_.size());
@@ -188,6 +184,12 @@ Feature FeatureAt(const Body& body, Vec2 point, Vec2 outward, double radius) {
 }
 
 }  // namespace
+
+bool CanMove(const RecordingHeader& header, int body) {
+  if (body < 0) return false;
+  const RecordingHeader::Body& given = header.bodies[static_cast<std::size_t>(body)];
+  return given.inverse_mass > 0 || *std::max_element(given.inverse_inertia.begin(), given.inverse_inertia.end()) > 0;
+}
 
 RecordingHeader ParseRecordingHeader(std::string_view line, const std::string& where) {
   const auto json = ParseJsonObject(line, where);
@@ -323,7 +325,8 @@ std::optional<RecordedProblem> AccelerationProblem(const RecordingHeader& header
     Body& body = system.bodies.emplace_back();
     body.name = std::to_string(k);
     body.fixed = given.inverse_mass == 0 || given.inverse_inertia[2] == 0;
-    if (body.fixed && CanMove(given)) return std::nullopt;  // it turns about a point, which our bodies do not
+    if (body.fixed && CanMove(header, static_cast<int>(k)))
+      return std::nullopt;  // it turns about a point, which our bodies do not
     if (!body.fixed) {
       body.mass = 1 / given.inverse_mass;
       body.inertia = 1 / given.inverse_inertia[2];

@@ -31,6 +31,9 @@ struct RecordingHeader {
   std::vector<Body> bodies;
 };
 
+/// Whether the body can move at all; -1, the world, cannot.
+bool CanMove(const RecordingHeader& header, int body);
+
 /// The state before the engine's velocity solve. Vectors have three numbers; in the plane spins and torques are the
 /// third.
 struct RecordedStep {

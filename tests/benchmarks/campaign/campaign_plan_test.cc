@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <random>
 #include <set>
@@ -16,19 +17,20 @@
 namespace lcpbench {
 namespace {
 
-constexpr const char* kOrigins[] = {"placed", "motion", "recorded", "literature"};
+constexpr const char* kOrigins[] = {"placed", "motion", "recorded"};
 
 ManifestEntry Entry(const std::string& id, const std::string& base, const std::string& origin, Index rows, bool fill) {
   ManifestEntry entry;
   entry.id = id;
   entry.base = base;
+  entry.family = origin + " family" + std::to_string(base.size() + static_cast<std::size_t>(base.back() % 2));
   entry.origin = origin;
   entry.fill = fill;
   entry.properties.rows = rows;
   return entry;
 }
 
-// Origins of very different numbers of problems, some of which share a base.
+// Origins of very different numbers of problems, some of which share a base, also across size classes.
 std::vector<Manifest> RandomManifests(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<Manifest> manifests(2);
@@ -55,51 +57,89 @@ std::vector<Manifest> RandomManifests(std::uint64_t seed) {
   return manifests;
 }
 
-class CampaignProblems : public testing::TestWithParam<int> {};
+class CampaignProblems : public testing::TestWithParam<int> {
+ protected:
+  const std::vector<Manifest> manifests_ = RandomManifests(static_cast<std::uint64_t>(GetParam()));
+};
 
-TEST_P(CampaignProblems, OfASizeClassWeighTheSameByOrigin) {
-  const std::vector<Manifest> manifests = RandomManifests(static_cast<std::uint64_t>(GetParam()));
-  const std::vector<PlannedProblem> problems = PlanProblems({}, manifests);
-  std::map<std::string, double> variants;
-  for (const PlannedProblem& problem : problems) variants[problem.entry->base] += 1;
-  std::map<const SizeClass*, std::map<std::string, double>> weight;
-  std::map<const SizeClass*, double> bases;
+std::string SideOf(const PlannedProblem& problem) {
+  return problem.manifest == 1 ? "in no mean" : problem.entry->origin == "recorded" ? "engines" : "own";
+}
+
+// Own scenes as much as engines, within own scenes every base as much as another.
+void ExpectFairWeights(const std::vector<PlannedProblem>& problems) {
+  std::map<const SizeClass*, std::map<std::string, std::map<std::string, double>>> weight;  // by side and base
   for (const PlannedProblem& problem : problems) {
-    if (problem.manifest == 1) {
-      EXPECT_EQ(problem.weight, 1) << problem.entry->id;
-      continue;
-    }
-    weight[problem.size_class][problem.entry->origin] += problem.weight;
-    bases[problem.size_class] += 1 / variants[problem.entry->base];
+    weight[problem.size_class][SideOf(problem)][problem.entry->base] += problem.weight;
   }
-  for (const auto& [size_class, by_origin] : weight) {
-    for (const auto& [origin, sum] : by_origin) {
-      EXPECT_NEAR(sum * static_cast<double>(by_origin.size()), bases[size_class], 1e-12 * bases[size_class])
-          << size_class->key << " " << origin;
+  for (auto& [size_class, by_side] : weight) {
+    for (const auto& [base, sum] : by_side["in no mean"]) EXPECT_EQ(sum, 1) << base;
+    by_side.erase("in no mean");
+    std::size_t bases = 0;
+    for (const auto& [side, by_base] : by_side) bases += by_base.size();
+    for (const auto& [side, by_base] : by_side) {
+      const double expected =
+          static_cast<double>(bases) / static_cast<double>(by_side.size()) / static_cast<double>(by_base.size());
+      for (const auto& [base, sum] : by_base) EXPECT_NEAR(sum, expected, 1e-12 * expected) << size_class->key << base;
     }
   }
 }
 
-TEST_P(CampaignProblems, ComeByTurnsOfTheOrigins) {
-  const std::vector<Manifest> manifests = RandomManifests(static_cast<std::uint64_t>(GetParam()));
-  const std::vector<PlannedProblem> problems = PlanProblems({}, manifests);
-  std::map<const SizeClass*, std::map<std::string, int>> left;
+TEST_P(CampaignProblems, OfASizeClassWeighTheSameBySideAndWithinItByBase) {
+  ExpectFairWeights(PlanProblems({}, manifests_));
+}
+
+// Between two problems of one key there is one of every other key of their group that has not run out.
+template <typename Group, typename Key>
+void ExpectTurns(const std::vector<PlannedProblem>& problems, const Group& group_of, const Key& key_of) {
+  std::map<std::string, std::map<std::string, int>> left;
+  std::map<std::string, std::set<std::string>> round;
+  for (const PlannedProblem& problem : problems) ++left[group_of(problem)][key_of(problem)];
   for (const PlannedProblem& problem : problems) {
-    if (!problem.entry->fill) ++left[problem.size_class][problem.entry->origin];
-  }
-  // Between two problems of one origin there is one of every other that has not run out.
-  std::map<const SizeClass*, std::set<std::string>> round;
-  for (const PlannedProblem& problem : problems) {
-    if (problem.entry->fill) continue;
-    auto& seen = round[problem.size_class];
-    auto& of_class = left[problem.size_class];
-    if (seen.contains(problem.entry->origin)) {
-      for (const auto& [origin, count] : of_class) EXPECT_TRUE(count == 0 || seen.contains(origin)) << origin;
+    std::map<std::string, int>& of_group = left[group_of(problem)];
+    std::set<std::string>& seen = round[group_of(problem)];
+    if (seen.contains(key_of(problem))) {
+      for (const auto& [key, count] : of_group) EXPECT_TRUE(count == 0 || seen.contains(key)) << key;
       seen.clear();
     }
-    seen.insert(problem.entry->origin);
-    --of_class[problem.entry->origin];
+    seen.insert(key_of(problem));
+    --of_group[key_of(problem)];
   }
+}
+
+TEST_P(CampaignProblems, ComeByTurnsOfSidesOriginsFamiliesAndBases) {
+  const auto list = [](const PlannedProblem& problem) {
+    return std::string(problem.size_class->key) + (problem.entry->fill ? " fill" : "");
+  };
+  const auto side = [&](const PlannedProblem& problem) { return list(problem) + "|" + SideOf(problem); };
+  const auto origin = [&](const PlannedProblem& problem) { return side(problem) + "|" + problem.entry->origin; };
+  const auto family = [&](const PlannedProblem& problem) { return origin(problem) + "|" + problem.entry->family; };
+  const auto base = [&](const PlannedProblem& problem) { return family(problem) + "|" + problem.entry->base; };
+  const std::vector<PlannedProblem> problems = PlanProblems({}, manifests_);
+  ExpectTurns(problems, list, side);
+  ExpectTurns(problems, side, origin);
+  ExpectTurns(problems, origin, family);
+  ExpectTurns(problems, family, base);
+}
+
+TEST_P(CampaignProblems, OfClassesWithALimitAreTheFirstOfEverySide) {
+  CampaignPlan plan;
+  plan.most_of_side = {{"13-30", 4}, {"31-100", 9}};
+  const std::vector<PlannedProblem> problems = PlanProblems(plan, manifests_);
+  std::map<std::string, std::vector<std::string>> all, kept;
+  const auto collect = [](const std::vector<PlannedProblem>& from, auto* into) {
+    for (const PlannedProblem& problem : from) {
+      (*into)[std::string(problem.size_class->key) + "|" + SideOf(problem)].push_back(problem.entry->id);
+    }
+  };
+  collect(PlanProblems({}, manifests_), &all);
+  collect(problems, &kept);
+  for (auto& [side, ids] : all) {
+    const auto most = plan.most_of_side.find(side.substr(0, side.find('|')));
+    if (most != plan.most_of_side.end()) ids.resize(std::min(ids.size(), static_cast<std::size_t>(most->second)));
+  }
+  EXPECT_EQ(kept, all);
+  ExpectFairWeights(problems);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, CampaignProblems, testing::Range(1, 21));

@@ -15,6 +15,7 @@
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/collection/plan.h"
 #include "benchmarks/collection/properties.h"
+#include "benchmarks/collection/recorded_islands.h"
 #include "benchmarks/collection/references.h"
 #include "benchmarks/collection/sequence_problems.h"
 #include "model/scenes/scene.h"
@@ -284,6 +285,17 @@ TEST_P(CollectionTier, IsWhatIsPlanned) {
     EXPECT_GE(manifest_.problems.size(), 400U);
     EXPECT_GE(manifest_.sequences.size(), 40U);
     for (const SequenceEntry& entry : manifest_.sequences) EXPECT_EQ(entry.problems, 100) << entry.id;
+    for (const SizeClass& size_class : kSizeClasses) {
+      std::set<std::string> bases, engines;
+      for (const ManifestEntry& entry : manifest_.problems) {
+        if (SizeClassOf(entry.properties.rows).key != size_class.key) continue;
+        bases.insert(entry.base);
+        engines.insert(entry.family.substr(0, entry.family.find(' ')));
+      }
+      if (size_class.most > kMostIslandRows) continue;
+      EXPECT_GE(bases.size(), 30U) << size_class.key;
+      EXPECT_GE(engines.size(), 4U) << size_class.key;
+    }
     return;
   }
   EXPECT_EQ(next, manifest_.problems.size());
