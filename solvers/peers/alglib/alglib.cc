@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "solvers/lcp/memory_budget.h"
+#include "solvers/peers/linked_peers.h"
 #include "solvers/peers/peer_library.h"
 
 namespace lcpbench {
@@ -198,6 +199,6 @@ class Alglib : public LcpSolver {
 
 }  // namespace
 
-PeerLibrary ThisPeerLibrary() { return {LCPBENCH_ALGLIB_VERSION, &MakePeer<Alglib>}; }
+PeerLibrary AlglibLibrary() { return {LCPBENCH_ALGLIB_VERSION, &MakePeer<Alglib>}; }
 
 }  // namespace lcpbench
