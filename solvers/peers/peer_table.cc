@@ -10,6 +10,9 @@ namespace lcpbench {
 namespace {
 
 constexpr PeerProject kBullet{"bullet", "Bullet", "Zlib"};
+// The LCP sources of the two engines' Debian packages, compiled here (cmake/packages/sources-peers.txt).
+constexpr PeerProject kBulletNative{"bullet-native", "Bullet", "Zlib"};
+constexpr PeerProject kOdeNative{"ode-native", "ODE", "LGPL-2.1-or-later OR BSD-3-Clause"};
 constexpr PeerProject kOde{"ode", "ODE", "LGPL-2.1-or-later OR BSD-3-Clause"};
 // Its Dantzig code is ODE's, with ODE's licence.
 constexpr PeerProject kDart{"dart", "DART", "BSD-2-Clause AND (LGPL-2.1-or-later OR BSD-3-Clause)"};
@@ -38,6 +41,7 @@ constexpr PeerProject kPinocchio{"pinocchio", "Pinocchio", "BSD-2-Clause", PeerR
 
 constexpr MethodClass kAny = MethodClass::kAnySize;
 constexpr std::string_view kWithCfm = "the same with the diagonal shift that engines use (cfm)";
+constexpr std::string_view kForMachine = "the same, compiled as our own solvers are";
 constexpr std::string_view kForBaseline = "the same, compiled for any x86-64";
 constexpr std::string_view kAsItIs = "the same with the library's own options";
 
@@ -73,6 +77,7 @@ constexpr TierSettings kProxQpPrimal{{1e-3, 1e-6, 1e-9}, 1e6, kLargestResidual};
 constexpr PeerEntry kPeers[] = {
     {kBullet, "bullet-dantzig", "Dantzig pivoting of the physics engine"},
     {kBullet, "bullet-dantzig-cfm", kWithCfm},
+    {kBulletNative, "bullet-dantzig-native", kForMachine},
     {kBullet, "bullet-lemke", "Lemke's complementary pivoting"},
     {kBullet, "bullet-si", "sequential impulses", TierSettings{{1e-3, 1e-6, 1e-9}, 1e9, kSequentialImpulses}, kAny},
     {kBullet, "bullet-si-4", "sequential impulses, 4 sweeps", {}, kAny, true},
@@ -81,6 +86,7 @@ constexpr PeerEntry kPeers[] = {
     {kBullet, "bullet-si-1000", "sequential impulses, 1000 sweeps", {}, kAny, true},
     {kOde, "ode-dantzig", "Dantzig pivoting of the physics engine, LDL^T updated"},
     {kOde, "ode-dantzig-cfm", kWithCfm},
+    {kOdeNative, "ode-dantzig-native", kForMachine},
     {kDart, "dart-dantzig", "Dantzig pivoting, after ODE's"},
     {kDart, "dart-dantzig-cfm", kWithCfm},
     {kDart, "dart-pgs", "projected Gauss-Seidel", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kRelativeChange}},
