@@ -27,6 +27,7 @@ constexpr PeerProject kSimbody{"simbody", "Simbody", "Apache-2.0"};
 // These come from PyPI. The headers of some are in another project's wheel (cmake/packages/requirements-peers.txt).
 constexpr PeerProject kOsqp{"osqp", "OSQP", "Apache-2.0"};
 constexpr PeerProject kDaqp{"daqp", "DAQP", "MIT"};
+constexpr PeerProject kDaqpAvi{"daqp-avi", "DAQP", "MIT", PeerRoute::kPython};
 constexpr PeerProject kQpOases{"qpoases", "qpOASES", "LGPL-2.1-or-later"};
 constexpr PeerProject kHighs{"highs", "HiGHS", "MIT"};
 constexpr PeerProject kProxQp{"proxqp", "ProxQP", "BSD-2-Clause"};
@@ -63,6 +64,7 @@ constexpr std::string_view kLargestResidual = "the largest primal and dual resid
 constexpr std::string_view kResidualsAndGap = "residuals and duality gap, absolute and relative to their terms";
 constexpr std::string_view kRelativeResiduals = "residuals, relative, and the duality gap, absolute or relative";
 constexpr std::string_view kResiduals = "residuals, absolute and relative to their terms";
+constexpr std::string_view kViolationOnly = "the largest violation of a constraint, absolute";
 constexpr std::string_view kViolation =
     "the largest violation of a constraint, absolute; for a singular matrix proximal steps, too";
 constexpr std::string_view kJudged = "the scaled natural residual, by which each answer is judged";
@@ -147,6 +149,8 @@ constexpr PeerEntry kPeers[] = {
      TierSettings{{1e-7, 1e-10, 1e-13}, 1e6, kResidualsAndGap}, kAny},
     {kDaqp, "daqp-dual", "dual active set; QP in forces", TierSettings{{1e-4, 1e-6, 1e-9}, 1e6, kViolation}},
     {kDaqp, "daqp-primal", "dual active set; QP in velocities", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kViolation}},
+    {kDaqpAvi, "daqp-avi", "affine variational inequality by dual active sets; A need not be symmetric",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kViolationOnly}},
     {kOsqp, "osqp-dual", "operator splitting (ADMM); QP in forces",
      TierSettings{{1e-3, 1e-7, 1e-10}, 1e6, kResidualsAndGap}, kAny},
     {kOsqp, "osqp-primal", "operator splitting (ADMM); QP in velocities",
