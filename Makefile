@@ -89,6 +89,7 @@ deps:
 peers:
 	@sh cmake/install_packages.sh cmake/packages/packages-peers.txt
 	@sh cmake/install_wheels.sh $(PYTHON) cmake/packages/requirements-peers.txt build/peers-venv
+	@sh cmake/install_sources.sh cmake/packages/sources-peers.txt build/peers-sources
 	@$(MAKE) --no-print-directory configure
 
 configure: deps
