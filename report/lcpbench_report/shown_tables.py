@@ -34,8 +34,9 @@ _GROUPS = ("own scenes", "engines")  # columns beside that of all
 def classes(found: Headline) -> Table:
     """A row per size class: ours against the portfolio and the fastest peer of each problem."""
     shown = [key for key in _RIVALS if any(key in row.rivals for row in found.classes)]
-    parts = [(key, group) for key in shown for group in (ALL, *_GROUPS)
-             if group == ALL or any(group in row.rivals[key].ratios for row in found.classes if key in row.rivals)]
+    there = {group for row in found.classes for rival in row.rivals.values() for group in rival.ratios}
+    groups = [group for group in _GROUPS if set(_GROUPS) <= there]
+    parts = [(key, group) for key in shown for group in (ALL, *groups)]
     rows = []
     for row in found.classes:
         own = row.entries.get(found.own)

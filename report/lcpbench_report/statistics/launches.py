@@ -109,15 +109,19 @@ class Levels:
             self._drawn[key] = self._draw(key) if key in self._launches else 0.0
         return self._drawn[key]
 
-    def shift(self, solvers, size_classes, tier: float, weights) -> np.ndarray | float:
+    def shift(self, solvers, size_classes: pd.Series, tier: float, weights) -> np.ndarray | float:
         """Of times of several classes, or of several solvers, the mean of their shifts by weight: what a median over all
         of them moves by, if it moves with each alike.
 
         @param solvers  one, or of every problem its own
         """
-        names = pd.DataFrame({"solver": solvers, "size_class": np.asarray(size_classes), "weight": np.asarray(weights)})
-        parts = names.groupby(["solver", "size_class"], sort=False)["weight"].sum()
-        return sum(weight / parts.sum() * self.draws(*of, tier) for of, weight in parts.items())
+        if not self._launches or not len(weights):
+            return 0.0
+        classes, of_class = pd.factorize(size_classes)
+        who, of_solver = (0, [solvers]) if isinstance(solvers, str) else pd.factorize(solvers)
+        sums = np.bincount(classes * len(of_solver) + who, weights, len(of_class) * len(of_solver)) / np.sum(weights)
+        return sum(sums[at] * self.draws(of_solver[at % len(of_solver)], of_class[at // len(of_solver)], tier)
+                   for at in np.flatnonzero(sums))
 
     def _draw(self, key: tuple) -> np.ndarray | float:
         table = self._launches[key]

@@ -80,7 +80,7 @@ def pairwise_table(cells: pd.DataFrame, levels: Levels = Levels()) -> pd.DataFra
         times = wide(of_group, "time_s")
         if label["set"] != COUNTED:
             times = times.where(np.isfinite(times))
-        about = of_group.drop_duplicates("problem").set_index("problem")[ABOUT]
+        about = of_group.drop_duplicates("problem").set_index("problem")[ABOUT].astype({"size_class": "category"})
         excluded = wide(of_group, "verdict").isin(NOT_RUN)
         table = compare_pairs(times, about, excluded, levels, label["tier"]).assign(**label)[COLUMNS]
         if not table.empty:
@@ -102,7 +102,7 @@ def compare_two(times: pd.DataFrame, about: pd.DataFrame, bootstrap: Bootstrap, 
     solved_a, solved_b = np.isfinite(t_a), np.isfinite(t_b)
     both = solved_a & solved_b
     differences = np.log(t_a[both] / t_b[both])
-    of = about.loc[problems[both], "size_class"], weights[both]
+    of = about["size_class"][present][both], weights[both]
     low, high = bootstrap.median(problems[both], np.exp(differences), weights[both], shift(a, *of) - shift(b, *of))
     of_bases = bootstrap.base_means(problems[both], differences, weights[both])
     p, direction = signed_rank_test(of_bases)
