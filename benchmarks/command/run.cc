@@ -46,7 +46,11 @@ CampaignPlan CampaignOf(const std::string& suite) {
   } else {
     throw InputError("unknown suite '" + suite + "', expected one of " + CampaignNames() + ", or a manifest's path");
   }
-  for (const SolverEntry& entry : AllSolvers()) plan.solvers.push_back(entry.key);
+  const bool has_its_own = !plan.solvers.empty();
+  for (const SolverEntry& entry : AllSolvers()) {
+    const bool is_named_here = entry.origin == SolverOrigin::kExternal || !entry.base.empty();
+    if (!has_its_own || is_named_here) plan.solvers.push_back(entry.key);
+  }
   return plan;
 }
 
@@ -64,21 +68,21 @@ std::string Both(const std::string& plans, const std::string& users) {
 // Reads what `lcpbench tune` has chosen (tuned.json, RESULTS.md) and registers, for every solver of the plan with
 // settings other than its defaults, the variant KEY-tuned, behind its base; solvers that are not in this build have
 // none. `variants` gets them as --variant takes them.
-void AddTunedVariants(const std::string& path, CampaignPlan* plan, std::vector<std::string>* variants) {
+// @param adds  false: only those that the plan names already
+void AddTunedVariants(const std::string& path, bool adds, CampaignPlan* plan, std::vector<std::string>* variants) {
   const TunedFile tuned = ReadTunedFile(path);
   plan->tuning = tuned.source;
   std::vector<std::string> added;
   for (const auto& [solver, settings] : tuned.chosen) {
-    const auto base = std::find(plan->solvers.begin(), plan->solvers.end(), solver);
-    if (!FindSolver(solver).available || settings.empty() || base == plan->solvers.end()) continue;
     const std::string key = solver + "-tuned";
+    const bool is_named = std::find(plan->solvers.begin(), plan->solvers.end(), key) != plan->solvers.end();
+    const auto base = std::find(plan->solvers.begin(), plan->solvers.end(), solver);
+    const bool is_wanted = is_named || (adds && base != plan->solvers.end());
+    if (!FindSolver(solver).available || settings.empty() || !is_wanted) continue;
     added.push_back(key);
     added.back() += "=" + solver;
     for (const auto& [name, value] : settings) added.back() += "," + name + "=" + value;
-    // Who names it among the solvers gets it once.
-    if (std::find(plan->solvers.begin(), plan->solvers.end(), key) == plan->solvers.end()) {
-      plan->solvers.insert(base + 1, key);
-    }
+    if (!is_named) plan->solvers.insert(base + 1, key);
   }
   RegisterVariants(added);
   variants->insert(variants->end(), added.begin(), added.end());
@@ -156,10 +160,17 @@ struct RunCampaigns {
     named.Register();
     if (ablations) RegisterAblations();
     CampaignPlan plan = CampaignOf(suite);
+    const std::vector<std::string> of_the_suite = plan.solvers;
     plan.filter = Both(plan.filter, filter);
     for (const auto& change : changes) change(plan);
+    const bool has_its_own = plan.solvers == of_the_suite && plan.solvers.size() < AllSolvers().size();
     if (tuned.empty() && !plan.tuning.file.empty()) tuned = DataFile(plan.tuning.file);
-    if (!tuned.empty()) AddTunedVariants(tuned, &plan, &named.variants);
+    if (!tuned.empty()) AddTunedVariants(tuned, !has_its_own, &plan, &named.variants);
+    // A solver that is tuned in the suite need not be so any more.
+    const auto is_known = [](const std::string& key) {
+      return std::any_of(AllSolvers().begin(), AllSolvers().end(), [&](const auto& entry) { return entry.key == key; });
+    };
+    if (has_its_own) std::erase_if(plan.solvers, std::not_fn(is_known));
     if (options.folder.empty()) options.folder = "build/results/" + plan.name;
     options.solver_arguments = named.Words();
     if (ablations) options.solver_arguments.emplace_back("--ablations");
