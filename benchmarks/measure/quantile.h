@@ -22,14 +22,14 @@ inline double Quantile(std::vector<double> values, double q) {
 /// Of one value or more, each with its weight, first: the least with at least `level` of the weight, in (0, 1], at or
 /// below it; where that is exactly `level`, the mean of it and the next one. [Same, definition 2, with weights]
 inline double WeightedQuantile(std::vector<std::pair<double, double>> values, double level) {
-  constexpr double kRounding = 1e-9;  // of sums of weights, relative
+  constexpr double kEqual = 1e-9;  // sums of weights, relative
   std::sort(values.begin(), values.end());
   double all = 0;
   for (const auto& [value, weight] : values) all += weight;
   double below = 0;
   std::size_t at = 0;
-  while ((below += values[at].second / all) < level - kRounding && at + 1 < values.size()) ++at;
-  const bool is_exact = below <= level + kRounding && at + 1 < values.size();
+  while ((below += values[at].second / all) < level - kEqual && at + 1 < values.size()) ++at;
+  const bool is_exact = below <= level + kEqual && at + 1 < values.size();
   return is_exact ? (values[at].first + values[at + 1].first) / 2 : values[at].first;
 }
 
