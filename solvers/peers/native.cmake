@@ -29,7 +29,7 @@ file(CONFIGURE OUTPUT "${CMAKE_CURRENT_BINARY_DIR}/ode-native/config.h" CONTENT
 #include <alloca.h>
 #include <malloc.h>
 #include <stdint.h>
-#include \"typedefs.h\"
+#include <typedefs.h>
 ")
 lcpbench_add_native_peer(ode OdeLibrary LIBRARY PkgConfig::ode
                          FILES ode/src/lcp.cpp ode/src/matrix.cpp ode/src/fastdot.cpp

@@ -254,10 +254,12 @@ class DaqpAvi(Adapter):
         settings = {"primal_tol": tolerance, "eta_prox": tolerance} if tolerance > 0 else {}
         if most > 0:
             settings["iter_limit"] = int(min(most, 2**31 - 1))
+        if math.isfinite(time_limit):
+            settings["time_limit"] = max(time_limit, 1e-6)  # 0: none
         # Bounds of the variables alone; those that are infinite are beyond its 1e30.
         f, _, flag, info = self.module.solve(q.H, q.g, np.zeros((0, q.n)), np.full(q.n, 1e30), np.maximum(q.x_lower, -1e30),
                                              np.zeros(q.n, np.int32), is_avi=True, **settings)
-        words = {1: SOLVED, -1: INFEASIBLE, -3: INFEASIBLE, -4: ITERATION_LIMIT}
+        words = {1: SOLVED, -1: INFEASIBLE, -3: INFEASIBLE, -4: ITERATION_LIMIT, -7: TIME_LIMIT}
         return answer(words.get(flag, FAILURE), info["iterations"], f"DAQP: exit flag {flag}", f)
 
 
