@@ -133,7 +133,7 @@ reference-report: pictures
 	  $(PYTHON) report/report.py report $(REFERENCE)/$$suite -o build/reference/$$suite/index.html && \
 	  cp build/reference/$$suite/summary.md $(REFERENCE)/$$suite-summary.md || exit 1; \
 	done
-	@$(PYTHON) report/report.py headline $(REFERENCE)/core $(REFERENCE_ABLATION) --update README.md docs/*.md
+	@$(PYTHON) report/report.py headline $(REFERENCE)/core $(REFERENCE)/sequences $(REFERENCE_ABLATION) --update README.md docs/*.md
 	@echo "report: $(CURDIR)/build/reference/index.html, with figures and tables beside it"
 
 $(BASELINE) $(V3): deps

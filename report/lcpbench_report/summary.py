@@ -6,7 +6,7 @@ from .headline_table import ClassRow, Headline, headline, low, verdicts
 from .inputs import Inputs
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_RUN, VERIFIED, within_rounding
 from .statistics.load import ORIGINS
-from .statistics.rivals import DOMINATES, FASTER, FASTEST, PORTFOLIO
+from .statistics.rivals import DOMINATED, DOMINATES, FASTER, FASTEST, PORTFOLIO
 
 MOST_LINES = 12
 _NAMES = {PORTFOLIO: "the portfolio of peers", FASTEST: "the fastest peer of every single problem"}
@@ -133,18 +133,20 @@ def peers(found: Headline) -> str:
 
 
 def losses(found: Headline) -> str:
-    """To whom we lose, at how many rows and by how much: the rival, single peers of the front, the fastest of each problem."""
+    """Of how much of the front ours is better than in both; and to whom we lose, at how many rows and by how much: the
+    rival, single peers of the front, the fastest of each problem."""
     parts = []
     for rival in dict.fromkeys((found.rival, FASTEST)):
         lost = [row for row in found.classes if rival in row.rivals and low(row, rival) > 1]
         told = [_told(row, rival, "times its time") for row in lost]
         parts.append(f"to {_NAMES[rival]} " + (f"at {formats.words(told)}" if lost else "at no size"))
+    front = [(row, of) for row in found.classes for of in row.rivals.values() if of.front and of.key != found.rival]
     for words, kind in (("that are faster and at least as often right", DOMINATES), ("that are faster, though less often right,", FASTER)):
-        of_front = [f"`{of.key}` at {_told(row, of.key, 'times its time')}" for row in found.classes
-                    for of in row.rivals.values() if of.front and of.relation == kind and of.key != found.rival]
-        if of_front:
-            parts.append(f"to single peers {words} {formats.words(of_front)}")
-    return f"We lose {'; '.join(parts)}."
+        if told := [f"`{of.key}` at {_told(row, of.key, 'times its time')}" for row, of in front if of.relation == kind]:
+            parts.append(f"to single peers {words} {formats.words(told)}")
+    dominated = sum(of.relation == DOMINATED for _, of in front)
+    return (f"Of the {formats.plural(len(front), 'place')} on the fronts of single peers (no other is both faster and right on as "
+            f"much), ours is faster than {dominated}, and right at least as often. We lose {'; '.join(parts)}.")
 
 
 def _rows(size_classes: list[str]) -> str:

@@ -93,6 +93,32 @@ class Headline(SharedFolderCase):
         self.assertRegex(summary.peers(found), r"^Against the portfolio of peers we win at .*We lose to the portfolio of peers at no size; to the "
                          r"fastest peer of every single problem at 7–12 rows")
 
+    def test_at_equal_flags_there_is_a_row_per_instruction_set_and_else_nothing_is_said(self):
+        with tempfile.TemporaryDirectory() as folder:
+            factors = {"auto": 1.0, "auto-baseline": 2.0, "auto-v3": 1.5, "ode-dantzig": 3.0, "ode-dantzig-native": 2.5}
+            builds = {key: {"origin": "external", "ablation": "baseline", "base": "auto"} for key in ("auto-baseline", "auto-v3")}
+            builds |= {key: {"origin": "peer"} for key in ("ode-dantzig", "ode-dantzig-native")}
+            inputs = load_inputs([write_campaign(Path(folder), factors, tiers=(1e-6,), solvers=builds)])
+        self.assertEqual((inputs.ours, inputs.peers), ("auto", ["ode-dantzig", "ode-dantzig-native"]))
+        rows = shown_tables.equal_flags(inputs).rows
+        self.assertEqual([row[:2] for row in rows], [["any x86-64", "`auto-baseline` / `ode-dantzig`"],
+                                                     ["x86-64-v3", "`auto-v3` / `ode-dantzig-native`"],
+                                                     ["the machine's", "`auto` / `ode-dantzig-native`"]])
+        for row, ratio in zip(rows, ("0.6", "0.6", "0.[34]")):
+            self.assertRegex(row[2], rf"^{ratio}\d \(")
+        self.assertIn("At equal flags", markdown.full_headline(inputs, headline(inputs)))
+        self.assertNotIn("At equal flags", self.text)
+
+    def test_literature_stands_in_a_table_of_its_own_also_where_it_was_counted(self):
+        with tempfile.TemporaryDirectory() as folder:
+            inputs = load_inputs([write_campaign(Path(folder), {"auto": 1.0, "clp": 2.0}, tiers=(1e-6,), change_problem=lambda of: of | (
+                {"origin": "literature", "set": "literature"} if of["family"] == "chains" else {}))])
+        self.assertEqual(set(inputs.counted["family"]), {"piles"})
+        table = shown_tables.literature(inputs)
+        self.assertEqual((table.columns, [row[0] for row in table.rows]), (["solver", "literature (24)"], ["`auto`", "`clp`"]))
+        self.assertIn("## Literature", markdown.render(inputs, []))
+        self.assertNotIn("## Literature", markdown.render(self.inputs, []))
+
     def test_a_class_whose_interval_holds_1_is_undecided(self):
         _, found = self.of(only(NEXT, "", lambda record: slower(record, 1 / 0.6 * (
             1.1 if record["problem"].endswith("-1") else 1 / 1.1))))
