@@ -100,7 +100,7 @@ ExternalSolver& TaskRunner::ProcessOf(const TimedRequest& request) {
 
 // What a pass may take: every solve its limit, and some more for what surrounds it.
 double TaskRunner::LimitOf(const PassRequest& pass) {
-  constexpr double kGrace = 60;  // s
+  constexpr double kGrace = 5;  // s
   const auto solves = static_cast<double>(pass.order.size() + 2 * pass.warm_up.size());
   return kGrace + 2 * solves * pass.time_limit_s + pass.settle_s;
 }
