@@ -358,7 +358,7 @@ TEST(DisturbanceWatch, APassTellsOfAProgramOnItsProcessor) {
     if (CPU_ISSET(cpu, &before)) CPU_SET(cpu, &one);
   }
   ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
-  const auto problem = ProblemArrays::Of(AssembleContactLcp(GenerateScene("disc-pile", 60, 1)));
+  const auto problem = ProblemArrays::Of(AssembleContactLcp(GenerateScene("disc-pile", 60, 1)).problem);
   volatile double now = 0;
   PassRequest request;
   request.time_limit_s = 10;
