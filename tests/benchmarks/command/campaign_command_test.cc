@@ -359,7 +359,7 @@ TEST(DisturbanceWatch, APassTellsOfAProgramOnItsProcessor) {
   }
   ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
   const auto problem = ProblemArrays::Of(AssembleContactLcp(GenerateScene("disc-pile", 60, 1)).problem);
-  volatile double now = 0;
+  [[maybe_unused]] volatile double now = 0;
   PassRequest request;
   request.time_limit_s = 10;
   request.order.assign(4000, 0);
