@@ -125,7 +125,7 @@ class Campaign {
       if (one.excluded.empty()) {
         const double start = SteadyNow();
         one.reply =
-            worker_->Run(JudgeRequest{NameOf(task, place), task.solver, task.tier, task.judged, LimitOf(task, place)});
+            worker_->Run(JudgeRequest{NameOf(task, place), task.runs, task.tier, task.judged, LimitOf(task, place)});
         const double took = SteadyNow() - start;
         const std::vector<nlohmann::json>& records = one.reply.records;
         spent += !records.empty() && records[0]["first_s"].is_number() ? records[0]["first_s"].get<double>() : took;
@@ -171,7 +171,7 @@ class Campaign {
                                                        : budgets.again_s;
     if (request.pass.budget_s <= 0) return;
     for (std::size_t place = 0; place < task.count(); ++place) request.stream.push_back(NameOf(task, place));
-    request.solver = task.solver;
+    request.solver = task.runs;
     request.judged = task.judged;
     request.other_b_seed = plan_.seed;
     const TimedRun run = RunUndisturbed(request);
@@ -261,7 +261,7 @@ class Campaign {
     SequenceRequest request;
     request.file = SequencePath(options_.folder, pass.about);
     request.sha256 = pass.sequence->sha256;
-    request.solver = pass.solver;
+    request.solver = pass.runs;
     request.tier = pass.tier;
     request.judged = pass.judged;
     request.warm = pass.warm;
