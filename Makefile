@@ -16,9 +16,15 @@ MOTION = --scenes gear-train,disc-pile,disc-track --size 16 --steps 100 --budget
 PICTURES     ?= build/results/pictures
 PICTURE_SIZE ?= 24
 
-# The campaign `ablation` runs our solvers from this build, too, which is for the baseline instruction set.
+# The campaigns `ablation` and `core` run our solvers from these builds, too, which are for narrower instruction sets.
 BASELINE := build/baseline
+V3       := build/v3
 OWN       = dantzig auto semismooth-newton lemke bpp active-set pgs psor nncg apgd ipopt-qp ipopt-ncp ipm hybrid
+
+# `auto` at the flags of Debian's peers, and with AVX2.
+CORE_RESULTS ?= build/results/core
+CORE = --suite core --external "auto-baseline=$(CURDIR)/$(BASELINE)/lcpbench serve auto instructions=sse2" \
+       --external "auto-v3=$(CURDIR)/$(V3)/lcpbench serve auto instructions=avx2"
 
 # How long and with which new inputs `make fuzz` goes on.
 FUZZ_SECONDS ?= 60
@@ -51,16 +57,17 @@ REFERENCE_RESULTS := $(REFERENCE)/core $(REFERENCE)/sequences --precision $(REFE
                      --curves $(REFERENCE)/curves $(REFERENCE_ABLATION) --pictures $(PICTURES)
 REFERENCE_OTHERS  := smoke pathological large sequences-qp
 
-.PHONY: help deps peers configure command build test report run pictures ablation calibrate record-engines fresh-benchmark scene-benchmark solver-curves slurm-try doc reference-report check format fuzz attack install clean
+.PHONY: $(BASELINE) $(V3) core help deps peers configure command build test report run pictures ablation calibrate record-engines fresh-benchmark scene-benchmark solver-curves slurm-try doc reference-report check format fuzz attack install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
 	@echo "make test     install what is missing, build, run all tests"
 	@echo "make build    install what is missing, configure and build"
+	@echo "make core       the campaign behind the published numbers, on two processors (RUN_OPTIONS=--again=FOLDER compares)"
 	@echo "make ablation   what our own checks, checks for peers, and instruction sets are worth: a build and a campaign (20 minutes)"
 	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
 	@echo "make record-engines   let physics engines step scenes of their own, and record them in data/recordings (RECORDINGS=box2d-)"
-	@echo "make fresh-benchmark      fresh times of our solvers, ODE and Bullet in one process, by size class and origin (OPTIONS=--cpu 1; two minutes)"
+	@echo "make fresh-benchmark      fresh times of our solvers, ODE and Bullet, by size class and origin (OPTIONS=--cpu 1)"
 	@echo "make scene-benchmark      time scene generation, contact detection and assembly at 10^3 to 10^5 rows"
 	@echo "make solver-curves        residual against mass ratio, regularization, sweeps and precision, for the report (CURVES=sweeps; a minute or two)"
 	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, numbers in README.md and docs/"
@@ -82,6 +89,7 @@ deps:
 peers:
 	@sh cmake/install_packages.sh cmake/packages/packages-peers.txt
 	@sh cmake/install_wheels.sh $(PYTHON) cmake/packages/requirements-peers.txt build/peers-venv
+	@sh cmake/install_sources.sh cmake/packages/sources-peers.txt build/peers-sources
 	@$(MAKE) --no-print-directory configure
 
 configure: deps
@@ -125,14 +133,25 @@ reference-report: pictures
 	  $(PYTHON) report/report.py report $(REFERENCE)/$$suite -o build/reference/$$suite/index.html && \
 	  cp build/reference/$$suite/summary.md $(REFERENCE)/$$suite-summary.md || exit 1; \
 	done
-	@$(PYTHON) report/report.py headline $(REFERENCE)/core $(REFERENCE_ABLATION) --update README.md docs/*.md
+	@$(PYTHON) report/report.py headline $(REFERENCE)/core $(REFERENCE)/sequences $(REFERENCE_ABLATION) --update README.md docs/*.md
 	@echo "report: $(CURDIR)/build/reference/index.html, with figures and tables beside it"
 
-ablation: command
-	@cmake --preset baseline > build/configure-baseline.log 2>&1 || { cat build/configure-baseline.log; exit 1; }
-	@cmake --build --preset baseline -j $(JOBS)
+$(BASELINE) $(V3): deps
+	@mkdir -p build
+	@cmake --preset $(@F) > build/configure-$(@F).log 2>&1 || { cat build/configure-$(@F).log; exit 1; }
+	@cmake --build --preset $(@F) -j $(JOBS)
+
+ablation: command $(BASELINE)
 	@$(BUILD)/lcpbench run --suite ablation --ablations --resume --output build/results/ablation $(RUN_OPTIONS) \
 	  $(foreach key,$(OWN),--external "$(key)-baseline=$(CURDIR)/$(BASELINE)/lcpbench serve $(key)")
+
+# The campaign behind the numbers in README.md and docs/, every other size class on each of two processors.
+core: command $(BASELINE) $(V3)
+	@for k in 1 2; do \
+	  $(BUILD)/lcpbench run $(CORE) $(RUN_OPTIONS) --shard $$k/2 --cpu $$((k - 1)) --resume --output $(CORE_RESULTS)-$$k & \
+	done; wait
+	@rm -rf $(CORE_RESULTS)
+	@$(BUILD)/lcpbench merge $(CORE_RESULTS)-1 $(CORE_RESULTS)-2 --output $(CORE_RESULTS)
 
 calibrate: command
 	@$(BUILD)/lcpbench run --resume $(CALIBRATION) --output $(CALIBRATION_RESULTS)

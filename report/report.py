@@ -146,6 +146,19 @@ def _compare_two(options: argparse.Namespace) -> int:
     return int(regressed)
 
 
+@_command("moved", _file("old", metavar="OLD", help="folder of a campaign"),
+          _file("new", metavar="NEW", help="folder of another run of the same solvers and classes"),
+          _word("--show", type=_whole(0), default=40, help="values that agree and are listed, those that moved most [%(default)s]"))
+def _moved(options: argparse.Namespace) -> int:
+    """Tell how far medians and ratios moved between two runs; exit status 1 unless all agree within 3 % or their intervals."""
+    from lcpbench_report.moved_markdown import lines
+    from lcpbench_report.statistics.moved import moved_table
+
+    table, alone = moved_table(*_load(options, options.old, options.new))
+    print("\n".join(lines(table, alone, options.show)))
+    return 0 if table["agrees"].all() else 1
+
+
 @_command("report", _file("campaigns", nargs="+", metavar="FOLDER", help="written by `lcpbench run`"),
           _file("--motion", help="a folder written by `lcpbench motion`"),
           _file("--precision", help="a campaign of `--suite precision`"),
@@ -256,13 +269,13 @@ def _headline(options: argparse.Namespace) -> None:
         write_text(path, text)
 
 
-@_command("archive", _file("campaign", help="folder of a campaign, of `lcpbench motion`, or of `make solver-curves`"),
-          _file("output", metavar="OUT", help="the folder to write"))
-def _archive(options: argparse.Namespace) -> None:
-    """Make a small folder of that of a campaign, of motions or of curves, to be kept: rounded to few digits and compressed."""
-    from lcpbench_report.archive import archive
+@_command("compact", _file("campaign", metavar="FOLDER", help="of a campaign, of `lcpbench motion`, or of `make solver-curves`"),
+          _file("-o", "--output", metavar="OUT", required=True, help="the folder to write"))
+def _compact(options: argparse.Namespace) -> None:
+    """Make a small folder of that of a campaign, of motions or of curves, to be kept: a record per solver, class and tier."""
+    from lcpbench_report.compact import compact
 
-    for name, size in archive(options.campaign, options.output).items():
+    for name, size in compact(options.campaign, options.output).items():
         print(f"{options.output / name}: {size / 1e6:.2f} MB")
 
 

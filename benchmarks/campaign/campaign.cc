@@ -18,6 +18,7 @@
 #include "benchmarks/campaign/sequence_file.h"
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/measure/progress.h"
+#include "benchmarks/measure/quantile.h"
 #include "solvers/registry.h"
 #include "support/file_lock.h"
 #include "support/input_error.h"
@@ -40,7 +41,7 @@ class Campaign {
         problems_(problems),
         tasks_(TasksOfShard(PlanTasks(plan, problems), options.shard, options.shards)),
         passes_(TasksOfShard(PlanPasses(plan, manifests), options.shard, options.shards)),
-        journal_(options.folder, PlanTasks(plan, problems), PlanPasses(plan, manifests), plan.passes,
+        journal_(options.folder, PlanTasks(plan, problems), PlanPasses(plan, manifests), plan.launches, plan.rounds,
                  environment_hash) {}
 
   // False where it was interrupted. The caller keeps the Interruption.
@@ -52,20 +53,22 @@ class Campaign {
 
  private:
   bool RunTasks() {
+    const Launches& launches = plan_.launches;
     StartWorker();
-    for (int round = 0; round <= plan_.passes; ++round) {
-      const bool done =
-          VisitAll(tasks_, round, round == 0 ? "judging" : "pass " + std::to_string(round), [&](const Task& task) {
-            if (round == 0) return Judge(task);
-            Time(task, PassKind::kFresh, round);
-            if (round > 1) return;
-            Time(task, PassKind::kParts, round);
-            Time(task, PassKind::kAgain, round);
-          });
-      if (!done) return false;
+    if (!VisitAll(tasks_, 0, "judging", [&](const Task& task) { Judge(task); })) return false;
+    std::vector<Task> timed = tasks_;
+    for (int launch = 1; launch <= launches.near; ++launch) {
+      if (launch == launches.others + 1) timed = NearTasks();
+      const auto time = [&](const Task& task) { Time(task, PassKind::kFresh, launch); };
+      if (!VisitAll(timed, launch, "launch " + std::to_string(launch), time)) return false;
     }
+    const auto explain = [&](const Task& task) {
+      Time(task, PassKind::kParts, 1);
+      Time(task, PassKind::kAgain, 1);
+    };
+    if (launches.parts && !VisitAll(tasks_, launches.near + 1, "parts", explain)) return false;
     StartWorker();  // with all its memory
-    for (int round = 0; round < plan_.passes; ++round) {
+    for (int round = 0; round < plan_.rounds; ++round) {
       const std::string title = "sequences, round " + std::to_string(round);
       if (!VisitAll(passes_, round, title, [&](const Task& pass) { RunPass(pass, round); })) return false;
     }
@@ -112,23 +115,19 @@ class Campaign {
     return {};
   }
 
-  // Pass 0: every problem by itself, with its limits, as far as the budget goes.
+  // Pass 0: every problem by itself, with its limits.
   void Judge(const Task& task) {
     if (journal_.Has(TaskKey(task, task.judged.back()), "judge", 0)) return;
     if (!task.excluded.empty()) return journal_.WriteExcluded(task);
     std::vector<Judged> judged;
-    double spent = 0;
-    for (std::size_t place = 0; place < task.count() && spent <= plan_.budgets.judge_s; ++place) {
+    for (std::size_t place = 0; place < task.count(); ++place) {
       Judged one;
       one.excluded = SizeRefusal(FindSolver(task.solver), ProblemOf(task, place).entry->properties.rows);
       if (one.excluded.empty()) one.excluded = RuleFor(task, place);
       if (one.excluded.empty()) {
-        const double start = SteadyNow();
         one.reply =
             worker_->Run(JudgeRequest{NameOf(task, place), task.runs, task.tier, task.judged, LimitOf(task, place)});
-        const double took = SteadyNow() - start;
         const std::vector<nlohmann::json>& records = one.reply.records;
-        spent += !records.empty() && records[0]["first_s"].is_number() ? records[0]["first_s"].get<double>() : took;
         // A job scheduler that has asked for the end and waited kills all processes at once: no outcome of the
         // solver's.
         if (Interruption::Requested() && one.reply.outcome == "crashed") return;
@@ -142,7 +141,7 @@ class Campaign {
     journal_.WriteJudged(task, judged);
   }
 
-  PassRequest PassOf(const Task& task, const Journal::Judgement& judgement, PassKind kind, int pass) const {
+  PassRequest PassOf(const Task& task, PassKind kind, int launch) const {
     std::vector<std::size_t> verified;
     double time_limit_s = 0;
     const Journal::Judgement& loosest = *journal_.Find(TaskKey(task, task.judged.front()));
@@ -151,32 +150,69 @@ class Campaign {
       verified.push_back(place);
       time_limit_s = std::max(time_limit_s, LimitOf(task, place));
     }
-    PassRequest request = PlanPass(verified, kind, plan_.seed + task.first, pass);
+    PassRequest request = PlanPass(verified, kind, plan_.seed + task.first, launch);
     request.tolerance = task.tier;
     request.time_limit_s = time_limit_s;
-    if (kind == PassKind::kFresh && task.is_stream) request.group = GroupOf(judgement.median_s);
+    if (kind == PassKind::kFresh) request.settle_s = plan_.launches.settle_s;
     return request;
   }
 
-  void Time(const Task& task, PassKind kind, int pass) {
+  // The time of a solver that is right on Launches::right of a class's weight, or of any, decides who else is near.
+  std::vector<Task> NearTasks() const {
+    struct Standing {
+      double median_s;
+      bool right;
+    };
+    std::map<std::tuple<std::size_t, std::string>, std::map<std::string, Standing>> standings;  // by class and tier
+    for (const Task& task : tasks_) {
+      for (const double tier : task.judged) {
+        const TaskKey key(task, tier);
+        const Journal::Judgement* found = journal_.Find(key);
+        if (found == nullptr || found->quickest_s.empty()) continue;
+        std::vector<std::pair<double, double>> times;  // with weights
+        double weight = 0;
+        double right = 0;
+        for (std::size_t place = 0; place < task.count(); ++place) {
+          const double own = ProblemOf(task, place).weight;
+          const bool fails = found->unverified.contains(place) || found->changed.contains(place);
+          times.emplace_back(fails ? std::numeric_limits<double>::infinity() : found->quickest_s[place], own);
+          weight += own;
+          if (!fails) right += own;
+        }
+        const Standing standing{WeightedQuantile(std::move(times), 0.5), right >= plan_.launches.right * weight};
+        standings[{task.begin, key.tier}][task.solver] = standing;
+      }
+    }
+    std::set<std::pair<std::size_t, std::string>> near;  // class and solver
+    for (const auto& [of, solvers] : standings) {
+      const bool any_right = std::any_of(solvers.begin(), solvers.end(), [](const auto& s) { return s.second.right; });
+      double best = std::numeric_limits<double>::infinity();
+      for (const auto& [solver, standing] : solvers) {
+        if (standing.right || !any_right) best = std::min(best, standing.median_s);
+      }
+      for (const auto& [solver, standing] : solvers) {
+        if (standing.median_s <= plan_.launches.within * best) near.emplace(std::get<0>(of), solver);
+      }
+    }
+    std::vector<Task> tasks = tasks_;
+    std::erase_if(tasks, [&](const Task& task) { return !near.contains({task.begin, task.solver}); });
+    return tasks;
+  }
+
+  void Time(const Task& task, PassKind kind, int launch) {
     const TaskKey key(task, task.judged.back());
-    const Journal::Judgement* judgement = journal_.Find(key);
-    if (judgement == nullptr || journal_.Has(key, KindKey(kind), pass)) return;
+    if (journal_.Find(key) == nullptr || journal_.Has(key, KindKey(kind), launch)) return;
     TimedRequest request;
-    request.pass = PassOf(task, *judgement, kind, pass);
+    request.pass = PassOf(task, kind, launch);
     if (request.pass.order.empty()) return;
-    const TaskBudgets& budgets = plan_.budgets;
-    request.pass.budget_s = kind == PassKind::kFresh   ? budgets.timed_s - judgement->timed_s
-                            : kind == PassKind::kParts ? budgets.parts_s
-                                                       : budgets.again_s;
-    if (request.pass.budget_s <= 0) return;
+    request.launch = kind == PassKind::kFresh ? launch : 0;
     for (std::size_t place = 0; place < task.count(); ++place) request.stream.push_back(NameOf(task, place));
     request.solver = task.runs;
     request.judged = task.judged;
     request.other_b_seed = plan_.seed;
     const TimedRun run = RunUndisturbed(request);
     if (Interruption::Requested() && run.reply.outcome != "completed") return;
-    journal_.WriteTimed(task, kind, pass, request.pass.group, run);
+    journal_.WriteTimed(task, kind, launch, run);
   }
 
   // Again where the machine disturbed it; of several runs the one that was disturbed least, whatever came out.
@@ -212,7 +248,6 @@ class Campaign {
       if (Interruption::Requested()) break;
       TimedRequest one = request;
       one.pass.order = {place};
-      one.pass.group = 1;
       const TimedReply reply = worker_->Run(one);
       if (!reply.retried.empty()) all.retried += (all.retried.empty() ? "" : "; ") + reply.retried;
       for (const auto& [field, seconds] : reply.times) {

@@ -79,7 +79,7 @@ void DescribeSequences(const CampaignPlan& plan, const std::vector<Manifest>& ma
     }
   }
   if (planned.empty()) return;
-  json->update({{"deadlines_s", plan.deadlines_s}, {"pass_budget_s", plan.pass_budget_s}});
+  json->update({{"rounds", plan.rounds}, {"deadlines_s", plan.deadlines_s}, {"pass_budget_s", plan.pass_budget_s}});
 }
 
 // That a line of problems.jsonl says what the plan says; what was measured need only be a measurement.
@@ -124,10 +124,12 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
   }
   std::size_t lines = 0;
   for (const Task& task : PlanTasks(plan, problems)) lines += task.judged.size();
-  const TaskBudgets& budgets = plan.budgets;
-  json["passes"] = plan.passes;
-  json["budgets_s"] = {
-      {"judge", budgets.judge_s}, {"timed", budgets.timed_s}, {"parts", budgets.parts_s}, {"again", budgets.again_s}};
+  json["passes"] = plan.launches.near;
+  json["launches"] = {{"others", plan.launches.others},
+                      {"within", plan.launches.within},
+                      {"right", plan.launches.right},
+                      {"settle_s", plan.launches.settle_s},
+                      {"parts", plan.launches.parts}};
   json["limits"] = {{"time_per_row_s", plan.limits.time_per_row_s},
                     {"least_s", plan.limits.least_s},
                     {"most_s", plan.limits.most_s},

@@ -146,9 +146,7 @@ void RequireValid(const CampaignPlan& plan) {
   for (const double tier : plan.tiers) require(tier > 0 && tier < 1, "tiers in (0, 1)");
   require(plan.noise.slower_clock > 0 && plan.noise.least_cpu_share < 1 && plan.noise.most_reruns >= 0,
           "a rule for noise that some cells pass");
-  require(plan.passes >= 1, "passes >= 1");
-  const TaskBudgets& budgets = plan.budgets;
-  require(budgets.judge_s > 0 && budgets.timed_s > 0 && budgets.parts_s >= 0 && budgets.again_s >= 0, "budgets > 0 s");
+  require(plan.rounds >= 1 && plan.launches.others >= 1 && plan.launches.near >= plan.launches.others, "launches >= 1");
   require(plan.most_rows >= 0, "rows >= 0");
   for (const auto& [size_class, most] : plan.most_of_side) require(most >= 1, "problems of a side >= 1");
   const SolveLimits& limits = plan.limits;
@@ -163,7 +161,7 @@ void RequireValid(const CampaignPlan& plan) {
   }
 }
 
-bool IsInMeans(const std::string& manifest) { return manifest != kNonsymmetricTier; }
+bool IsInMeans(const std::string& manifest) { return manifest != kNonsymmetricTier && manifest != kLiteratureTier; }
 
 std::vector<PlannedProblem> PlanProblems(const CampaignPlan& plan, const std::vector<Manifest>& manifests) {
   const std::regex filter(plan.filter);
@@ -307,13 +305,6 @@ PassRequest PlanPass(const std::vector<std::size_t>& places, PassKind kind, std:
   return request;
 }
 
-std::uint32_t GroupOf(double median_s) {
-  constexpr double kLeastInterval = 2e-6;  // s
-  constexpr double kMostTogether = 8;
-  if (!(median_s > 0)) return 1;
-  return static_cast<std::uint32_t>(std::clamp(std::ceil(kLeastInterval / median_s), 1.0, kMostTogether));
-}
-
 std::vector<std::size_t> OrderOfRound(const std::vector<Task>& tasks, std::uint64_t seed, int round) {
   std::vector<std::size_t> groups(tasks.size(), 0);
   for (std::size_t k = 1; k < tasks.size(); ++k) {
@@ -322,23 +313,23 @@ std::vector<std::size_t> OrderOfRound(const std::vector<Task>& tasks, std::uint6
     groups[k] = groups[k - 1] + (same ? 0 : 1);
   }
   std::vector<std::size_t> order = ShuffleGroups(groups, seed, round);
-  if (round > 0) return order;
-  const auto work_to_make = [&](std::size_t k) {
+  const auto place = [&](std::size_t k) {
     const SequenceEntry* entry = tasks[k].sequence;
-    if (entry == nullptr) return std::pair(0.0, std::string_view());
+    if (entry == nullptr || round > 0) return std::tuple(tasks[k].begin, 0.0, std::string_view());
     // An exact solve costs about the square of the rows.
     const auto rows = static_cast<double>(entry->most_rows);
-    return std::pair(static_cast<double>(entry->problems) * rows * rows, std::string_view(entry->id));
+    const double work_to_make = static_cast<double>(entry->problems) * rows * rows;
+    return std::tuple(tasks[k].begin, work_to_make, std::string_view(entry->id));
   };
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return work_to_make(a) < work_to_make(b); });
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
   return order;
 }
 
 std::vector<Task> TasksOfShard(std::vector<Task> tasks, int k, int n) {
-  std::erase_if(tasks, [k, n](const Task& task) {
-    const std::string about = task.sequence != nullptr ? task.about : task.about + "|" + std::to_string(task.first);
-    return Hash(about + "|" + task.solver) % static_cast<std::uint64_t>(n) != static_cast<std::uint64_t>(k - 1);
+  std::map<std::pair<std::string, std::size_t>, int> places;
+  std::erase_if(tasks, [&](const Task& task) {
+    const int place = places.try_emplace({task.about, task.first}, static_cast<int>(places.size())).first->second;
+    return place % n != k - 1;
   });
   return tasks;
 }

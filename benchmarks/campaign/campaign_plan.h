@@ -8,8 +8,8 @@
 
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/properties.h"
-#include "benchmarks/measure/process_watch.h"
 #include "solvers/lcp/fresh_pass.h"
+#include "support/process_watch.h"
 
 namespace lcpbench {
 
@@ -31,23 +31,29 @@ struct TuningSource {
   int budget = 0;  ///< configurations that were tried of a solver, at most
 };
 
-/// What the solves of one task may take in all [s]; no further solve, or pass, is begun after it. The same for every
-/// solver, so that those which take long are measured on fewer problems or in fewer passes, not left out.
-struct TaskBudgets {
-  double judge_s = 10;
-  double timed_s = 4;
-  double parts_s = 1;
-  double again_s = 1;
-};
-
-/// What one solve may take: time_per_row_s times its rows, within [least_s, most_s].
+/// What one solve may take: time_per_row_s times the most rows of its size class, within [least_s, most_s]. There is no
+/// other limit: who is slow takes long, and is measured on all problems that he solves within it.
 struct SolveLimits {
   double time_per_row_s = 1e-3;
-  double least_s = 0.2;
+  double least_s = 0.05;
   double most_s = 2;
 
   /// [s]
-  double Of(Index rows) const { return std::clamp(time_per_row_s * static_cast<double>(rows), least_s, most_s); }
+  double Of(Index rows) const {
+    return std::clamp(time_per_row_s * static_cast<double>(SizeClassOf(rows).most), least_s, most_s);
+  }
+};
+
+/// How often a campaign times a solver on a size class: each time by a launch, a process that warms up, meets every
+/// problem once and ends. What differs between processes (where memory lies, what the machine does) is larger than what
+/// differs within one, so the launches carry the intervals.
+struct Launches {
+  int near = 10;        ///< of every solver within `within` times of the best of the class; by turns over the campaign
+  int others = 2;       ///< of the others
+  double within = 3;    ///< median times, failures infinite, after `others` launches, at any tier
+  double right = 0.99;  ///< share of the weight that who is called the best must verify, where anyone does
+  double settle_s = 0.05;  ///< how long a launch may warm up until its times settle [s]
+  bool parts = true;       ///< one more launch times parts, and the same matrix with another b
 };
 
 /// What a campaign consists of, fixed before its first solve.
@@ -64,8 +70,8 @@ struct CampaignPlan {
   /// the first by their turns (PlanProblems). Classes that are not named have all their problems.
   std::map<std::string, int> most_of_side = {};
   std::uint64_t seed = 1;  ///< of all orders
-  int passes = 5;          ///< timed ones, at most; over sequences so many rounds
-  TaskBudgets budgets = {};
+  Launches launches = {};
+  int rounds = 5;  ///< over sequences
   SolveLimits limits = {};
   std::uint64_t memory_bytes = std::uint64_t{8} << 30U;  ///< address space of a solve
   NoiseRule noise = {};
@@ -83,7 +89,7 @@ struct PlannedProblem {
   double weight = 1;  ///< what it counts in medians, shares and intervals
 };
 
-/// Whether problems of that manifest are in means: all but those of kNonsymmetricTier.
+/// Whether problems of that manifest are in means: all but those of kNonsymmetricTier and kLiteratureTier.
 bool IsInMeans(const std::string& manifest);
 
 /// The campaign's problems by size class, within a class those of the collection before those that fill it up, and
@@ -138,23 +144,20 @@ std::string PassName(const Task& pass);
 /// seed and the round. The same on every machine.
 std::vector<std::size_t> ShuffleGroups(const std::vector<std::size_t>& group_of_cell, std::uint64_t seed, int round);
 
-/// The order of a round: tasks of one solver about the same together, these groups shuffled by the seed and the round.
-/// Round 0 takes the sequences one after the other, from the least work to the most: a sequence is made before its
-/// first use, and so the first solve waits for one that is made quickly.
+/// The order of a round: class by class, within a class tasks of one solver together, these groups shuffled by the seed
+/// and the round. Round 0 takes the sequences one after the other, from the least work to the most: a sequence is made
+/// before its first use, and so the first solve waits for one that is made quickly.
 std::vector<std::size_t> OrderOfRound(const std::vector<Task>& tasks, std::uint64_t seed, int round);
 
-/// Tasks of shard k of n (k from 1): by a hash of what they are about and the solver, so that shards do not depend on
-/// the order, and the tiers of one solver stay together.
+/// Tasks of shard k of n (k from 1): every n-th size class, or sequence, so that all solvers of one run in turn on one
+/// processor.
 std::vector<Task> TasksOfShard(std::vector<Task> tasks, int k, int n);
 
 /// What is timed in a pass, and what the solver object and the processor are warmed with before: other problems than
-/// those that are timed, other ones in every pass. Tolerance, limits and group are the caller's.
+/// those that are timed, other ones in every pass. Tolerance and limits are the caller's.
 /// @param places  in the stream, of the problems to time
 /// @param pass    from 1
 PassRequest PlanPass(const std::vector<std::size_t>& places, PassKind kind, std::uint64_t seed, int pass);
-
-/// How many problems of a stream share a pair of clock reads (PassRequest::group). @param median_s  of a solve [s]
-std::uint32_t GroupOf(double median_s);
 
 /// What a solver is excluded by at stricter tiers after it ran out of time at `tier` on the same problem.
 std::string OutOfTimeRule(double tier);

@@ -8,7 +8,6 @@
 
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/campaign/sequence_runner.h"
-#include "benchmarks/measure/quantile.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -58,16 +57,6 @@ Json ExceptionOf(std::size_t at, const Judged& judged, std::size_t k) {
   return exception;
 }
 
-// The median of the known times; 0 without any.
-template <typename Counts>
-double MedianOfKnown(const nlohmann::json& times, const Counts& counts) {
-  std::vector<double> known;
-  for (std::size_t k = 0; k < times.size(); ++k) {
-    if (times[k].is_number() && counts(k)) known.push_back(times[k].get<double>());
-  }
-  return known.empty() ? 0 : MedianOf(std::move(known));
-}
-
 std::map<TaskKey, std::size_t> PlannedKeys(const std::vector<Task>& tasks, const std::vector<Task>& sequences) {
   std::map<TaskKey, std::size_t> keys;
   for (const Task& task : tasks) {
@@ -100,8 +89,11 @@ LineKey KeyOfLine(const nlohmann::json& line) {
 }
 
 Journal::Journal(const std::string& folder, const std::vector<Task>& tasks, const std::vector<Task>& sequences,
-                 int passes, std::string environment_hash)
-    : environment_hash_(std::move(environment_hash)), planned_(PlannedKeys(tasks, sequences)), passes_(passes) {
+                 const Launches& launches, int rounds, std::string environment_hash)
+    : environment_hash_(std::move(environment_hash)),
+      planned_(PlannedKeys(tasks, sequences)),
+      launches_(launches),
+      rounds_(rounds) {
   const auto open = [&](const char* file, const char* expected) {
     return std::make_unique<AppendOnlyFile>(folder + "/" + file, expected, [this](const auto& line) {
       RequireNew(line);
@@ -128,7 +120,10 @@ void Journal::RequireNew(const nlohmann::json& line) const {
   }
   const bool is_sequence = line.contains("sequence");
   const int least = is_sequence || kind == kJudge ? 0 : 1;
-  const int most = is_sequence ? passes_ - 1 : kind == kJudge ? 0 : kind == KindKey(PassKind::kFresh) ? passes_ : 1;
+  const int most = is_sequence                         ? rounds_ - 1
+                   : kind == kJudge                    ? 0
+                   : kind == KindKey(PassKind::kFresh) ? launches_.near
+                                                       : 1;
   const nlohmann::json& number = line.at(is_sequence ? "round" : "pass");
   if (number != pass || pass < least || pass > most) {
     throw InputError((is_sequence ? "round " : "pass ") + number.dump());
@@ -185,7 +180,6 @@ void Journal::Note(const nlohmann::json& line) {
       if (!exception.at("passes").get<bool>()) judged.unverified.insert(at);
       if (claim == "time_limit" || claim == "killed" || claim == "excluded") judged.out_of_time.insert(at);
     }
-    judged.median_s = MedianOfKnown(line.at("first_s"), [&](std::size_t k) { return judged.unverified.count(k) == 0; });
     return;
   }
   const nlohmann::json& disturbance = line.at("disturbance");
@@ -194,10 +188,14 @@ void Journal::Note(const nlohmann::json& line) {
     probes_.insert(std::upper_bound(probes_.begin(), probes_.end(), probe_s), probe_s);
   }
   if (kind != KindKey(PassKind::kFresh)) return;
+  if (pass > launches_.others) return;
+  for (const nlohmann::json& at : line.at("failed")) judged.changed.insert(at.get<std::size_t>());
   const nlohmann::json& times = line.at("fresh_s");
-  for (const nlohmann::json& time : times) judged.timed_s += time.is_number() ? time.get<double>() : 0;
-  const double median_s = MedianOfKnown(times, [](std::size_t) { return true; });
-  if (median_s > 0) judged.median_s = median_s;
+  judged.quickest_s.resize(std::max(judged.quickest_s.size(), times.size()), std::numeric_limits<double>::infinity());
+  for (std::size_t place = 0; place < times.size(); ++place) {
+    double& quickest_s = judged.quickest_s[place];
+    if (times[place].is_number()) quickest_s = std::min(quickest_s, times[place].get<double>());
+  }
 }
 
 void Journal::Append(AppendOnlyFile* file, const std::vector<Json>& lines) {
@@ -252,13 +250,12 @@ void Journal::WriteExcluded(const Task& task) {
   }
 }
 
-void Journal::WriteTimed(const Task& task, PassKind kind, int pass, std::uint32_t group, const TimedRun& run) {
+void Journal::WriteTimed(const Task& task, PassKind kind, int launch, const TimedRun& run) {
   const TimedReply& reply = run.reply;
-  WriteByTier(task, KindKey(kind), pass, [&](std::size_t k, Json* line) {
+  WriteByTier(task, KindKey(kind), launch, [&](std::size_t k, Json* line) {
     (*line)["outcome"] = reply.outcome;
     (*line)["detail"] = reply.detail;
     AddRetry(reply, nullptr, line);
-    if (kind == PassKind::kFresh) (*line)["group"] = group;
     for (const TimeField& field : TimeFields()) {
       if (field.kind != kind) continue;
       const auto times = reply.times.find(field.name);

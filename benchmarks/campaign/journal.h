@@ -53,11 +53,11 @@ class Journal {
  public:
   /// Opens or creates the files and reads what they have.
   /// @param tasks, sequences  of the whole campaign, whatever the shard
-  /// @param passes            CampaignPlan::passes
+  /// @param launches, rounds  of CampaignPlan: how many there are at most
   /// @throws InputError where one cannot be written; naming file and line where one has a line twice, or one that is
   ///         not of these tasks, sequences and passes
-  Journal(const std::string& folder, const std::vector<Task>& tasks, const std::vector<Task>& sequences, int passes,
-          std::string environment_hash);
+  Journal(const std::string& folder, const std::vector<Task>& tasks, const std::vector<Task>& sequences,
+          const Launches& launches, int rounds, std::string environment_hash);
 
   bool Has(const TaskKey& key, const std::string& kind, int pass) const;
 
@@ -65,9 +65,9 @@ class Journal {
   struct Judgement {
     std::size_t attempted = 0;
     std::set<std::size_t> unverified;   ///< of those that were attempted
+    std::set<std::size_t> changed;      ///< not verified in one of the first launches (Launches::others)
     std::set<std::size_t> out_of_time;  ///< stopped, or killed, at the time limit; of a sequence 0 where that ended it
-    double median_s = 0;                ///< of the observed times of verified answers; of timed passes, once there are
-    double timed_s = 0;                 ///< spent in timed passes so far
+    std::vector<double> quickest_s;     ///< of the same, by place; infinite without a time
     bool completed = false;             ///< of a sequence
   };
   /// Null where the task was not judged, or is excluded.
@@ -81,8 +81,8 @@ class Journal {
   void WriteJudged(const Task& task, const std::vector<Judged>& judged);
   /// Nothing of it is run, by its rule.
   void WriteExcluded(const Task& task);
-  /// @param pass  from 1
-  void WriteTimed(const Task& task, PassKind kind, int pass, std::uint32_t group, const TimedRun& run);
+  /// @param launch  from 1
+  void WriteTimed(const Task& task, PassKind kind, int launch, const TimedRun& run);
   void WritePass(const Task& task, int round, const SequenceReply& reply);
   /// Waits until the disk has all lines. @throws OutputError
   void Synchronise();
@@ -99,7 +99,8 @@ class Journal {
 
   std::string environment_hash_;
   std::map<TaskKey, std::size_t> planned_;  // with the count of problems
-  int passes_;
+  Launches launches_;
+  int rounds_;
   std::vector<double> probes_;  // ascending
   std::set<LineKey> done_;
   std::map<TaskKey, Judgement> judged_;

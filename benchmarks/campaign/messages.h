@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "benchmarks/campaign/campaign_plan.h"
-#include "benchmarks/measure/process_watch.h"
 #include "solvers/lcp/fresh_pass.h"
 #include "support/input_error.h"
+#include "support/process_watch.h"
 
 // std::optional as null or a value.
 template <typename Value>
@@ -45,6 +45,7 @@ struct JudgeRequest {
 struct TimedRequest {
   std::vector<ProblemName> stream;
   std::string solver;
+  int launch = 0;              ///< another solver, stream or launch than the request before has a process of its own
   PassRequest pass;            ///< its other_b are made by the worker: AnotherB with `other_b_seed`
   std::vector<double> judged;  ///< tiers that the answers are judged at
   std::uint64_t other_b_seed = 1;
@@ -94,9 +95,9 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Disturbance, probe_s, cpu_share, switches)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SolveLimits, time_per_row_s, least_s, most_s)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProblemName, manifest, id)
 // Without other_b, which the worker makes.
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PassRequest, kind, tolerance, time_limit_s, warm_up, order, group, budget_s)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PassRequest, kind, tolerance, time_limit_s, warm_up, settle_s, order)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(JudgeRequest, problem, solver, tier, judged, time_limit_s)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TimedRequest, stream, solver, pass, judged, other_b_seed)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TimedRequest, stream, solver, launch, pass, judged, other_b_seed)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SequenceRequest, file, sha256, solver, tier, judged, warm, deadline_s, limits,
                                    budget_s)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(JudgeReply, outcome, detail, retried, records)

@@ -1,5 +1,11 @@
 #include "benchmarks/campaign/named_campaigns.h"
 
+#include <iterator>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
 namespace lcpbench {
 namespace {
 
@@ -15,25 +21,51 @@ constexpr const char* kQuickProblems =
     "^steps/((disc-track|gear-train|boxes-and-discs)-n12|disc-pile-n40)-s1-motion/"
     "(?!ipopt|siconos|petsc|tao|cgal|clp|alglib|simbody|drake|pinocchio|[a-z]+-(dual|primal))";
 
+// Of every method that someone would choose the better of its settings.
+constexpr const char* kCoreSolvers =
+    "auto dantzig lemke lemke-tuned semismooth-newton bpp active-set pgs psor nncg apgd ipopt-qp ipopt-ncp ipm "
+    "hybrid bullet-dantzig bullet-dantzig-cfm bullet-dantzig-native bullet-si ode-dantzig ode-dantzig-cfm ode- "
+    "dantzig-native dart-dantzig-cfm peer-portfolio siconos-lexicolemke siconos-newton-fb-tuned siconos-pgs-tuned "
+    "siconos-nsgs-sbm petsc-rsls-tuned petsc-ssls-direct tao-tron-tuned tao-bntr-tuned clp-default mujoco-newton "
+    "alglib-quickqp alglib-bleic proxqp-primal piqp-dual daqp-primal osqp-dual-tuned clarabel-dual highs-dual- "
+    "tuned qpoases-dual-tuned qpalm-primal quadprog-primal pinocchio-pgs dart-pgs daqp-avi";
+
+std::vector<std::string> Words(const char* text) {
+  std::istringstream words(text);
+  return {std::istream_iterator<std::string>(words), {}};
+}
+
 }  // namespace
 
 const std::vector<CampaignPlan>& NamedCampaigns() {
+  // Problems of either side in the large classes of `core` and `survey`, where a solve may take its whole limit.
+  static const std::map<std::string, int> few_large = {{"101-300", 75}, {"301-1000", 32}, {"1001-1e4", 12}};
   static const std::vector<CampaignPlan> campaigns{
       {.name = "quick",
        .manifests = {"engine", "standard", "pathological", "sequences"},
        .filter = kQuickProblems,
        .fills = false,
-       .passes = 3,
-       .budgets = {.judge_s = 1.5, .timed_s = 0.5, .parts_s = 0.1, .again_s = 0.1},
-       .limits = {.most_s = 0.5}},
+       .launches = {.near = 3, .others = 1},
+       .limits = {.most_s = 0.2}},
       // The numbers in README.md and docs/, and comparisons between commits: every class to 10^4 rows, with all
-      // problems of the collection and all that fill up its streams, of every origin.
+      // problems of the collection and all that fill up its streams, of every origin; of large ones a fair few.
+      // --external and
+      // --variant add solvers.
       {.name = "core",
+       .manifests = {"engine", "standard", "recorded", "literature"},
+       .solvers = Words(kCoreSolvers),
+       .filter = "^solve/",
+       .most_rows = 10'000,
+       .most_of_side = few_large,
+       .limits = {.most_s = 1},
+       .tuning = {"tuned"}},
+      // The same problems by all solvers in all settings, a few times each.
+      {.name = "survey",
        .manifests = {"engine", "standard", "recorded", "literature"},
        .filter = "^solve/",
        .most_rows = 10'000,
-       .most_of_side = {{"101-300", 75}, {"301-1000", 32}, {"1001-1e4", 12}},
-       .budgets = {.judge_s = 2, .timed_s = 1, .parts_s = 0.2, .again_s = 0.2},
+       .most_of_side = few_large,
+       .launches = {.near = 2},
        .limits = {.most_s = 1},
        .tuning = {"tuned"}},
       // What checks and instruction sets are worth: with --ablations and --external KEY-baseline=...
@@ -42,32 +74,24 @@ const std::vector<CampaignPlan>& NamedCampaigns() {
        .tiers = {1e-6},
        .most_rows = 1000,
        .fills = false,
-       .passes = 3,
-       .budgets = {.judge_s = 1, .timed_s = 0.5, .parts_s = 0, .again_s = 0},
+       .launches = {.near = 3, .others = 3, .parts = false},
        .limits = {.most_s = 0.5}},
       {.name = "engine", .manifests = {"engine"}, .limits = {.most_s = 0.5}},
       {.name = "smoke", .manifests = {"smoke"}, .limits = {.most_s = 0.5}},
-      {.name = "standard",
-       .manifests = {"engine", "standard"},
-       .budgets = {.judge_s = 3, .timed_s = 1.5, .parts_s = 0.3, .again_s = 0.3},
-       .tuning = {"tuned"}},
+      {.name = "standard", .manifests = {"engine", "standard"}, .tuning = {"tuned"}},
       // Many solves end at their limits. With all peers it takes eight minutes on two processors.
       {.name = "pathological",
        .manifests = {"pathological"},
-       .passes = 3,
-       .budgets = {.judge_s = 3, .timed_s = 1.5, .parts_s = 0.3, .again_s = 0.3},
-       .limits = {.most_s = 0.5}},
-      {.name = "large",
-       .manifests = {"large"},
-       .passes = 3,
-       .budgets = {.judge_s = 600, .timed_s = 600, .parts_s = 120, .again_s = 120},
-       .limits = {.most_s = 60}},
-      {.name = "recorded",
-       .manifests = {"recorded"},
-       .filter = "^solve/",
-       .budgets = {.judge_s = 3, .timed_s = 1.5, .parts_s = 0.3, .again_s = 0.3}},
+       .launches = {.near = 3, .others = 1},
+       .limits = {.most_s = 0.2}},
+      {.name = "large", .manifests = {"large"}, .launches = {.near = 3, .others = 3}, .limits = {.most_s = 60}},
+      {
+          .name = "recorded",
+          .manifests = {"recorded"},
+          .filter = "^solve/",
+      },
       {.name = "literature", .manifests = {"literature"}, .most_rows = 10'000, .limits = {.most_s = 10}},
-      {.name = "nonsymmetric", .manifests = {"nonsymmetric"}, .passes = 3, .limits = {.most_s = 2}},
+      {.name = "nonsymmetric", .manifests = {"nonsymmetric"}, .launches = {.near = 3}, .limits = {.most_s = 2}},
       // What every decade of precision costs.
       {.name = "precision",
        .manifests = {"standard"},
@@ -77,7 +101,7 @@ const std::vector<CampaignPlan>& NamedCampaigns() {
       {.name = "sequences",
        .manifests = {"sequences", "recorded"},
        .filter = "^steps/",
-       .passes = 6,
+       .rounds = 6,
        .limits = {.most_s = 0.5}},
   };
   return campaigns;

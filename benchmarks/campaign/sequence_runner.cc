@@ -5,11 +5,11 @@
 #include <utility>
 
 #include "benchmarks/campaign/result_fields.h"
-#include "benchmarks/measure/process_watch.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/peers/protocol/external_solver.h"
 #include "solvers/registry.h"
+#include "support/process_watch.h"
 
 namespace lcpbench {
 namespace {

@@ -6,16 +6,16 @@
 
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/collection/recipes/recipe.h"
-#include "benchmarks/measure/process_watch.h"
 #include "solvers/lcp/verify.h"
 #include "support/input_error.h"
+#include "support/process_watch.h"
 
 namespace lcpbench {
 namespace {
 
 // Larger problems are made again when they are wanted again.
 constexpr Index kMostRowsKept = 10'000;
-constexpr double kJudgingLimit = 300;  // [s]
+constexpr double kJudgingLimit = 300;  // of all answers of a pass [s]
 
 }  // namespace
 
@@ -45,6 +45,7 @@ JudgeReply TaskRunner::Run(const JudgeRequest& request, const BeginPhase& begin)
   const ProblemArrays arrays = ProblemArrays::Of(given.problem);
 
   const bool is_own = entry.origin == SolverOrigin::kOwn;
+  timed_.reset();
   begin(is_own ? request.time_limit_s : 2 * request.time_limit_s, "while it was solved");  // it may be tried again
   LcpSolver& solver = pool_.Get(entry);
   LcpResult result;
@@ -74,34 +75,34 @@ JudgeReply TaskRunner::Run(const JudgeRequest& request, const BeginPhase& begin)
   return reply;
 }
 
-ExternalSolver& TaskRunner::ProcessOf(const SolverEntry& entry) {
-  if (entry.origin == SolverOrigin::kOwn) {
-    std::unique_ptr<ExternalSolver>& served = served_[entry.key];
-    if (served == nullptr) {
+ExternalSolver& TaskRunner::ProcessOf(const TimedRequest& request) {
+  const std::string launch = request.solver + "\n" + std::to_string(request.launch) + "\n" + stream_;
+  const SolverEntry& entry = FindSolver(request.solver);
+  if (timed_ == nullptr || launch_ != launch) {
+    pool_.Clear();
+    timed_.reset();
+    if (entry.origin == SolverOrigin::kOwn) {
       ExternalSolverOptions options;
       options.command = serve_;
       options.command.push_back(entry.key);
       options.name = entry.key;
-      served = std::make_unique<ExternalSolver>(options);
+      timed_ = std::make_unique<ExternalSolver>(options);
+    } else {
+      timed_ = entry.make({});
     }
-    return *served;
+    launch_ = launch;
+    auto* external = dynamic_cast<ExternalSolver*>(timed_.get());
+    if (external == nullptr) throw std::logic_error("solver '" + entry.key + "' does not run in a process of its own");
+    external->LoadStream(arrays_);
   }
-  auto* external = dynamic_cast<ExternalSolver*>(&pool_.Get(entry));
-  if (external == nullptr) throw std::logic_error("solver '" + entry.key + "' does not run in a process of its own");
-  return *external;
+  return dynamic_cast<ExternalSolver&>(*timed_);
 }
 
-PassReply TaskRunner::RunInItsProcess(const TimedRequest& request, const std::function<void()>& begin) {
-  ExternalSolver& solver = ProcessOf(FindSolver(request.solver));
-  std::string& loaded = loaded_[request.solver];
-  if (loaded != stream_) {
-    solver.LoadStream(arrays_);
-    loaded = stream_;
-  }
-  begin();
-  const double most_s =
-      2 * (request.pass.budget_s + request.pass.time_limit_s) * static_cast<double>(2 + request.pass.warm_up.size());
-  return solver.RunPass(request.pass, most_s);
+// What a pass may take: every solve its limit, and some more for what surrounds it.
+double TaskRunner::LimitOf(const PassRequest& pass) {
+  constexpr double kGrace = 5;  // s
+  const auto solves = static_cast<double>(pass.order.size() + 2 * pass.warm_up.size());
+  return kGrace + 2 * solves * pass.time_limit_s + pass.settle_s;
 }
 
 TimedReply TaskRunner::Run(const TimedRequest& request, const BeginPhase& begin) {
@@ -120,35 +121,35 @@ TimedReply TaskRunner::Run(const TimedRequest& request, const BeginPhase& begin)
   }
 
   TimedReply reply;
-  const DisturbanceWatch watch;
   PassReply pass;
-  // Warm-ups are not in the budget, and judging the answers takes its time, too.
-  const auto solves = static_cast<double>(request.pass.warm_up.size() + 1);
-  const double limit_s = kJudgingLimit + request.pass.budget_s + solves * request.pass.time_limit_s;
+  const double limit_s = LimitOf(request.pass);
   try {
-    pass = RunInItsProcess(asked, [&] { begin(limit_s, "in a timed pass"); });
+    ExternalSolver& solver = ProcessOf(request);
+    begin(kJudgingLimit + limit_s, "in a timed pass");
+    pass = solver.RunPass(asked.pass, limit_s);
   } catch (const InputError&) {
     throw;
   } catch (const std::exception& error) {  // another process that did not come to its end
     reply.outcome = "crashed";
     reply.detail = error.what();
   }
-  reply.disturbance = watch.Finish();
-  reply.disturbance->cpu_share = 1;  // this thread waits while another process solves
-  reply.retried = ProcessOf(FindSolver(request.solver)).TakeRetried();
+  reply.disturbance = pass.disturbance;
+  if (auto* external = dynamic_cast<ExternalSolver*>(timed_.get())) reply.retried = external->TakeRetried();
 
   for (const TimeField& field : TimeFields()) {
     if (field.kind != request.pass.kind) continue;
     auto& seconds = reply.times[field.name];
     seconds.resize(request.stream.size());
-    for (std::size_t k = 0; k < pass.size(); ++k) seconds[request.pass.order[k]] = pass[k].*field.seconds;
+    for (std::size_t k = 0; k < pass.entries.size(); ++k) {
+      seconds[request.pass.order[k]] = pass.entries[k].*field.seconds;
+    }
   }
   reply.failed.resize(request.judged.size());
-  for (std::size_t k = 0; k < pass.size(); ++k) {
+  for (std::size_t k = 0; k < pass.entries.size(); ++k) {
     const std::uint32_t place = request.pass.order[k];
     const Problem& given = Get(request.stream.at(place));
-    const Metrics metrics = with_other_b ? ComputeMetrics(given.problem.WithB(asked.pass.other_b[k]), pass[k].f)
-                                         : ComputeMetrics(given.problem, pass[k].f, &given.reference);
+    const Metrics metrics = with_other_b ? ComputeMetrics(given.problem.WithB(asked.pass.other_b[k]), pass.entries[k].f)
+                                         : ComputeMetrics(given.problem, pass.entries[k].f, &given.reference);
     for (std::size_t tier = 0; tier < request.judged.size(); ++tier) {
       if (!PassesTier(metrics, request.judged[tier])) reply.failed[tier].push_back(place);
     }

@@ -25,8 +25,8 @@ class TaskRunner {
   /// @param begin  called when the problem is made, and the solve begins
   /// @throws InputError for an unknown manifest, problem or solver
   JudgeReply Run(const JudgeRequest& request, const BeginPhase& begin);
-  /// The same for a pass. Own solvers are timed as peers are, in a process that has the stream and nothing else: here
-  /// its arrays would lie scattered among all problems of the campaign.
+  /// The same for a pass. Every solver is timed in a process of its own that has met nothing but this stream, and ends
+  /// with the launch: what a process did before shows in times of microseconds.
   TimedReply Run(const TimedRequest& request, const BeginPhase& begin);
 
  private:
@@ -35,18 +35,19 @@ class TaskRunner {
     LcpReference reference;
   };
   const Problem& Get(const ProblemName& name);
-  ExternalSolver& ProcessOf(const SolverEntry& entry);
-  PassReply RunInItsProcess(const TimedRequest& request, const std::function<void()>& begin);
+  ExternalSolver& ProcessOf(const TimedRequest& request);
+  static double LimitOf(const PassRequest& pass);
 
   std::map<std::string, std::unique_ptr<ProblemSet>> sets_;
   std::map<std::string, Problem> problems_;  // by id
   SolverPool pool_;
   std::vector<std::string> serve_;
-  std::map<std::string, std::unique_ptr<ExternalSolver>> served_;  // own solvers, by key
-  // The stream that arrays_ hold, by its names joined, and the one that a worker of another process was given last.
+  // The stream that arrays_ hold, by its names joined.
   std::string stream_;
   std::vector<ProblemArrays> arrays_;
-  std::map<std::string, std::string> loaded_;
+  // The process that times passes, and the solver, launch and stream that it is of.
+  std::string launch_;
+  std::unique_ptr<LcpSolver> timed_;
 };
 
 }  // namespace lcpbench

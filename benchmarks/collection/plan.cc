@@ -222,9 +222,15 @@ Tier Recorded() {
 
 using Plan = std::pair<const char*, Tier (*)()>;
 constexpr Plan kPlans[] = {
-    {"smoke", &Smoke},           {"engine", &Engine},       {"standard", &Standard},
-    {"large", &Large},           {"sequences", &Sequences}, {"pathological", &Pathological},
-    {"literature", &Literature}, {"recorded", &Recorded},   {kNonsymmetricTier, &Nonsymmetric},
+    {"smoke", &Smoke},
+    {"engine", &Engine},
+    {"standard", &Standard},
+    {"large", &Large},
+    {"sequences", &Sequences},
+    {"pathological", &Pathological},
+    {kLiteratureTier, &Literature},
+    {"recorded", &Recorded},
+    {kNonsymmetricTier, &Nonsymmetric},
 };
 
 }  // namespace

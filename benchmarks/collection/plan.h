@@ -52,6 +52,9 @@ struct Tier {
 
 /// The tier whose problems are in no mean of a report: "unsupported" is a right answer to them.
 inline constexpr const char* kNonsymmetricTier = "nonsymmetric";
+/// The tier of textbook and formula problems: a table of their own, in no mean either. They are few, and what they test
+/// is not what bodies in contact ask of a solver.
+inline constexpr const char* kLiteratureTier = "literature";
 
 /// smoke, engine, standard, large, sequences, pathological, literature, recorded, nonsymmetric.
 /// @throws InputError naming them

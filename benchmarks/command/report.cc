@@ -24,11 +24,16 @@ constexpr ReportCommand kCommands[] = {
     {"report", "Makes a report of campaigns: an interactive page, figures, tables, a summary"},
     {"analyse", "Writes the statistics of a campaign's folder as CSV tables"},
     {"compare", "What changed between two campaigns of one plan, as Markdown; exit status 1 for a regression"},
+    {"moved",
+     "How far times and ratios moved between two campaigns of the same launches; exit status 1 where one moved "
+     "by more than 3 % and left its interval"},
     {"tune", "Tunes all solvers with one budget, for lcpbench run --tuned"},
 };
 
-// Goes on as the script, in the place of this program. The interpreter is $LCPBENCH_PYTHON, else Debian's, which its
-// pandas, SciPy, matplotlib and Jinja2 belong to and which need not be the first on PATH.
+}  // namespace
+
+// The interpreter is $LCPBENCH_PYTHON, else Debian's, which its pandas, SciPy, matplotlib and Jinja2 belong to and
+// which need not be the first on PATH.
 int RunReportCommand(const std::string& name, const std::vector<std::string>& words) {
   // That of an installed command is the one installed with it.
   const std::string installed = ProgramFolder() + "/" + kReportScriptFromProgram;
@@ -50,8 +55,6 @@ int RunReportCommand(const std::string& name, const std::vector<std::string>& wo
   throw InputError(name + ": '" + command[0] + "' cannot be started: " + std::strerror(errno) +
                    " (set LCPBENCH_PYTHON to a Python 3 interpreter)");
 }
-
-}  // namespace
 
 void AddReportCommands(CLI::App& app, CommandRun& run) {
   for (const ReportCommand& of : kCommands) {

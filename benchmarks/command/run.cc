@@ -47,7 +47,11 @@ CampaignPlan CampaignOf(const std::string& suite) {
   } else {
     throw InputError("unknown suite '" + suite + "', expected one of " + CampaignNames() + ", or a manifest's path");
   }
-  for (const SolverEntry& entry : AllSolvers()) plan.solvers.push_back(entry.key);
+  const bool has_its_own = !plan.solvers.empty();
+  for (const SolverEntry& entry : AllSolvers()) {
+    const bool is_named_here = entry.origin == SolverOrigin::kExternal || !entry.base.empty();
+    if (!has_its_own || is_named_here) plan.solvers.push_back(entry.key);
+  }
   return plan;
 }
 
@@ -66,14 +70,16 @@ std::string Both(const std::string& plans, const std::string& users) {
 // settings other than its defaults at some size, KEY-tuned, behind its base, and the variants KEY-tuned-ROWS that run
 // in its place. Who names KEY-tuned needs no base for it, and has it whatever was chosen; solvers that are not in this
 // build have none. `variants` gets the variants as --variant takes them.
-void AddTunedVariants(const std::string& path, CampaignPlan* plan, std::vector<std::string>* variants) {
+// @param adds  false: only those that the plan names already
+void AddTunedVariants(const std::string& path, bool adds, CampaignPlan* plan, std::vector<std::string>* variants) {
   const TunedFile tuned = ReadTunedFile(path);
   plan->tuning = tuned.source;
   for (const auto& [solver, choices] : tuned.chosen) {
     const std::string key = solver + "-tuned";
     const auto base = std::find(plan->solvers.begin(), plan->solvers.end(), solver);
     const bool is_named = std::find(plan->solvers.begin(), plan->solvers.end(), key) != plan->solvers.end();
-    if (!FindSolver(solver).available || (base == plan->solvers.end() && !is_named)) continue;
+    const bool is_wanted = is_named || (adds && base != plan->solvers.end());
+    if (!FindSolver(solver).available || !is_wanted) continue;
     std::vector<std::string> added;
     std::map<Index, std::string> by_rows;
     for (const auto& [rows, settings] : choices) {
@@ -96,6 +102,7 @@ struct RunCampaigns {
   std::string filter;
   std::string shard = "1/1";
   std::string tuned;
+  std::string again;
   bool ablations = false;
   bool list = false;
   CampaignOptions options;
@@ -122,19 +129,16 @@ struct RunCampaigns {
            },
            "Seconds per solve, whatever its size")
         ->check(PositiveSeconds());
-    AddChange(app, "--passes,--benchmark_repetitions", &CampaignPlan::passes,
-              "Timed passes over every stream of problems, at most [default: the campaign's]")
+    app.add_option_function<int>(
+           "--launches,--benchmark_repetitions",
+           [this](int count) {
+             changes.emplace_back(
+                 [count](CampaignPlan& plan) { plan.launches.near = plan.launches.others = plan.rounds = count; });
+           },
+           "Timed launches of every solver over a size class, and rounds over a sequence [default: more of those near "
+           "the best, see docs/campaigns.md]")
         ->take_last()
         ->check(AtLeast(1));
-    app.add_option_function<double>(
-           "--task-budget",
-           [this](double budget_s) {
-             // Parts and "again" explain; the other two decide.
-             const TaskBudgets budgets{budget_s, budget_s, budget_s / 4, budget_s / 4};
-             changes.emplace_back([budgets](CampaignPlan& plan) { plan.budgets = budgets; });
-           },
-           "Seconds that a solver has for judging a size class at a tier, and as many for timing it")
-        ->check(PositiveSeconds());
     AddChange(app, "--most-rows", &CampaignPlan::most_rows, "No larger problems")->check(AtLeast(1));
     app.add_flag("--ablations", ablations,
                  "Adds our solvers without their own check, and peers with one: for the ablation table");
@@ -142,6 +146,10 @@ struct RunCampaigns {
         "--no-fills", [this] { changes.emplace_back([](CampaignPlan& plan) { plan.fills = false; }); },
         "Only the manifests' own problems, without further seeds");
     AddCpuOption(app, &options.cpu);
+    app.add_option("--again", again,
+                   "A folder of the same campaign, or of one with more solvers or classes: when all is run, prints how "
+                   "far its times and ratios moved")
+        ->check(CLI::ExistingDirectory);
     app.add_option("--shard", shard, "k/N, the k-th of N parts; see lcpbench merge");
     app.add_option(
         "--tuned", tuned,
@@ -161,10 +169,17 @@ struct RunCampaigns {
     named.Register();
     if (ablations) RegisterAblations();
     CampaignPlan plan = CampaignOf(suite);
+    const std::vector<std::string> of_the_suite = plan.solvers;
     plan.filter = Both(plan.filter, filter);
     for (const auto& change : changes) change(plan);
+    const bool has_its_own = plan.solvers == of_the_suite && plan.solvers.size() < AllSolvers().size();
     if (tuned.empty() && !plan.tuning.file.empty()) tuned = DataFile(plan.tuning.file);
-    if (!tuned.empty()) AddTunedVariants(tuned, &plan, &named.variants);
+    if (!tuned.empty()) AddTunedVariants(tuned, !has_its_own, &plan, &named.variants);
+    // A solver that is tuned in the suite need not be so any more.
+    const auto is_known = [](const std::string& key) {
+      return std::any_of(AllSolvers().begin(), AllSolvers().end(), [&](const auto& entry) { return entry.key == key; });
+    };
+    if (has_its_own) std::erase_if(plan.solvers, std::not_fn(is_known));
     if (options.folder.empty()) options.folder = "build/results/" + plan.name;
     options.solver_arguments = named.Words();
     if (ablations) options.solver_arguments.emplace_back("--ablations");
@@ -175,6 +190,7 @@ struct RunCampaigns {
     }
     const int status = RunCampaign(plan, options);
     std::cout << "results: " << options.folder << (status == 0 ? "" : " (interrupted; --resume goes on)") << std::endl;
+    if (status == 0 && !again.empty()) return RunReportCommand("moved", {again, options.folder});
     return status;
   }
 

@@ -7,21 +7,19 @@
 namespace lcpbench {
 
 LcpSolver& SolverPool::Get(const SolverEntry& entry) {
-  if (entry.origin == SolverOrigin::kOwn) {
-    fresh_.reset();
-    fresh_ = entry.make({});
-    return *fresh_;
+  if (solver_ == nullptr || key_ != entry.key || entry.origin == SolverOrigin::kOwn) {
+    solver_.reset();
+    solver_ = entry.make({});
+    key_ = entry.key;
   }
-  std::unique_ptr<LcpSolver>& kept = workers_[entry.key];
-  if (kept == nullptr) kept = entry.make({});
-  if (auto* external = dynamic_cast<ExternalSolver*>(kept.get())) {
+  if (auto* external = dynamic_cast<ExternalSolver*>(solver_.get())) {
     try {
       external->Greet();
     } catch (const std::runtime_error&) {
       // The solve will say what is wrong.
     }
   }
-  return *kept;
+  return *solver_;
 }
 
 }  // namespace lcpbench

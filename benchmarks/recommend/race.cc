@@ -10,9 +10,9 @@
 
 #include "benchmarks/campaign/sequence_runner.h"
 #include "benchmarks/campaign/worker_process.h"
-#include "benchmarks/measure/process_watch.h"
 #include "benchmarks/measure/progress.h"
 #include "benchmarks/measure/reference_solves.h"
+#include "support/process_watch.h"
 
 namespace lcpbench {
 namespace {

@@ -1,7 +1,7 @@
-// Streams problems that no solver object has seen through chosen solvers, all in one process, and prints what a user
-// pays from arrays to f (fresh_pass.h, PassKind::kFresh): medians and percentiles by size class and origin, and our
-// times over the peers'. Names are fresh/CLASS/ORIGIN/SOLVER; the options of Google Benchmark work, and a repetition is
-// as many passes as --passes says. A stream has the problems of all origins of its class, whichever names are chosen.
+// What a user pays from arrays to f for problems that the solver object has not seen: a front of Google Benchmark for
+// the passes that a campaign's launches run (fresh_pass.h, PassKind::kFresh). Names are fresh/CLASS/ORIGIN/SOLVER. A
+// repetition is one pass over the problems of a class and an origin, by a new solver object; its time is the weighted
+// median over them, failures infinite.
 
 #include <benchmark/benchmark.h>
 #include <sched.h>
@@ -9,9 +9,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <iostream>
+#include <limits>
 #include <memory>
-#include <set>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -21,27 +20,20 @@
 #include "benchmarks/command/options.h"
 #include "benchmarks/command/program.h"
 #include "benchmarks/measure/data_file.h"
+#include "benchmarks/measure/quantile.h"
 #include "benchmarks/studies/fresh_contestant.h"
 #include "benchmarks/studies/fresh_problems.h"
-#include "benchmarks/studies/fresh_stream.h"
-#include "benchmarks/studies/fresh_table.h"
+#include "benchmarks/studies/study.h"
+#include "solvers/peers/protocol/external_solver.h"
 #include "solvers/registry.h"
-#include "support/exit_status.h"
 #include "support/input_error.h"
-#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
 
 constexpr const char* kSuite = "core";
-constexpr const char* kAllOrigins = "all";
 constexpr const char* kFromArrays = "arrays";
 constexpr const char* kFromRows = "rows";
-
-// What a table's group of origins is called.
-std::string OriginGroup(const std::string& origin) {
-  return origin == "motion" || origin == "recorded" ? "motions" : origin;
-}
 
 struct Options {
   FreshSources sources;
@@ -51,7 +43,6 @@ struct Options {
   NamedSolvers named;
   bool only_workers = false;
   std::string from = kFromArrays;
-  std::string table;
   int cpu = -1;
   double tier = 1e-6;
   CampaignPlan plan;
@@ -74,7 +65,8 @@ void Declare(CLI::App* app, Options* options) {
   app->add_option("--most-rows", options->plan.most_rows, "No larger problems")
       ->check(AtLeast(1))
       ->capture_default_str();
-  app->add_option("--problems", from.most_problems, "Of a size class at most [default: all]")->check(AtLeast(1));
+  app->add_option("--problems", from.most_problems, "Of a size class and origin at most [default: all]")
+      ->check(AtLeast(1));
   app->add_option("--solvers", options->solvers, "Keys of lcpbench list solvers")
       ->delimiter(',')
       ->capture_default_str();
@@ -85,23 +77,15 @@ void Declare(CLI::App* app, Options* options) {
                   "engines have them, for auto (StepSolver) and the codes that are linked in")
       ->check(CLI::IsMember({kFromArrays, kFromRows}))
       ->capture_default_str();
-  app->add_option("--passes", options->plan.passes, "Over every stream")->check(AtLeast(1))->capture_default_str();
   app->add_option("--tier", options->tier, "Tolerance, asked for and judged at")
       ->check(Tolerance())
       ->capture_default_str();
-  app->add_option_function<double>(
-         "--task-budget",
-         [options](double budget_s) {
-           options->plan.budgets.judge_s = budget_s;
-           options->plan.budgets.timed_s = budget_s;
-         },
-         "Seconds that a solver has for judging a size class, and as many for timing it [default: those of core]")
-      ->check(PositiveSeconds());
   app->add_option("--order", options->plan.seed, "Seed of all orders")->capture_default_str();
   AddCpuOption(*app, &options->cpu);
   options->named.Declare(*app);
-  app->add_option("--table", options->table, "File for the tables, instead of standard output");
-  app->footer("Besides, the options of Google Benchmark: --benchmark_filter=fresh/7-12/, --benchmark_out=FILE, ...");
+  app->footer(
+      "Besides, the options of Google Benchmark: --benchmark_filter=fresh/7-12/, --benchmark_repetitions=5, "
+      "--benchmark_enable_random_interleaving=true, --benchmark_format=json, ...");
 }
 
 void KeepOn(int cpu) {
@@ -113,7 +97,7 @@ void KeepOn(int cpu) {
   }
 }
 
-// Limits, budgets and passes as the suite has them: that is what the numbers are compared with.
+// Limits and the time to settle as the suite has them: that is what the numbers are compared with.
 CampaignPlan PlanOfSuite() {
   for (const CampaignPlan& campaign : NamedCampaigns()) {
     if (campaign.name == kSuite) return campaign;
@@ -145,180 +129,118 @@ void Complete(Options* options) {
   });
 }
 
-// All size classes, their streams and their benchmarks.
+// One benchmark.
+struct Cell {
+  const Contestant* contestant;
+  FreshStream* stream;
+  std::vector<bool> right = {};  // problems that it solves; empty before the first pass
+  int passes = 0;
+};
+
 class Study {
  public:
-  Study(const Options& options, std::vector<std::unique_ptr<Contestant>> contestants)
+  explicit Study(const Options& options)
       : plan_(options.plan),
         tier_(options.tier),
-        from_(options.from),
-        contestants_(std::move(contestants)),
+        contestants_(MakeContestants(options.solvers, options.only_workers, options.from == kFromRows)),
         problems_(options.sources, plan_) {
-    const std::vector<PlannedProblem>& planned = problems_.planned();
-    if (planned.empty()) throw InputError("expected problems of at most --most-rows rows, found none");
-    for (std::size_t begin = 0; begin < planned.size();) {
-      std::size_t end = begin;
-      while (end < planned.size() && planned[end].size_class == planned[begin].size_class) ++end;
-      classes_.push_back(std::make_unique<Class>(
-          Class{planned[begin].size_class, begin, end, FreshStream(&problems_, begin, end, plan_, tier_)}));
-      begin = end;
+    for (FreshStream* stream : problems_.streams()) {
+      for (const Contestant& contestant : contestants_) Register(stream, contestant);
     }
-    for (const auto& one : classes_) {
-      for (const std::string& origin : Origins()) AddGroup(one.get(), origin);
+    benchmark::AddCustomContext("from", options.from);
+    std::ostringstream tier;
+    tier << tier_;
+    benchmark::AddCustomContext("tier", tier.str());
+    for (const Contestant& contestant : contestants_) {
+      benchmark::AddCustomContext(contestant.entry.key, contestant.place);
     }
-  }
-
-  // Asks Google Benchmark which names are chosen, then runs them. @return whether there were any
-  bool Run() {
-    Silence silence;
-    is_rehearsal_ = true;
-    benchmark::RunSpecifiedBenchmarks(&silence);
-    is_rehearsal_ = false;
-    benchmark::RunSpecifiedBenchmarks();
-    return !chosen_.empty();
-  }
-
-  // What was run, by origin.
-  std::vector<FreshGroup> Measured() const {
-    std::vector<FreshGroup> measured;
-    for (const std::string& origin : Origins()) {
-      for (const Group& group : groups_) {
-        if (group.origin != origin || !group.of->is_measured) continue;
-        FreshGroup& one = measured.emplace_back(FreshGroup{origin, std::string(group.of->size_class->key), {}, {}});
-        one.weights = group.weights;
-        for (const auto& contestant : contestants_) {
-          if (IsChosen(*group.of, *contestant)) one.solvers.push_back(TimesOf(group, *contestant));
-        }
-      }
-    }
-    return measured;
-  }
-
-  void TellContestants(std::ostream& out) const {
-    out << "\nFrom " << from_ << ", tier " << tier_ << ", " << plan_.passes << " passes; solvers:";
-    for (const auto& contestant : contestants_) {
-      out << "\n- " << contestant->key() << ": " << contestant->place();
-    }
-    out << '\n';
   }
 
  private:
-  struct Class {
-    const SizeClass* size_class;
-    std::size_t begin;
-    std::size_t end;
-    FreshStream stream;
-    int rounds = 0;  // of Measure
-    bool is_measured = false;
-  };
+  void Register(FreshStream* stream, const Contestant& contestant) {
+    const auto cell = std::make_shared<Cell>(Cell{&contestant, stream});
+    const std::string name = "fresh/" + stream->name + "/" + contestant.entry.key;
+    benchmark::RegisterBenchmark(name.c_str(), [this, cell](benchmark::State& state) { Measure(cell.get(), state); })
+        ->Iterations(1)
+        ->UseManualTime()
+        ->Unit(benchmark::kMicrosecond);
+  }
 
-  // The problems of a class and an origin, by their places in the class's stream.
-  struct Group {
-    Class* of;
-    std::string origin;
+  void Measure(Cell* cell, benchmark::State& state) {
+    const FreshStream& stream = *cell->stream;
+    problems_.Load(cell->stream);
+    if (cell->right.empty()) cell->right = Judge(*cell->contestant, stream, tier_, plan_.limits);
+    const PassRequest request = Plan(cell);
+    PassReply reply;
+    try {
+      if (!request.order.empty()) reply = RunPass(*cell->contestant, stream, request);
+    } catch (const WorkerFailure& failure) {
+      state.SkipWithError(failure.what());
+      return;
+    }
+    for (std::size_t k = 0; k < reply.entries.size(); ++k) {
+      const std::size_t place = request.order[k];
+      if (!IsRight(stream, place, reply.entries[k].f, tier_)) cell->right[place] = false;
+    }
+    Report(*cell, request, reply, state);
+  }
+
+  // The next pass over what it solves.
+  PassRequest Plan(Cell* cell) const {
     std::vector<std::size_t> places;
-    std::vector<double> weights;
-  };
-
-  // Sees which benchmarks would run.
-  class Silence : public benchmark::BenchmarkReporter {
-   public:
-    Silence() {
-      SetOutputStream(&nowhere_);
-      SetErrorStream(&nowhere_);
+    Index most_rows = 0;
+    for (std::size_t place = 0; place < cell->right.size(); ++place) {
+      if (!cell->right[place]) continue;
+      places.push_back(place);
+      most_rows = std::max(most_rows, cell->stream->problems[place].size());
     }
-    bool ReportContext(const Context& /*context*/) override { return true; }
-    void ReportRuns(const std::vector<Run>& /*runs*/) override {}
-
-   private:
-    std::ostringstream nowhere_;
-  };
-
-  // Those of the tables: each, and where there are several all together, as README's headline has them.
-  std::vector<std::string> Origins() const {
-    std::vector<std::string> origins;
-    for (const char* origin : {"placed", "motions", "literature", "given"}) {
-      const bool is_there = std::any_of(problems_.planned().begin(), problems_.planned().end(),
-                                        [&](const auto& one) { return OriginGroup(one.entry->origin) == origin; });
-      if (is_there) origins.emplace_back(origin);
-    }
-    if (origins.size() > 1) origins.emplace_back(kAllOrigins);
-    return origins;
+    PassRequest request = PlanPass(places, PassKind::kFresh, plan_.seed, ++cell->passes);
+    request.tolerance = tier_;
+    request.time_limit_s = plan_.limits.Of(most_rows);
+    request.settle_s = plan_.launches.settle_s;
+    return request;
   }
 
-  static FreshTimes TimesOf(const Group& group, const Contestant& contestant) {
-    FreshTimes times{contestant.key(), contestant.is_own(), {}};
-    const std::vector<double> all = group.of->stream.Seconds(contestant);
-    for (const std::size_t place : group.places) times.seconds.push_back(all[place]);
-    return times;
-  }
-
-  bool IsChosen(const Class& of, const Contestant& contestant) const { return chosen_.count({&of, &contestant}) > 0; }
-
-  // With a benchmark for each contestant, where it is not all origins together.
-  void AddGroup(Class* of, const std::string& origin) {
-    Group group{of, origin, {}, {}};
-    for (std::size_t k = of->begin; k < of->end; ++k) {
-      const PlannedProblem& problem = problems_.planned()[k];
-      if (origin != kAllOrigins && OriginGroup(problem.entry->origin) != origin) continue;
-      group.places.push_back(k - of->begin);
-      group.weights.push_back(problem.weight);
+  static void Report(const Cell& cell, const PassRequest& request, const PassReply& reply, benchmark::State& state) {
+    const std::vector<PlannedProblem>& planned = cell.stream->planned;
+    double all = 0;
+    double right = 0;
+    for (std::size_t place = 0; place < planned.size(); ++place) {
+      all += planned[place].weight;
+      if (cell.right[place]) right += planned[place].weight;
     }
-    if (group.places.empty()) return;
-    groups_.push_back(group);
-    if (origin == kAllOrigins) return;
-    for (const auto& contestant : contestants_) {
-      const std::string name = "fresh/" + std::string(of->size_class->key) + "/" + origin + "/" + contestant->key();
-      const auto run = [this, group, who = contestant.get(), calls = 0](benchmark::State& state) mutable {
-        Report(group, *who, &calls, state);
-      };
-      benchmark::RegisterBenchmark(name.c_str(), run)->Iterations(1)->UseManualTime()->Unit(benchmark::kMicrosecond);
+    std::vector<std::pair<double, double>> times;  // with weights
+    double timed = 0;
+    for (std::size_t k = 0; k < reply.entries.size(); ++k) {
+      const std::size_t place = request.order[k];
+      if (!cell.right[place]) continue;
+      times.emplace_back(reply.entries[k].seconds, planned[place].weight);
+      timed += planned[place].weight;
     }
-  }
-
-  // @param calls  of this benchmark, one a repetition
-  void Report(const Group& group, const Contestant& contestant, int* calls, benchmark::State& state) {
-    if (is_rehearsal_) {
-      chosen_.insert({group.of, &contestant});
-      state.SkipWithError("not run yet");
+    // What warmed up is right and has no time: the others that are right stand for it.
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    if (!times.empty() && right < all) times.emplace_back(kInfinity, (all - right) * timed / right);
+    const double median = times.empty() ? kInfinity : WeightedQuantile(times, 0.5);
+    if (std::isinf(median)) {
+      state.SkipWithError("not right on half");
       return;
     }
-    if (++*calls > group.of->rounds) Measure(group.of);
-    const FreshSummary summary = Summarize(TimesOf(group, contestant), group.weights);
-    if (!std::isfinite(summary.median_s)) {
-      state.SkipWithError(summary.problems == 0 ? "had no turn" : "not right on half");
-      return;
-    }
-    for (auto _ : state) state.SetIterationTime(summary.median_s);
-    state.counters["right"] = summary.right;
-    state.counters["p90"] = summary.p90_s;
-    if (!std::isnan(summary.p99_s)) state.counters["p99"] = summary.p99_s;
-    state.counters["problems"] = static_cast<double>(summary.problems);
-  }
-
-  // All that are chosen, in turns: what the machine does meanwhile is spread over all of them.
-  void Measure(Class* of) {
-    for (const auto& other : classes_) {
-      if (other.get() != of) other->stream.DropProblems();
-    }
-    std::vector<Contestant*> chosen;
-    for (const auto& contestant : contestants_) {
-      if (IsChosen(*of, *contestant)) chosen.push_back(contestant.get());
-    }
-    of->stream.Measure(chosen);
-    of->is_measured = true;
-    ++of->rounds;
+    for (auto _ : state) state.SetIterationTime(median);
+    state.counters["right"] = right / all;
+    state.counters["problems"] = static_cast<double>(planned.size());
+    if (reply.disturbance) state.counters["cpu_share"] = reply.disturbance->cpu_share;
+    // Below, less than one problem is beyond the 99th percentile. Infinity is no number of JSON's.
+    constexpr std::size_t kLeastForP99 = 100;
+    const double p90 = WeightedQuantile(times, 0.9);
+    const double p99 = WeightedQuantile(times, 0.99);
+    if (std::isfinite(p90)) state.counters["p90"] = p90;
+    if (std::isfinite(p99) && planned.size() >= kLeastForP99) state.counters["p99"] = p99;
   }
 
   CampaignPlan plan_;
   double tier_;
-  std::string from_;
-  std::vector<std::unique_ptr<Contestant>> contestants_;
+  std::vector<Contestant> contestants_;
   FreshProblems problems_;
-  std::vector<std::unique_ptr<Class>> classes_;
-  std::vector<Group> groups_;  // by class
-  bool is_rehearsal_ = false;
-  std::set<std::pair<const Class*, const Contestant*>> chosen_;
 };
 
 int Main(int argc, char** argv) {
@@ -326,7 +248,7 @@ int Main(int argc, char** argv) {
   options.plan = PlanOfSuite();
   options.plan.filter.clear();
   options.plan.most_rows = 1000;
-  CLI::App app{"Fresh times of solvers in one process, by size class and origin", "fresh_benchmark"};
+  CLI::App app{"Fresh times of solvers, by size class and origin", "fresh_benchmark"};
   Declare(&app, &options);
   if (const auto status = ParseCommandLine(app, argc, argv)) return *status;
   options.solvers_are_chosen = app.count("--solvers") > 0;
@@ -343,19 +265,8 @@ int Main(int argc, char** argv) {
   options.named.Register();
   if (options.cpu >= 0) KeepOn(options.cpu);
   Complete(&options);
-  Study study(options, MakeContestants(options.solvers, options.only_workers, options.from == kFromRows));
-  if (!study.Run()) return 0;
-  std::ostringstream text;
-  study.TellContestants(text);
-  WriteFreshTables(study.Measured(), text);
-  if (!options.table.empty()) {
-    WriteTextFile(options.table, text.str());
-    return 0;
-  }
-  const bool is_for_programs = std::any_of(rest.begin(), rest.end(), [](const std::string& word) {
-    return word.starts_with("--benchmark_format=") && !word.ends_with("=console");
-  });
-  (is_for_programs ? std::cerr : std::cout) << text.str() << std::flush;
+  const Study study(options);
+  benchmark::RunSpecifiedBenchmarks();
   return 0;
 }
 

@@ -1,202 +1,64 @@
 #include "benchmarks/studies/fresh_contestant.h"
 
-#include <array>
-#include <functional>
-#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include "benchmarks/studies/step_arrays.h"
 #include "solvers/lcp/settings.h"
+#include "solvers/lcp/verify.h"
 #include "solvers/peers/linked_peers.h"
 #include "solvers/peers/peer_table.h"
 #include "solvers/peers/protocol/external_solver.h"
-#include "solvers/registry.h"
 #include "solvers/step/step_solver.h"
-#include "support/clock.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
 
-class OwnSolver final : public Contestant {
- public:
-  explicit OwnSolver(const SolverEntry& entry) : Contestant(entry.key, true, "in this process"), entry_(entry) {}
-
-  std::string WhyRefused(Index rows) const override { return SizeRefusal(entry_, rows); }
-  LcpResult Judge(const LcpProblem& /*problem*/, const ProblemArrays& arrays, const LcpOptions& options,
-                  double* seconds) override {
-    const std::unique_ptr<LcpSolver> solver = entry_.make({});
-    LcpResult result;
-    const double start = SteadyNow();
-    solver->SolveArrays(arrays, options, &result);
-    *seconds = SteadyNow() - start;
-    return result;
-  }
-  PassReply Pass(std::span<const ProblemArrays> stream, const PassRequest& request) override {
-    return RunPass([this] { return entry_.make({}); }, stream, request);
-  }
-
- private:
-  SolverEntry entry_;
-};
-
-class WorkerSolver : public Contestant {
- public:
-  explicit WorkerSolver(const SolverEntry& entry, const char* place = "in a worker")
-      : Contestant(entry.key, false, place), entry_(entry), solver_(entry.make({})) {
-    external_ = dynamic_cast<ExternalSolver*>(solver_.get());
-    if (external_ == nullptr) throw std::logic_error("solver '" + key() + "' does not run in a process of its own");
-    external_->Greet();
-  }
-
-  bool is_elsewhere() const override { return true; }
-  std::string WhyRefused(Index rows) const override { return SizeRefusal(entry_, rows); }
-  LcpResult Judge(const LcpProblem& problem, const ProblemArrays& /*arrays*/, const LcpOptions& options,
-                  double* seconds) override {
-    LcpResult result;
-    const double start = SteadyNow();
-    solver_->Solve(problem, options, &result);
-    *seconds = result.own_fresh_s >= 0 ? result.own_fresh_s : SteadyNow() - start;
-    return result;
-  }
-  void BeginStream() override { has_stream_ = false; }
-  PassReply Pass(std::span<const ProblemArrays> stream, const PassRequest& request) override {
-    if (!has_stream_) external_->LoadStream(stream);
-    has_stream_ = true;
-    const double most_s =
-        2 * (request.budget_s + request.time_limit_s) * static_cast<double>(2 + request.warm_up.size());
-    return external_->RunPass(request, most_s);
-  }
-
- private:
-  SolverEntry entry_;
-  std::unique_ptr<LcpSolver> solver_;
-  ExternalSolver* external_ = nullptr;
-  bool has_stream_ = false;
-};
-
 using SolveRows = std::function<void(const StepRows& rows, const LcpOptions& options, LcpResult* result)>;
 
-StepArrays StepOf(const LcpProblem& problem) {
-  if (problem.has_factors() && problem.has_two_body_rows()) return StepArrays::Of(problem);
-  throw InputError("problem '" + problem.id() +
-                   "' has rows on more than two bodies, or A itself: --from rows needs J by bodies");
-}
-
-// The steps of a stream as an engine's arrays hold them: made of its problems once, off the clock. Which one is wanted
-// is known by the address of its arrays in the stream.
-class StepStream {
+// Solves the problems of a stream as an engine's arrays hold them, which are made off the clock. Which one is wanted is
+// known by the address of its arrays in the stream.
+class SolverOfSteps final : public LcpSolver {
  public:
-  void Forget() { stream_ = {}; }
-  PassReply Run(std::span<const ProblemArrays> stream, const PassRequest& request, const SolveRows& solve) {
-    if (stream.data() != stream_.data() || stream.size() != stream_.size()) {
-      stream_ = stream;
-      steps_.clear();
-      for (const ProblemArrays& arrays : stream) steps_.push_back(StepOf(LcpProblem::FromArrays(arrays)));
+  SolverOfSteps(const FreshStream& stream, SolveRows solve) : first_(stream.arrays.data()), solve_(std::move(solve)) {
+    for (const LcpProblem& problem : stream.problems) {
+      if (!problem.has_factors() || !problem.has_two_body_rows()) {
+        throw InputError("problem '" + problem.id() +
+                         "' has rows on more than two bodies, or A itself: --from rows needs J by bodies");
+      }
+      steps_.push_back(StepArrays::Of(problem));
     }
-    return RunPass([&] { return std::make_unique<Timed>(*this, solve); }, stream, request);
-  }
-
- private:
-  // What RunPass times.
-  class Timed final : public LcpSolver {
-   public:
-    Timed(const StepStream& steps, const SolveRows& solve) : steps_(steps), solve_(solve) {}
-
-   protected:
-    void DoPrepare(const LcpProblem& /*problem*/) override {}
-    void DoSolve(const LcpProblem& /*problem*/, const LcpOptions& /*options*/, LcpResult* /*result*/) override {
-      throw std::logic_error("rows are solved from arrays");
-    }
-    bool DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) override {
-      const auto place = static_cast<std::size_t>(&arrays - steps_.stream_.data());
-      solve_(steps_.steps_[place].View(), options, result);
-      return true;
-    }
-
-   private:
-    const StepStream& steps_;
-    const SolveRows& solve_;
-  };
-
-  std::span<const ProblemArrays> stream_;
-  std::vector<StepArrays> steps_;
-};
-
-class StepContestant final : public Contestant {
- public:
-  explicit StepContestant(std::string key) : Contestant(std::move(key), true, "in this process, by StepSolver") {}
-
-  std::string WhyRefused(Index /*rows*/) const override { return {}; }
-  LcpResult Judge(const LcpProblem& problem, const ProblemArrays& /*arrays*/, const LcpOptions& options,
-                  double* seconds) override {
-    LcpResult result;
-    result.f.setZero(problem.size());
-    const StepArrays step = StepOf(problem);
-    StepSolver solver({.tolerance = options.tolerance, .time_limit_s = options.time_limit_s});
-    const double start = SteadyNow();
-    result.status = solver.Solve(step.View(), nullptr, result.f.data()).status;
-    *seconds = SteadyNow() - start;
-    return result;
-  }
-  void BeginStream() override { stream_.Forget(); }
-  PassReply Pass(std::span<const ProblemArrays> stream, const PassRequest& request) override {
-    StepSolver solver({.tolerance = request.tolerance, .time_limit_s = request.time_limit_s});
-    return stream_.Run(stream, request, [&](const StepRows& rows, const LcpOptions& /*options*/, LcpResult* result) {
-      result->f.resize(rows.rows);
-      result->status = solver.Solve(rows, nullptr, result->f.data()).status;
-    });
-  }
-
- private:
-  StepStream stream_;
-};
-
-// Judged by its worker, timed here.
-class LinkedPeer : public WorkerSolver {
- public:
-  LinkedPeer(const SolverEntry& entry, PeerLibrary library)
-      : WorkerSolver(entry, "in this process, judged in a worker"), library_(std::move(library)) {}
-
-  bool is_elsewhere() const override { return false; }
-  PassReply Pass(std::span<const ProblemArrays> stream, const PassRequest& request) override {
-    return RunPass([this] { return MakeLinked(); }, stream, request);
+    for (const StepArrays& step : steps_) rows_.push_back(step.View());
   }
 
  protected:
-  std::unique_ptr<LcpSolver> MakeLinked() const {
-    const Settings none;
-    SettingsReader reader(key(), none);
-    return library_.make(key(), &reader);
+  void DoPrepare(const LcpProblem& /*problem*/) override {}
+  void DoSolve(const LcpProblem& /*problem*/, const LcpOptions& /*options*/, LcpResult* /*result*/) override {
+    throw std::logic_error("rows are solved from arrays");
+  }
+  bool DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) override {
+    solve_(rows_[static_cast<std::size_t>(&arrays - first_)], options, result);
+    return true;
   }
 
  private:
-  PeerLibrary library_;
+  const ProblemArrays* first_;
+  SolveRows solve_;
+  std::vector<StepArrays> steps_;
+  std::vector<StepRows> rows_;  // views of steps_
 };
 
-// The same code, from rows.
-class LinkedPeerOfRows final : public LinkedPeer {
- public:
-  LinkedPeerOfRows(const SolverEntry& entry, PeerLibrary library) : LinkedPeer(entry, std::move(library)) {
-    if (dynamic_cast<SolverOfRows*>(MakeLinked().get()) == nullptr) {
-      throw InputError("solver '" + key() + "' takes no rows by bodies");
-    }
-  }
-
-  void BeginStream() override { stream_.Forget(); }
-  PassReply Pass(std::span<const ProblemArrays> stream, const PassRequest& request) override {
-    const std::unique_ptr<LcpSolver> solver = MakeLinked();
-    auto* const peer = dynamic_cast<SolverOfRows*>(solver.get());
-    return stream_.Run(stream, request, [peer](const StepRows& rows, const LcpOptions& options, LcpResult* result) {
-      peer->SolveRows(rows, options, result);
-    });
-  }
-
- private:
-  StepStream stream_;
-};
+std::unique_ptr<LcpSolver> MakeStepSolver(const FreshStream& stream, const PassRequest& request) {
+  const auto solver =
+      std::make_shared<StepSolver>(StepOptions{.tolerance = request.tolerance, .time_limit_s = request.time_limit_s});
+  return std::make_unique<SolverOfSteps>(
+      stream, [solver](const StepRows& rows, const LcpOptions& /*options*/, LcpResult* result) {
+        result->f.resize(rows.rows);
+        result->status = solver->Solve(rows, nullptr, result->f.data()).status;
+      });
+}
 
 // The library behind a peer's key, where it is linked into this program.
 std::optional<PeerLibrary> LinkedLibrary(std::string_view key) {
@@ -212,35 +74,90 @@ std::optional<PeerLibrary> LinkedLibrary(std::string_view key) {
   return std::nullopt;
 }
 
-std::unique_ptr<Contestant> MakeFromRows(const std::string& key) {
-  const SolverEntry& entry = FindSolver(key);
-  if (key == "auto") return std::make_unique<StepContestant>(key);
-  std::optional<PeerLibrary> library = LinkedLibrary(entry.key);
-  if (!library) {
-    throw InputError("solver '" + key +
-                     "' takes no rows by bodies, expected auto, or one of ODE or Bullet that is linked");
-  }
-  return std::make_unique<LinkedPeerOfRows>(entry, *std::move(library));
+std::unique_ptr<LcpSolver> MakeLinked(const PeerLibrary& library, const std::string& key) {
+  const Settings none;
+  SettingsReader reader(key, none);
+  return library.make(key, &reader);
 }
 
-std::unique_ptr<Contestant> Make(const std::string& key, bool only_workers) {
-  const SolverEntry& entry = FindSolver(key);
-  if (!entry.available) throw InputError("solver '" + key + "' is not in this build");
-  if (entry.origin == SolverOrigin::kOwn) return std::make_unique<OwnSolver>(entry);
+Contestant FromRows(const SolverEntry& entry) {
+  if (entry.key == "auto") return {entry, "in this process, by StepSolver", MakeStepSolver};
+  const std::optional<PeerLibrary> library = LinkedLibrary(entry.key);
+  if (!library || dynamic_cast<SolverOfRows*>(MakeLinked(*library, entry.key).get()) == nullptr) {
+    throw InputError("solver '" + entry.key +
+                     "' takes no rows by bodies, expected auto, or one of ODE or Bullet that is linked");
+  }
+  const auto make = [library, key = entry.key](const FreshStream& stream, const PassRequest& /*request*/) {
+    const std::shared_ptr<LcpSolver> solver = MakeLinked(*library, key);
+    auto* const of_rows = dynamic_cast<SolverOfRows*>(solver.get());
+    return std::make_unique<SolverOfSteps>(
+        stream, [solver, of_rows](const StepRows& rows, const LcpOptions& options, LcpResult* result) {
+          of_rows->SolveRows(rows, options, result);
+        });
+  };
+  return {entry, "in this process, judged in a worker", make};
+}
+
+Contestant FromArrays(const SolverEntry& entry, bool only_workers) {
+  if (entry.origin == SolverOrigin::kOwn) {
+    return {entry, "in this process",
+            [entry](const auto& /*stream*/, const auto& /*request*/) { return entry.make({}); }};
+  }
   std::optional<PeerLibrary> library;
   if (!only_workers) library = LinkedLibrary(entry.key);
-  if (library) return std::make_unique<LinkedPeer>(entry, *std::move(library));
-  return std::make_unique<WorkerSolver>(entry);
+  if (!library) return {entry, "in a worker", nullptr};
+  return {entry, "in this process, judged in a worker",
+          [library, key = entry.key](const auto& /*stream*/, const auto& /*request*/) {
+            return MakeLinked(*library, key);
+          }};
 }
 
 }  // namespace
 
-std::vector<std::unique_ptr<Contestant>> MakeContestants(const std::vector<std::string>& keys, bool only_workers,
-                                                         bool from_rows) {
-  std::vector<std::unique_ptr<Contestant>> contestants;
+std::vector<Contestant> MakeContestants(const std::vector<std::string>& keys, bool only_workers, bool from_rows) {
+  std::vector<Contestant> contestants;
   contestants.reserve(keys.size());
-  for (const std::string& key : keys) contestants.push_back(from_rows ? MakeFromRows(key) : Make(key, only_workers));
+  for (const std::string& key : keys) {
+    const SolverEntry& entry = FindSolver(key);
+    if (!entry.available) throw InputError("solver '" + key + "' is not in this build");
+    contestants.push_back(from_rows ? FromRows(entry) : FromArrays(entry, only_workers));
+  }
   return contestants;
+}
+
+bool IsRight(const FreshStream& stream, std::size_t place, const Eigen::VectorXd& f, double tier) {
+  return PassesTier(ComputeMetrics(stream.problems[place], f, &stream.references[place]), tier);
+}
+
+std::vector<bool> Judge(const Contestant& contestant, const FreshStream& stream, double tier,
+                        const SolveLimits& limits) {
+  const std::unique_ptr<LcpSolver> solver = contestant.entry.make({});
+  if (auto* external = dynamic_cast<ExternalSolver*>(solver.get())) external->Greet();
+  LcpOptions options;
+  options.tolerance = tier;
+  LcpResult result;
+  std::vector<bool> right(stream.problems.size(), false);
+  for (std::size_t place = 0; place < right.size(); ++place) {
+    const LcpProblem& problem = stream.problems[place];
+    if (!SizeRefusal(contestant.entry, problem.size()).empty()) continue;
+    options.time_limit_s = limits.Of(problem.size());
+    solver->Solve(problem, options, &result);
+    right[place] = IsRight(stream, place, result.f, tier);
+  }
+  return right;
+}
+
+PassReply RunPass(const Contestant& contestant, const FreshStream& stream, const PassRequest& request) {
+  if (contestant.make) return RunPass([&] { return contestant.make(stream, request); }, stream.arrays, request);
+  constexpr double kGrace = 60;  // s
+  const std::unique_ptr<LcpSolver> solver = contestant.entry.make({});
+  auto* const external = dynamic_cast<ExternalSolver*>(solver.get());
+  if (external == nullptr) {
+    throw std::logic_error("solver '" + contestant.entry.key + "' does not run in a process of its own");
+  }
+  external->LoadStream(stream.arrays);
+  const auto solves = static_cast<double>(request.order.size() + 2 * request.warm_up.size());
+  return external->RunPass(request, kGrace + 2 * solves * request.time_limit_s + request.settle_s);
 }
 
 }  // namespace lcpbench

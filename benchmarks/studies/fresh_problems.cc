@@ -1,29 +1,31 @@
 #include "benchmarks/studies/fresh_problems.h"
 
 #include <algorithm>
-#include <numeric>
+#include <array>
 #include <optional>
-#include <set>
-#include <utility>
+#include <string_view>
+#include <tuple>
 
+#include "benchmarks/collection/plan.h"
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
 #include "model/scenes/scene.h"
-#include "solvers/io/gzip_file.h"
-#include "solvers/io/json_lines.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
 
-// The entry of a problem that no manifest has.
-ManifestEntry Entry(const std::string& id, const char* origin, Index rows) {
-  ManifestEntry entry;
-  entry.id = id;
-  entry.base = id;
-  entry.origin = origin;
-  entry.properties.rows = rows;
-  return entry;
+// ManifestEntry::origin, and what it is called here.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kOrigins{{{"placed", "placed"},
+                                                                                 {"motion", "motions"},
+                                                                                 {"recorded", "engines"},
+                                                                                 {"literature", "literature"},
+                                                                                 {"given", "given"}}};
+
+std::size_t OriginOf(const ManifestEntry& entry) {
+  const auto* found =
+      std::find_if(kOrigins.begin(), kOrigins.end(), [&](const auto& origin) { return origin.first == entry.origin; });
+  return static_cast<std::size_t>(found - kOrigins.begin());
 }
 
 // Whether f = 0 is an answer: nothing touches.
@@ -36,133 +38,105 @@ bool IsIdle(const LcpProblem& problem) {
 }
 
 template <typename Visit>
-void ForEachStart(const std::vector<std::string>& families, const FreshSources& sources, const Visit& visit) {
-  for (const std::string& scene : FamiliesOf(families)) {
+void ForEachStart(const std::vector<std::string>& named, const FreshSources& sources, const Visit& visit) {
+  std::vector<std::string_view> families;
+  for (const std::string& name : named) {
+    if (name != "all") families.push_back(FindScene(name).key);
+    for (const SceneFamily& family : AllScenes()) {
+      if (name == "all") families.push_back(family.key);
+    }
+  }
+  for (const std::string_view scene : families) {
     for (const int rows : sources.sizes) {
-      for (const std::uint64_t seed : sources.seeds) visit(Recipe{scene, rows, seed, {}});
+      for (const std::uint64_t seed : sources.seeds) visit(Recipe{std::string(scene), rows, seed, {}});
     }
   }
 }
 
 }  // namespace
 
-std::vector<std::string> FamiliesOf(const std::vector<std::string>& named) {
-  std::vector<std::string> families;
-  for (const std::string& name : named) {
-    if (name == "all") {
-      for (const SceneFamily& family : AllScenes()) families.emplace_back(family.key);
-    } else {
-      families.emplace_back(FindScene(name).key);
-    }
-  }
-  return families;
-}
-
 FreshProblems::FreshProblems(const FreshSources& sources, const CampaignPlan& plan) {
-  for (const std::string& path : sources.manifests) Add(ReadManifest(path), FolderOf(path));
-  for (const std::string& path : sources.files) AddFile(path);
-  if (!sources.scenes.empty()) AddScenes(sources);
-  if (!sources.motions.empty()) AddMotions(sources, plan.most_rows);
-  planned_ = PlanProblems(plan, manifests_);
-  if (sources.most_problems > 0) {
-    KeepPerClass(sources.most_problems);
-    planned_ = PlanProblems(plan, manifests_);  // with the weights of what is kept
+  for (const std::string& path : sources.manifests) {
+    manifests_.push_back(sets_.emplace_back(std::make_unique<ProblemSet>(path))->manifest);
   }
-  // Nobody need solve those of kNonsymmetricTier.
-  std::erase_if(planned_, [&](const PlannedProblem& one) { return !IsInMeans(manifests_[one.manifest].name); });
+  manifests_.emplace_back();
+  for (const std::string& path : sources.files) {
+    ReadEachProblem(path, {},
+                    [this](const LcpRecord& record, const std::string& /*where*/, const std::string& /*line*/) {
+                      Keep(record.problem, "given", record.problem.id());
+                    });
+  }
+  AddScenes(sources);
+  AddMotions(sources, plan.most_rows);
+  for (const PlannedProblem& one : PlanProblems(plan, manifests_)) {
+    if (manifests_[one.manifest].name == kNonsymmetricTier) continue;  // nobody need solve these
+    const std::size_t origin = OriginOf(*one.entry);
+    FreshStream& stream = streams_[{one.size_class->least, origin}];
+    stream.name = std::string(one.size_class->key) + "/" + std::string(kOrigins.at(origin).second);
+    if (sources.most_problems == 0 || stream.planned.size() < sources.most_problems) stream.planned.push_back(one);
+  }
+  if (streams_.empty()) throw InputError("expected problems of at most --most-rows rows, found none");
+  for (auto& [key, stream] : streams_) {
+    // The order of manifests and files, which are then read once. A pass has an order of its own.
+    std::sort(stream.planned.begin(), stream.planned.end(), [](const PlannedProblem& a, const PlannedProblem& b) {
+      return std::tuple(a.manifest, a.entry->fill, a.entry) < std::tuple(b.manifest, b.entry->fill, b.entry);
+    });
+  }
 }
 
-void FreshProblems::Add(Manifest manifest, const std::string& folder) {
-  made_by_.push_back(std::make_unique<ProblemSource>(folder));
-  references_.push_back(std::make_unique<References>(manifest, folder));
-  manifests_.push_back(std::move(manifest));
-}
-
-void FreshProblems::AddFile(const std::string& path) {
-  Manifest manifest;
-  manifest.name = path;
-  const auto add = [&](const LcpProblem& problem, std::size_t line) {
-    ManifestEntry& entry = manifest.problems.emplace_back(Entry(problem.id(), "given", problem.size()));
-    entry.source = FileSource{path, line};
-  };
-  if (!FormatOfFile(path).is_lines()) {
-    add(ReadProblemFile(path, {}), 1);
-  } else {
-    LineReader lines(path);
-    for (std::string line; lines.Next(&line);) {
-      if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-      add(ParseLcpRecord(line, path + ":" + std::to_string(lines.number())).problem, lines.number());
-    }
-  }
-  Add(std::move(manifest), "");
+void FreshProblems::Keep(const LcpProblem& problem, const char* origin, const std::string& base) {
+  ManifestEntry& entry = manifests_.back().problems.emplace_back();
+  entry.id = problem.id();
+  entry.base = base;
+  entry.origin = origin;
+  entry.properties.rows = problem.size();
+  made_.push_back(problem);
 }
 
 void FreshProblems::AddScenes(const FreshSources& sources) {
-  Manifest manifest;
-  manifest.name = "scenes";
-  ForEachStart(sources.scenes, sources, [&](const Recipe& recipe) {
-    ManifestEntry& entry = manifest.problems.emplace_back(Entry(RecipeId(recipe), "placed", recipe.rows));
-    entry.base = BaseOf(recipe);
-    entry.source = recipe;
-  });
-  Add(std::move(manifest), "");
+  ForEachStart(sources.scenes, sources,
+               [this](const Recipe& recipe) { Keep(MakeInstance(recipe).problem, "placed", BaseOf(recipe)); });
 }
 
 void FreshProblems::AddMotions(const FreshSources& sources, Index most_rows) {
-  Manifest manifest;
-  manifest.name = "motions";
   ForEachStart(sources.motions, sources, [&](const Recipe& start) {
     TakeSteps(start, sources.steps, [&](const MotionStep& step) {
       const LcpProblem& problem = step.instance.problem;
       if (problem.size() < 1 || (most_rows > 0 && problem.size() > most_rows) || IsIdle(problem)) return false;
       Recipe recipe = start;
       recipe.motion_step = step.number;
-      ManifestEntry& entry = manifest.problems.emplace_back(Entry(problem.id(), "motion", problem.size()));
-      entry.base = BaseOf(recipe);
-      entry.source = recipe;
-      steps_.emplace(problem.id(), problem);
+      Keep(problem, "motion", BaseOf(recipe));
       return true;
     });
   });
-  Add(std::move(manifest), "");
 }
 
-void FreshProblems::KeepPerClass(int most) {
-  std::map<const SizeClass*, int> taken;
-  std::set<const ManifestEntry*> kept;
-  for (const PlannedProblem& one : planned_) {
-    if (taken[one.size_class]++ < most) kept.insert(one.entry);
+std::vector<FreshStream*> FreshProblems::streams() {
+  std::vector<FreshStream*> streams;
+  for (auto& [key, stream] : streams_) streams.push_back(&stream);
+  return streams;
+}
+
+void FreshProblems::Load(FreshStream* stream) {
+  constexpr Index kMostRowsKept = 1000;
+  if (!stream->problems.empty()) return;
+  for (auto& [key, other] : streams_) {
+    if (key.first <= kMostRowsKept) continue;
+    other.problems = {};
+    other.references = {};
+    other.arrays = {};
   }
-  for (Manifest& manifest : manifests_) {
-    for (auto* entries : {&manifest.problems, &manifest.fill}) {
-      std::vector<ManifestEntry> rest;
-      for (ManifestEntry& entry : *entries) {
-        if (kept.count(&entry) > 0) rest.push_back(std::move(entry));
-      }
-      *entries = std::move(rest);
+  for (const PlannedProblem& one : stream->planned) {
+    std::optional<KnownAnswer> known;
+    if (one.manifest == sets_.size()) {
+      stream->problems.push_back(made_[static_cast<std::size_t>(one.entry - manifests_.back().problems.data())]);
+    } else {
+      ProblemSet& set = *sets_[one.manifest];
+      known = set.references.Find(stream->problems.emplace_back(set.source.Get(*one.entry)));
     }
+    stream->references.push_back(known ? std::move(known->reference) : LcpReference());
   }
-}
-
-std::vector<FreshProblems::Problem> FreshProblems::Make(std::size_t begin, std::size_t end) {
-  // In the order of manifests and files, which reads these once.
-  std::vector<std::size_t> order(end - begin);
-  std::iota(order.begin(), order.end(), begin);
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return std::pair(planned_[a].manifest, planned_[a].entry) < std::pair(planned_[b].manifest, planned_[b].entry);
-  });
-  std::vector<std::optional<Problem>> made(end - begin);
-  for (const std::size_t k : order) {
-    const PlannedProblem& one = planned_[k];
-    const auto step = steps_.find(one.entry->id);
-    LcpProblem problem = step != steps_.end() ? step->second : made_by_[one.manifest]->Get(*one.entry);
-    std::optional<KnownAnswer> known = references_[one.manifest]->Find(problem);
-    made[k - begin] = Problem{std::move(problem), known ? std::move(known->reference) : LcpReference()};
-  }
-  std::vector<Problem> problems;
-  problems.reserve(made.size());
-  for (std::optional<Problem>& one : made) problems.push_back(*std::move(one));
-  return problems;
+  for (const LcpProblem& problem : stream->problems) stream->arrays.push_back(ProblemArrays::Of(problem));
 }
 
 }  // namespace lcpbench

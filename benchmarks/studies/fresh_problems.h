@@ -4,11 +4,12 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "benchmarks/campaign/campaign_file.h"
 #include "benchmarks/campaign/campaign_plan.h"
 #include "benchmarks/collection/manifest.h"
-#include "benchmarks/collection/references.h"
 #include "solvers/lcp/problem.h"
 
 namespace lcpbench {
@@ -22,44 +23,43 @@ struct FreshSources {
   std::vector<int> sizes;              ///< rows of `scenes` and `motions`
   std::vector<std::uint64_t> seeds;    ///< of both
   int steps = 2;                       ///< of a motion
-  int most_problems = 0;               ///< of a size class; 0: all
+  std::size_t most_problems = 0;       ///< of a stream; 0: all
 };
 
-/// Keys of scene families, of all where one is "all". @throws InputError for a family that does not exist
-std::vector<std::string> FamiliesOf(const std::vector<std::string>& named);
+/// The problems of one size class and origin, with the weights that they have in a campaign.
+struct FreshStream {
+  std::string name;  ///< "<size class>/<origin>"
+  std::vector<PlannedProblem> planned;
+  // What FreshProblems::Load makes of them, in the same order.
+  std::vector<LcpProblem> problems;
+  std::vector<LcpReference> references;  ///< verdicts are relative to their rounding floors; known of manifests only
+  std::vector<ProblemArrays> arrays;     ///< of `problems`
+};
 
-/// The problems, planned as a campaign's are: weights, and the order within a size class. Only the manifests' have
-/// known answers, and so a rounding floor that verdicts are relative to.
+/// The streams that the sources give.
 class FreshProblems {
  public:
   /// @param plan  most_rows, fills, filter and seed of it
-  /// @throws InputError where something named does not exist or is another kind of file
+  /// @throws InputError where something named does not exist or is another kind of file, and where nothing is found
   FreshProblems(const FreshSources& sources, const CampaignPlan& plan);
   FreshProblems(const FreshProblems&) = delete;
   FreshProblems& operator=(const FreshProblems&) = delete;
 
-  /// By size class.
-  const std::vector<PlannedProblem>& planned() const { return planned_; }
-
-  struct Problem {
-    LcpProblem problem;
-    LcpReference reference;
-  };
-  /// Those of [begin, end) of planned(), made anew or read. @throws InputError as ProblemSource::Get
-  std::vector<Problem> Make(std::size_t begin, std::size_t end);
+  /// By size class, and within by origin: placed, motions (both scenes of ours), engines (recorded), literature, given.
+  std::vector<FreshStream*> streams();
+  /// Makes or reads the stream's problems where that is not done; those of other streams of large problems go.
+  /// @throws InputError as ProblemSource::Get
+  void Load(FreshStream* stream);
 
  private:
-  void AddFile(const std::string& path);
   void AddScenes(const FreshSources& sources);
   void AddMotions(const FreshSources& sources, Index most_rows);
-  void KeepPerClass(int most);
-  void Add(Manifest manifest, const std::string& folder);
+  void Keep(const LcpProblem& problem, const char* origin, const std::string& base);
 
-  std::vector<Manifest> manifests_;
-  std::vector<std::unique_ptr<ProblemSource>> made_by_;  // of the manifests
-  std::vector<std::unique_ptr<References>> references_;  // of the manifests
-  std::map<std::string, LcpProblem> steps_;              // of motions, by id: making one anew takes the motion
-  std::vector<PlannedProblem> planned_;
+  std::vector<std::unique_ptr<ProblemSet>> sets_;
+  std::vector<Manifest> manifests_;                               // of the sets, and that of made_
+  std::vector<LcpProblem> made_;                                  // what is of no manifest
+  std::map<std::pair<Index, std::size_t>, FreshStream> streams_;  // by rows and origin
 };
 
 }  // namespace lcpbench

@@ -11,7 +11,6 @@
 #include <string_view>
 #include <vector>
 
-#include "benchmarks/measure/process_watch.h"
 #include "benchmarks/studies/study.h"
 #include "model/contact/assembly.h"
 #include "model/detection/detection.h"
@@ -20,6 +19,7 @@
 #include "model/motion/contact_finder.h"
 #include "model/scenes/scene.h"
 #include "model/scenes/scene_builder.h"
+#include "support/process_watch.h"
 
 namespace lcpbench {
 namespace {

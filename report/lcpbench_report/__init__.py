@@ -10,5 +10,5 @@
     readme_blocks, changes_markdown   numbers in README.md and docs/; what changed between two campaigns
     style, solver_facts, formats   how solvers look and are spoken of, and numbers as text
     tuning                      settings by `lcpbench tune`
-    archive                     campaigns that are kept with the source
+    compact                     campaigns that are kept with the source
 """

@@ -10,7 +10,6 @@ from .statistics.groups import COUNTED
 from .statistics.intervals import MARGIN
 from .statistics.load import Campaign
 from .statistics.same import cell_name
-from .statistics.weighted import weighted_median
 from .table import Table, code, markdown
 
 _SHOWN = 20  # rows of a table
@@ -20,7 +19,7 @@ _ENVIRONMENT = ("version", "git_commit", "git_dirty", "compiler", "flags", "solv
 
 def summary(old_name: str, old: Campaign, new_name: str, new: Campaign, changes: Changes) -> str:
     lines = [markdown(f"# {old.info['name']}: {new_name} against {old_name}"), "", _judgement(changes), "", *_environment(old, new),
-             *_verdicts(changes), *_speeds(changes), *_agreement(changes), *_only_in_one(changes)]
+             *_verdicts(changes), *_speeds(changes), *_only_in_one(changes)]
     return "\n".join(lines).rstrip("\n") + "\n"
 
 
@@ -71,28 +70,14 @@ def _speeds(changes: Changes) -> list[str]:
             continue
         rows = [[code(row.solver), *("all" if part == ALL else code(part) for part in (row.size_class, row.family)),
                  row.set if row.set != COUNTED else "", formats.power(row.tier), row.problems,
-                 f"{row.ratio:.3f} [{row.ratio_low:.3f}, {row.ratio_high:.3f}]", f"{row.quickest_ratio:.3f}",
-                 f"{row.p:.1g}"] for row in table.itertuples()]
+                 f"{row.ratio:.3f} [{row.ratio_low:.3f}, {row.ratio_high:.3f}]", f"{row.p:.1g}"] for row in table.itertuples()]
         lines += _table(["solver", "rows", "family", "set that does not count", "tier", "problems", "new / old",
-                         "quickest passes", "p"], rows)
+                         "p"], rows)
     return lines + [f"Out of {formats.plural(int(changes.speeds['p'].notna().sum()), 'comparison')}: solver × tier, over "
                     f"all problems, by size class and by family. Median ratio of the fresh times of answers that both "
-                    f"verified, problems by their weight, with an interval by bootstrap over families and bases; p of "
-                    f"Wilcoxon's signed-rank test of bases, adjusted by Holm for all of them. A change needs "
-                    f"p < {pairwise.LEVEL:g} and an interval beyond {100 * (MARGIN - 1):.0f} %, by the medians of the passes "
-                    "and by the quickest ones.", ""]
-
-
-def _agreement(changes: Changes) -> list[str]:
-    agree, total, low, high = changes.agreement()
-    both = changes.both_verified
-    ratio = weighted_median(both["time_s_new"] / both["time_s_old"], both["weight"])
-    lines = ["## Agreement", ""]
-    if not total:
-        return lines + ["No cell was verified in both.", ""]
-    return lines + [f"The intervals of the median time overlap in {agree} of {formats.plural(total, 'cell')} that both "
-                    f"verified: {100 * agree / total:.1f} % [{100 * low:.1f}, {100 * high:.1f}]. Median ratio of all "
-                    f"their times: {ratio:.3f}; what differs here moved all solvers alike.", ""]
+                    f"verified, problems by their weight, with an interval by bootstrap over launches, families and "
+                    f"bases; p of Wilcoxon's signed-rank test of bases, adjusted by Holm for all of them. A change needs "
+                    f"p < {pairwise.LEVEL:g} and an interval beyond {100 * (MARGIN - 1):.0f} %.", ""]
 
 
 def _only_in_one(changes: Changes) -> list[str]:

@@ -5,14 +5,13 @@ from collections.abc import Iterator
 
 from . import formats
 from .inputs import Inputs
-from .statistics.cells import CHANGED, LEAST_PASSES, NOT_ASKED, VERIFIED
-from .statistics.class_times import RIGHT
+from .statistics.cells import CHANGED, NOT_ASKED, VERIFIED
+from .statistics.launches import TOGETHER
 from .statistics.load import ORIGINS, TASK_BUDGET
 
 # A solver is called out as built for looser tiers when it verifies less than this part of what it does at the loosest.
 _TIER_DROP = 0.75
-# Cells whose time is uncertain by more than this are counted.
-_UNCERTAIN = 0.1
+_FEW = 2  # launches: less than this says nothing of what differs between them
 _Lines = Iterator[tuple[str, str]]
 
 
@@ -30,9 +29,8 @@ def _measure(inputs: Inputs) -> _Lines:
            "to f: validation, forms of A, scaling, ordering, analysis, factorizations, fallbacks and the solver's own check "
            "are inside, for peers as for ours; making the arrays, workspace kept from earlier problems, transport between "
            "processes and the verdict are outside. The solver object was warmed on other problems and meets each problem "
-           f"once a pass, in another random order each time; the median of at most {passes} passes counts. Below 2 µs a "
-           "pair of clock reads covers several different problems, and each is given their mean. Parts of a time are from "
-           "passes of their own, and are never summed. Who solves problem after problem of one matrix, or from a warm "
+           f"once a launch, in another random order each time; the median of at most {passes} launches counts. Parts of a time "
+           "are measured apart, and are never summed. Who solves problem after problem of one matrix, or from a warm "
            "start, finds that in the second time (“again”) and in the sequences.")
 
 
@@ -57,18 +55,20 @@ def _builds(inputs: Inputs) -> _Lines:
 
 def _noise(inputs: Inputs) -> _Lines:
     cells = inputs.cells[inputs.cells["excluded"] == ""]
-    timed = cells[cells["passes"].astype(bool) & cells["fresh_low"].notna()]
-    if len(timed):
-        half = (timed["fresh_high"] - timed["fresh_low"]) / 2 / timed["fresh_s"]
-        yield ("Noise", "The 95 % interval of a problem's time has a half width of "
-               f"{formats.percent(half.median())} in the median; it is above {formats.percent(_UNCERTAIN)} for "
-               f"{formats.percent(float((half > _UNCERTAIN).mean()))} of the times. {int((cells['disturbed'] > 0).sum())} "
-               f"of {len(cells)} cells had a pass that the machine disturbed even when it was run again; it does not count "
-               "where there are others. Differences within the intervals mean nothing.")
-        few = float((timed["timed"] < LEAST_PASSES).mean())
+    launches = inputs.measured.launches
+    launches = launches[launches["launch"] != TOGETHER]
+    if len(launches):
+        spread = launches.groupby(["solver", "size_class", "tier"])["level"].agg(["std", "count"])
+        disturbed = int(launches["disturbed"].sum())
+        yield ("Noise", "Launches of one solver on one class differ by "
+               f"{formats.percent(spread['std'].median())} in the median (standard deviation of their levels), and by more than "
+               f"{formats.percent(spread['std'].quantile(0.9))} in a tenth of the classes; intervals have them as their top level. "
+               f"{disturbed} of {len(launches)} launches were disturbed by the machine also when they were run again; they do "
+               "not count where there are others. Differences within the intervals mean nothing.")
+        few = float((spread["count"] < _FEW).mean())
         if few > 0.005:
-            yield ("Few passes", f"{formats.percent(few)} of the timed cells have fewer than {LEAST_PASSES} passes, and "
-                   "their intervals say nothing of what differs between passes.")
+            yield ("Single launches", f"Of {formats.percent(few)} of solvers and classes there is one launch: those intervals are of "
+                   "problems only.")
     changed = cells[cells["verdict"] == CHANGED]
     if len(changed):
         yield ("Answers that changed", f"In {formats.plural(len(changed), 'cell')} the answer was verified when the problem "
@@ -102,7 +102,7 @@ def _rules(inputs: Inputs) -> _Lines:
         yield ("Not asked", f"In {formats.plural(len(unasked), 'cell')} the solver does not take the problem as it is given, for "
                "example without J or with bilateral rows "
                f"({_few([f'{solver} {counts[solver]}' for solver in inputs.in_order(counts.index)], 8)}): no failure, and in none "
-               f"of its shares and medians. Who does not take {formats.percent(RIGHT)} of a class is not called the best of it. In "
+               "of its shares and medians; on the front of peers it is not right. In "
                "means and profiles over common problems they stand as not solved.")
     late = cells[cells["excluded"] == TASK_BUDGET]
     untimed = int((cells["passes"].astype(bool) & (cells["timed"] == 0)).sum())
@@ -162,7 +162,7 @@ def _judging(inputs: Inputs) -> _Lines:
         yield ("Weights", f"Of the k problems of one base, which differ in one number or are steps of one motion, each weighs "
                f"1/k in medians, shares and intervals: {variants} of {len(problems)} problems share a base. Within a size "
                "class the origins that are there weigh the same, however many problems each has. Of the counted weight have: "
-               f"{shares}. {filled} problems fill up size classes, by the recipes of the collection with further seeds. Intervals draw families, and bases within them.")
+               f"{shares}. {filled} problems fill up size classes, by the recipes of the collection with further seeds. Intervals draw launches, and in own scenes and engines families, and bases within them.")
     if found := [entry["key"] for entry in inputs.solvers if entry.get("ablation")]:
         yield ("Ablation", f"{formats.plural(len(found), 'key')} stand in the ablation table only, in no other figure: our "
                "solvers without their own check, peers with a check and one more solve with a shifted diagonal, and our "

@@ -12,7 +12,7 @@ _NARROW = "\u202f"  # no-break space before a unit
 def seconds(value: float) -> str:
     """Three significant digits in the unit that fits: 4.12 µs, 35.0 ms, 1.20 s."""
     if value is None or not math.isfinite(value):
-        return DASH
+        return "∞" if value == math.inf else DASH
     name, scale = time_unit(value)
     value /= scale
     digits = max(0, 2 - math.floor(math.log10(value) + 1e-12)) if value > 0 else 0

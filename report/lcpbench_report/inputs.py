@@ -9,10 +9,11 @@ import pandas as pd
 from . import studies
 from .errors import ReportError
 from .statistics import tables
-from .statistics.cells import cell_table
+from .statistics.cells import Measured, cell_table, measured
 from .statistics.class_times import ablation_table
 from .statistics.load import Campaign, load_campaign
 from .statistics.means import delivered_table
+from .statistics.rivals import is_own
 from .style import SolverStyle, solver_styles
 
 PATHOLOGICAL = "pathological"  # the set of problems that are meant to break something
@@ -24,13 +25,22 @@ class Inputs:
 
     names: list[str]  # of the folders
     campaigns: list[Campaign]
-    cells: pd.DataFrame  # statistics.cells.COLUMNS, without the solvers of ablations
-    ablated: pd.DataFrame  # of those alone: for the table `ablation`, and nothing else
+    measured: Measured  # without the solvers of ablations
+    ablated: Measured  # of those alone: for the table `ablation` and equal flags, and nothing else
     motion: pd.DataFrame | None = None  # studies.MOTION_COLUMNS
     notes: list[str] = field(default_factory=list)
     precision: pd.DataFrame | None = None  # the table `delivered` of a campaign over every decade
     curves: dict[str, pd.DataFrame] = field(default_factory=dict)  # studies.CURVES, those that there are
     ablation: Campaign | None = None  # a campaign of its own for the table `ablation`, whose problems may be those of others
+
+    @property
+    def cells(self) -> pd.DataFrame:
+        return self.measured.cells
+
+    @cached_property
+    def ours(self) -> str:
+        """The own solver that is compared with the peers."""
+        return tables.main_own(self.own)
 
     @cached_property
     def solvers(self) -> list[dict]:
@@ -55,7 +65,7 @@ class Inputs:
 
     @cached_property
     def own(self) -> list[str]:
-        return [key for key in self.keys if self.entries[key]["origin"] == "own"]
+        return [key for key in self.keys if is_own(self.entries[key])]
 
     @cached_property
     def peers(self) -> list[str]:
@@ -93,10 +103,11 @@ class Inputs:
     @cached_property
     def analysis(self) -> tables.Tables:
         """The tables of statistics.tables (RESULTS.md), by name; those of cells over all folders together."""
-        makers = tables.makers_of(self.cells, self.ablated, self.solvers) if len(self.cells) else {}
+        makers = tables.makers_of(self.measured, self.ablated, self.solvers, self.ours) if len(self.cells) else {}
         if self.ablation is not None:
-            makers["ablation"] = partial(ablation_table, cell_table(self.ablation), cell_table(self.ablation, True),
-                                         self.ablation.info["solvers"])
+            both = measured(self.ablation), measured(self.ablation, True)
+            makers["ablation"] = partial(ablation_table, *(one.cells for one in both), self.ablation.info["solvers"],
+                                         tables.levels_of(*both))
         for campaign in self.campaigns:
             if campaign.passes:  # of one at most
                 makers |= {name: partial(table, campaign) for name, table in tables.STEP_TABLES.items()}
@@ -126,11 +137,15 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
             seen[name] = str(folder)
     if sum(bool(campaign.sequences) for campaign in campaigns) > 1:
         raise ReportError(str(folders[-1]), "a second campaign of sequences", "at most one")
-    # Without empty parts, whose columns have no type.
-    parts = ([cell_table(campaign, of) for campaign in campaigns] for of in (False, True))
-    cells, ablated = (pd.concat([one for one in some if len(one)] or some[:1], ignore_index=True) for some in parts)
+    both = (_joined([measured(campaign, of) for campaign in campaigns]) for of in (False, True))
     notes = [f"{folder.name}: {note}" for folder, campaign in zip(folders, campaigns) for note in campaign.notes]
     delivered = delivered_table(cell_table(load_campaign(precision))) if precision is not None else None
-    return Inputs([folder.resolve().name for folder in folders], campaigns, cells, ablated,
-                  table, notes, delivered, studies.read_curves(curves) if curves is not None else {},
+    return Inputs([folder.resolve().name for folder in folders], campaigns, *both, table, notes, delivered,
+                  studies.read_curves(curves) if curves is not None else {},
                   load_campaign(ablation) if ablation is not None else None)
+
+
+def _joined(parts: list[Measured]) -> Measured:
+    """Without empty parts, whose columns have no type."""
+    return Measured(*(pd.concat([one for one in tables_ if len(one)] or list(tables_[:1]), ignore_index=True)
+                      for tables_ in zip(*parts)))

@@ -4,10 +4,11 @@ and docs/results.md.
 
 from . import choice, shown_tables
 from .fairness import limitations
-from .formats import DASH, percent, plural, power, size_class, words
+from .formats import DASH, plural, power
 from .headline_table import Headline, headline
 from .inputs import Inputs
-from .statistics.class_times import LEAST_FOR_P99, RIGHT
+from .statistics.class_times import LEAST_FOR_P99
+from .statistics.rivals import PORTFOLIO
 from .summary import false_successes, peers
 from .table import Table, markdown
 
@@ -15,6 +16,12 @@ ABLATION_WORDS = ("These versions are in no other table or figure: our solvers w
          "it fails, one more solve with a shifted diagonal; our solvers built for the baseline instruction set, for which "
          "Debian builds the peers' libraries. Time: of the version over its solver, median over the problems that both verify. "
          "Right and false: of the version, then of its solver. False: false successes and answers below the tier.")
+
+FRONT_WORDS = ("The front of single peers: no other peer is both faster and right on as much of the class (what it does not "
+               "take as it is given is not right here). A ratio whose interval contains 1 is undecided.")
+FLAG_WORDS = ("At equal flags: Debian compiles peers for any x86-64, and ours are compiled for the machine above. Here ours are "
+              "compiled for less, or peers for the machine.")
+LITERATURE_WORDS = "Published problems, which count in nothing else: share verified, and time over that of the fastest right solver."
 
 ORIGIN_WORDS = ("Share of the problems that is verified, and median time over that of the fastest right solver of each problem, "
          "at the main tier; ✗: fails on half. Own scenes and motions are this project's; engines' problems were recorded from "
@@ -26,22 +33,22 @@ def caption(inputs: Inputs, found: Headline) -> str:
     return (f"Fresh times at tier {power(found.tier)}. A fresh time is one interval from the caller's arrays (J by rows, "
             "inverse masses, b, kinds of rows) to f. Validation, forms of A, ordering, factorizations, fallbacks and the "
             "solver's own check are inside. The solver object has solved other problems before, but never this one. Peers "
-            "are timed in the same way, each in a process of its own. The time of a class is the median over its problems; "
-            "each of k variants of one base has weight 1/k, origins of problems weigh the same, and an answer that is not "
-            "verified counts as infinitely slow. "
-            f"*Right*: share verified. The best are the fastest of those that are right on {percent(RIGHT)}. **Bold**: the "
-            "fastest of all, and every solver tied with it: the 95 % interval of the ratio of their times contains 1. "
-            "Ratios are our time over theirs, problem by problem, with intervals by bootstrap over families and "
-            f"bases{_where(inputs)}.")
+            "are timed in the same way, each in a process of its own; a launch is a new process. The time of a class is the "
+            "median over its problems, whose times are medians over launches; each of k variants of one base has weight 1/k, "
+            "origins of problems weigh the same, and an answer that is not verified counts as infinitely slow. "
+            "*Problems*: how many, and in parentheses how many their weights are worth. *Peers*: solvers and settings of other "
+            "projects that had a turn. *Right*: share verified. **Bold**: no other solver is both faster and right on as much. "
+            "Ratios are our time over theirs, problem by problem where theirs is right, with 95 % intervals by bootstrap over "
+            f"launches, families and bases{_where(inputs)}.")
 
 
 def short_caption(inputs: Inputs, found: Headline) -> str:
     """What outcomes() says, for the front page."""
-    alone = [size_class(row.size_class) for row in found.classes if row.own and not row.peer and not found.no_peer]
-    return ("In each size class our fastest solver stands against the peer that is fastest on each problem, at tier "
-            f"{power(found.tier)}{_where(inputs)}. A time is from the caller's arrays to f, on a problem that the solver has not "
-            "seen before; an answer that is not verified counts as infinitely slow. Ratios have 95 % intervals."
-            + (f" No single peer is right on {percent(RIGHT)} of the problems at {words(alone)} rows." if alone else ""))
+    portfolio = ("a portfolio of peers, as a careful user would build it: one code after the other until an answer passes its check"
+                 if found.rival == PORTFOLIO else "the peer that is fastest on each problem")
+    return (f"In each size class {shown_tables.key(found.own)} stands against {portfolio}, at tier {power(found.tier)}"
+            f"{_where(inputs)}. A time is from the caller's arrays to f, on a problem that the solver has not "
+            "seen before; an answer that is not verified counts as infinitely slow. Ratios have 95 % intervals, over launches and problems.")
 
 
 def _where(inputs: Inputs) -> str:
@@ -61,7 +68,8 @@ def _measured(info: dict, keys: list[str], *words: str) -> str:
 
 
 def details(inputs: Inputs, found: Headline) -> str:
-    lines = [f"The 99 % quantile is given for classes with at least {LEAST_FOR_P99} problems. {false_successes(inputs)}", "",
+    lines = [f"The 99 % quantile, of single solves in all launches, is given for classes with at least {LEAST_FOR_P99} problems. "
+             f"{false_successes(inputs)}", "",
              "Own solvers first, then the best solver of each peer library, with a second one where the best is not run on "
              "larger problems. The columns are numbers of rows. After a time stands the share verified, where that is not all, "
              "and of how many problems, where the solver's budget ended before every problem had its turn (their order is "
@@ -77,8 +85,10 @@ def details(inputs: Inputs, found: Headline) -> str:
 
 
 def full_headline(inputs: Inputs, found: Headline) -> str:
-    return "\n".join([caption(inputs, found), "", shown_tables.classes(found).markdown(), peers(found), "",
-                      details(inputs, found)])
+    parts = [caption(inputs, found), "", shown_tables.classes(found).markdown(), peers(found), ""]
+    for words, table in ((FRONT_WORDS, shown_tables.front(found)), (FLAG_WORDS, shown_tables.equal_flags(inputs))):
+        parts += [words, "", table.markdown()] if table else []
+    return "\n".join([*parts, details(inputs, found)])
 
 
 def ablation(inputs: Inputs) -> str:
@@ -102,6 +112,7 @@ def render(inputs: Inputs, lines: list[str], changes: str = "") -> str:
         if found.classes:  # none where no problem counts, as those that are meant to break something
             parts += ["## Times", "", full_headline(inputs, found)]
         parts += _part("By origin of the problems", shown_tables.origins(inputs), ORIGIN_WORDS)
+        parts += _part("Literature", shown_tables.literature(inputs), LITERATURE_WORDS)
         parts += _part("Ablations", shown_tables.ablation(inputs, all_only=True), ABLATION_WORDS)
         parts += _part("Verified and false", shown_tables.coverage(inputs), "Share of the problems that are verified; ✗ with the "
                        "number of false successes: answers that a solver called solved and that are not; ↓ with the number of "

@@ -62,10 +62,11 @@ def fill(text: str, page: Page) -> str:
 
 
 def _headline(page: Page) -> str:
-    """What README shows: caption, where we lose and win, figure."""
+    """What README shows: caption, where we win, figure, and where we lose."""
     table = shown_tables.outcomes(page.found)
-    return "\n".join([markdown.short_caption(page.inputs, page.found), "",
-                      table.markdown() if table else summary.peers(page.found) + "\n", f"![{_ALT}]({page.link(FIGURE)})"])
+    return "\n".join([markdown.short_caption(page.inputs, page.found), "", *([table.markdown()] if table else []),
+                      f"![{_ALT}]({page.link(FIGURE)})", "",
+                      summary.losses(page.found) if table else summary.peers(page.found)])
 
 
 def _streams(page: Page) -> str:
@@ -132,7 +133,6 @@ BLOCKS: dict[str, Callable[[Page], str]] = {
     "headline-details": lambda page: markdown.full_headline(page.inputs, page.found),
     "ablation": lambda page: markdown.ablation(page.inputs),
     "streams": _streams,
-    "passes": lambda page: str(page.info["passes"]),
     "limits": _limits,
     "manifests": lambda page: formats.words([f"`{of['name']}` {of['version']}" for of in page.info.get("manifests", [])]),
     "tuning": _tuning,

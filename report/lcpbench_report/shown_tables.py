@@ -12,8 +12,10 @@ from .formats import DASH, power, residual, seconds, share_of, size_class, times
 from .headline_table import Entry, Headline, headline, verdicts
 from .inputs import PATHOLOGICAL, Inputs
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_ASKED, VERIFIED, within_rounding
-from .statistics.class_times import ALL, RIGHT
+from .statistics.class_times import ALL, RATIO
+from .statistics.groups import COUNTED
 from .statistics.load import ORIGINS
+from .statistics.rivals import FASTEST, FLAGS, PORTFOLIO
 from .table import Table
 from .table import code as key
 
@@ -25,31 +27,64 @@ def _table(columns: list[str], rows: list[list], align: str = "") -> Table | Non
     return Table(columns, rows, align) if rows else None
 
 
+_RIVALS = {PORTFOLIO: "portfolio", FASTEST: "fastest peer of each problem"}
+_GROUPS = ("own scenes", "engines")  # columns beside that of all
+
+
 def classes(found: Headline) -> Table:
-    """A row per size class: the best of ours against the peers."""
+    """A row per size class: ours against the portfolio and the fastest peer of each problem."""
+    shown = [key for key in _RIVALS if any(key in row.rivals for row in found.classes)]
+    there = {group for row in found.classes for rival in row.rivals.values() for group in rival.ratios}
+    groups = [group for group in _GROUPS if set(_GROUPS) <= there]
+    parts = [(key, group) for key in shown for group in (ALL, *groups)]
     rows = []
     for row in found.classes:
-        own, peer = row.entries.get(row.own), row.entries.get(row.peer)
-        tails = [seconds(entry.p99_s) for entry in (own, peer) if entry and not math.isnan(entry.p99_s)]
-        rows.append([size_class(row.size_class), row.problems, *_named(row.own, own, DASH),
-                     *_named(row.peer, peer, found.no_peer or f"none is right on {formats.percent(RIGHT)}"),
-                     *(DASH if of is None else _with_interval(of.median, of.low, of.high)
-                       for of in (row.to_peer, row.to_fastest)), ", ".join(tails) or DASH])
-    return Table(["rows", "problems", "best of ours", "right", "best right peer", "right", "ours / that peer",
-                  "ours / fastest peer of each problem", "99 %: ours, peer"], rows, "lrlrlrrrr")
+        own = row.entries.get(found.own)
+        rivals = [row.rivals[key].ratios.get(group) if key in row.rivals else None for key, group in parts]
+        tails = [seconds(entry.p99_s) for entry in (own, row.entries.get(found.rival)) if entry and not math.isnan(entry.p99_s)]
+        rows.append([size_class(row.size_class), _sample(row.problems, row.n_eff), own.launches if own else DASH, row.peers,
+                     *((_time(own), share_of(own.share)) if own else (DASH, DASH)),
+                     *(DASH if of is None else _with_interval(*of) for of in rivals), ", ".join(tails) or DASH])
+    return Table(["rows", "problems", "launches", "peers", key(found.own) if found.own else "ours", "right",
+                  *(f"ours / {_RIVALS[key]}" if group == ALL else group for key, group in parts),
+                  "99 %: ours, portfolio" if found.rival == PORTFOLIO else "99 %"], rows)
+
+
+def front(found: Headline) -> Table | None:
+    """A row per size class and peer of its Pareto front, and the portfolio."""
+    rows = [[size_class(row.size_class), key(of.key) + " (not on the front)" * (not of.front), seconds(of.time_s), share_of(of.share),
+             share_of(of.own_share), _sample(row.entries[of.key].problems, row.entries[of.key].n_eff), of.launches,
+             _with_interval(*of.ratio), of.relation]
+            for row in found.classes for of in row.rivals.values() if of.key != FASTEST]
+    return _table(["rows", "peer", "time", "right", "ours right", "problems", "launches", "ours / it", "it is"], rows, "llrrrrrrl")
+
+
+def equal_flags(inputs: Inputs) -> Table | None:
+    """A row per instruction set, a column per size class: ours over the peers that are compiled for no less."""
+    table = choice.table(inputs, "equal_flags", choice.main_tier(inputs))
+    if table.empty:
+        return None
+    sizes = choice.size_classes(inputs, table)
+    rows = []
+    for (flags, own, rival), of in table.groupby(["flags", "own", "rival"], sort=False):
+        by = of.set_index("size_class")
+        rows.append([flags, f"{key(own)} / {key(rival)}", *(_with_interval(*by.loc[one, RATIO]) if one in by.index else DASH
+                                                            for one in sizes)])
+    rows.sort(key=lambda row: list(FLAGS).index(row[0]))
+    return Table(["compiled for", "ours / peer", *map(size_class, sizes)], rows, "ll" + "r" * len(sizes))
 
 
 def outcomes(found: Headline) -> Table | None:
     """The front page's: a row where we lose, one where nothing is decided, and one where we win, over size classes."""
-    rows = []
-    for words, classes_ in zip(("slower", "not told apart", "faster"), verdicts(found)):
+    rows, shown = [], [key for key in _RIVALS if any(key in row.rivals for row in found.classes)]
+    for words, classes_ in zip(("slower", "undecided", "faster"), verdicts(found)):
         if classes_:
-            before = [None, *(row.own for row in classes_)]  # a name stands once
-            own = [f"{key(row.own)} " * (row.own != last) + seconds(row.entries[row.own].time_s)
-                   for row, last in zip(classes_, before)]
-            ratios = [_with_interval(*row.to_fastest) for row in classes_]
-            rows.append([words, *map(", ".join, ([size_class(row.size_class) for row in classes_], own, ratios))])
-    return _table(["ours is", "rows", "our median time", "ours / fastest peer of each problem"], rows, "llll")
+            rows.append([words, ", ".join(size_class(row.size_class) for row in classes_),
+                         ", ".join(_time(row.entries[found.own]) for row in classes_),
+                         *(", ".join(_with_interval(*row.rivals[key].ratio) if key in row.rivals else DASH
+                                     for row in classes_) for key in shown)])
+    return _table(["ours is", "rows", f"median time of {key(found.own)}", *(f"ours / {_RIVALS[key]}" for key in shown)],
+                  rows, "lll" + "l" * len(shown))
 
 
 def by_solver(found: Headline) -> Table:
@@ -77,12 +112,13 @@ def _with_interval(value: float, low: float, high: float) -> str:
     return times(value) + ("" if math.isnan(low) else f" ({times(low)}–{times(high)})")
 
 
-def _named(solver: str | None, entry: Entry | None, without: str) -> tuple[str, str]:
-    """Who and how fast, and the share that is right."""
-    if entry is None:
-        return without, DASH
-    words = f"{key(solver)} {seconds(entry.time_s)}"
-    return f"**{words}**" if entry.best else words, share_of(entry.share)
+def _time(entry: Entry) -> str:
+    return f"**{seconds(entry.time_s)}**" if entry.best else seconds(entry.time_s)
+
+
+def _sample(problems: int, n_eff: float) -> str:
+    """Problems, and in parentheses what their weights are worth."""
+    return f"{problems} ({n_eff:.0f})"
 
 
 def ablation(inputs: Inputs, all_only: bool = False) -> Table | None:
@@ -192,9 +228,19 @@ def pathological(inputs: Inputs) -> pd.DataFrame:
 def origins(inputs: Inputs) -> Table | None:
     """A row per solver and a column per origin, at the main tier: the share verified, and its time over that of the
     fastest right solver of each problem. None where all problems are of one origin."""
-    table = choice.table(inputs, "origins", choice.main_tier(inputs))
+    return _by_origin(inputs, choice.table(inputs, "origins", choice.main_tier(inputs)), 2)
+
+
+def literature(inputs: Inputs) -> Table | None:
+    """The same of published problems, which count in nothing else."""
+    found = inputs.analysis.get("origins", pd.DataFrame(columns=["set", "tier", "origin"]))
+    return _by_origin(inputs, found[(found["set"] != COUNTED) & (found["tier"] == choice.main_tier(inputs))], 1)
+
+
+def _by_origin(inputs: Inputs, table: pd.DataFrame, least: int) -> Table | None:
+    """@param least  origins, or there is no table"""
     there = [origin for origin in ORIGINS if len(table) and origin in set(table["origin"])]
-    if len(there) < 2:
+    if len(there) < least:
         return None
     by = table.set_index(["solver", "origin"])
     most = table.groupby("origin")["problems"].max()
@@ -273,5 +319,6 @@ def settings(inputs: Inputs) -> Table:
 # Name of the file -> table of papers.
 PAPERS: dict[str, Callable[[Inputs], Table | None]] = {
     "headline": lambda inputs: by_solver(headline(inputs)) if len(inputs.cells) and headline(inputs).solvers else None,
-    "coverage": coverage, "origins": origins, "sequences": sequences,
+    "front": lambda inputs: front(headline(inputs)) if len(inputs.cells) else None,
+    "coverage": coverage, "origins": origins, "literature": literature, "equal-flags": equal_flags, "sequences": sequences,
 }

@@ -2,12 +2,14 @@
 
 from . import choice, decision, formats, shown_tables
 from .choice import main_tier
-from .headline_table import ClassRow, Headline, headline, verdicts
+from .headline_table import ClassRow, Headline, headline, low, verdicts
 from .inputs import Inputs
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_RUN, VERIFIED, within_rounding
 from .statistics.load import ORIGINS
+from .statistics.rivals import DOMINATED, DOMINATES, FASTER, FASTEST, PORTFOLIO
 
 MOST_LINES = 12
+_NAMES = {PORTFOLIO: "the portfolio of peers", FASTEST: "the fastest peer of every single problem"}
 # Rankings that correlate as much, by the lower end of the interval, are called the same, or alike.
 _SAME, _ALIKE = 0.95, 0.8
 
@@ -118,33 +120,42 @@ def origins(inputs: Inputs) -> str:
 
 
 def peers(found: Headline) -> str:
-    """First where we lose, then where nothing is decided, and only then where we win."""
+    """First where nothing is decided and where we win, and at the end where we lose."""
     if found.no_peer:
         return f"Nothing here compares with other projects' solvers: {found.no_peer}."
-    lost, undecided, won = verdicts(found)
-    if not (lost or undecided or won):
-        return ""
-    tied = [formats.size_class(row.size_class) for row in undecided]
-    if lost:
-        losses = formats.words([_told(row, "times its time") for row in lost])
-        parts = [f"Against the fastest peer of every single problem we lose at {losses}."]
-    else:
-        parts = ["In no size class is the fastest peer of every single problem faster than our best solver."]
-    if tied:
-        parts.append(f"Not decided, because the interval contains 1: {_rows(tied)}.")
+    _, undecided, won = verdicts(found)
+    name, parts = _NAMES[found.rival], []
     if won:
-        parts.append(f"We win at {formats.words([_told(row, 'of its time') for row in won])}.")
-    return " ".join(parts)
+        parts.append(f"Against {name} we win at {formats.words([_told(row, found.rival, 'of its time') for row in won])}.")
+    if undecided:
+        parts.append(f"Undecided, because the interval contains 1: {_rows([formats.size_class(row.size_class) for row in undecided])}.")
+    return " ".join([*parts, losses(found)]) if any(verdicts(found)) else ""
+
+
+def losses(found: Headline) -> str:
+    """Of how much of the front ours is better than in both; and to whom we lose, at how many rows and by how much: the
+    rival, single peers of the front, the fastest of each problem."""
+    parts = []
+    for rival in dict.fromkeys((found.rival, FASTEST)):
+        lost = [row for row in found.classes if rival in row.rivals and low(row, rival) > 1]
+        told = [_told(row, rival, "times its time") for row in lost]
+        parts.append(f"to {_NAMES[rival]} " + (f"at {formats.words(told)}" if lost else "at no size"))
+    front = [(row, of) for row in found.classes for of in row.rivals.values() if of.front and of.key != found.rival]
+    for words, kind in (("that are faster and at least as often right", DOMINATES), ("that are faster, though less often right,", FASTER)):
+        if told := [f"`{of.key}` at {_told(row, of.key, 'times its time')}" for row, of in front if of.relation == kind]:
+            parts.append(f"to single peers {words} {formats.words(told)}")
+    dominated = sum(of.relation == DOMINATED for _, of in front)
+    return (f"Of the {formats.plural(len(front), 'place')} on the fronts of single peers (no other is both faster and right on as "
+            f"much), ours is faster than {dominated}, and right at least as often. We lose {'; '.join(parts)}.")
 
 
 def _rows(size_classes: list[str]) -> str:
     return formats.words(size_classes) + (" row" if size_classes[-1:] == ["1"] else " rows")
 
 
-def _told(row: ClassRow, words: str) -> str:
-    median = row.to_fastest.median
-    told = f"{formats.times(median)} {words}" if median else "no peer is right on half"
-    return f"{_rows([formats.size_class(row.size_class)])} ({told})"
+def _told(row: ClassRow, rival: str, words: str) -> str:
+    median = row.rivals[rival].ratio.median
+    return f"{_rows([formats.size_class(row.size_class)])} ({formats.times(median)} {words})"
 
 
 def _accuracy(inputs: Inputs) -> str:
@@ -182,7 +193,7 @@ def _sequences(inputs: Inputs) -> str:
     if rows.empty:
         return ""
     most = rows["verified_share"].max()
-    enough = rows[rows["verified_share"] >= decision.SHARE * most].sort_values("p99")
+    enough = rows[rows["verified_share"] >= decision.SHARE * most].sort_values(["p99", "p50"])
     best = enough.iloc[0]
     gains = enough[enough["warm_gain"].notna()].sort_values("warm_gain", ascending=False)
     gain = "" if gains.empty else (f"; a warm start gains most for `{gains.iloc[0]['solver']}` "

@@ -182,7 +182,7 @@ def _task_lines(solver: str, size: str, tier: float, task: list[dict]) -> list[d
     lines = [judge]
     for index in range(max(len(cell["fresh_s"]) for cell in task)):
         lines.append(common | {"kind": "fresh", "pass": index + 1, "fresh_s": [c["fresh_s"][index] for c in task],
-                               "group": 1, "failed": [],
+                               "failed": [],
                                "disturbance": {"probe_s": 1e-3, "cpu_share": 1.0, "switches": 0, "reruns": 0,
                                                "disturbed": any(index in c["disturbed"] for c in task)}})
     lines.append(common | {"kind": "parts", "pass": 1} | {

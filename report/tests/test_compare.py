@@ -40,7 +40,7 @@ class Truth(unittest.TestCase):
             self.assertLessEqual(sum(c.regressed or not c.faster.empty for c in found), most)
 
     def test_what_the_machine_does_meanwhile_is_no_regression(self):
-        """A neighbour during two of three passes, seen on a real machine: the medians of all problems move alike."""
+        """A neighbour during two of three launches, seen on a real machine: the medians of all problems move alike."""
         def change(record):
             if record["solver"] != "b":
                 return record
@@ -51,7 +51,8 @@ class Truth(unittest.TestCase):
         for c in found:
             row = c.speeds[(c.speeds["solver"] == "b") & (c.speeds["family"] == changes.ALL)
                            & (c.speeds["size_class"] == changes.ALL)].iloc[0]
-            self.assertGreater(row["ratio_low"], 1.1)  # the medians alone would tell of a regression
+            self.assertGreater(row["ratio"], 1.2)
+            self.assertLess(row["ratio_low"], 1)
             self.assertFalse(c.regressed)
 
     def test_all_comparisons_are_adjusted_together(self):
@@ -60,8 +61,8 @@ class Truth(unittest.TestCase):
             found = self._many(1)[0]
         # All, by class, by family, and the engine's problem, which is one.
         comparisons = len(FACTORS) * (1 + CLASSES + len(FAMILIES) + 1)
-        self.assertEqual([len(p) for p in families], [comparisons] * 2)
-        self.assertEqual([np.count_nonzero(~np.isnan(p)) for p in families], [comparisons - len(FACTORS)] * 2)
+        self.assertEqual([len(p) for p in families], [comparisons])
+        self.assertEqual([np.count_nonzero(~np.isnan(p)) for p in families], [comparisons - len(FACTORS)])
         self.assertEqual(len(found.speeds), comparisons)
 
     def test_ten_per_cent_more_time_of_one_solver_are_found(self):
@@ -136,17 +137,6 @@ class Summary(FolderCase):
     def test_an_answer_that_is_found_is_no_regression(self):
         self.old = self._write("old", change=only("b", VICTIM, fail))
         self.expect(0, "Verified now, and not before")
-
-    def test_agreement_is_the_share_of_overlapping_intervals(self):
-        def agreement(change):
-            new = load_campaign(self._write("new", change=change))
-            return changes.compare_campaigns(load_campaign(self.old), new).agreement()
-
-        self.assertEqual(agreement(lambda record: record)[:2], (147, 147))
-        self.assertEqual(agreement(lambda record: slower(record, 2))[:2], (0, 147))
-        part, total, low, high = agreement(only("a", "", lambda record: slower(record, 2)))
-        self.assertEqual((part, total), (98, 147))
-        self.assertTrue(low < 98 / 147 < high)
 
     def test_what_only_one_has_is_told_and_judged_by_nothing(self):
         drop(self.new, lambda record: record["solver"] == "c")

@@ -6,7 +6,7 @@ from unittest import mock
 import pandas as pd
 
 from lcpbench_report import peers, plotly_bundle, studies
-from lcpbench_report.archive import archive
+from lcpbench_report.compact import compact
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.static import canvas
@@ -57,7 +57,7 @@ class Curves(FolderCase):
 
     def test_an_archive_is_read_the_same(self):
         write_curves(self.folder / "made")
-        archive(self.folder / "made", self.folder / "kept")
+        compact(self.folder / "made", self.folder / "kept")
         made, kept = studies.read_curves(self.folder / "made"), studies.read_curves(self.folder / "kept")
         for name, table in made.items():
             self.assertTrue(table.equals(kept[name]), name)

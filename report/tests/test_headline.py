@@ -6,8 +6,9 @@ import xml.etree.ElementTree
 from pathlib import Path
 
 from lcpbench_report import formats, markdown, shown_tables, summary
-from lcpbench_report.headline_table import headline
+from lcpbench_report.headline_table import headline, verdicts
 from lcpbench_report.inputs import load_inputs
+from lcpbench_report.statistics.rivals import DOMINATES, FASTER, FASTEST, PORTFOLIO
 from .cases import SharedFolderCase, edit_info, json_of, run
 from .synthetic_campaign import exclude, fail, only, slower, write_campaign
 from .synthetic_report import ENVIRONMENT, FAILING, MANY, NEXT, OWN, write_problems, write_steps
@@ -33,22 +34,13 @@ class Headline(SharedFolderCase):
     def best(self, found) -> list[set[str]]:
         return [{solver for solver, entry in row.entries.items() if entry.best} for row in found.classes]
 
-    def test_a_solver_that_fails_is_not_bold_though_it_is_the_fastest(self):
+    def test_bold_is_who_no_other_is_better_than_in_both(self):
         for claim in ("iteration_limit", "solved"):  # false successes are failures too
             _, found = self.of(only(FAILING, "piles-50-1", lambda record: fail(record, claim)))
-            self.assertEqual(self.best(found), [{NEXT} if k == COLUMN else {FAILING} for k in range(len(found.classes))])
+            self.assertEqual(self.best(found), [{FAILING, NEXT} if k == COLUMN else {FAILING} for k in range(len(found.classes))])
             self.assertAlmostEqual(found.classes[COLUMN].entries[FAILING].share, 5 / 6)
-
-    def test_where_nobody_verifies_everything_the_fastest_of_those_that_verify_most_is_bold(self):
-        on_some = only(FAILING, "chains-50-1", fail)
-        _, found = self.of(lambda record: only(None, "piles-50-1", fail)(on_some(record)))
-        self.assertEqual(self.best(found)[COLUMN], {NEXT})
-
-    def test_what_the_interval_of_the_ratio_does_not_tell_apart_is_tied(self):
-        # As fast as the fastest, but for some noise that goes both ways.
-        _, found = self.of(only(NEXT, "", lambda record: slower(record, 0.5 / 0.6 * (
-            1.1 if record["problem"].endswith("-1") else 1 / 1.1))))
-        self.assertEqual(self.best(found)[COLUMN], {FAILING, NEXT})
+        _, found = self.of(only(NEXT, "piles-50-1", fail))
+        self.assertEqual(self.best(found)[COLUMN], {FAILING})
 
     def test_failing_on_hard_problems_does_not_make_a_solver_faster(self):
         _, complete = self.of(lambda record: record)
@@ -57,32 +49,81 @@ class Headline(SharedFolderCase):
             self.assertGreaterEqual(found.classes[COLUMN].entries["pgs"].time_s,
                                     complete.classes[COLUMN].entries["pgs"].time_s)
 
-    def test_ratios_are_ours_over_theirs_and_the_losses_are_told_first(self):
+    def test_ratios_are_ours_over_theirs_and_the_losses_are_told_last(self):
         _, found = self.of(lambda record: record)
         for row in found.classes:
-            self.assertEqual((row.own, row.peer), ("dantzig", "ode-lemke"))
-            self.assertAlmostEqual(row.to_peer.median, 0.5 / 0.6, delta=0.1)
+            self.assertEqual((found.own, list(row.rivals)), ("auto", [NEXT, FASTEST]))
+            self.assertAlmostEqual(row.rivals[NEXT].ratio.median, 1 / 0.6, delta=0.2)
+            self.assertEqual(row.rivals[NEXT].relation, DOMINATES)
+        self.assertRegex(summary.peers(found), r"We lose to the fastest peer of every single problem at .*; to single peers that are "
+                         r"faster and at least as often right `ode-lemke` at 7–12 rows \(1\.[567]")
+
+        _, found = self.of(lambda record: slower(record, 4) if record["solver"] == NEXT and "-50-" not in record["problem"]
+                           and "-100-" not in record["problem"] else record)
+        row = found.classes[COLUMN]
+        self.assertGreater(row.rivals[FASTEST].ratio.low, 1)
         text = summary.peers(found)
-        self.assertTrue(text.startswith("In no size class"), text)
+        self.assertRegex(text, r"^Against the fastest peer of every single problem we win at 7–12 rows")
+        self.assertRegex(text, r"We lose to the fastest peer of every single problem at 31–100 rows \(1\.[67]")
+        lost, won = shown_tables.outcomes(found).rows
+        self.assertEqual((lost[:2], won[0]), (["slower", "31–100"], "faster"))
+        self.assertRegex(lost[3], r"^1\.[67]")
 
-        _, found = self.of(lambda record: slower(record, 4) if record["solver"] == "dantzig"
-                           and any(f"-{rows}-" in record["problem"] for rows in (50, 100)) else record)
-        row = found.classes[COLUMN]
-        self.assertEqual((row.own, row.peer), ("auto", "ode-lemke"))
-        self.assertGreater(row.to_fastest.low, 1)
-        self.assertRegex(summary.peers(found), r"^Against the fastest peer of every single problem we lose at 31–100 rows \(1\.[67]")
-        self.assertEqual(self.best(found)[COLUMN], {"ode-lemke"})
-        lost = shown_tables.outcomes(found).rows[0]
-        self.assertEqual(lost[:2], ["slower", "31–100"])
-        self.assertRegex(lost[2] + lost[3], r"^`auto` .*1\.[67]")
+    def test_a_faster_peer_that_is_less_often_right_is_told_as_such(self):
+        _, found = self.of(only(NEXT, "piles-50-1", fail))
+        self.assertEqual(found.classes[COLUMN].rivals[NEXT].relation, FASTER)
+        self.assertRegex(summary.losses(found), "though less often right, `ode-lemke` at 31–100 rows")
+        self.assertIn("83\u202f%", shown_tables.front(found).markdown())
 
-    def test_where_no_peer_is_right_the_class_has_no_best_one(self):
-        _, found = self.of(lambda record: fail(record) if record["solver"] not in OWN and record["problem"] == "piles-50-1"
-                           else record)
-        row = found.classes[COLUMN]
-        self.assertEqual((row.peer, row.to_peer), (None, None))
-        self.assertIsNotNone(row.to_fastest)
-        self.assertIn("none is right on 99", shown_tables.classes(found).markdown())
+    def test_the_portfolio_is_the_rival_where_there_is_one(self):
+        change = lambda record: record  # noqa: E731
+        with tempfile.TemporaryDirectory() as folder:
+            factors = {"auto": 1.0, PORTFOLIO: 2.0, "bullet-dantzig": 0.9}
+            peers = {key: {"origin": "peer"} for key in factors if key != "auto"}
+            inputs = load_inputs([write_campaign(Path(folder), factors, tiers=(1e-6,), change=change, solvers=peers,
+                                                 change_problem=lambda of: of | {"origin": "recorded" if of["family"] == "chains" else "motion"})])
+        found = headline(inputs)
+        self.assertEqual(found.rival, PORTFOLIO)
+        lost, undecided, won = verdicts(found)
+        self.assertEqual((lost, undecided, len(won)), ([], [], 5))
+        text = shown_tables.classes(found).markdown()
+        for column in ("ours / portfolio", "own scenes", "engines", "ours / fastest peer of each problem", "launches", "peers"):
+            self.assertIn(f" {column} |", text)
+        self.assertIn("`peer-portfolio` (not on the front)", shown_tables.front(found).markdown())
+        self.assertRegex(summary.peers(found), r"^Against the portfolio of peers we win at .*We lose to the portfolio of peers at no size; to the "
+                         r"fastest peer of every single problem at 7–12 rows")
+
+    def test_at_equal_flags_there_is_a_row_per_instruction_set_and_else_nothing_is_said(self):
+        with tempfile.TemporaryDirectory() as folder:
+            factors = {"auto": 1.0, "auto-baseline": 2.0, "auto-v3": 1.5, "ode-dantzig": 3.0, "ode-dantzig-native": 2.5}
+            builds = {key: {"origin": "external", "ablation": "baseline", "base": "auto"} for key in ("auto-baseline", "auto-v3")}
+            builds |= {key: {"origin": "peer"} for key in ("ode-dantzig", "ode-dantzig-native")}
+            inputs = load_inputs([write_campaign(Path(folder), factors, tiers=(1e-6,), solvers=builds)])
+        self.assertEqual((inputs.ours, inputs.peers), ("auto", ["ode-dantzig", "ode-dantzig-native"]))
+        rows = shown_tables.equal_flags(inputs).rows
+        self.assertEqual([row[:2] for row in rows], [["any x86-64", "`auto-baseline` / `ode-dantzig`"],
+                                                     ["x86-64-v3", "`auto-v3` / `ode-dantzig-native`"],
+                                                     ["the machine's", "`auto` / `ode-dantzig-native`"]])
+        for row, ratio in zip(rows, ("0.6", "0.6", "0.[34]")):
+            self.assertRegex(row[2], rf"^{ratio}\d \(")
+        self.assertIn("At equal flags", markdown.full_headline(inputs, headline(inputs)))
+        self.assertNotIn("At equal flags", self.text)
+
+    def test_literature_stands_in_a_table_of_its_own_also_where_it_was_counted(self):
+        with tempfile.TemporaryDirectory() as folder:
+            inputs = load_inputs([write_campaign(Path(folder), {"auto": 1.0, "clp": 2.0}, tiers=(1e-6,), change_problem=lambda of: of | (
+                {"origin": "literature", "set": "literature"} if of["family"] == "chains" else {}))])
+        self.assertEqual(set(inputs.counted["family"]), {"piles"})
+        table = shown_tables.literature(inputs)
+        self.assertEqual((table.columns, [row[0] for row in table.rows]), (["solver", "literature (24)"], ["`auto`", "`clp`"]))
+        self.assertIn("## Literature", markdown.render(inputs, []))
+        self.assertNotIn("## Literature", markdown.render(self.inputs, []))
+
+    def test_a_class_whose_interval_holds_1_is_undecided(self):
+        _, found = self.of(only(NEXT, "", lambda record: slower(record, 1 / 0.6 * (
+            1.1 if record["problem"].endswith("-1") else 1 / 1.1))))
+        self.assertIn("undecided", [row[0] for row in shown_tables.outcomes(found).rows])
+        self.assertIn("Undecided, because the interval contains 1", summary.peers(found))
 
     def test_without_a_peer_the_report_says_how_to_get_one_and_not_that_none_is_right(self):
         def told(change: dict) -> tuple[str, str]:
@@ -96,7 +137,6 @@ class Headline(SharedFolderCase):
             page, text = told(change)
             for of in (page, text):
                 self.assertIn(words, of)
-                self.assertNotIn("none is right", of)
         self.assertNotIn("no peer", markdown.render(self.inputs, summary.summary_lines(self.inputs)).lower())
 
     def test_what_a_solver_does_not_take_has_a_mark_of_its_own_and_is_in_no_share(self):
@@ -114,7 +154,8 @@ class Headline(SharedFolderCase):
                 text = shown_tables.cell(entry, row.problems)
                 self.assertIn(f"of {entry.problems}", text)
                 self.assertNotIn("✗", text)
-                self.assertNotEqual(row.peer, peer)  # who does not take the class is not its best
+                if peer in row.rivals:  # what it does not take is not right on the front
+                    self.assertLess(row.rivals[peer].share, 1)
             inputs, found = self.of(only(peer, "", lambda record: fail(record, "unsupported")))
             self.assertRegex(markdown.render(inputs, summary.summary_lines(inputs)), rf"\| `{peer}` \| ○ \d+ \|")
             cells = {shown_tables.cell(row.entries[peer], row.problems) for row in found.classes}
@@ -167,8 +208,7 @@ class Headline(SharedFolderCase):
         page, bare = self.path / "docs" / "results.md", self.path / "docs" / "bare.md"
         page.parent.mkdir()
         bare.write_text("no blocks\n", encoding="utf-8")
-        readme.write_text("before\n<!-- numbers:headline -->\nstale text\n<!-- end -->\nat most "
-                          "<!-- numbers:passes -->99<!-- end --> passes, <!-- numbers:streams --><!-- end -->\n",
+        readme.write_text("before\n<!-- numbers:headline -->\nstale text\n<!-- end -->\n<!-- numbers:limits -->99<!-- end -->, <!-- numbers:streams --><!-- end -->\n",
                           encoding="utf-8")
         page.write_text("<!-- numbers:headline -->\nstale text\n<!-- end -->\n\n<!-- numbers:headline-details -->\n<!-- end -->\n",
                         encoding="utf-8")
@@ -179,7 +219,6 @@ class Headline(SharedFolderCase):
             self.assertTrue(text.startswith("before\n"))
             self.assertIn("](report/reference/headline.svg)", text)
             self.assertIn("](../report/reference/headline.svg)", more)
-            self.assertIn("at most <!-- numbers:passes -->5<!-- end --> passes", text)
             self.assertIn("1000 problems up to 30 rows, 256 problems up to 100 rows and 64 problems up to 1000 rows", text)
             self.assertNotIn("stale text", text + more)
             self.assertEqual(bare.read_text(encoding="utf-8"), "no blocks\n")
@@ -194,6 +233,7 @@ class Headline(SharedFolderCase):
         self.assertEqual(self.update(readme)[0], 0)
         short, details = readme.read_text(encoding="utf-8"), markdown.details(self.inputs, self.found)
         self.assertIn(shown_tables.outcomes(self.found).markdown(), short)
+        self.assertIn(summary.losses(self.found) + "\n\n<!-- end -->", short)  # it ends with where we lose
         self.assertNotIn(by_class, short)
         # What we lose stands directly below the table.
         self.assertIn(by_class + "\n" + summary.peers(self.found), self.text)
@@ -204,7 +244,7 @@ class Headline(SharedFolderCase):
 
     def test_files_without_blocks_or_with_an_unknown_one_are_refused_before_anything_is_written(self):
         good, bad = self.path / "good.md", self.path / "bad.md"
-        stale = "<!-- numbers:passes -->99<!-- end -->"
+        stale = "<!-- numbers:limits -->99<!-- end -->"
         good.write_text(stale, encoding="utf-8")
         for text, files in (("no blocks", [bad]), ("<!-- numbers:nonsense -->1<!-- end -->", [good, bad])):
             bad.write_text(text, encoding="utf-8")

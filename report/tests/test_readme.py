@@ -4,16 +4,13 @@ import re
 import unittest
 from pathlib import Path
 
-_REPORT = Path(__file__).resolve().parents[1]
-
 from lcpbench_report import readme_blocks
 from lcpbench_report.headline_table import headline
-from lcpbench_report.inputs import load_inputs
+from .reference import inputs_of
 
-_ROOT = _REPORT.parent
+_ROOT = Path(__file__).resolve().parents[2]
 _PAGES = {path: path.read_text(encoding="utf-8") for path in [*sorted(_ROOT.glob("*.md")), *sorted(_ROOT.glob("docs/*.md"))]}
-_CORE = _REPORT / "reference" / "core"
-_ABLATION = _REPORT / "reference" / "ablation"
+_RESULTS = ("core", "sequences")  # sequences change nothing in the blocks, and are those of summary.md
 _HELP = "make reference-report writes them"
 
 
@@ -31,7 +28,7 @@ class Readme(unittest.TestCase):
             self.assertEqual(_PAGES[path].count("<!-- end -->"), len(blocks), _name(path))
 
     def test_the_blocks_are_those_of_the_committed_results(self):
-        inputs = load_inputs([_CORE], ablation=_ABLATION)
+        inputs = inputs_of(*_RESULTS)
         found = headline(inputs)
         for path, text in _PAGES.items():
             with self.subTest(_name(path)):
@@ -39,7 +36,7 @@ class Readme(unittest.TestCase):
                 self.assertEqual(text.splitlines(), filled.splitlines(), _HELP)
 
     def test_every_solver_and_scene_is_spoken_of_on_its_page(self):
-        inputs = load_inputs([_CORE])
+        inputs = inputs_of(*_RESULTS)
         solvers = {origin: [of["key"] for of in inputs.solvers if of["origin"] == origin and of["setting"] != "variant"]
                    for origin in ("own", "peer")}
         scenes = re.findall("`([^`]*)`", readme_blocks.BLOCKS["scene-keys"](readme_blocks.Page(inputs, None, _ROOT, _ROOT)))

@@ -17,7 +17,7 @@ from lcpbench_report.table import Table, html, latex
 from .cases import SharedFolderCase
 from .synthetic_report import FAILING, write_motion, write_problems, write_steps
 
-TABLES = {"headline", "coverage", "sequences"}
+TABLES = {"headline", "front", "coverage", "sequences"}
 _DRAWN = "{http://www.w3.org/2000/svg}path"
 
 
@@ -31,7 +31,7 @@ class Static(SharedFolderCase):
 
     def test_every_figure_is_there_twice_and_what_is_returned_was_written(self):
         for suffix in (".svg", ".pdf"):
-            self.assertEqual({path.stem for path in self.written if path.suffix == suffix}, {"time-by-size"})
+            self.assertEqual({path.stem for path in self.written if path.suffix == suffix}, {"time-by-size", "front"})
         on_disk = {path for path in (self.path / "out").rglob("*") if path.is_file()}
         self.assertEqual(set(self.written), on_disk)
 

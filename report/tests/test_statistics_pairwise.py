@@ -25,7 +25,8 @@ def pair(table: pd.DataFrame, a: str, b: str) -> pd.Series:
 
 def compared(times: pd.DataFrame, **about) -> pd.DataFrame:
     """Every problem is a base of one family and weighs the same, unless `about` says otherwise."""
-    known = pd.DataFrame({"family": "", "base": times.index.astype(str), "weight": 1.0}, index=times.index)
+    known = pd.DataFrame({"origin": "placed", "size_class": "7-12", "family": "", "base": times.index.astype(str),
+                          "weight": 1.0}, index=times.index)
     return pairwise.compare_pairs(times, known.assign(**about))
 
 

@@ -89,6 +89,10 @@ class Coverage(unittest.TestCase):
         cells = cells_of(pd.DataFrame({"a": [1.0, 1.0, INF]})).assign(weight=[0.5, 0.5, 1.0])
         row = coverage_table(cells).iloc[0]
         self.assertEqual((row["verified"], row["problems"], row["verified_share"]), (2, 3, 0.5))
+        # Three bases of weights 1/2, 1/2 and 1 are worth 2^2 / 1.5 alike ones (Kish).
+        self.assertEqual(row["n_eff"], 4 / 1.5)
+        self.assertEqual((row["verified_share_low"], row["verified_share_high"]), share_interval(0.5, 4 / 1.5))
+        row = coverage_table(cells.assign(base=["one", "one", "other"])).iloc[0]
         self.assertEqual((row["verified_share_low"], row["verified_share_high"]), share_interval(0.5, 2))
 
     def test_shares_lie_in_their_intervals(self):

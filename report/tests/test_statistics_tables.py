@@ -60,7 +60,7 @@ class Tables(SharedFolderCase):
     def test_all_is_written_without_a_word(self):
         self.assertEqual((self.status, self.error), (0, ""))
         for name, table in self.tables.items():
-            self.assertEqual(table.empty, name in ("ablation", "rank_correlation"), name)
+            self.assertEqual(table.empty, name in ("ablation", "rank_correlation", "rivals", "equal_flags"), name)
         line = (self.folder / FOLDER / "cells.csv").read_text(encoding="utf-8").splitlines()[1]
         self.assertEqual(("true" in line.split(","), "True" in line), (True, False))  # booleans are words
 
@@ -70,8 +70,6 @@ class Tables(SharedFolderCase):
         self.assertFalse(cells.duplicated(["problem", "solver", "tier"]).any())
         run = cells[cells["verdict"] == "verified"]
         self.assertEqual(set(run["timed"]), {5})
-        ordered = run[["fresh_low", "fresh_s", "fresh_high"]]
-        self.assertTrue((ordered.diff(axis=1).iloc[:, 1:] >= 0).all().all())
         np.testing.assert_allclose(run["prepare_s"] / run["problem_s"], PARTS["prepare_s"] / PARTS["problem_s"])
         self.assertTrue((run["again_s"] < run["fresh_s"]).all())
 
@@ -144,8 +142,8 @@ class Verdicts(FolderCase):
     def test_the_time_that_counts(self):
         times = [5e-3, 1e-3, 3e-3, 2e-3, 9e-3]
         for why, record, expected in (
-                ("the median of the passes that were not disturbed", {"fresh_s": times, "disturbed": [4]},
-                 {"time_s": 2.5e-3, "quickest_s": 1e-3, "timed": 5, "disturbed": 1}),
+                ("the median of the launches that were not disturbed", {"fresh_s": times, "disturbed": [4]},
+                 {"time_s": 2.5e-3, "timed": 5, "disturbed": 1}),
                 ("of all where there are no others", {"fresh_s": times, "disturbed": range(5)}, {"time_s": 3e-3}),
                 ("a pass without a time is none", {"fresh_s": [None, 4e-3, None, 2e-3]}, {"time_s": 3e-3, "timed": 2}),
                 ("of the solve that was judged where no pass has one", {"fresh_s": [None] * 5, "first_s": 7e-3},
@@ -153,14 +151,6 @@ class Verdicts(FolderCase):
             found = self.cells(lambda r, record=record: r | record)
             for column, value in expected.items():
                 self.assertEqual(set(found[column]), {value}, why)
-
-    def test_the_quickest_pass_is_one_of_the_whole_task(self):
-        """The second pass is quicker on one of two problems of the class and family, the first one on the rest."""
-        def change(record):
-            odd = record["problem"] == "piles-10-0"
-            return record | {"fresh_s": [2e-3, 1e-3 if odd else 4e-3, None if odd else 3e-3]}
-        found = self.cells(change)["quickest_s"]
-        self.assertEqual((found["piles-10-0"], found["chains-10-0"]), (2e-3, 2e-3))
 
     def test_what_had_no_turn_is_excluded_by_the_budget(self):
         def edit(line):
@@ -274,7 +264,7 @@ class Files(FolderCase):
                 (0, "rho", [1.0, True]), (0, "rho", [1.0, -1.0]), (0, "first_s", [0.0, 1.0]),
                 (0, "first_s", [None, 1.0]), (0, "exceptions", None), (0, "exceptions", [{"at": 2}]),
                 (0, "exceptions", [{"at": 0}]), (0, "peak_bytes", "much"), (1, "fresh_s", [0.0, 1.0]),
-                (1, "fresh_s", [1.0]), (1, "failed", [2]), (1, "failed", [0, 0]), (1, "group", 0),
+                (1, "fresh_s", [1.0]), (1, "failed", [2]), (1, "failed", [0, 0]),
                 (1, "disturbance", {"disturbed": 1}), (6, "solve_s", [-1.0, 1.0]), (7, "again_s", None)):
             with self.subTest(index=index, key=key, value=value):
                 self._write()

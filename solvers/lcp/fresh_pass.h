@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "solvers/lcp/solver.h"
+#include "support/process_watch.h"
 
 namespace lcpbench {
 
@@ -31,14 +33,11 @@ struct PassRequest {
   /// On rho, LcpOptions::tolerance.
   double tolerance = 1e-9;
   double time_limit_s = 0;  ///< of one solve [s]
-  /// Solved first and not timed, so that the solver object has its workspace and the processor knows the code.
+  /// Solved first and not timed, so that the solver object has its workspace and the processor knows the code: once,
+  /// and again until what they take settles.
   std::vector<std::uint32_t> warm_up;
+  double settle_s = 0;               ///< how long that may go on after the first time [s]
   std::vector<std::uint32_t> order;  ///< timed, in this order; none of warm_up, each once
-  /// So many problems share a pair of clock reads, each is given the mean: for solves of less than some 2 us. Fresh
-  /// only.
-  std::uint32_t group = 1;
-  /// No further group is begun once the timed ones took so long in all [s].
-  double budget_s = 0;
   /// kAgain: the other b of the problems of `order`, in its order.
   std::vector<Eigen::VectorXd> other_b;
 };
@@ -57,13 +56,19 @@ struct PassEntry {
   Eigen::VectorXd f;
 };
 
-/// Entries in the order of PassRequest::order; fewer where the budget ended.
-using PassReply = std::vector<PassEntry>;
+/// What came of a pass.
+struct PassReply {
+  std::vector<PassEntry> entries;  ///< in the order of PassRequest::order
+  /// What the machine did to the thread that solved, while it timed; empty where that is not known.
+  std::optional<Disturbance> disturbance;
+};
 
 /// Makes the solver object of a pass.
 using SolverFactory = std::function<std::unique_ptr<LcpSolver>()>;
 
-/// Runs one pass in this thread. The solver object is made for it, warmed up, and meets every problem once.
+/// Runs one pass in this thread. The solver object is made for it, warmed up, and meets every problem once. The stream
+/// is read just before, as arrays that were just written: whatever ran earlier, it lies in the caches as far as these
+/// hold it. Every solve is timed by itself (Stopwatch).
 /// @param problems  the whole stream
 PassReply RunPass(const SolverFactory& make, std::span<const ProblemArrays> problems, const PassRequest& request);
 

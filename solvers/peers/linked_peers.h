@@ -5,10 +5,11 @@
 
 namespace lcpbench {
 
-// Peers that may also be linked into a program beside ours, for they live in one process with it and their licences
-// (BSD or LGPL, Zlib) let them. Each is a library of its own, lcpbench_linked_<folder>, of which the peer's worker is
-// made, too: both run the same code. A solver of theirs that does not end takes the program with it, which a worker
-// does not: let the worker solve a problem first. Not for several threads.
+// Peers that may also be linked into a program beside ours or others, for they live in one process with it and their
+// licences let them (BSD or LGPL, Zlib; ALGLIB's is the GPL, which is then that of the program). Each is a library of
+// its own, lcpbench_linked_<folder>, of which the peer's worker is made, too: both run the same code. A solver of
+// theirs that does not end takes the program with it, which a worker does not: let the worker solve a problem first.
+// Not for several threads.
 
 /// What a solver of theirs may be besides an LcpSolver: one that begins at an engine's arrays.
 class SolverOfRows {
@@ -22,5 +23,7 @@ class SolverOfRows {
 PeerLibrary OdeLibrary();
 /// Where lcpbench_linked_bullet is linked.
 PeerLibrary BulletLibrary();
+/// Where lcpbench_linked_alglib is linked.
+PeerLibrary AlglibLibrary();
 
 }  // namespace lcpbench

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 #include <memory>
 #include <string>
@@ -26,6 +27,16 @@ PeerLibrary ThisPeerLibrary();
 template <typename Adapter>
 std::unique_ptr<LcpSolver> MakePeer(std::string_view key, SettingsReader* reader) {
   return std::make_unique<Adapter>(key, reader);
+}
+
+/// What a library prints as it solves goes nowhere from the first call on, once per process: nobody reads it, and a
+/// campaign's terminal would drown in it. Not before the worker has greeted the host, which it does on standard output.
+inline void SilenceLibrary() {
+  static const bool is_silent = [] {
+    std::fflush(nullptr);
+    return std::freopen("/dev/null", "w", stdout) != nullptr && std::freopen("/dev/null", "w", stderr) != nullptr;
+  }();
+  static_cast<void>(is_silent);
 }
 
 /// max_iterations if given, else `usual`; what an int holds of it.

@@ -10,10 +10,14 @@ namespace lcpbench {
 namespace {
 
 constexpr PeerProject kBullet{"bullet", "Bullet", "Zlib"};
+// The LCP sources of the two engines' Debian packages, compiled here (cmake/packages/sources-peers.txt).
+constexpr PeerProject kBulletNative{"bullet-native", "Bullet", "Zlib"};
+constexpr PeerProject kOdeNative{"ode-native", "ODE", "LGPL-2.1-or-later OR BSD-3-Clause"};
 constexpr PeerProject kOde{"ode", "ODE", "LGPL-2.1-or-later OR BSD-3-Clause"};
 // Its Dantzig code is ODE's, with ODE's licence.
 constexpr PeerProject kDart{"dart", "DART", "BSD-2-Clause AND (LGPL-2.1-or-later OR BSD-3-Clause)"};
 constexpr PeerProject kSiconos{"siconos", "Siconos", "Apache-2.0"};
+constexpr PeerProject kPortfolio{"portfolio", "Portfolio of peers", "GPL-2.0-or-later AND Zlib"};
 constexpr PeerProject kPetsc{"petsc", "PETSc", "BSD-2-Clause"};
 constexpr PeerProject kCgal{"cgal", "CGAL", "GPL-3.0-or-later"};
 constexpr PeerProject kClp{"clp", "Clp", "EPL-1.0"};
@@ -23,6 +27,7 @@ constexpr PeerProject kSimbody{"simbody", "Simbody", "Apache-2.0"};
 // These come from PyPI. The headers of some are in another project's wheel (cmake/packages/requirements-peers.txt).
 constexpr PeerProject kOsqp{"osqp", "OSQP", "Apache-2.0"};
 constexpr PeerProject kDaqp{"daqp", "DAQP", "MIT"};
+constexpr PeerProject kDaqpAvi{"daqp-avi", "DAQP", "MIT", PeerRoute::kPython};
 constexpr PeerProject kQpOases{"qpoases", "qpOASES", "LGPL-2.1-or-later"};
 constexpr PeerProject kHighs{"highs", "HiGHS", "MIT"};
 constexpr PeerProject kProxQp{"proxqp", "ProxQP", "BSD-2-Clause"};
@@ -37,6 +42,7 @@ constexpr PeerProject kPinocchio{"pinocchio", "Pinocchio", "BSD-2-Clause", PeerR
 
 constexpr MethodClass kAny = MethodClass::kAnySize;
 constexpr std::string_view kWithCfm = "the same with the diagonal shift that engines use (cfm)";
+constexpr std::string_view kForMachine = "the same, compiled as our own solvers are";
 constexpr std::string_view kForBaseline = "the same, compiled for any x86-64";
 constexpr std::string_view kAsItIs = "the same with the library's own options";
 
@@ -58,8 +64,10 @@ constexpr std::string_view kLargestResidual = "the largest primal and dual resid
 constexpr std::string_view kResidualsAndGap = "residuals and duality gap, absolute and relative to their terms";
 constexpr std::string_view kRelativeResiduals = "residuals, relative, and the duality gap, absolute or relative";
 constexpr std::string_view kResiduals = "residuals, absolute and relative to their terms";
+constexpr std::string_view kViolationOnly = "the largest violation of a constraint, absolute";
 constexpr std::string_view kViolation =
     "the largest violation of a constraint, absolute; for a singular matrix proximal steps, too";
+constexpr std::string_view kJudged = "the scaled natural residual, by which each answer is judged";
 constexpr std::string_view kFeasibility = "feasibility and complementarity, absolute";
 
 // The values for both builds of ProxQP.
@@ -71,6 +79,7 @@ constexpr TierSettings kProxQpPrimal{{1e-3, 1e-6, 1e-9}, 1e6, kLargestResidual};
 constexpr PeerEntry kPeers[] = {
     {kBullet, "bullet-dantzig", "Dantzig pivoting of the physics engine"},
     {kBullet, "bullet-dantzig-cfm", kWithCfm},
+    {kBulletNative, "bullet-dantzig-native", kForMachine},
     {kBullet, "bullet-lemke", "Lemke's complementary pivoting"},
     {kBullet, "bullet-si", "sequential impulses", TierSettings{{1e-3, 1e-6, 1e-9}, 1e9, kSequentialImpulses}, kAny},
     {kBullet, "bullet-si-4", "sequential impulses, 4 sweeps", {}, kAny, true},
@@ -79,6 +88,7 @@ constexpr PeerEntry kPeers[] = {
     {kBullet, "bullet-si-1000", "sequential impulses, 1000 sweeps", {}, kAny, true},
     {kOde, "ode-dantzig", "Dantzig pivoting of the physics engine, LDL^T updated"},
     {kOde, "ode-dantzig-cfm", kWithCfm},
+    {kOdeNative, "ode-dantzig-native", kForMachine},
     {kDart, "dart-dantzig", "Dantzig pivoting, after ODE's"},
     {kDart, "dart-dantzig-cfm", kWithCfm},
     {kDart, "dart-pgs", "projected Gauss-Seidel", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kRelativeChange}},
@@ -139,6 +149,8 @@ constexpr PeerEntry kPeers[] = {
      TierSettings{{1e-7, 1e-10, 1e-13}, 1e6, kResidualsAndGap}, kAny},
     {kDaqp, "daqp-dual", "dual active set; QP in forces", TierSettings{{1e-4, 1e-6, 1e-9}, 1e6, kViolation}},
     {kDaqp, "daqp-primal", "dual active set; QP in velocities", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kViolation}},
+    {kDaqpAvi, "daqp-avi", "affine variational inequality by dual active sets; A need not be symmetric",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kViolationOnly}},
     {kOsqp, "osqp-dual", "operator splitting (ADMM); QP in forces",
      TierSettings{{1e-3, 1e-7, 1e-10}, 1e6, kResidualsAndGap}, kAny},
     {kOsqp, "osqp-primal", "operator splitting (ADMM); QP in velocities",
@@ -167,11 +179,14 @@ constexpr PeerEntry kPeers[] = {
     {kPinocchio, "pinocchio-admm", "ADMM of its contact solvers", TierSettings{{1e-4, 1e-7, 1e-10}, 2e4, kFeasibility}},
     {kPinocchio, "pinocchio-pgs", "projected Gauss-Seidel of its contact solvers",
      TierSettings{{1e-4, 1e-7, 1e-10}, 1e6, kFeasibility}},
+    {kPortfolio, "peer-portfolio", "Bullet's Dantzig, the same with cfm, ALGLIB's QuickQP, until an answer passes",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 0, kJudged}},
 };
 
 // Keys with tiers that have no KEY-default: the library's own options are those of another key.
-constexpr std::string_view kTunedOnly[] = {"bullet-si",         "siconos-nsgs-sbm",     "petsc-rsls-direct",
-                                           "petsc-ssls-direct", "proxqp-dual-baseline", "proxqp-primal-baseline"};
+constexpr std::string_view kTunedOnly[] = {"peer-portfolio",        "bullet-si",         "siconos-nsgs-sbm",
+                                           "petsc-rsls-direct",     "petsc-ssls-direct", "proxqp-dual-baseline",
+                                           "proxqp-primal-baseline"};
 
 constexpr LeftOutSolver kLeftOut[] = {
     {"PATH", "closed; free for up to 300 variables, beyond that under a licence"},

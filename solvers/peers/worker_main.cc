@@ -1,116 +1,22 @@
 // The main program of every peer's worker: lcpbench-worker-<peer> KEY [NAME=VALUE ...], started by ExternalSolver.
 
-#include <algorithm>
 #include <exception>
 #include <iostream>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <utility>
+#include <vector>
 
-#include "solvers/lcp/residual.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/peers/peer_library.h"
 #include "solvers/peers/peer_table.h"
 #include "solvers/peers/protocol/worker.h"
+#include "solvers/peers/solvers_in_turn.h"
 #include "support/input_error.h"
 #include "support/printable.h"
 
 namespace lcpbench {
 namespace {
-
-// A solver with the check that ours have: rho of its answer by the given form, and where that is above the tolerance
-// one more solve of A + s I, from which the better answer is taken. `kSolved` then says that rho is within the
-// tolerance. All of it is on the clock.
-//
-// s is `shift` times the largest diagonal entry of A. From factors the shift is n more columns of J, so that the
-// problem keeps its form; what bodies a row joins is not seen any more then.
-class CheckedSolver : public LcpSolver {
- public:
-  static constexpr double kShift = 1e-9;  // unless told otherwise: what the engines' users take
-
-  CheckedSolver(std::unique_ptr<LcpSolver> inner, double shift) : inner_(std::move(inner)), shift_(shift) {}
-
-  std::string WhyUnsupported(const LcpProblem& problem) const override { return inner_->WhyUnsupported(problem); }
-
- protected:
-  void DoPrepare(const LcpProblem& problem) override;
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
-
- private:
-  std::unique_ptr<LcpSolver> inner_;
-  double shift_;
-};
-
-// [J, I] with s as the masses of the new columns.
-LcpProblem ShiftedFactors(const LcpProblem& problem, double s) {
-  const Index n = problem.size();
-  const Index columns = problem.J().cols();
-  Eigen::SparseMatrix<double, Eigen::ColMajor, int> J(n, columns + n), identity(n, n);
-  identity.setIdentity();
-  J.leftCols(columns) = problem.J();
-  J.rightCols(n) = identity;
-  Eigen::VectorXd inverse_mass(columns + n);
-  inverse_mass << problem.inverse_mass(), Eigen::VectorXd::Constant(n, s);
-  return LcpProblem::FromFactors(problem.id(), J, std::move(inverse_mass), problem.b(), problem.bounds(),
-                                 problem.facts());
-}
-
-LcpProblem Shifted(const LcpProblem& problem, double shift) {
-  const double s = shift * problem.DiagonalA().cwiseAbs().maxCoeff();
-  switch (problem.given_form()) {
-    case MatrixForm::kFactors:
-      return ShiftedFactors(problem, s);
-    case MatrixForm::kSparse: {
-      SparseMatrix A = problem.SparseA();  // has every diagonal entry
-      for (Index row = 0; row < problem.size(); ++row) A.coeffRef(row, row) += s;
-      return LcpProblem::FromSparse(problem.id(), A, problem.b(), problem.bounds(), problem.facts());
-    }
-    case MatrixForm::kDense:
-      break;
-  }
-  Eigen::MatrixXd A = problem.DenseA();
-  A.diagonal().array() += s;
-  return LcpProblem::FromDense(problem.id(), std::move(A), problem.b(), problem.bounds(), problem.facts());
-}
-
-// Seconds that may be unknown, which is negative.
-void Add(double seconds, double* sum) {
-  if (seconds >= 0) *sum = std::max(0.0, *sum) + seconds;
-}
-
-void CheckedSolver::DoPrepare(const LcpProblem& problem) { inner_->Prepare(problem); }
-
-void CheckedSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  const Deadline deadline(options);
-  inner_->Solve(problem, options, result);
-  if (result->status == LcpStatus::kUnsupported || result->status == LcpStatus::kInfeasible) return;
-  double rho = ResidualEstimate(problem).Rho(result->f);
-  if (!(rho <= options.tolerance) && !deadline.Expired()) {
-    LcpOptions rest = options;
-    rest.time_limit_s = deadline.Remaining();
-    LcpResult again;
-    if (rest.time_limit_s > 0) inner_->Solve(Shifted(problem, shift_), rest, &again);
-    const double rho_again = again.f.size() == problem.size() ? ResidualEstimate(problem).Rho(again.f) : rho;
-    Add(result->own_solve_s, &again.own_solve_s);
-    Add(result->own_convert_s, &again.own_convert_s);
-    if (rho_again < rho || !(rho == rho)) {
-      rho = rho_again;
-      *result = std::move(again);
-    } else {
-      result->own_solve_s = again.own_solve_s;
-      result->own_convert_s = again.own_convert_s;
-    }
-  }
-  if (rho <= options.tolerance) {
-    result->status = LcpStatus::kSolved;
-  } else if (result->status == LcpStatus::kSolved) {
-    std::ostringstream detail;
-    detail << "checked: rho is " << rho;
-    result->status = LcpStatus::kNumericalFailure;
-    result->detail = detail.str();
-  }
-}
 
 Settings ParseSettings(int argc, char** argv) {
   Settings settings;
@@ -125,14 +31,19 @@ Settings ParseSettings(int argc, char** argv) {
   return settings;
 }
 
-// Settings of every peer: check=yes (default no) with check_shift, see CheckedSolver.
+constexpr double kShift = 1e-9;  // what the engines' users take
+
+// Settings of every peer: check=yes (default no), a solver with the check that ours have, and where that finds fault
+// one more turn with a shift of `check_shift`.
 std::unique_ptr<LcpSolver> Make(const PeerLibrary& library, std::string_view key, const Settings& settings) {
   SettingsReader reader(key, settings);
   const bool is_checked = reader.Choice("check", "no", {"no", "yes"}) == "yes";
-  const double shift = reader.Number("check_shift", CheckedSolver::kShift, 0, 1);
-  auto made = library.make(key, &reader);
+  const double shift = reader.Number("check_shift", kShift, 0, 1);
+  std::unique_ptr<LcpSolver> made = library.make(key, &reader);
   reader.Finish();
-  return is_checked ? std::make_unique<CheckedSolver>(std::move(made), shift) : std::move(made);
+  if (!is_checked) return made;
+  const std::shared_ptr<LcpSolver> shared = std::move(made);
+  return std::make_unique<SolversInTurn>(std::vector<SolversInTurn::Turn>{{shared}, {shared, shift}});
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ expect("${WORK_DIR}/build/examples/step" "${two_forces}")
 expect("${WORK_DIR}/build/examples/curved_contact" "f = 31.62 N, expected 31.62 N")
 expect("${WORK_DIR}/build/examples/engine_loop" "warm starts.*cold starts")
 set(campaign "${WORK_DIR}/campaign")
-run("${WORK_DIR}/prefix/bin/lcpbench" run --suite smoke --filter disc-pile --no-fills --tiers 1e-6 --passes 1
+run("${WORK_DIR}/prefix/bin/lcpbench" run --suite smoke --filter disc-pile --no-fills --tiers 1e-6 --launches 1
     --output "${campaign}" --external "mine=${WORK_DIR}/build/examples/own_solver" --solvers auto mine)
 file(STRINGS "${campaign}/streams.jsonl" passed REGEX "\"mine\".*\"judge\".*\"best_tier\":.1e-0[69]")
 if(NOT passed)

@@ -111,8 +111,9 @@ std::string BrokenJournalLaw(const std::string& text) {
     } else if (file == "sequence.jsonl") {
       ReadSequence(path);
     } else {
-      constexpr int kPasses = 2;
-      const Journal journal(folder.path(), plan.tasks, plan.passes, kPasses, "hash");
+      constexpr int kRounds = 2;
+      const Launches launches{.near = kRounds, .others = 1};
+      const Journal journal(folder.path(), plan.tasks, plan.passes, launches, kRounds, "hash");
     }
   };
   const bool is_journal = file == kProblemsFile || file == kStreamsFile || file == kStepsFile;

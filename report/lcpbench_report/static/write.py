@@ -6,9 +6,10 @@ from pathlib import Path
 
 from .. import shown_tables
 from ..files import replaced, write_text
+from ..headline_table import headline
 from ..inputs import Inputs
 from ..statistics.tables import write_csv
-from . import canvas, curves, times
+from . import canvas, curves, front, times
 
 _LARGE = 1_000_000  # bytes of a CSV file that is compressed
 _ABOVE_LATEX = ("written by LCPBench; needs \\usepackage{booktabs} and \\usepackage{textcomp}, and stands by \\input within "
@@ -23,7 +24,7 @@ def write_static(inputs: Inputs, folder: Path) -> list[Path]:
     """
     written = []
     with canvas.look():
-        drawn = {"time-by-size": times.by_size(inputs) if len(inputs.cells) else None}
+        drawn = {"time-by-size": times.by_size(inputs), "front": front.by_class(inputs, headline(inputs))} if len(inputs.cells) else {}
         drawn |= {figure.name: figure.draw() for figure in curves.figures(inputs)}
         for name, figure in drawn.items():
             if figure is not None:

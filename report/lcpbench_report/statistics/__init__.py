@@ -1,11 +1,13 @@
 """The statistics of a campaign: its folder in, tidy CSV tables out (benchmarks/RESULTS.md, "Campaign folders").
 
-    fields, jsonl, load, steps  read and check the files      (the only modules that touch the campaign's folder)
+    fields, jsonl, load, steps, records
+                          read and check the files            (the only modules that touch the campaign's folder)
     cells                 one row per cell, and which time counts
+    launches              one row per launch: levels and quantiles; their part in intervals
     groups                what is compared with what
     intervals             confidence intervals and multiple comparisons
-    coverage, class_times, means, scaling, origins, pairwise
-                          tables, from the table of cells
+    coverage, class_times, rivals, means, scaling, origins, pairwise
+                          tables, from the tables of cells and launches
     latency               the tables of sequences: steps of motions, warm starts, deadlines
     tables                all tables, by name
     same                  two campaigns that must not differ but for times

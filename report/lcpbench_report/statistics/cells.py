@@ -1,17 +1,17 @@
 """One row per cell (problem x solver x tier): its verdict, its times, and the time that counts.
 
 The time that counts, `time_s`, is the fresh time where the answer was verified, else inf: from the caller's arrays to
-f, the median over the passes. Where a verified problem was not timed, for the task's budget was spent, it is the time
+f, the median over the launches. Where a verified problem was not timed, for the task's budget was spent, it is the time
 of the solve that was judged.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from scipy import stats
 
-from .intervals import CONFIDENCE
+from .launches import launch_table
 from .load import AGAIN, DEFAULT, FRESH, JUDGED, METRICS, OUT, PART_TIMES, PARTS, TASK_BUDGET, Campaign, Task
 from .steps import NOT_ASKED, UNSUPPORTED
 
@@ -24,19 +24,28 @@ NOT_RUN = (EXCLUDED, NOT_ASKED)
 FAILED = "failed:"  # and the solver's claim
 CHANGED = FAILED + "changed"  # verified by itself, and not in a timed pass
 KEY = ["problem", "solver", "tier"]
-LEAST_PASSES = 3  # for an interval of what differs between passes
 
 _ABOUT = ("set", "counts", "base", "weight", "origin", "fill", "family", "problem", "rows", "size_class", "reference")
-_FLAGS = ("passes", "at_floor", "below_floor", "false_success", "false_infeasible", "proved_infeasible",
+FLAGS = ("passes", "at_floor", "below_floor", "false_success", "false_infeasible", "proved_infeasible",
           "infeasible_within_rounding")
-_TIMES = ("fresh_low", "fresh_high", "quickest_s", "fresh_s", *PART_TIMES, "again_s")
-COLUMNS = [*_ABOUT, "solver", "tier", "verdict", "asked", "excluded", "claim", *_FLAGS, "best_tier", "iterations",
+_TIMES = ("fresh_s", *PART_TIMES, "again_s")
+COLUMNS = [*_ABOUT, "solver", "tier", "verdict", "asked", "excluded", "claim", *FLAGS, "best_tier", "iterations",
            *METRICS, "timed", "disturbed", *_TIMES, "first_s", "factor_share", "time_s", "time_limit_s",
            "oracle_s", "oracle_ratio", "peak_bytes"]
 
 
+class Measured(NamedTuple):
+    cells: pd.DataFrame  # COLUMNS
+    launches: pd.DataFrame  # launches.COLUMNS
+
+
 def cell_table(campaign: Campaign, of_ablations: bool = False) -> pd.DataFrame:
-    """A row per cell, columns COLUMNS, times in seconds; without the solvers of ablations, or of those alone.
+    return measured(campaign, of_ablations).cells
+
+
+def measured(campaign: Campaign, of_ablations: bool = False) -> Measured:
+    """A row per cell, and one per solver, size class, tier and launch, times in seconds; without the solvers of
+    ablations, or of those alone.
 
     Whole columns at a time: a campaign has a million cells."""
     solvers = campaign.solvers
@@ -50,10 +59,13 @@ def cell_table(campaign: Campaign, of_ablations: bool = False) -> pd.DataFrame:
     columns["asked"] = np.repeat([solvers[task.solver]["tolerance"] != DEFAULT for task in tasks], counts).astype(bool)
     columns["peak_bytes"] = np.repeat(np.array([task.peak_bytes for task in tasks]), counts)
     columns |= _judged(tasks, places, ends[-1])
-    columns |= _timed(tasks, places, ends[-1])
+    fresh, disturbed = _passes(tasks, places, ends[-1], FRESH, "fresh_s")
+    columns |= _timed(tasks, places, fresh, disturbed)
     columns["time_limit_s"] = campaign.time_limit(columns["rows"])
     lost = np.zeros(ends[-1], dtype=bool)
     for task, place in zip(tasks, places):
+        for name, values in task.columns.items():
+            (lost if name == CHANGED else columns[name])[place] = values
         for one in task.passes.get(FRESH, {}).values():
             lost[place.start + np.array(one.failed, dtype=int)] = True
     lost &= columns["passes"]
@@ -64,7 +76,8 @@ def cell_table(campaign: Campaign, of_ablations: bool = False) -> pd.DataFrame:
     columns["time_s"] = np.where(columns["passes"], np.where(np.isnan(columns["fresh_s"]), columns["first_s"],
                                                              columns["fresh_s"]), math.inf)
     columns["oracle_ratio"] = columns["time_s"] / columns["oracle_s"]
-    return pd.DataFrame(columns, columns=COLUMNS)
+    columns["given"] = ~np.isin(columns["verdict"], NOT_RUN)
+    return Measured(pd.DataFrame(columns, columns=COLUMNS), launch_table(columns, fresh, disturbed, tasks, places))
 
 
 def _passed_by_any(columns: dict[str, np.ndarray]) -> np.ndarray:
@@ -91,9 +104,11 @@ def _about(campaign: Campaign, tasks: list[Task]) -> dict[str, np.ndarray]:
 
 def _judged(tasks: list[Task], places: list[slice], total: int) -> dict[str, np.ndarray]:
     columns: dict[str, np.ndarray] = {key: np.full(total, math.nan) for key in JUDGED}
-    columns |= {key: np.zeros(total, dtype=bool) for key in _FLAGS}
+    columns |= {key: np.zeros(total, dtype=bool) for key in FLAGS}
     columns |= {key: np.full(total, "", dtype=object) for key in ("excluded", "claim")}
     for task, place in zip(tasks, places):
+        if task.columns:
+            continue
         run = slice(place.start, place.start + task.attempted)
         columns["excluded"][run.stop:place.stop] = task.excluded or TASK_BUDGET
         columns["claim"][run] = "solved"
@@ -102,7 +117,7 @@ def _judged(tasks: list[Task], places: list[slice], total: int) -> dict[str, np.
             columns[key][run] = values
         out, other = ([one for one in task.exceptions if (one["claim"] == OUT) == is_out] for is_out in (True, False))
         at = [place.start + one["at"] for one in other]
-        for key in ("claim", *_FLAGS) if other else ():
+        for key in ("claim", *FLAGS) if other else ():
             columns[key][at] = [one.get(key, False) for one in other]
         for one in out:
             row = place.start + one["at"]
@@ -110,16 +125,13 @@ def _judged(tasks: list[Task], places: list[slice], total: int) -> dict[str, np.
     return columns
 
 
-def _timed(tasks: list[Task], places: list[slice], total: int) -> dict[str, np.ndarray]:
-    fresh, disturbed = _passes(tasks, places, total, FRESH, "fresh_s")
+def _timed(tasks: list[Task], places: list[slice], fresh: np.ndarray, disturbed: np.ndarray) -> dict[str, np.ndarray]:
     known = ~np.isnan(fresh)
     columns = {"timed": known.sum(axis=0), "disturbed": (known & disturbed).sum(axis=0)}
-    # Passes that the machine disturbed are left out where there are others.
+    # Launches that the machine disturbed are left out where there are others.
     calm = known & ~disturbed
-    fresh = np.where(calm | ~calm.any(axis=0), fresh, math.nan)
-    columns["fresh_s"] = median_of_passes(fresh)
-    columns["quickest_s"] = _quickest(fresh, columns["fresh_s"], places)
-    columns["fresh_low"], columns["fresh_high"] = time_interval(fresh)
+    columns["fresh_s"] = median_of_passes(np.where(calm | ~calm.any(axis=0), fresh, math.nan))
+    total = fresh.shape[1]
     for key in PART_TIMES:
         columns[key] = median_of_passes(_passes(tasks, places, total, PARTS, key)[0])
     columns["again_s"] = median_of_passes(_passes(tasks, places, total, AGAIN, "again_s")[0])
@@ -129,28 +141,14 @@ def _timed(tasks: list[Task], places: list[slice], total: int) -> dict[str, np.n
     return columns
 
 
-def _quickest(fresh: np.ndarray, medians: np.ndarray, places: list[slice]) -> np.ndarray:
-    """Times in the quickest pass of every task, by the median of its times over those of all passes; of problems that
-    it did not time, in the next one. A pass is chosen as a whole: the least time of a problem by itself would be the
-    less the more passes there are."""
-    quickest = np.full(fresh.shape[1], math.nan)
-    for place in places:
-        times = fresh[:, place]
-        levels = [np.median(one[~np.isnan(one)]) if not np.isnan(one).all() else math.inf
-                  for one in times / medians[place]]
-        for index in np.argsort(levels)[::-1]:
-            quickest[place] = np.where(np.isnan(times[index]), quickest[place], times[index])
-    return quickest
-
-
 def _passes(tasks: list[Task], places: list[slice], total: int, kind: str, key: str) -> tuple[np.ndarray, np.ndarray]:
-    """Passes x rows: times, and whether the machine disturbed the pass."""
-    most = max((len(task.passes.get(kind, {})) for task in tasks), default=0)
-    times, disturbed = np.full((most, total), math.nan), np.zeros((most, total), dtype=bool)
+    """Launches, by their numbers, x rows: times, and whether the machine disturbed the launch."""
+    numbers = {number: index for index, number in enumerate(sorted({n for task in tasks for n in task.passes.get(kind, ())}))}
+    times, disturbed = np.full((len(numbers), total), math.nan), np.zeros((len(numbers), total), dtype=bool)
     for task, place in zip(tasks, places):
-        for index, one in enumerate(task.passes.get(kind, {}).values()):
-            times[index, place] = one.times[key]
-            disturbed[index, place] = one.disturbed
+        for number, one in task.passes.get(kind, {}).items():
+            times[numbers[number], place] = one.times[key]
+            disturbed[numbers[number], place] = one.disturbed
     return times, disturbed
 
 
@@ -174,22 +172,3 @@ def median_of_passes(times: np.ndarray) -> np.ndarray:
         return np.full(times.shape[1], math.nan)
     ordered, known, cells = np.sort(times, axis=0), (~np.isnan(times)).sum(axis=0), np.arange(times.shape[1])
     return (ordered[np.maximum(known - 1, 0) // 2, cells] + ordered[np.minimum(known // 2, len(times) - 1), cells]) / 2
-
-
-def time_interval(times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Confidence intervals (95 %) of cells' times: with LEAST_PASSES passes or more Student's interval of the logarithms
-    (what differs between passes, clock rate, memory layout, neighbours, is common to all problems of one: Kalibera &
-    Jones 2013), widened to the median where that lies outside. With fewer passes the least and the largest.
-
-    @param times  passes x cells, NaN: none
-    """
-    known = (~np.isnan(times)).sum(axis=0)
-    low, high = (extreme.reduce(times, axis=0, initial=math.nan) for extreme in (np.fmin, np.fmax))
-    enough = known >= LEAST_PASSES
-    if enough.any():
-        logs, count = np.log(times[:, enough]), known[enough]
-        reach = np.array([math.nan] * 2 + [stats.t.ppf((1 + CONFIDENCE) / 2, k - 1) for k in range(2, len(times) + 1)])
-        half = reach[count] * np.nanstd(logs, axis=0, ddof=1) / np.sqrt(count)
-        mean, median = np.nanmean(logs, axis=0), median_of_passes(times[:, enough])
-        low[enough], high[enough] = np.minimum(np.exp(mean - half), median), np.maximum(np.exp(mean + half), median)
-    return low, high

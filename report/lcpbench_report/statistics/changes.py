@@ -1,10 +1,9 @@
 """What changed between two campaigns of one plan, OLD and NEW: another commit, build or machine.
 
 Verdicts, cell by cell. Times, per solver over all problems, per size class and per family, by the paired statistics of
-pairwise.py (weights, bases, families): ratios NEW / OLD of fresh times on the problems that both verified, adjusted by
-Holm over all these comparisons together. That is done twice, and both must say the same: once with the median of the
-passes, once with the quickest pass of every task. What else a machine does lasts for many problems and some passes, so that problems
-are not independent; but it only adds time, and the quickest passes had least of it (Chen & Revels 2016).
+pairwise.py (weights, bases, families, and launches of either campaign): ratios NEW / OLD of fresh times on the problems
+that both verified, adjusted by Holm over all these comparisons together. What else a machine does lasts for many problems
+and moves whole launches: campaigns of one launch cannot tell that from a change.
 
 A regression is a solver, or a solver on a class or family, that is slower by that; a cell that was verified and is not
 any more; or a false success that was none before. Cells that only one of the campaigns has are told, and judged by
@@ -20,9 +19,10 @@ import pandas as pd
 
 from ..errors import ReportError
 from . import pairwise
-from .cells import BELOW_TIER, FALSE_SUCCESS, KEY, VERIFIED, cell_table
+from .cells import BELOW_TIER, FALSE_SUCCESS, KEY, VERIFIED, measured
 from .groups import COUNTED, GROUP, with_label
-from .intervals import Bootstrap, holm, share_interval
+from .intervals import Bootstrap, holm
+from .launches import Levels
 from .load import TASK_BUDGET, Campaign
 from .same import ENVIRONMENT
 
@@ -30,9 +30,7 @@ SLOWER, FASTER = "slower", "faster"
 ALL = "all"  # size classes, or families
 _OLD, _NEW = "old", "new"
 _VERDICTS = {pairwise.A_FASTER: FASTER, pairwise.B_FASTER: SLOWER}
-# `ratio` is that of medians, `quickest_ratio` that of the quickest passes; p is the larger of the two.
-SPEED_COLUMNS = ["solver", "size_class", "family", *GROUP, "problems", "ratio", "ratio_low", "ratio_high",
-                 "quickest_ratio", "p", "verdict"]
+SPEED_COLUMNS = ["solver", "size_class", "family", *GROUP, "problems", "ratio", "ratio_low", "ratio_high", "p", "verdict"]
 # What a solver was asked; only variants have `base` and `settings`. The rest describes its build, or is a
 # label (`setting`).
 _ASKED = {"uses_tolerance": None, "tolerance": None, "ablation": None, "base": "", "settings": {}}
@@ -61,25 +59,19 @@ class Changes:
         self.slower, self.faster = (self.speeds[self.speeds["verdict"] == verdict] for verdict in (SLOWER, FASTER))
         self.regressed = not (self.slower.empty and self.lost.empty and self.false_successes.empty)
 
-    def agreement(self) -> tuple[int, int, float, float]:
-        """Among the cells that both verified and timed: for how many the intervals of the time overlap, and how many
-        there are; and Wilson's interval of that share."""
-        both = self.both_verified.dropna(subset=["fresh_s_old", "fresh_s_new"])
-        agree = int(((both["fresh_low_old"] <= both["fresh_high_new"]) &
-                     (both["fresh_low_new"] <= both["fresh_high_old"])).sum())
-        return agree, len(both), *share_interval(agree / max(len(both), 1), len(both))
-
 
 def compare_campaigns(old: Campaign, new: Campaign) -> Changes:
     """@throws ReportError where they are not of one plan, or have no cell in common"""
     require_same_plan(old, new)
+    both = measured(old), measured(new)
     # What had no turn within the task's budget is as if it were not there: a slow machine is no wrong answer.
-    tables = [table[table["excluded"] != TASK_BUDGET] for table in (with_label(cell_table(c)) for c in (old, new))]
+    tables = [table[table["excluded"] != TASK_BUDGET] for table in (with_label(one.cells) for one in both)]
     keys = [pd.MultiIndex.from_frame(table[KEY]) for table in tables]
     cells = tables[0].merge(tables[1].drop(columns=_OF_PROBLEMS), on=KEY, suffixes=("_old", "_new"))
     if cells.empty:
         raise ReportError("streams.jsonl", "OLD and NEW have no cell in common", "two campaigns of one plan")
-    return Changes(cells, tables[0][~keys[0].isin(keys[1])], tables[1][~keys[1].isin(keys[0])], _speeds(cells))
+    return Changes(cells, tables[0][~keys[0].isin(keys[1])], tables[1][~keys[1].isin(keys[0])],
+                   _speeds(cells, {when: Levels(one.launches, when) for when, one in zip((_OLD, _NEW), both)}))
 
 
 def require_same_plan(old: Campaign, new: Campaign) -> None:
@@ -102,29 +94,34 @@ def require_same_plan(old: Campaign, new: Campaign) -> None:
             require("problems.jsonl", f"key '{key}' of problem {name!r}", about[key], other[key])
 
 
-def _speeds(cells: pd.DataFrame) -> pd.DataFrame:
-    """A row per solver and group, and per size class and family of it where there are several."""
-    cells = cells.assign(**{f"quickest_{when}": cells[f"quickest_s_{when}"].fillna(cells[f"time_s_{when}"])
-                            .where(cells[f"verdict_{when}"] == VERIFIED, math.inf) for when in (_OLD, _NEW)})
-    parts = []  # (label, cells, bootstrap)
+def _speeds(cells: pd.DataFrame, levels: dict[str, Levels]) -> pd.DataFrame:
+    """A row per solver and group, and per size class and family of it where there are several; `p` is adjusted for all
+    of them."""
+    rows = []
     for group, of_group in cells.groupby(GROUP, sort=False):
+        label = dict(zip(GROUP, group))
         for chosen, of_part in _parts(of_group):
             bootstrap = Bootstrap(of_part)
-            parts += [(dict(zip(GROUP, group)) | chosen | {"solver": solver}, own, bootstrap)
-                      for solver, own in of_part.groupby("solver", sort=False)]
-    medians, quickest = (_comparisons(parts, time) for time in ("time_s", "quickest"))
-    rows = []
-    for (label, _, _), by_median, by_quickest in zip(parts, medians, quickest):
-        agreed = by_median["verdict"] if by_median["verdict"] == by_quickest["verdict"] else ""
-        rows.append(label | {"problems": by_median["both"], "quickest_ratio": by_quickest["ratio"],
-                             "p": max(by_median["p"], by_quickest["p"]), "verdict": agreed}
-                    | {key: by_median[key] for key in ("ratio", "ratio_low", "ratio_high")})
+            rows += [label | chosen | {"solver": solver} | _comparison(solver, own, label["tier"], bootstrap, levels)
+                     for solver, own in of_part.groupby("solver", sort=False)]
+    tests = [row["wilcoxon_p"] if row["bases"] >= _LEAST_BASES else math.nan for row in rows]
+    for row, adjusted in zip(rows, holm(tests)):
+        verdict = pairwise.verdict(adjusted, row["direction"], row["ratio_low"], row["ratio_high"])
+        row |= {"problems": row["both"], "p": adjusted, "verdict": _VERDICTS.get(verdict, "")}
     table = pd.DataFrame(rows, columns=SPEED_COLUMNS)
     # Problems that count before those that do not; the largest change first.
     order = pd.DataFrame({"rest": table["set"] != COUNTED,
                           "part": (table["family"] != ALL) | (table["size_class"] != ALL),
                           "size": -abs(np.log(table["ratio"]))}).sort_values(["rest", "part", "size"]).index
     return table.loc[order].reset_index(drop=True)
+
+
+def _comparison(solver: str, part: pd.DataFrame, tier: float, bootstrap: Bootstrap, levels: dict[str, Levels]) -> dict:
+    """NEW with OLD."""
+    part = part.set_index("problem")
+    times = pd.DataFrame({when: part[f"time_s_{when}"] for when in (_NEW, _OLD)})
+    return pairwise.compare_two(times, part, bootstrap, _NEW, _OLD, None,
+                                lambda when, classes, weights: levels[when].shift(solver, classes, tier, weights))
 
 
 def _parts(cells: pd.DataFrame) -> list[tuple[dict, pd.DataFrame]]:
@@ -134,17 +131,3 @@ def _parts(cells: pd.DataFrame) -> list[tuple[dict, pd.DataFrame]]:
         if cells[column].nunique() > 1:
             parts += [(whole | {column: value}, part) for value, part in cells.groupby(column, sort=False)]
     return parts
-
-
-def _comparisons(parts: list[tuple[dict, pd.DataFrame, Bootstrap]], time: str) -> list[dict]:
-    """NEW with OLD on every part, by the column `time`; `p` is adjusted for all of them."""
-    found = []
-    for _, part, bootstrap in parts:
-        part = part.set_index("problem")
-        times = pd.DataFrame({_NEW: part[f"{time}_new"], _OLD: part[f"{time}_old"]})
-        found.append(pairwise.compare_two(times, part, bootstrap, _NEW, _OLD))
-    tests = [row["wilcoxon_p"] if row["bases"] >= _LEAST_BASES else math.nan for row in found]
-    for row, adjusted in zip(found, holm(tests)):
-        verdict = pairwise.verdict(adjusted, row["direction"], row["ratio_low"], row["ratio_high"])
-        row |= {"p": adjusted, "verdict": _VERDICTS.get(verdict, "")}
-    return found

@@ -2,7 +2,7 @@
 
 Two figures of wrong claims: a *false success* is of a solver that was asked for this tier's tolerance, or whose method
 has none; a claim of one that takes its library's own tolerance is an answer *below the tier*. Shares are of the
-problems' weight, with Wilson's intervals (intervals.share_interval). Problems that a solver does not take as they are
+problems' weight, with Wilson's intervals (intervals.share_with_interval). Problems that a solver does not take as they are
 given (*not asked*) are in no share of what it verified; `taken_share` says how much is left.
 """
 
@@ -12,6 +12,7 @@ import pandas as pd
 from .cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, NOT_ASKED, VERIFIED
 from .groups import GROUP, groups
 from .intervals import share_with_interval
+from .weighted import effective_number
 
 _COUNTS = ["problems", "verified", "at_floor", "false_successes", "below_tier", "false_infeasible", "failed", "below_floor",
            "excluded", "not_asked"]
@@ -20,7 +21,7 @@ SHARES = {"taken_share": ("taken", "problems"), "attempted_share": ("attempted",
           "verified_share": ("verified", "taken"),
           "verified_of_attempted": ("verified", "attempted"), "false_share": ("false_successes", "attempted"),
           "below_tier_share": ("below_tier", "attempted"), "false_of_claims": ("wrong_claims", "claims")}
-COLUMNS = [*GROUP, "solver", "asked", *_COUNTS, "attempted", "claims", "weight",
+COLUMNS = [*GROUP, "solver", "asked", *_COUNTS, "attempted", "claims", "weight", "n_eff",
            *(share + end for share in SHARES for end in ("", "_low", "_high"))]
 
 
@@ -51,6 +52,9 @@ def coverage(cells: pd.DataFrame) -> dict:
     weights = cells["weight"].to_numpy(dtype=float)
     found = {"asked": bool(cells["asked"].all()), **{kind: int(holds.sum()) for kind, holds in kinds.items()},
              "weight": float(weights.sum())}
+    bases = pd.factorize(cells["base"])[0]
+    found["n_eff"] = effective_number(weights, bases)
     for share, (part, whole) in SHARES.items():
-        found |= share_with_interval(kinds[part][kinds[whole]], weights[kinds[whole]], share, share)
+        of = kinds[whole]
+        found |= share_with_interval(kinds[part][of], weights[of], bases[of], share, share)
     return found

@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from .weighted import weighted_share
+from .load import ORIGIN_GROUPS
+from .weighted import effective_number, weighted_share
 
 CONFIDENCE = 0.95
 RESAMPLES = 1000
@@ -23,40 +24,42 @@ _ROOM = 0.03  # of the weight, on either side of them
 
 
 class Bootstrap:
-    """Percentile bootstrap (Efron & Tibshirani 1993, chapter 13) in two stages: families are drawn with replacement, and
-    within each family drawn its bases (Davison & Hinkley 1997, section 3.8). Problems of one base, which differ in one
-    number, are drawn together; so are families, for another collection would have others.
+    """Percentile bootstrap (Efron & Tibshirani 1993, chapter 13) of problems, in strata: own scenes and engines (load.
+    ORIGIN_GROUPS) have as much weight in every resample as in the sample. In a stratum families are drawn with replacement,
+    and within each family drawn its bases (Davison & Hinkley 1997, section 3.8). Problems of one base, which differ in
+    one number, are drawn together; so are families, for another collection would have others. Above problems stand the
+    launches, by the argument `shift`: what launches.Levels draws.
 
     Percentiles and not BCa: that one estimates its acceleration by the jackknife, which is inconsistent for a median
     (Efron & Tibshirani, section 11.6), and is undefined where all values are equal.
     """
 
     def __init__(self, problems: pd.DataFrame):
-        """@param problems  columns problem, family and base; more than one row of a problem does not matter"""
+        """@param problems  columns problem, origin, family and base; more than one row of a problem does not matter"""
         problems = problems.drop_duplicates("problem")
-        bases = pd.MultiIndex.from_frame(problems[["family", "base"]].astype(str))
-        numbers, known = bases.factorize()
+        clusters = problems[["origin", "family", "base"]].astype(str)
+        numbers, known = pd.MultiIndex.from_frame(clusters.assign(origin=clusters["origin"].map(ORIGIN_GROUPS))).factorize()
         self._base_of = pd.Series(numbers, index=problems["problem"].to_numpy())
-        families = known.get_level_values(0).factorize()[0]
-        self._drawn = _draw(families)
+        self._drawn = _draw(known.droplevel(2).factorize()[0], known.get_level_values(0).factorize()[0])
 
-    def median(self, problems, values, weights) -> tuple[float, float]:
+    def median(self, problems, values, weights, shift=0.0) -> tuple[float, float]:
         """Interval of the weighted median; inf is a value.
 
         @param problems  the problem of every value; they need not be all
+        @param shift     of the values' logarithms in every resample
         @returns NaN twice with fewer than two bases
         """
         values, weights, bases = self._sample(values, weights, problems)
         if len(np.unique(bases)) < 2:
             return math.nan, math.nan
         order = np.argsort(values, kind="stable")
-        return interval_of(self._medians(values[order], weights[order].astype(np.float32), bases[order]))
+        return interval_of(self._medians(values[order], weights[order].astype(np.float32), bases[order]) * np.exp(shift))
 
-    def mean(self, problems, values, weights, inverse=lambda mean: mean, over=None) -> tuple[float, float]:
-        """Interval of inverse(weighted mean), or of its ratio to that of the values `over`, drawn together."""
+    def mean(self, problems, values, weights, inverse=lambda mean: mean, over=None, shift=0.0) -> tuple[float, float]:
+        """Interval of inverse(weighted mean + shift), or of its ratio to that of the values `over`, drawn together."""
         if len(np.unique(self._base_of.loc[np.asarray(problems)])) < 2:
             return math.nan, math.nan
-        found = [inverse(self.means(problems, each, weights)) for each in (values, *([] if over is None else [over]))]
+        found = [inverse(self.means(problems, each, weights) + shift) for each in (values, *([] if over is None else [over]))]
         return interval_of(found[0] / found[1] if over is not None else found[0])
 
     def means(self, problems, values, weights) -> np.ndarray:
@@ -81,7 +84,7 @@ class Bootstrap:
         return np.einsum("b,br->r", np.bincount(bases, values, len(self._drawn)).astype(np.float32), self._drawn)
 
     def _medians(self, values: np.ndarray, weights: np.ndarray, bases: np.ndarray) -> np.ndarray:
-        """The median of every resample; the values are sorted. Among many values only those in the middle are looked
+        """The median of every resample, NaN of those that have none; the values are sorted. Among many values only those in the middle are looked
         at: a median beyond them, which is rarer than either tail, becomes the last of them."""
         half = self._sums(bases, weights) / 2
         chosen = half > 0
@@ -104,41 +107,41 @@ class Bootstrap:
         # Where running sums of weights reach half; the mean with the next one where they equal it.
         values, sums, half = values[first:last], sums[:, chosen], half[chosen]
         low, high = ((sums < half * factor).sum(axis=0) for factor in (1 - _ROUNDING, 1 + _ROUNDING))
-        return (values[np.minimum(low, len(values) - 1)] + values[np.minimum(high, len(values) - 1)]) / 2
+        found = np.full(len(chosen), math.nan)
+        found[chosen] = (values[np.minimum(low, len(values) - 1)] + values[np.minimum(high, len(values) - 1)]) / 2
+        return found
 
 
-def share_interval(share: float, weight: float) -> tuple[float, float]:
-    """The interval of a probability whose estimate is a share of the weight (Wilson 1927). The weight counts as the
-    number of observations: bases, since problems that differ in one number say little more than one; NaN twice where
-    it is 0.
-    """
-    if not weight > 0:
+def share_interval(share: float, count: float) -> tuple[float, float]:
+    """The interval of a probability whose estimate is a share of so many observations (Wilson 1927); NaN twice where
+    there are none."""
+    if not count > 0:
         return math.nan, math.nan
-    z, reach = _Z, _Z * math.sqrt(share * (1 - share) / weight + (_Z / (2 * weight)) ** 2)
-    centre, size = share + z * z / (2 * weight), 1 + z * z / weight
+    z, reach = _Z, _Z * math.sqrt(share * (1 - share) / count + (_Z / (2 * count)) ** 2)
+    centre, size = share + z * z / (2 * count), 1 + z * z / count
     return (centre - reach) / size if share > 0 else 0.0, (centre + reach) / size if share < 1 else 1.0
 
 
-def share_with_interval(holds, weights, name: str, prefix: str) -> dict[str, float]:
-    """The share of the weight where `holds`: {name, prefix_low, prefix_high}."""
+def share_with_interval(holds, weights, bases, name: str, prefix: str) -> dict[str, float]:
+    """The share of the weight where `holds`: {name, prefix_low, prefix_high}. As many observations as the weights of bases
+    are worth (weighted.effective_number): problems that differ in one number say little more than one."""
     share = weighted_share(holds, weights)
-    low, high = share_interval(share, np.sum(weights))
+    low, high = share_interval(share, effective_number(weights, bases))
     return {name: share, f"{prefix}_low": low, f"{prefix}_high": high}
 
 
-def _draw(families: np.ndarray) -> np.ndarray:
-    """@param families  of every base its family, numbered from 0
+def _draw(families: np.ndarray, strata: np.ndarray) -> np.ndarray:
+    """@param families, strata  of every base its family and its stratum, numbered from 0
     @returns bases x RESAMPLES: how often every base is drawn
     """
     rng = np.random.default_rng(SEED)
     drawn = np.zeros((len(families), RESAMPLES), dtype=np.float32)
-    count = int(families.max(initial=-1)) + 1
-    if not count:
-        return drawn
-    often = rng.multinomial(count, np.full(count, 1 / count), RESAMPLES)
-    for family in range(count):
-        own = np.flatnonzero(families == family)
-        drawn[own] = rng.multinomial(often[:, family] * len(own), np.full(len(own), 1 / len(own))).T
+    for stratum in np.unique(strata):
+        there = np.unique(families[strata == stratum])
+        often = rng.multinomial(len(there), np.full(len(there), 1 / len(there)), RESAMPLES)
+        for family, times in zip(there, often.T):
+            own = np.flatnonzero(families == family)
+            drawn[own] = rng.multinomial(times * len(own), np.full(len(own), 1 / len(own))).T
     return drawn
 
 

@@ -43,7 +43,7 @@ def write_object(path: Path, value: dict) -> None:
 def read_lines(path: Path, note: Callable[[str], None]) -> Iterator[tuple[int, object]]:
     """Line numbers and what stands there. Lazily: a campaign's cells may fill hundreds of megabytes.
 
-    Where the file is not there, but one with the ending .xz is, that is read: results that are kept (archive.py).
+    Where the file is not there, but one with the ending .xz is, that is read: results that are kept (compact.py).
     A torn last line, that is one without a line break that is not JSON, is passed over with a note.
     @throws ReportError for a missing file, and for any other line that is not JSON
     """

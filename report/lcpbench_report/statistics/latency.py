@@ -1,11 +1,10 @@
 """How long the steps of a motion take, how much a warm start gains, and what a deadline leaves of the answers.
 
 What an engine waits for is a step's latency, one interval from its arrays to the forces, of every solver: the median
-says what a frame costs, the 99th percentile and the maximum which frames are dropped. Of every step the median over the rounds counts in which the solver kept the
-processor, so that what the machine did once in a while does not; where it did in no round, the median over all: columns
-`preempted` count these steps. Columns `raw_max` have the largest of all rounds. A step that was not reached, for the
-pass ended before, has an infinite latency. Quantiles interpolate linearly between order statistics (Hyndman & Fan 1996,
-definition 7).
+says what a frame costs, the 99th percentile and the maximum which frames are dropped. They are of single solves: of all
+steps in all rounds. A step whose answer is not verified, or that was not reached, for the pass ended before, has an
+infinite latency. `preempted` counts the solves in which the thread lost the processor, which is known of own solvers
+only; they count like others. Quantiles interpolate linearly between order statistics (Hyndman & Fan 1996, definition 7).
 """
 
 import math
@@ -19,12 +18,13 @@ from scipy import stats
 from .intervals import CONFIDENCE, RESAMPLES, SEED, share_interval
 from .load import Campaign
 from .steps import PassRuns, Round
+from .weighted import effective_number
 
 ALL = "all"  # the value of the column `size` for sequences of all sizes
 _LEVELS = {"p50": 0.5, "p99": 0.99, "max": 1.0}
 _VERIFIED = ["verified", "verified_share"]
 SOLVER_COLUMNS = ["solver", "tier", "mode", "size", "sequences", "excluded", "steps", *_VERIFIED, "false_successes",
-                  *_LEVELS, "raw_max", "preempted", "warm_gain", "warm_gain_low", "warm_gain_high"]
+                  *_LEVELS, "preempted", "warm_gain", "warm_gain_low", "warm_gain_high"]
 DEADLINE_COLUMNS = ["solver", "deadline_s", "size", "sequences", "steps", "in_time", "in_time_share", "tier",
                     *_VERIFIED, "verified_low", "verified_high", "rho_p50", "rho_p99", "rho_max",
                     "w_error_p99", "w_error_max"]
@@ -44,15 +44,13 @@ class JudgedPass:
     def rounds(self) -> list[Round]:
         return [self.runs.rounds[index] for index in sorted(self.runs.rounds)]
 
-    def preempted(self) -> np.ndarray:
-        """Steps that were disturbed in every round."""
-        return np.all([r.preempted for r in self.rounds], axis=0)
-
     def latency(self) -> np.ndarray:
-        """The median of every step over the rounds that were not disturbed [s]."""
-        times = np.array([_or_infinite(r.latency_s) for r in self.rounds])
-        counts = ~np.array([r.preempted for r in self.rounds]) | self.preempted()
-        return np.nanmedian(np.where(counts, times, np.nan), axis=0)
+        """The median of every step over the rounds [s]."""
+        return np.median([_or_infinite(r.latency_s) for r in self.rounds], axis=0)
+
+    def solves(self) -> np.ndarray:
+        """Of every round, one behind the other: latency, infinite where the answer is not verified."""
+        return np.concatenate([np.where(r.verified[self.tier], _or_infinite(r.latency_s), math.inf) for r in self.rounds])
 
     def verified(self) -> np.ndarray:
         """By step. With a deadline the answer depends on the time that it had: all rounds, one behind the other."""
@@ -99,9 +97,10 @@ def deadline_table(campaign: Campaign) -> pd.DataFrame:
             w_error = np.concatenate([r.w_error[there] for r, there in zip(rounds, in_time)])
             shared |= _quantiles(rho, _LEVELS, "rho_")
             shared |= _quantiles(w_error[~np.isnan(w_error)], {"p99": 0.99, "max": 1.0}, "w_error_")
+            alike = effective_number([one.sequence["steps"] for one in chosen], np.arange(len(chosen)))
             for tier in sorted(rounds[0].verified, reverse=True):
                 verified = int(sum(r.verified[tier].sum() for r in rounds))
-                low, high = share_interval(verified / steps, steps)
+                low, high = share_interval(verified / steps, alike)
                 rows.append(shared | {"tier": tier, "verified": verified, "verified_share": verified / steps,
                                       "verified_low": low, "verified_high": high})
     return pd.DataFrame(rows, columns=DEADLINE_COLUMNS)
@@ -121,9 +120,8 @@ def _of_passes(passes: list[JudgedPass]) -> dict:
     wrong = sum(r.false_successes[one.tier] for one in passes
                 for r in (one.rounds[:1] if one.runs.deadline_s is None else one.rounds))
     return {"steps": len(verified), "verified": int(verified.sum()), "verified_share": float(verified.mean()),
-            "false_successes": wrong, **_quantiles(np.concatenate([one.latency() for one in passes]), _LEVELS),
-            "raw_max": float(max(_or_infinite(r.latency_s).max() for one in passes for r in one.rounds)),
-            "preempted": sum(int(one.preempted().sum()) for one in passes)}
+            "false_successes": wrong, **_quantiles(np.concatenate([one.solves() for one in passes]), _LEVELS),
+            "preempted": sum(int(r.preempted.sum()) for one in passes for r in one.rounds)}
 
 
 def _or_infinite(values: np.ndarray) -> np.ndarray:

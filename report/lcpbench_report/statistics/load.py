@@ -34,6 +34,9 @@ _SIZE_CLASS = {"key": "name", "least": "count", "most": "count?", "stream": "cou
 _REFERENCES = ("certified", "bounded", "none")
 # Origins of problems -> in words.
 ORIGINS = {"placed": "own scenes", "motion": "own motions", "recorded": "engines", "literature": "literature"}
+# The parts of the headline, which every resample has as much of: where problems come from.
+ORIGIN_GROUPS = {"placed": "own scenes", "motion": "own scenes", "recorded": "engines", "literature": "literature"}
+LITERATURE = "literature"  # counts in nothing, also in campaigns that were stored when it did
 METRICS = ("rho", "backward_error", "w_error", "f_error")
 # Arrays of a judge line, a number for every problem that had its turn.
 JUDGED = (*METRICS, "best_tier", "iterations", "first_s", "factor_share")
@@ -64,7 +67,11 @@ class Task:
     judged: dict[str, np.ndarray] = field(default_factory=dict)  # JUDGED -> of the attempted ones, NaN: not known
     exceptions: list[dict] = field(default_factory=list)  # what is not plainly solved and verified, by `at`
     peak_bytes: float = math.nan
-    passes: dict[str, dict[int, TimedPass]] = field(default_factory=dict)  # kind -> number of the pass -> pass
+    passes: dict[str, dict[int, TimedPass]] = field(default_factory=dict)  # kind -> number of the launch -> pass
+    # Of a compact record (records.py), instead of what is above: columns of the table of cells, and what launches.py
+    # makes of its class.
+    columns: dict[str, np.ndarray] = field(default_factory=dict)
+    launches: list[dict] = field(default_factory=list)
 
 
 @dataclass
@@ -108,7 +115,10 @@ def load_campaign(folder: Path) -> Campaign:
     has_problems = any(is_there(folder / name) for name in (PROBLEMS_FILE, STREAMS_FILE))
     if has_problems or not is_there(folder / STEPS_FILE):
         campaign.problems = _read_problems(folder / PROBLEMS_FILE, campaign.info, notes.append)
-        campaign.tasks = _read_tasks(folder / STREAMS_FILE, campaign, notes.append)
+        from . import records  # which is made of this module
+
+        read, file = (records.read_records, records.FILE) if is_there(folder / records.FILE) else (_read_tasks, STREAMS_FILE)
+        campaign.tasks = read(folder / file, campaign, notes.append)
     campaign.sequences = read_sequences(campaign.info, "campaign.json")
     campaign.passes = read_passes(folder / STEPS_FILE, campaign.info, campaign.sequences, notes.append)
     return campaign
@@ -149,7 +159,7 @@ def _read_problems(path: Path, info: dict, note: Callable[[str], None]) -> dict[
             raise ReportError(place, f"key 'rows' is {record['rows']}", f"a number of size class {own['key']}")
         if record["problem"] in problems:
             raise ReportError(place, f"problem {record['problem']!r} is there twice", "a line per problem")
-        problems[record["problem"]] = record
+        problems[record["problem"]] = record | {"counts": record["counts"] and record["origin"] != LITERATURE}
     return problems
 
 
@@ -231,7 +241,7 @@ def _add_pass(place: str, record: dict, task: Task) -> None:
     failed = check_places(f"{place}: failed", record["failed"], task.count)
     disturbed = False
     if kind == FRESH:
-        check_record(place, record, kind, "group", "disturbance")
+        check_record(place, record, kind, "disturbance")
         if record["disturbance"] is not None:
             disturbed = check_record(f"{place}: disturbance", record["disturbance"], "disturbance", "disturbed")["disturbed"]
     of_kind[number] = TimedPass(times, failed, disturbed)

@@ -17,6 +17,7 @@ import pandas as pd
 from .cells import NOT_RUN, VERIFIED
 from .groups import GROUP, common, groups, with_label
 from .intervals import Bootstrap
+from .launches import Levels
 from .weighted import quantiles, weighted_median, weighted_share
 
 COLUMNS = [*GROUP, "solver", "shift", "problems", "penalised", "mean", "mean_low", "mean_high", "over_best"]
@@ -48,7 +49,7 @@ def shift_of(cells: pd.DataFrame, times: str = "time_s") -> float:
     return math.nan if math.isnan(least) else float(10.0 ** round(math.log10(least / 10)))
 
 
-def mean_table(cells: pd.DataFrame) -> pd.DataFrame:
+def mean_table(cells: pd.DataFrame, levels: Levels = Levels()) -> pd.DataFrame:
     """A row per group and solver; problems that count only."""
     rows = []
     for label, of_group in groups(cells, counted_only=True):
@@ -59,7 +60,8 @@ def mean_table(cells: pd.DataFrame) -> pd.DataFrame:
         shift = shift_of(shared, "counted") if math.isnan(shift) else shift  # nobody solved any
         found = []
         for solver, own in shared.groupby("solver", sort=False):
-            low, high = bootstrap.mean(own["problem"], np.log(own["counted"] + shift), own["weight"])
+            low, high = bootstrap.mean(own["problem"], np.log(own["counted"] + shift), own["weight"],
+                                       shift=levels.shift(solver, own["size_class"], label["tier"], own["weight"]))
             found.append(label | {"solver": solver, "shift": shift, "problems": len(own),
                                   "penalised": int((~np.isfinite(own["time_s"])).sum()),
                                   "mean": shifted_geometric_mean(own["counted"], shift, own["weight"]),

@@ -15,11 +15,11 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from .cells import VERIFIED
-from .groups import GROUP, groups
+from .cells import NOT_ASKED, VERIFIED
+from .groups import COUNTED, GROUP, groups
 from .intervals import Bootstrap, interval_of, share_with_interval
-from .cells import NOT_ASKED
-from .load import ORIGINS, TASK_BUDGET
+from .launches import Levels
+from .load import LITERATURE, ORIGINS, TASK_BUDGET
 from .weighted import weighted_median
 
 COLUMNS = [*GROUP, "origin", "solver", "problems", "weight", "verified_share", "verified_low", "verified_high", "ratio",
@@ -31,22 +31,25 @@ LEAST_PROBLEMS = 10  # of an origin, in the classes in common, that solvers are 
 LEAST_SOLVERS = 3
 
 
-def origin_table(cells: pd.DataFrame) -> pd.DataFrame:
+def origin_table(cells: pd.DataFrame, levels: Levels = Levels()) -> pd.DataFrame:
     """A row per group, origin and solver: the share verified, and the weighted median of its time over that of the
-    fastest verified solver of each problem, over the problems that anyone solved; inf where it fails on half.
-    Problems that count only; those that had no turn within a task's budget are left out."""
+    fastest verified solver of each problem, over the problems that anyone solved; inf where it fails on half. Of sets
+    that do not count only literature; problems that had no turn within a task's budget are left out."""
     rows = []
     for label, turns in _turns(cells):
         for origin, own in _by_origin(turns):
+            if label["set"] != COUNTED and origin != LITERATURE:
+                continue
             bootstrap = Bootstrap(own)
             for solver, mine in own.groupby("solver", sort=False):
                 solved = mine[np.isfinite(mine["fastest_s"])]
-                ratios = solved["time_s"] / solved["fastest_s"]
-                low, high = bootstrap.median(solved["problem"], ratios, solved["weight"])
+                ratios, weights, tier = solved["time_s"] / solved["fastest_s"], solved["weight"], label["tier"]
+                over, under = (levels.shift(solved[of].to_numpy(), solved["size_class"], tier, weights) for of in ("solver", "fastest"))
+                low, high = bootstrap.median(solved["problem"], ratios, weights, over - under)
                 rows.append(label | {"origin": origin, "solver": solver, "problems": len(mine),
-                                     "weight": mine["weight"].sum(), "ratio": weighted_median(ratios, solved["weight"]),
+                                     "weight": mine["weight"].sum(), "ratio": weighted_median(ratios, weights),
                                      "ratio_low": low, "ratio_high": high}
-                            | share_with_interval(mine["verdict"] == VERIFIED, mine["weight"], "verified_share", "verified"))
+                            | share_with_interval(mine["verdict"] == VERIFIED, mine["weight"], mine["base"], "verified_share", "verified"))
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
@@ -54,7 +57,7 @@ def rank_table(cells: pd.DataFrame) -> pd.DataFrame:
     """A row per group and pair of origins that have size classes in common: Spearman's correlation of the rankings of
     the solvers that had a turn on LEAST_PROBLEMS problems of either or more."""
     rows = []
-    for label, turns in _turns(cells):
+    for label, turns in _turns(cells[cells["counts"].astype(bool)]):
         for (first, own), (second, other) in itertools.combinations(_by_origin(turns), 2):
             common = set(own["size_class"]) & set(other["size_class"])
             own, other = (some[some["size_class"].isin(common)] for some in (own, other))
@@ -77,10 +80,11 @@ def rank_table(cells: pd.DataFrame) -> pd.DataFrame:
 
 
 def _turns(cells: pd.DataFrame):
-    """Label and cells of every group that counts, with the least time of each problem; inf where nobody is verified."""
-    for label, of_group in groups(cells, counted_only=True):
+    """Label and cells of every group, with the least time of each problem (inf where nobody is verified) and whose it is."""
+    for label, of_group in groups(cells):
         turns = of_group[(of_group["excluded"] != TASK_BUDGET) & (of_group["verdict"] != NOT_ASKED)]
-        yield label, turns.assign(fastest_s=turns.groupby("problem")["time_s"].transform("min"))
+        first = turns.sort_values("time_s", kind="stable").drop_duplicates("problem").set_index("problem")
+        yield label, turns.assign(fastest_s=turns["problem"].map(first["time_s"]), fastest=turns["problem"].map(first["solver"]))
 
 
 def _by_origin(cells: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:

@@ -1,35 +1,40 @@
 """All tables of a campaign, and their files."""
 
 from collections import UserDict
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import partial
 from pathlib import Path
 
 import pandas as pd
 
 from ..files import replaced
-from .cells import cell_table
-from .class_times import ablation_table, class_table, peer_ratio_table
+from .cells import Measured, measured
+from .class_times import ablation_table, class_table
 from .coverage import coverage_table
 from .latency import deadline_table, latency_by_solver_table
+from .launches import Levels
 from .load import Campaign
 from .means import delivered_table, mean_table
 from .origins import origin_table, rank_table
 from .pairwise import pairwise_table
+from .rivals import flag_table, is_own, rival_table
 from .scaling import scaling_table
 
 FOLDER = "analysis"
-# Name -> function of the table of cells.
+# Name -> function of the table of cells; and of it and of launches.
 _OF_CELLS: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
-    "cells": lambda cells: cells, "class_times": class_table, "pairwise": pairwise_table, "means": mean_table,
-    "coverage": coverage_table, "scaling": scaling_table, "delivered": delivered_table, "origins": origin_table,
+    "cells": lambda cells: cells, "coverage": coverage_table, "scaling": scaling_table, "delivered": delivered_table,
     "rank_correlation": rank_table,
+}
+_OF_BOTH: dict[str, Callable[[pd.DataFrame, Levels], pd.DataFrame]] = {
+    "class_times": class_table, "pairwise": pairwise_table, "means": mean_table, "origins": origin_table,
 }
 # Name -> function of a campaign that has passes over sequences.
 STEP_TABLES: dict[str, Callable[[Campaign], pd.DataFrame]] = {
     "latency_by_solver": latency_by_solver_table, "deadline": deadline_table,
 }
-TABLES = (*_OF_CELLS, "peer_ratio", "ablation")
+TABLES = (*_OF_CELLS, *_OF_BOTH, "launches", "rivals", "equal_flags", "ablation")
+MAIN = "auto"  # the solver of ours that users start with
 _DIGITS = "%.9g"
 
 
@@ -42,13 +47,29 @@ class Tables(UserDict):
         return self.data[name]
 
 
-def makers_of(cells: pd.DataFrame, ablated: pd.DataFrame,
-              solvers: list[dict]) -> dict[str, Callable[[], pd.DataFrame]]:
-    """A maker for each of TABLES; the arguments are those of class_times.ablation_table."""
-    own = {entry["key"] for entry in solvers if entry["origin"] == "own"}
+def makers_of(of_all: Measured, of_ablations: Measured, solvers: list[dict],
+              ours: str) -> dict[str, Callable[[], pd.DataFrame]]:
+    """A maker for each of TABLES.
+
+    @param solvers  the entries of campaign.json
+    @param ours     the solver of the table `rivals`
+    """
+    cells, own = of_all.cells, {entry["key"] for entry in solvers if is_own(entry)}
+    levels = levels_of(of_all, of_ablations)
     return {name: partial(table, cells) for name, table in _OF_CELLS.items()} | {
-        "peer_ratio": partial(peer_ratio_table, cells, own),
-        "ablation": partial(ablation_table, cells, ablated, solvers)}
+        name: partial(table, cells, levels) for name, table in _OF_BOTH.items()} | {
+        "launches": lambda: of_all.launches, "rivals": partial(rival_table, cells, own, ours, levels),
+        "equal_flags": lambda: flag_table(pd.concat([cells, of_ablations.cells], ignore_index=True), levels),
+        "ablation": partial(ablation_table, cells, of_ablations.cells, solvers, levels)}
+
+
+def levels_of(of_all: Measured, of_ablations: Measured) -> Levels:
+    return Levels(pd.concat([of_all.launches, of_ablations.launches], ignore_index=True))
+
+
+def main_own(keys: Collection[str]) -> str:
+    """Of own solvers the one that is compared with the peers: MAIN, or the first where that was not run; "" without any."""
+    return MAIN if MAIN in keys else next(iter(keys), "")
 
 
 def write_tables(campaign: Campaign, folder: Path) -> None:
@@ -56,7 +77,10 @@ def write_tables(campaign: Campaign, folder: Path) -> None:
     tables of steps are written, of one without sequences those of cells."""
     folder.mkdir(parents=True, exist_ok=True)
     if campaign.tasks or not campaign.passes:
-        found = Tables(makers_of(cell_table(campaign), cell_table(campaign, True), campaign.info["solvers"]))
+        both = measured(campaign), measured(campaign, True)
+        ran = dict.fromkeys(both[0].cells["solver"])
+        ours = main_own([key for key in ran if is_own(campaign.solvers[key])])
+        found = Tables(makers_of(*both, campaign.info["solvers"], ours))
         for name, table in found.items():
             write_csv(table, folder / f"{name}.csv")
     if campaign.passes:

@@ -12,18 +12,26 @@ _LEVELS = {"min": 0, "p25": 0.25, "median": 0.5, "p75": 0.75, "p90": 0.9, "p99":
 _ROUNDING = 1e-9  # of sums of weights, relative
 
 
-def weighted_quantile(values, weights, level: float) -> float:
-    """The least value with at least `level` of the weight at or below it; where that is exactly `level`, the mean of it
-    and the next one (Hyndman & Fan 1996, definition 2, with weights). inf is a value; NaN without any."""
+def weighted_quantiles(values, weights, levels) -> list[float]:
+    """Of each level the least value with at least that share of the weight at or below it; where that is exactly the
+    level, the mean of it and the next one (Hyndman & Fan 1996, definition 2, with weights). inf is a value; NaN without
+    any."""
     values, weights = np.asarray(values, dtype=float), np.asarray(weights, dtype=float)
     if not len(values):
-        return math.nan
+        return [math.nan] * len(levels)
     order = np.argsort(values, kind="stable")
-    below = np.cumsum(weights[order])
+    values, below = values[order], np.cumsum(weights[order])
     below /= below[-1]
-    at = min(int(np.searchsorted(below, level - _ROUNDING)), len(order) - 1)
-    after = min(at + 1, len(order) - 1) if below[at] <= level + _ROUNDING and level > 0 else at
-    return float((values[order[at]] + values[order[after]]) / 2)
+    found = []
+    for level in levels:
+        at = min(int(np.searchsorted(below, level - _ROUNDING)), len(order) - 1)
+        after = min(at + 1, len(order) - 1) if below[at] <= level + _ROUNDING and level > 0 else at
+        found.append(float((values[at] + values[after]) / 2))
+    return found
+
+
+def weighted_quantile(values, weights, level: float) -> float:
+    return weighted_quantiles(values, weights, [level])[0]
 
 
 def weighted_median(values, weights) -> float:
@@ -36,9 +44,19 @@ def weighted_share(holds, weights) -> float:
     return float(weights[np.asarray(holds, dtype=bool)].sum() / weights.sum()) if len(weights) else math.nan
 
 
+def effective_number(weights, bases) -> float:
+    """How many equally weighted bases say as much (Kish 1965): (sum of v)^2 / sum of v^2, where v is the weight of a base.
+
+    @param bases  of every problem the base that it is a variant of, or anything that names it
+    """
+    of_bases = np.bincount(np.unique(np.asarray(bases), return_inverse=True)[1], np.asarray(weights, dtype=float))
+    return float(of_bases.sum() ** 2 / (of_bases ** 2).sum()) if of_bases.any() else 0.0
+
+
 def quantiles(values, prefix: str = "", weights=None) -> dict[str, float]:
     """Smallest, quartiles, 90 and 99 per cent, largest of the values that are not NaN; NaN without any."""
     values = np.asarray(values, dtype=float)
     weights = np.ones(len(values)) if weights is None else np.asarray(weights, dtype=float)
     known = ~np.isnan(values)
-    return {prefix + name: weighted_quantile(values[known], weights[known], level) for name, level in _LEVELS.items()}
+    return {prefix + name: found for name, found in
+            zip(_LEVELS, weighted_quantiles(values[known], weights[known], list(_LEVELS.values())))}

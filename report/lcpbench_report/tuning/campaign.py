@@ -75,7 +75,7 @@ def run_campaign(command: Command, manifest: Path, folder: Path, tried: dict[str
     @returns the campaign's folder
     """
     campaign = folder / CAMPAIGN
-    arguments = ["run", "--suite", str(manifest), "--tiers", f"{TIER:g}", "--passes", str(passes),
+    arguments = ["run", "--suite", str(manifest), "--tiers", f"{TIER:g}", "--launches", str(passes),
                  "--time-limit", f"{LIMIT_S:g}", "-o", str(campaign)]
     arguments += ["--solvers", ",".join(key for solver, all_ in tried.items() for key in keys_of(solver, len(all_)))]
     for solver, configurations in tried.items():

@@ -27,7 +27,7 @@ from ..statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, cell_table
 from ..statistics.intervals import MARGIN, Bootstrap, holm
 from ..statistics.load import Campaign
 from ..statistics.means import penalised, shift_of, shifted_geometric_mean
-from ..statistics.pairwise import LEVEL, compare_two
+from ..statistics.pairwise import ABOUT, LEVEL, compare_two
 from .campaign import TIER, keys_of
 from .space import Configuration, Space
 
@@ -88,8 +88,7 @@ def _times(cells: pd.DataFrame, keys: list[str]) -> tuple[pd.DataFrame, pd.DataF
     failures, false = (holds.groupby(own["solver"]).sum().reindex(keys, fill_value=0) for holds in
                        (~np.isfinite(own["time_s"]), own["verdict"].isin((FALSE_SUCCESS, BELOW_TIER))))
     times = own.assign(time_s=penalised(own)).pivot(index="problem", columns="solver", values="time_s").reindex(columns=keys)
-    about = own.drop_duplicates("problem").set_index("problem").loc[times.index,
-                                                                    ["family", "base", "weight", "size_class"]]
+    about = own.drop_duplicates("problem").set_index("problem").loc[times.index, ABOUT]
     about["weight"] /= about.groupby("size_class")["weight"].transform("sum")
     return times, about, failures, false
 

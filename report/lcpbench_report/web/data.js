@@ -7,7 +7,7 @@ const BY_KEY = new Map(SOLVERS.map((solver) => [solver.key, solver]));
 const PROBLEMS = DATA.problems;
 const COUNT = PROBLEMS.name.length;
 const STEPS_PER_DECADE = 1600;
-const ZERO = -32767, INFINITE = 32767, UNKNOWN = -32768, NO_SPREAD = 255;
+const ZERO = -32767, INFINITE = 32767, UNKNOWN = -32768;
 const EXPLORED_SETS = PROBLEMS.sets.map((name) => name !== "pathological");
 
 const VERDICTS = {
@@ -39,8 +39,7 @@ const unpacked = new Map();
 
 function numbersOf(packed, field) {
   if (!unpacked.has(packed)) unpacked.set(packed, {});
-  return unpacked.get(packed)[field] ??= field === "spread"
-    ? Float64Array.from(bytesOf(packed.spread), (share) => share === NO_SPREAD ? NaN : share / 100) : unpack(packed[field]);
+  return unpacked.get(packed)[field] ??= unpack(packed[field]);
 }
 
 /** 1e-6, as formats.py has it: toExponential writes e+3. */

@@ -11,7 +11,7 @@ from .. import choice, formats, markdown, peers, plotly_bundle, shown_tables, so
 from ..fairness import limitations
 from ..headline_table import headline
 from ..inputs import Inputs
-from ..static import canvas, curves
+from ..static import canvas, curves, front
 from . import gallery, payload
 
 _HERE = Path(__file__).resolve().parent
@@ -68,8 +68,14 @@ def _headline(inputs: Inputs) -> dict:
     if inputs.cells.empty:
         return {"headline": None}
     found = headline(inputs)
+    with canvas.look():
+        figure = front.by_class(inputs, found)
+        drawn = figure and gallery.address(canvas.svg(figure))
     return {"headline": shown_tables.classes(found).html(), "headline_words": summary.peers(found),
-            "by_solver": shown_tables.by_solver(found).html("by-solver"), "caption": markdown.caption(inputs, found),
+            "by_solver": shown_tables.by_solver(found).html("by-solver"), "front": _html(shown_tables.front(found)),
+            "front_figure": drawn,
+            "flags": _html(shown_tables.equal_flags(inputs)), "front_words": markdown.FRONT_WORDS,
+            "flag_words": markdown.FLAG_WORDS, "literature_words": markdown.LITERATURE_WORDS, "caption": markdown.caption(inputs, found),
             "ablation_words": markdown.ABLATION_WORDS, "origin_words": markdown.ORIGIN_WORDS,
             "rank_words": summary.origins(inputs)}
 
@@ -79,8 +85,13 @@ def _tables(inputs: Inputs) -> dict[str, Markup | None]:
              "deadlines": (shown_tables.within_deadlines(inputs), "choose"),
              "warm": (shown_tables.sequences(inputs, detailed=True), ""),
              "ablation": (shown_tables.ablation(inputs), ""), "origins": (shown_tables.origins(inputs), ""),
+             "literature": (shown_tables.literature(inputs), ""),
              "settings": (shown_tables.settings(inputs), "")}
-    return {name: made and made.html(of_class) for name, (made, of_class) in found.items()}
+    return {name: _html(made, of_class) for name, (made, of_class) in found.items()}
+
+
+def _html(made: table.Table | None, of_class: str = "") -> Markup | None:
+    return made and made.html(of_class)
 
 
 def _listed(value: object) -> str:
@@ -113,6 +124,6 @@ def _facts(info: dict) -> tuple[list, list]:
     manifests = ", ".join(f"{m['name']} {m['version']} ({m['sha256'][:12]}…)" for m in info.get("manifests", []))
     campaign = [("Started", info.get("started", "not recorded")), ("Problems", manifests or formats.DASH),
                 ("Tiers", ", ".join(formats.power(t) for t in info["tiers"]) + " on ρ"),
-                ("Passes", f"at most {info.get('passes', '?')}, after the one that is judged; seed {info.get('seed', '?')}"),
+                ("Launches", f"at most {info.get('passes', '?')}, after the one that is judged; seed {info.get('seed', '?')}"),
                 ("Filter", info.get("filter") or "none")]
     return machine, campaign

@@ -21,7 +21,6 @@ from ..style import MARKER_PATHS
 STEPS_PER_DECADE = 1600
 LARGEST = 32000
 ZERO, INFINITE, UNKNOWN = -32767, 32767, -32768
-NO_SPREAD = 255
 # Verdict -> letter in the strings of verdicts; other failures are "e". app.js has the words.
 LETTERS = {VERIFIED: "v", FALSE_SUCCESS: "f", BELOW_TIER: "b", CHANGED: "h", EXCLUDED: "x", FAILED + "iteration_limit": "i",
            FAILED + "time_limit": "t", FAILED + "numerical_failure": "n", NOT_ASKED: "u",
@@ -86,11 +85,10 @@ def _cells(table: pd.DataFrame, names: list[str]) -> dict:
         for flag, letter in (("infeasible_within_rounding", WITHIN_ROUNDING), ("false_infeasible", FALSE_INFEASIBLE),
                              ("proved_infeasible", PROVED_INFEASIBLE)):
             letters = letters.mask(of_tier[flag].astype(bool), letter)
-        half = (of_tier["fresh_high"] - of_tier["fresh_low"]) / 2 / of_tier["fresh_s"]
         # What failed has the time of the solve that was judged.
         time = of_tier["time_s"].where(of_tier["passes"].astype(bool), of_tier["first_s"])
-        rows = of_tier.assign(letter=letters, half=half, time=time).set_index("problem").reindex(names)
-        packed = {name: pack(rows[column]) for name, column in NUMBERS.items()} | {"spread": pack_shares(rows["half"])}
+        rows = of_tier.assign(letter=letters, time=time).set_index("problem").reindex(names)
+        packed = {name: pack(rows[column]) for name, column in NUMBERS.items()}
         if packed not in numbers:
             numbers.append(packed)
         key = power(tier)  # by which the page looks tiers up
@@ -129,10 +127,3 @@ def pack(values) -> str:
     codes = np.clip(np.nan_to_num(logs, nan=0, posinf=LARGEST, neginf=-LARGEST), -LARGEST, LARGEST)
     codes = np.where(np.isnan(given), UNKNOWN, np.where(given == 0, ZERO, np.where(np.isinf(given), INFINITE, codes)))
     return base64.b64encode(codes.astype("<i2").tobytes()).decode("ascii")
-
-
-def pack_shares(values) -> str:
-    """Base64 of bytes: whole per cents from 0 to 254, 255 for what is not known. What is larger is shown as 254."""
-    given = np.asarray(values, dtype=float)
-    codes = np.where(np.isnan(given), NO_SPREAD, np.clip(np.rint(np.nan_to_num(given) * 100), 0, 254))
-    return base64.b64encode(codes.astype("u1").tobytes()).decode("ascii")

@@ -42,7 +42,7 @@ function timesFigure(view) {
   const withPoints = picked.length * solvers.length <= MOST_POINTS;
   const traces = [];
   for (const {solver, cells} of cellsShown(view)) {
-    const raw = cells.get(view.metric), spread = cells.get("spread");
+    const raw = cells.get(view.metric);
     const good = {x: [], y: [], text: []}, bad = {x: [], y: [], text: []}, groups = new Map();
     for (const i of picked) {
       let y = norm ? raw[i] / norm.by[i] : raw[i];
@@ -51,9 +51,8 @@ function timesFigure(view) {
       const verified = cells.verdicts[i] === "v", into = verified ? good : bad;
       into.x.push(across[i]);
       into.y.push(y);
-      const sure = view.metric === "time" && verified && !Number.isNaN(spread[i]) ? ` ± ${percent(spread[i])}` : "";
       into.text.push(`<b>${solver.key}</b> on ${PROBLEMS.name[i]}<br>${VERDICTS[cells.verdicts[i]]} at ` +
-        `${tierName(view.tier)}<br>${metric.title}: ${KINDS[metric.kind].words(raw[i])}${sure}` +
+        `${tierName(view.tier)}<br>${metric.title}: ${KINDS[metric.kind].words(raw[i])}` +
         (norm ? `<br>shown: ${KINDS[kind].words(y)}` : "") + `<br>n = ${PROBLEMS.rows[i]}`);
       if (!verified) continue;
       // Lines go through means of like problems: of one size, or of a third of a decade.

@@ -12,12 +12,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "solvers/lcp/memory_budget.h"
+#include "solvers/peers/linked_peers.h"
 #include "solvers/peers/peer_library.h"
 
 namespace lcpbench {
@@ -66,8 +68,7 @@ class Alglib : public LcpSolver {
  private:
   void MakeState(const LcpProblem& problem) {
     const auto n = static_cast<alglib::ae_int_t>(problem.size());
-    state_ = std::make_unique<alglib::minqpstate>();
-    alglib::minqpcreate(n, *state_);
+    UseStateOf(n);
     if (is_sparse_) {
       SetSparse(problem);
     } else {
@@ -91,6 +92,18 @@ class Alglib : public LcpSolver {
     }
     alglib::minqpsetbc(*state_, lower, upper);
     alglib::minqpsetscale(*state_, scale_);
+  }
+
+  // Making one takes some 40 us: kept for the next problem of as many rows, for which all that is in it is set anew.
+  void UseStateOf(alglib::ae_int_t n) {
+    constexpr alglib::ae_int_t kMostRows = 100;  // of larger problems it is a small part
+    if (n > kMostRows) states_.erase(kMostRows + 1);
+    std::unique_ptr<alglib::minqpstate>& kept = states_[std::min(n, kMostRows + 1)];
+    if (kept == nullptr) {
+      kept = std::make_unique<alglib::minqpstate>();
+      alglib::minqpcreate(n, *kept);
+    }
+    state_ = kept.get();
   }
 
   // The upper triangle.
@@ -180,11 +193,12 @@ class Alglib : public LcpSolver {
   bool has_newton_ = true;
   std::vector<double> A_;
   alglib::real_1d_array scale_;
-  std::unique_ptr<alglib::minqpstate> state_;
+  std::map<alglib::ae_int_t, std::unique_ptr<alglib::minqpstate>> states_;  // by rows
+  alglib::minqpstate* state_ = nullptr;
 };
 
 }  // namespace
 
-PeerLibrary ThisPeerLibrary() { return {LCPBENCH_ALGLIB_VERSION, &MakePeer<Alglib>}; }
+PeerLibrary AlglibLibrary() { return {LCPBENCH_ALGLIB_VERSION, &MakePeer<Alglib>}; }
 
 }  // namespace lcpbench

@@ -24,6 +24,9 @@ struct Destroy {
 class HighsQp : public QpPeer {
  public:
   HighsQp(std::string_view key, SettingsReader* reader) : QpPeer(key, reader) {
+    Highs_setBoolOptionValue(highs_.get(), "output_flag", 0);
+    Highs_setIntOptionValue(highs_.get(), "threads", 1);
+    Highs_setStringOptionValue(highs_.get(), "parallel", "off");
     if (tier().is_library_default()) return;
     regularization_ =
         Choose<double>(reader, "regularization",
@@ -41,15 +44,11 @@ class HighsQp : public QpPeer {
       H = qp.H.triangularView<Eigen::Lower>();
       if (rows == 0) qp.C = Eigen::SparseMatrix<double>(0, n);
     });
-    std::unique_ptr<void, Destroy> highs;
     Eigen::VectorXd x(n), x_dual(n), row_value(rows), y(rows);
     HighsInt status = kHighsStatusError;
     TimeLibraryCall(options, result, [&] {
-      highs.reset(Highs_create());
-      void* h = highs.get();
-      Highs_setBoolOptionValue(h, "output_flag", 0);
-      Highs_setIntOptionValue(h, "threads", 1);
-      Highs_setStringOptionValue(h, "parallel", "off");
+      void* h = highs_.get();
+      Highs_zeroAllClocks(h);
       if (!tier().is_library_default()) {
         const double tolerance = std::max(kLeastTolerance, tier().Tolerance(options));
         Highs_setDoubleOptionValue(h, "qp_regularization_value", regularization_);
@@ -57,12 +56,8 @@ class HighsQp : public QpPeer {
           Highs_setDoubleOptionValue(h, name, tolerance);
         }
       }
-      if (options.max_iterations > 0) {
-        Highs_setIntOptionValue(h, "qp_iteration_limit", IterationLimit(options, 0));
-      }
-      if (options.time_limit_s < std::numeric_limits<double>::infinity()) {
-        Highs_setDoubleOptionValue(h, "time_limit", deadline.Remaining());
-      }
+      Highs_setIntOptionValue(h, "qp_iteration_limit", IterationLimit(options, std::numeric_limits<HighsInt>::max()));
+      Highs_setDoubleOptionValue(h, "time_limit", deadline.Remaining());
       status = Highs_passModel(h, n, rows, static_cast<HighsInt>(qp.C.nonZeros()), static_cast<HighsInt>(H.nonZeros()),
                                kHighsMatrixFormatColwise, kHighsHessianFormatTriangular, kHighsObjSenseMinimize, 0,
                                qp.g.data(), qp.x_lower.data(), x_upper.data(), qp.lower.data(), qp.upper.data(),
@@ -76,9 +71,9 @@ class HighsQp : public QpPeer {
       return;
     }
     HighsInt iterations = 0;
-    Highs_getIntInfoValue(highs.get(), "qp_iteration_count", &iterations);
+    Highs_getIntInfoValue(highs_.get(), "qp_iteration_count", &iterations);
     result->iterations = std::max<HighsInt>(0, iterations);
-    const HighsInt end = Highs_getModelStatus(highs.get());
+    const HighsInt end = Highs_getModelStatus(highs_.get());
     result->detail = "HiGHS: model status " + std::to_string(end);
     if (end == kHighsModelStatusOptimal) {
       result->status = LcpStatus::kSolved;
@@ -98,6 +93,7 @@ class HighsQp : public QpPeer {
   static constexpr double kLeastTolerance = 1e-10;  // that the library takes
 
   double regularization_ = 0;
+  std::unique_ptr<void, Destroy> highs_{Highs_create()};
 };
 
 }  // namespace

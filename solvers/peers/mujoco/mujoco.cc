@@ -17,8 +17,7 @@
 // difference of numbers that are far larger, and the solvers stop there.
 //
 // For keys that follow the tier b is scaled by a power of two to about 1, since the library's tolerance has a unit.
-// Iterations are the library's; the clock is read by nobody: when time is up, a signal raises the tolerance that the
-// loop compares with.
+// Iterations are the library's; the clock is read by nobody, and the host's time limit ends a solve.
 
 #include <mujoco/mujoco.h>
 
@@ -33,7 +32,6 @@
 #include <vector>
 
 #include "solvers/lcp/memory_budget.h"
-#include "solvers/peers/alarm.h"
 #include "solvers/peers/peer_library.h"
 
 namespace lcpbench {
@@ -90,7 +88,7 @@ class MuJoCo : public LcpSolver {
       : model_(std::make_unique<mjModel>(SmallestModel())),
         tier_(key, reader),
         options_(model_->opt),
-        data_(std::make_unique<mjData>()) {
+        data_(std::make_unique<mjData>()) {  // of zeros
     options_.solver = solver;
     if (tier_.is_library_default()) return;
     regularization_ = reader->Number("regularization", kRegularization, 1e-16, 1);
@@ -120,7 +118,6 @@ class MuJoCo : public LcpSolver {
   }
 
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
-    const Deadline deadline(options);
     if (order_.empty()) {
       result->status = LcpStatus::kSolved;
       return;
@@ -148,22 +145,12 @@ class MuJoCo : public LcpSolver {
       model_->opt.iterations = IterationLimit(options, model_->opt.iterations);
       data_->pstack = 0;  // an error of the solve before may have left it anywhere
     });
-    TimeLibraryCall(options, result, [&] {
-      const auto stop = [](void* tolerance) {
-        *static_cast<volatile double*>(tolerance) = std::numeric_limits<double>::infinity();
-      };
-      const Alarm alarm(deadline.Remaining(), stop, &model_->opt.tolerance);
-      mj_fwdConstraint(model_.get(), data_.get());
-    });
+    TimeLibraryCall(options, result, [&] { mj_fwdConstraint(model_.get(), data_.get()); });
     TimeConversion(options, result, [&] {
       for (std::size_t i = 0; i < order_.size(); ++i) result->f[order_[i]] = force_[i] * scale;
     });
     result->iterations = data_->solver_iter;
-    if (model_->opt.tolerance == std::numeric_limits<double>::infinity()) {
-      result->status = LcpStatus::kTimeLimit;
-    } else {
-      result->status = data_->solver_iter >= model_->opt.iterations ? LcpStatus::kIterationLimit : LcpStatus::kSolved;
-    }
+    result->status = data_->solver_iter >= model_->opt.iterations ? LcpStatus::kIterationLimit : LcpStatus::kSolved;
   }
 
  private:
@@ -259,7 +246,6 @@ class MuJoCo : public LcpSolver {
   void PointAtArrays() {
     mjModel& model = *model_;
     mjData& data = *data_;
-    model = SmallestModel();
     model.opt = options_;
     model.nv = model.nq = model.nM = static_cast<int>(mass_.size());
     model.njmax = static_cast<int>(order_.size());
@@ -269,7 +255,6 @@ class MuJoCo : public LcpSolver {
     double sum = 0;
     for (const double mass : mass_) sum += mass;
     model.stat.meaninertia = sum / static_cast<double>(mass_.size());
-    data = mjData{};
     data.nstack = static_cast<int>(stack_size_);
     data.stack = stack_.get();
     data.ne = equalities_;

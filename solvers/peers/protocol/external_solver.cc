@@ -72,6 +72,9 @@ auto ExternalSolver::Ask(MessageType type, const Bytes& payload, MessageType ans
 
 namespace {
 
+// Workers of older versions are asked for single solves, whose own times count.
+constexpr std::uint32_t kFirstWithPasses = 4;
+
 bool TakeAnswer(const Bytes& /*empty*/) { return true; }
 
 }  // namespace
@@ -178,7 +181,7 @@ void ExternalSolver::DoSolve(const LcpProblem& problem, const LcpOptions& option
 }
 
 void ExternalSolver::LoadStream(std::span<const ProblemArrays> stream) {
-  stream_.assign(stream.begin(), stream.end());
+  stream_ = stream;
   has_stream_ = false;
   try {
     SendStream();
@@ -193,7 +196,7 @@ void ExternalSolver::SendStream() {
   } catch (const InputError& error) {
     throw WorkerFailure(How::kNotStarted, error.what());
   }
-  if (has_stream_ || hello_.version == 1) return;
+  if (has_stream_ || hello_.version < kFirstWithPasses) return;
   has_stream_ = Ask(MessageType::kStream, Encode(stream_, hello_.version), MessageType::kLoaded,
                     options_.prepare_limit_s, TakeAnswer);
 }
@@ -201,7 +204,7 @@ void ExternalSolver::SendStream() {
 PassReply ExternalSolver::RunPass(const PassRequest& request, double limit_s) {
   try {
     SendStream();
-    PassReply reply = hello_.version == 1
+    PassReply reply = hello_.version < kFirstWithPasses
                           ? RunPassByProblems(request, limit_s)
                           : Ask(MessageType::kPass, Encode(request), MessageType::kPassReply, limit_s,
                                 [&](const Bytes& payload) { return DecodePassReply(payload, request, stream_); });
@@ -226,8 +229,7 @@ PassReply ExternalSolver::RunPassByProblems(const PassRequest& request, double l
   };
   for (const std::uint32_t index : request.warm_up) solve(LcpProblem::FromArrays(stream_[index]));
   PassReply reply;
-  double spent = 0;
-  for (std::size_t k = 0; k < request.order.size() && spent <= request.budget_s; ++k) {
+  for (std::size_t k = 0; k < request.order.size(); ++k) {
     LcpProblem problem = LcpProblem::FromArrays(stream_[request.order[k]]);
     if (request.kind == PassKind::kAgain) problem = problem.WithB(request.other_b[k]);
     const LcpResult result = solve(problem);
@@ -239,8 +241,7 @@ PassReply ExternalSolver::RunPassByProblems(const PassRequest& request, double l
     entry.solve_s = std::max(0.0, result.own_solve_s);
     entry.status = result.status;
     entry.f = result.f;
-    spent += entry.seconds;
-    reply.push_back(std::move(entry));
+    reply.entries.push_back(std::move(entry));
   }
   return reply;
 }

@@ -88,11 +88,12 @@ class ExternalSolver : public LcpSolver {
   /// How workers ended that something else killed since the last call, before a new one tried again; "": none did.
   std::string TakeRetried() { return std::exchange(retried_, {}); }
 
-  /// The stream that passes are about; a worker started later gets it by itself.
+  /// The stream that passes are about; it must stay until another is loaded. A worker started later gets it by itself.
   /// @throws WorkerFailure
   void LoadStream(std::span<const ProblemArrays> stream);
-  /// As lcpbench::RunPass, in the worker. With a worker of version 1 every problem is a solve of its own by one and the
-  /// same worker, PassEntry::problem_s is what forming A took here, whatever the kind, and nothing is known "again".
+  /// As lcpbench::RunPass, in the worker. With a worker of a version before 4 every problem is a solve of its own by
+  /// one and the same worker; of version 1 PassEntry::problem_s is what forming A took here, whatever the kind, and
+  /// nothing is known "again".
   /// @param limit_s  for the whole pass [s]
   /// @throws WorkerFailure
   PassReply RunPass(const PassRequest& request, double limit_s);
@@ -126,7 +127,7 @@ class ExternalSolver : public LcpSolver {
   std::optional<LcpProblem> loaded_;
   bool has_stream_ = false;
 
-  std::vector<ProblemArrays> stream_;
+  std::span<const ProblemArrays> stream_;
   // Version 1.
   Prepared prepared_;
   double formed_on_host_s_ = 0;

@@ -258,8 +258,7 @@ void Fields(Io& io, Like<PassRequest> auto& request, std::span<const ProblemArra
   io.Choice("kind of pass", request.kind, PassKind::kAgain);
   io.Value("tolerance", request.tolerance);
   io.Value("time limit", request.time_limit_s);
-  io.Value("budget", request.budget_s);
-  io.Value("group", request.group);
+  io.Value("time to settle", request.settle_s);
   io.Counted("warm-up", request.warm_up);
   io.Counted("order", request.order);
   if constexpr (Io::kReads) {
@@ -283,6 +282,13 @@ void Fields(Io& io, Like<PassEntry> auto& entry, Index rows) {
   }
   io.Status(entry.status);
   io.Numbers("f", entry.f, static_cast<std::uint64_t>(rows));
+}
+
+template <typename Io>
+void Fields(Io& io, Like<Disturbance> auto& found) {
+  io.Value("seconds of the probe", found.probe_s);
+  io.Value("share of the processor", found.cpu_share);
+  io.Value("switches", found.switches);
 }
 
 template <typename Message, typename... Context>
@@ -322,8 +328,10 @@ Bytes Encode(std::span<const ProblemArrays> stream, std::uint32_t version) {
 
 Bytes Encode(const PassReply& reply) {
   Writer out;
-  out.As("count", static_cast<std::uint32_t>(reply.size()));
-  for (const PassEntry& entry : reply) Fields(out, entry, entry.f.size());
+  out.As("count", static_cast<std::uint32_t>(reply.entries.size()));
+  for (const PassEntry& entry : reply.entries) Fields(out, entry, entry.f.size());
+  const Disturbance disturbance = reply.disturbance.value_or(Disturbance());
+  Fields(out, disturbance);
   return out.Take();
 }
 
@@ -355,9 +363,11 @@ std::vector<ProblemArrays> DecodeStream(const Bytes& payload, std::uint32_t vers
 PassReply DecodePassReply(const Bytes& payload, const PassRequest& request, std::span<const ProblemArrays> stream) {
   Reader in(payload);
   const auto count = in.Get<std::uint32_t>("count");
-  if (count > request.order.size()) Fail("more answers than problems");
-  PassReply reply(count);
-  for (std::uint32_t k = 0; k < count; ++k) Fields(in, reply[k], stream[request.order[k]].rows);
+  if (count != request.order.size()) Fail("expected an answer to each problem of the pass");
+  PassReply reply;
+  reply.entries.resize(count);
+  for (std::uint32_t k = 0; k < count; ++k) Fields(in, reply.entries[k], stream[request.order[k]].rows);
+  Fields(in, reply.disturbance.emplace());
   in.Finish();
   return reply;
 }

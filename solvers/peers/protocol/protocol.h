@@ -19,7 +19,7 @@ namespace lcpbench {
 // docs/protocol.md describes every message of all versions.
 
 /// The version of workers written here.
-inline constexpr std::uint32_t kProtocolVersion = 3;
+inline constexpr std::uint32_t kProtocolVersion = 4;
 /// A frame that claims more is refused before anything is allocated.
 inline constexpr std::uint64_t kLargestPayload = std::uint64_t{1} << 36U;
 
@@ -45,7 +45,7 @@ enum class WantedForm : std::uint8_t { kDense = 0, kSparse = 1, kAsGiven = 2 };
 
 /// What a worker says of itself.
 struct Hello {
-  std::uint32_t version = kProtocolVersion;  ///< of the protocol: 1, 2 or 3
+  std::uint32_t version = kProtocolVersion;  ///< of the protocol: 1 to 4
   WantedForm form = WantedForm::kAsGiven;    ///< of the problems it gets; version 1 only
   std::string name;                          ///< of the method
   std::string library_version;               ///< of the library behind it

@@ -15,8 +15,8 @@ SOLVED, INFEASIBLE = "solved", "infeasible"
 ITERATION_LIMIT, TIME_LIMIT = "iteration_limit", "time_limit"
 FAILURE, UNSUPPORTED = "numerical_failure", "unsupported"
 MODULES = {"piqp": "piqp", "clarabel": "clarabel", "qpalm": "qpalm", "scs": "scs", "quadprog": "quadprog",
-           "drake": "pydrake.solvers", "pinocchio": "pinocchio"}
-WHEELS = {"pinocchio": "pin"}
+           "drake": "pydrake.solvers", "pinocchio": "pinocchio", "daqp": "daqp"}
+WHEELS = {"pinocchio": "pin", "daqp-avi": "daqp"}
 
 
 def version(folder):
@@ -245,6 +245,24 @@ class Quadprog(Adapter):
         return np.linalg.lstsq(q.C[equal].T, rest, rcond=None)[0]
 
 
+class DaqpAvi(Adapter):
+    """Affine variational inequality: dual active sets of a proximal iteration. Stops where no constraint is violated by
+    more than primal_tol and the proximal iteration moves by less than eta_prox."""
+
+    def solve(self, p, tolerance, time_limit, most):
+        q = Program(p)
+        settings = {"primal_tol": tolerance, "eta_prox": tolerance} if tolerance > 0 else {}
+        if most > 0:
+            settings["iter_limit"] = int(min(most, 2**31 - 1))
+        if math.isfinite(time_limit):
+            settings["time_limit"] = max(time_limit, 1e-6)  # 0: none
+        # Bounds of the variables alone; those that are infinite are beyond its 1e30.
+        f, _, flag, info = self.module.solve(q.H, q.g, np.zeros((0, q.n)), np.full(q.n, 1e30), np.maximum(q.x_lower, -1e30),
+                                             np.zeros(q.n, np.int32), is_avi=True, **settings)
+        words = {1: SOLVED, -1: INFEASIBLE, -3: INFEASIBLE, -4: ITERATION_LIMIT, -7: TIME_LIMIT}
+        return answer(words.get(flag, FAILURE), info["iterations"], f"DAQP: exit flag {flag}", f)
+
+
 class DrakeMoby(Adapter):
     """MobyLcpSolver, as a program with one complementarity condition: Lemke's method on A with growing shifts of the
     diagonal, which is all that the Python module offers of it. Stops by its own tolerances."""
@@ -267,8 +285,21 @@ class Pinocchio(Adapter):
     early. They stop where feasibility and complementarity are below absolute or relative tolerances, or at a limit of
     iterations: they read no clock."""
 
+    def __init__(self, module, settings):
+        super().__init__(module, settings)
+        self.kept = {}
+
     def constraint(self, bilateral):
-        """By a model of as many joints, of which nothing else is used."""
+        """By a model of as many joints, of which nothing else is used: kept between problems with the same rows, as a
+        user would keep it."""
+        key = bilateral.tobytes()
+        if key not in self.kept:
+            if len(self.kept) >= 1000:
+                self.kept.clear()
+            self.kept[key] = self.new_constraint(bilateral)
+        return self.kept[key]
+
+    def new_constraint(self, bilateral):
         pin = self.module
         model = pin.Model()
         joints = pin.StdVec_Index()
@@ -323,5 +354,5 @@ class PinocchioPgs(Pinocchio):
         return pin.PGSConstraintSolver(), settings, pin.PGSSolverResult()
 
 
-CLASSES = {"piqp": Piqp, "clarabel": Clarabel, "qpalm": Qpalm, "scs": Scs, "quadprog": Quadprog, "drake": DrakeMoby,
+CLASSES = {"piqp": Piqp, "clarabel": Clarabel, "qpalm": Qpalm, "scs": Scs, "quadprog": Quadprog, "drake": DrakeMoby, "daqp": DaqpAvi,
            "pinocchio-admm": PinocchioAdmm, "pinocchio-pgs": PinocchioPgs}

@@ -116,7 +116,7 @@ PythonSettings SettingsOf(std::string_view key) {
     return {{{"update_rule", {"osqp", "spectral", "linear", "constant"}}, {"mu_prox", {"1e-6", "1e-8", "1e-10"}}},
             dense};
   }
-  return {{}, dense};  // quadprog, drake
+  return {{}, dense};  // quadprog, drake, daqp-avi
 }
 
 class PythonPeer : public QpPeer {
@@ -140,6 +140,7 @@ class PythonPeer : public QpPeer {
   }
 
   std::string WhyUnsupported(const LcpProblem& problem) const override {
+    if (key_.starts_with("daqp-avi")) return "";
     if (key_ == "drake-moby") {
       return problem.bilateral_rows().empty() ? "" : "takes unilateral rows only";
     }

@@ -3,7 +3,7 @@ lcpbench_peer_option(PYTHON_PEERS "Python peers" "libpython3-dev, PyPI: cmake/pa
 if(LCPBENCH_WITH_PYTHON_PEERS)
   find_package(Python3 QUIET COMPONENTS Development.Embed)
   # Folder of the table, and the module that has to be there.
-  foreach(peer piqp:piqp clarabel:clarabel qpalm:qpalm scs:scs quadprog:quadprog drake:pydrake
+  foreach(peer piqp:piqp clarabel:clarabel qpalm:qpalm scs:scs quadprog:quadprog drake:pydrake daqp-avi:daqp
           pinocchio:cmeel.prefix/lib/python${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR}/site-packages/pinocchio)
     string(REGEX REPLACE ":.*" "" folder ${peer})
     string(REGEX REPLACE "^[^:]*:" "" module ${peer})

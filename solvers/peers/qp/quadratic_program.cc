@@ -182,10 +182,9 @@ void QpPeer::DoPrepare(const LcpProblem& problem) {
 
 void QpPeer::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   const Deadline deadline(options);
-  QuadraticProgram qp;
+  QuadraticProgram& qp = prepared_;
   std::optional<QpStart> start;
   TimeConversion(options, result, [&] {
-    qp = prepared_;
     SetB(problem, &qp);
     if (options.initial_f != nullptr) start = MakeStart(problem, qp, *options.initial_f);
   });

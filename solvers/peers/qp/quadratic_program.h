@@ -60,8 +60,8 @@ class QpPeer : public LcpSolver {
   bool has_tiers() const { return has_tiers_; }
   const PeerTier& tier() const { return tier_; }
   void set_layout(QpLayout layout) { layout_ = layout; }
-  /// The library's call, timed by TimeLibraryCall: sets status, iterations, detail, and the answer by SetAnswer. The
-  /// program and the start (nullptr: none) are its own to write to.
+  /// The library's call, timed by TimeLibraryCall: sets status, iterations, detail, and the answer by SetAnswer. What
+  /// depends on b and the start (nullptr: none) are its own to write to; H and C stay for another b.
   virtual void Run(QuadraticProgram& qp, QpStart* start, const LcpOptions& options, const Deadline& deadline,
                    LcpResult* result) = 0;
   /// f is x in the dual form; in the primal form the multipliers of C x >= lower, which is `sign` times y.
@@ -78,7 +78,7 @@ class QpPeer : public LcpSolver {
   PeerTier tier_;
   bool is_primal_ = false;
   QpLayout layout_;
-  QuadraticProgram prepared_;  // without what depends on b
+  QuadraticProgram prepared_;  // what depends on b is of the last solve
 };
 
 }  // namespace lcpbench

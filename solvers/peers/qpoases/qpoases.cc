@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <limits>
-#include <memory>
+#include <optional>
 #include <qpOASES.hpp>
 #include <string>
 #include <utility>
@@ -40,8 +40,10 @@ class QpOases : public QpPeer {
     const auto n = static_cast<int_t>(qp.variables());
     const auto rows = static_cast<int_t>(qp.rows());
     RowMajor C;
+    Eigen::MatrixXd H;
     TimeConversion(options, result, [&] {
       C = qp.dense_C;
+      H = qp.dense_H;  // the library regularises the numbers it is given
       for (Eigen::VectorXd* bound : {&qp.x_lower, &qp.lower, &qp.upper}) {
         *bound = bound->cwiseMax(-qpOASES::INFTY).cwiseMin(qpOASES::INFTY);
       }
@@ -71,18 +73,26 @@ class QpOases : public QpPeer {
     returnValue code{};
     TimeLibraryCall(options, result, [&] {
       if (qp.is_primal) {
-        qpOASES::QProblem program(n, rows, qpOASES::HST_POSDEF);
+        if (!primal_ || primal_->getNV() != n || primal_->getNC() != rows) {
+          primal_.emplace(n, rows, qpOASES::HST_POSDEF);
+        }
+        qpOASES::QProblem& program = *primal_;
+        program.reset();
         program.setOptions(library);
-        code = program.init(qp.dense_H.data(), qp.g.data(), C.data(), nullptr, nullptr, qp.lower.data(),
-                            qp.upper.data(), changes, limit, x_guess, y_guess, start != nullptr ? &bounds : nullptr,
+        program.setHessianType(qpOASES::HST_POSDEF);
+        code = program.init(H.data(), qp.g.data(), C.data(), nullptr, nullptr, qp.lower.data(), qp.upper.data(),
+                            changes, limit, x_guess, y_guess, start != nullptr ? &bounds : nullptr,
                             start != nullptr ? &constraints : nullptr);
         program.getPrimalSolution(x.data());
         program.getDualSolution(y.data());
       } else {
-        qpOASES::QProblemB program(n, qpOASES::HST_SEMIDEF);
+        if (!dual_ || dual_->getNV() != n) dual_.emplace(n, qpOASES::HST_SEMIDEF);
+        qpOASES::QProblemB& program = *dual_;
+        program.reset();
         program.setOptions(library);
-        code = program.init(qp.dense_H.data(), qp.g.data(), qp.x_lower.data(), nullptr, changes, limit, x_guess,
-                            y_guess, start != nullptr ? &bounds : nullptr);
+        program.setHessianType(qpOASES::HST_SEMIDEF);
+        code = program.init(H.data(), qp.g.data(), qp.x_lower.data(), nullptr, changes, limit, x_guess, y_guess,
+                            start != nullptr ? &bounds : nullptr);
         program.getPrimalSolution(x.data());
       }
     });
@@ -110,6 +120,9 @@ class QpOases : public QpPeer {
 
   Set set_ = nullptr;
   bool regularization_ = true;
+  // Kept between problems of one size.
+  std::optional<qpOASES::QProblem> primal_;
+  std::optional<qpOASES::QProblemB> dual_;
 };
 
 }  // namespace

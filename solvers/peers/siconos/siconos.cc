@@ -13,21 +13,17 @@
 #include <NumericsMatrix.h>
 #include <SolverOptions.h>
 #include <SparseBlockMatrix.h>
-#include <fcntl.h>
 #include <lcp_cst.h>
 #include <line_search.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <cstdlib>
 #include <limits>
 #include <map>
 #include <memory>
-#include <optional>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -69,13 +65,14 @@ Bodies BodiesOf(const LcpProblem& problem, Index row) {
 ///
 /// Either dense (column by column), or in sparse blocks: one for the rows between the same two bodies, as Siconos's own
 /// simulation makes one for each of its interactions, up to `largest_block` rows; with their mirrored rows beside them.
-/// Without factors every row is a block. O(n^2), or O(nnz of A), memory.
+/// Without factors every row is a block. O(n^2), or O(nnz of A), memory, which stays for the next problem.
 class SiconosProblem {
  public:
   enum class Storage { kDense, kBlocks };
 
-  SiconosProblem(const LcpProblem& problem, Storage storage, std::size_t largest_block)
-      : matrix_(NM_new(), &FreeShell) {
+  SiconosProblem() = default;
+  void Set(const LcpProblem& problem, Storage storage, std::size_t largest_block) {
+    Clear();
     const bool dense = storage == Storage::kDense;
     if (dense) {
       OrderByRows(problem);
@@ -86,15 +83,14 @@ class SiconosProblem {
     }
     q_.resize(variables_.size());
     const auto n = static_cast<int>(variables_.size());
+    matrix_.reset(NM_new());  // the library keeps factors of the one before in it
     void* data = dense ? static_cast<void*>(values_.data()) : static_cast<void*>(&sparse_);
     NM_fill(matrix_.get(), dense ? NM_DENSE : NM_SPARSE_BLOCK, n, n, data);
     problem_.size = n;
     problem_.M = matrix_.get();
     problem_.q = q_.data();
   }
-  ~SiconosProblem() {
-    std::free(sparse_.diagonal_blocks);  // NOLINT(cppcoreguidelines-no-malloc): Siconos notes them there on first use
-  }
+  ~SiconosProblem() { Clear(); }
   SiconosProblem(const SiconosProblem&) = delete;
   SiconosProblem& operator=(const SiconosProblem&) = delete;
 
@@ -129,6 +125,17 @@ class SiconosProblem {
     Index row = 0;
     double sign = 1;
   };
+
+  void Clear() {
+    matrix_.reset();
+    std::free(sparse_.diagonal_blocks);  // NOLINT(cppcoreguidelines-no-malloc): Siconos notes them there on first use
+    sparse_ = {};
+    variables_.clear();
+    ends_.clear();
+    row_starts_.clear();
+    columns_.clear();
+    blocks_.clear();
+  }
 
   void OrderByRows(const LcpProblem& problem) {
     for (Index row = 0; row < problem.size(); ++row) variables_.push_back({row, 1});
@@ -247,35 +254,8 @@ class SiconosProblem {
   std::vector<std::size_t> columns_;
   std::vector<double*> blocks_;
   SparseBlockStructuredMatrix sparse_{};
-  std::unique_ptr<NumericsMatrix, void (*)(NumericsMatrix*)> matrix_;
+  std::unique_ptr<NumericsMatrix, void (*)(NumericsMatrix*)> matrix_{nullptr, &FreeShell};
   LinearComplementarityProblem problem_{};
-};
-
-// The library prints each failed block, each sweep: nobody reads that, and a campaign's terminal would drown in it.
-class Silence {
- public:
-  Silence() {
-    std::fflush(nullptr);
-    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);  // NOLINT(cppcoreguidelines-pro-type-vararg)
-    for (std::size_t i = 0; i < kStreams.size(); ++i) {
-      kept_[i] = dup(kStreams[i]);
-      if (nowhere >= 0) dup2(nowhere, kStreams[i]);
-    }
-    if (nowhere >= 0) close(nowhere);
-  }
-  ~Silence() {
-    std::fflush(nullptr);
-    for (std::size_t i = 0; i < kStreams.size(); ++i) {
-      dup2(kept_[i], kStreams[i]);
-      close(kept_[i]);
-    }
-  }
-  Silence(const Silence&) = delete;
-  Silence& operator=(const Silence&) = delete;
-
- private:
-  static constexpr std::array kStreams{STDOUT_FILENO, STDERR_FILENO};
-  std::array<int, kStreams.size()> kept_{};
 };
 
 // SICONOS_CONVEXQP_PGOC_RHO, of a header that Debian does not install.
@@ -310,29 +290,25 @@ class Siconos : public LcpSolver {
 
  protected:
   void DoPrepare(const LcpProblem& problem) override {
-    problem_.emplace(problem, method_.storage, block_rows_);
+    problem_.Set(problem, method_.storage, block_rows_);
     if (regularization_ > 0) largest_diagonal_ = problem.DiagonalA().cwiseAbs().maxCoeff();
   }
 
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
-    OptionsPointer own(nullptr, &solver_options_delete);
     Eigen::VectorXd z;
     Eigen::VectorXd w;
     TimeConversion(options, result, [&] {
-      own = MakeOptions(options);
-      problem_->SetB(problem.b());
+      SetOptions(options);
+      problem_.SetB(problem.b());
       // From other forces than none the path search gives up.
       const bool is_warm = options.initial_f != nullptr && method_.solver != SICONOS_LCP_PATHSEARCH;
-      z = is_warm ? problem_->VariablesOf(*options.initial_f)
-                  : Eigen::VectorXd(Eigen::VectorXd::Zero(problem_->size()));
-      w.setZero(problem_->size());
+      z = is_warm ? problem_.VariablesOf(*options.initial_f) : Eigen::VectorXd(Eigen::VectorXd::Zero(problem_.size()));
+      w.setZero(problem_.size());
     });
     const Deadline deadline(options);
-    {
-      const Silence silence;
-      TimeLibraryCall(options, result, [&] { Run(*own, deadline, &z, &w, result); });
-    }
-    TimeConversion(options, result, [&] { problem_->SetForces(z, &result->f); });
+    SilenceLibrary();  // it prints each failed block, each sweep
+    TimeLibraryCall(options, result, [&] { Run(*own_, deadline, &z, &w, result); });
+    TimeConversion(options, result, [&] { problem_.SetForces(z, &result->f); });
   }
 
  private:
@@ -381,10 +357,23 @@ class Siconos : public LcpSolver {
     }
   }
 
-  OptionsPointer MakeOptions(const LcpOptions& options) const {
-    OptionsPointer own(solver_options_create(solver_), &solver_options_delete);
+  // Kept, as a user keeps them, unless a method has hung something of the problem before on them. Numbers are set anew,
+  // since methods write to them.
+  void SetOptions(const LcpOptions& options) {
+    SolverOptions* own = own_.get();
+    const bool is_kept = own != nullptr && own->numberOfInternalSolvers == 0 && own->dWork == nullptr &&
+                         own->iWork == nullptr && own->solverData == nullptr;
+    if (is_kept) {
+      std::copy(integers_.begin(), integers_.end(), own->iparam);
+      std::copy(reals_.begin(), reals_.end(), own->dparam);
+    } else {
+      own_.reset(solver_options_create(solver_));
+      own = own_.get();
+      integers_.assign(own->iparam, own->iparam + own->iSize);
+      reals_.assign(own->dparam, own->dparam + own->dSize);
+    }
     if (method_.solver == SICONOS_LCP_NSGS_SBM) {
-      solver_options_update_internal(own.get(), 0, local_);
+      solver_options_update_internal(own, 0, local_);
       if (local_iterations_ > 0) own->internalSolvers[0]->iparam[SICONOS_IPARAM_MAX_ITER] = local_iterations_;
     }
     if (method_.solver == SICONOS_LCP_NEWTON_FB_FBLSA) {
@@ -401,15 +390,14 @@ class Siconos : public LcpSolver {
       most = tier_.Iterations(options);
     }
     most = IterationLimit(options, most);
-    return own;
   }
 
   /// The most sweeps or steps between two readings of the clock.
   std::int64_t LargestPortion(std::int64_t most) const {
     if (method_.cost_power == 0 || method_.forgets_start) return most;
-    const auto n = static_cast<double>(problem_->size());
+    const auto n = static_cast<double>(problem_.size());
     const double products =
-        (static_cast<double>(problem_->entries()) + kPerRow * n) * std::pow(n, method_.cost_power - 2);
+        (static_cast<double>(problem_.entries()) + kPerRow * n) * std::pow(n, method_.cost_power - 2);
     return std::max<std::int64_t>(1, static_cast<std::int64_t>(kPortion / products));
   }
 
@@ -427,7 +415,7 @@ class Siconos : public LcpSolver {
       own.iparam[SICONOS_IPARAM_MAX_ITER] = asked;
       own.iparam[SICONOS_IPARAM_ITER_DONE] = 0;
       before = *z;
-      const int info = linearComplementarity_driver(problem_->get(), z->data(), w->data(), &own);
+      const int info = linearComplementarity_driver(problem_.get(), z->data(), w->data(), &own);
       const int done = counts ? own.iparam[SICONOS_IPARAM_ITER_DONE] : asked;
       result->iterations += done;
       if (info == 0) {
@@ -468,7 +456,10 @@ class Siconos : public LcpSolver {
   int local_iterations_ = 0;
   std::size_t block_rows_ = kLargestBlock;
   double largest_diagonal_ = 0;
-  std::optional<SiconosProblem> problem_;
+  SiconosProblem problem_;
+  OptionsPointer own_{nullptr, &solver_options_delete};
+  std::vector<int> integers_;  // of own_, as the library makes them
+  std::vector<double> reals_;
 };
 
 constexpr auto kBlocks = SiconosProblem::Storage::kBlocks;

@@ -24,8 +24,6 @@ class ImpulseCode {
   virtual double Force(int row) const = 0;
   /// As the library counts them.
   virtual long long iterations() const = 0;
-  /// Makes the running call end at its next sweep. For signal handlers.
-  virtual void Stop() = 0;
 };
 
 /// @param by_pruning  PLUSImpulseSolver, else PGSImpulseSolver

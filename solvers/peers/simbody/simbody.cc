@@ -3,19 +3,16 @@
 // bilateral rows unconditional constraints. Dense: A is a copy, O(n^2) memory.
 //
 // Both start at zero, and stop by the norm of w on the rows that are enforced (Gauss-Seidel: its root mean square), in
-// the unit of b; for keys that follow the tier b is scaled by a power of two to about 1. When time is up, a signal
-// lowers the limit of sweeps that Gauss-Seidel looks at; the host ends pruning. Iterations are sweeps, of pruning as
-// the library counts.
+// the unit of b; for keys that follow the tier b is scaled by a power of two to about 1. The host's time limit ends a
+// solve. Iterations are sweeps, of pruning as the library counts.
 
 #include <cmath>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/linear_algebra/loaded_blas.h"
-#include "solvers/peers/alarm.h"
 #include "solvers/peers/peer_library.h"
 #include "solvers/peers/simbody/impulse_code.h"
 
@@ -39,7 +36,6 @@ class Simbody : public LcpSolver {
   }
 
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
-    const Deadline deadline(options);
     double unit = 1;
     TimeConversion(options, result, [&] {
       ImpulseCode::Limits limits;
@@ -54,26 +50,13 @@ class Simbody : public LcpSolver {
       code_->Begin(b.data(), limits);
     });
     bool converged = false;
-    bool expired = false;
-    TimeLibraryCall(options, result, [&] {
-      std::pair<ImpulseCode*, bool*> running(code_.get(), &expired);
-      const auto stop = [](void* target) {
-        const auto& [code, is_expired] = *static_cast<std::pair<ImpulseCode*, bool*>*>(target);
-        code->Stop();
-        *static_cast<volatile bool*>(is_expired) = true;
-      };
-      const Alarm alarm(deadline.Remaining(), stop, &running);
-      converged = code_->Solve();
-    });
+    SilenceLibrary();
+    TimeLibraryCall(options, result, [&] { converged = code_->Solve(); });
     TimeConversion(options, result, [&] {
       for (Index row = 0; row < problem.size(); ++row) result->f[row] = code_->Force(static_cast<int>(row)) * unit;
     });
     result->iterations = code_->iterations();
-    if (converged) {
-      result->status = LcpStatus::kSolved;
-    } else {
-      result->status = expired ? LcpStatus::kTimeLimit : LcpStatus::kIterationLimit;
-    }
+    result->status = converged ? LcpStatus::kSolved : LcpStatus::kIterationLimit;
   }
 
  private:

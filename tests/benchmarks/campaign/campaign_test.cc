@@ -70,7 +70,7 @@ TEST_F(Campaign, GoesOnAfterAWorkerThatCrashesHangsOrExhaustsMemory) {
     externals += External(key, worker.manner);
   }
   Succeed(Data("smoke") + " --filter '(disc-pile|rockers)-n8-' --tiers 1e-6 --time-limit " +
-          (SanitizerReservesMemory() ? "2" : "0.1") + " --passes 2 --solvers " + solvers + externals + " -o " +
+          (SanitizerReservesMemory() ? "2" : "0.1") + " --launches 2 --solvers " + solvers + externals + " -o " +
           Path("r"));
 
   std::size_t judged = 0;
@@ -106,7 +106,7 @@ TEST_F(Campaign, GoesOnAfterAWorkerThatCrashesHangsOrExhaustsMemory) {
 
 // What a line has in arrays is of the problems in their order.
 TEST_F(Campaign, EveryProblemHasItsOwnNumbers) {
-  Succeed(Data("smoke") + " --filter 'n(8|40)-' --tiers 1e-6 --passes 1 --no-fills --solvers pgs -o " + Path("r"));
+  Succeed(Data("smoke") + " --filter 'n(8|40)-' --tiers 1e-6 --launches 1 --no-fills --solvers pgs -o " + Path("r"));
   ProblemSource problems(LCPBENCH_SOURCE_DIR "/data");
   const auto solver = MakeSolver("pgs");
   std::map<std::string, Json> cells;
@@ -128,7 +128,7 @@ TEST_F(Campaign, EveryProblemHasItsOwnNumbers) {
 
 TEST_F(Campaign, AnswersAtTheFloorAreVerifiedAndTimed) {
   // Mass ratios of 1e6 put the floor far above this tier.
-  Succeed(Data("standard") + " --filter 'tall-stacks-n64-s1/' --tiers 1e-15 --passes 2" +
+  Succeed(Data("standard") + " --filter 'tall-stacks-n64-s1/' --tiers 1e-15 --launches 2" +
           " --no-fills --solvers dantzig,lemke -o " + Path("r"));
   const double floor = JsonLines(folder_ / "r" / "problems.jsonl").at(0)["floor"];
   EXPECT_GT(floor, 1e-14);
@@ -165,7 +165,8 @@ TEST_F(Campaign, StricterTiersAreNotTriedAfterTheTimeRanOut) {
 }
 
 TEST_F(Campaign, SolversThatAreNotInTheBuildAreNamedAndHaveNoCells) {
-  const CommandOutcome run = Succeed(Data("smoke") + " --filter disc-pile-n8- --tiers 1e-3 --passes 1 -o " + Path("r"));
+  const CommandOutcome run =
+      Succeed(Data("smoke") + " --filter disc-pile-n8- --tiers 1e-3 --launches 1 -o " + Path("r"));
   std::set<std::string> with_cells;
   for (const Json& cell : Cells()) with_cells.insert(cell["solver"].get<std::string>());
   const Json campaign = ReadJson(folder_ / "r/campaign.json");

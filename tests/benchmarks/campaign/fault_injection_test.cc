@@ -34,7 +34,7 @@ constexpr int kSigkill = 128 + 9;
 
 // Without what is measured.
 Json Repeatable(const Json& json) {
-  static const std::set<std::string> measured = {"started",     "peak_bytes", "factor_share", "group",
+  static const std::set<std::string> measured = {"started",     "peak_bytes", "factor_share",
                                                  "disturbance", "preempted",  "retried"};
   Json kept = json;
   if (json.is_object()) {
@@ -76,7 +76,7 @@ class FaultInjection : public CommandTest {
   // Runs one of our own solvers and one in a process of its own, on three problems and a sequence.
   std::string Campaign(const std::string& folder) const {
     return "run --resume --suite " + Path("p/manifest.json") +
-           " --tiers 1e-6 --passes 1 --task-budget 1000 --time-limit 60 --filter 'solve/|/cold$' "
+           " --tiers 1e-6 --launches 1 --time-limit 60 --filter 'solve/|/cold$' "
            "--solvers dantzig,other --external 'other=" LCPBENCH_TEST_WORKER " dantzig' -o " +
            Path(folder);
   }

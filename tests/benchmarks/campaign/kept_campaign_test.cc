@@ -27,7 +27,7 @@ class KeptCampaign : public CommandTest {
  protected:
   std::string Campaign(const std::string& folder, const std::string& more = "", const std::string& solvers = "dantzig",
                        const std::string& filter = "n8", const std::string& time_limit = "60") const {
-    return "run --suite " LCPBENCH_SOURCE_DIR "/data/smoke.json --tiers 1e-6 --passes 1 --no-fills --task-budget 1000" +
+    return "run --suite " LCPBENCH_SOURCE_DIR "/data/smoke.json --tiers 1e-6 --launches 1 --no-fills" +
            (" --filter " + filter) + " --time-limit " + time_limit + " --solvers " + solvers +
            " --external 'hanging=" LCPBENCH_TEST_WORKER " hang-aloud' --external 'slow=" LCPBENCH_TEST_WORKER
            " slow' -o " +

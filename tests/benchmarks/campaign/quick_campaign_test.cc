@@ -89,7 +89,7 @@ TEST_F(QuickCampaign, HasASpreadOfEverything) {
 TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
   const std::string command =
       "run --solvers dantzig,pgs --filter '/(disc-pile-n(2|10)-s1|idle-line-n40-s1|"
-      "gear-train-n12-s1-motion/pgs/1e-03)/' --passes 1 -o " +
+      "gear-train-n12-s1-motion/pgs/1e-03)/' --launches 1 -o " +
       Path("q");
   Succeed(command);
   const Json campaign = ReadJson(folder_ / "q/campaign.json");

@@ -304,7 +304,7 @@ class SequenceCampaign : public CommandTest {
     Write("motions.json", ManifestText({GearTrain(), DiscsInV()}));
   }
   std::string Campaign(const std::string& folder, const std::string& more = "") const {
-    return "run --suite " + Path("motions.json") + " --solvers dantzig,pgs --tiers 1e-3,1e-6 --passes 2 -o " +
+    return "run --suite " + Path("motions.json") + " --solvers dantzig,pgs --tiers 1e-3,1e-6 --launches 2 -o " +
            Path(folder) + " " + more;
   }
   std::vector<Json> Passes(const std::string& folder) const { return JsonLines(folder_ / folder / "steps.jsonl"); }

@@ -99,11 +99,11 @@ TEST_F(Command, ServeGivesTheBitsOfTheSolverInThisProcess) {
     EXPECT_GT(there.own_fresh_s, 0);
     const std::vector<ProblemArrays> stream{ProblemArrays::Of(problem), ProblemArrays::Of(problem)};
     PassRequest request;
-    request.time_limit_s = request.budget_s = 1;
+    request.time_limit_s = 1;
     request.warm_up = {0};
     request.order = {1};
     served.LoadStream(stream);
-    EXPECT_EQ(served.RunPass(request, 10).at(0).f, here.f);
+    EXPECT_EQ(served.RunPass(request, 10).entries.at(0).f, here.f);
   }
 }
 

@@ -66,9 +66,10 @@ TEST_F(Security, TheIdOfASequenceCannotNameAFileElsewhere) {
 }
 
 TEST_F(Security, ACampaignsFolderHasNoLinks) {
-  const std::string campaign = "run --suite " LCPBENCH_SOURCE_DIR
-                               "/data/smoke.json --tiers 1e-6 --passes 1 --no-fills --filter n8 --solvers dantzig -o " +
-                               Path("in");
+  const std::string campaign =
+      "run --suite " LCPBENCH_SOURCE_DIR
+      "/data/smoke.json --tiers 1e-6 --launches 1 --no-fills --filter n8 --solvers dantzig -o " +
+      Path("in");
   for (const std::string file : {"campaign.json", "streams.jsonl", "sequences", "campaign.lock"}) {
     fs::create_directory(folder_ / "in");
     fs::create_symlink(folder_ / "elsewhere", folder_ / "in" / file);

@@ -67,7 +67,7 @@ TEST(TuningSpace, FirstValuesAreTheDefaults) {
 class TunedSettings : public CommandTest {
  protected:
   std::string Campaign(const std::string& folder, const std::string& more) const {
-    return std::string("run --suite ") + kManifest + " --filter 'rockers-n8-' --tiers 1e-6 --passes 1 -o " +
+    return std::string("run --suite ") + kManifest + " --filter 'rockers-n8-' --tiers 1e-6 --launches 1 -o " +
            Path(folder) + " " + more;
   }
   std::map<std::string, Json> SolversOf(const std::string& folder) const {
@@ -115,7 +115,7 @@ TEST_F(TunedSettings, AreThoseOfTheNearestSize) {
     {"solver": "pgs", "rows": 100, "chosen": {}},
     {"solver": "pgs", "rows": 1000, "chosen": {"relaxation": "1.2"}}]})");
   // Who names it needs no base for it.
-  Succeed(std::string("run --suite ") + kManifest + " --filter rockers --tiers 1e-6 --passes 1 -o " + Path("c") +
+  Succeed(std::string("run --suite ") + kManifest + " --filter rockers --tiers 1e-6 --launches 1 -o " + Path("c") +
           " --solvers pgs-tuned,small,default --variant small=pgs,relaxation=1.3,sweep=forward --variant default=pgs " +
           "--tuned " + Path("tuned.json"));
   EXPECT_EQ(SolversOf("c").at("pgs-tuned")["settings"],
@@ -165,8 +165,8 @@ TEST_F(TunedSettings, CampaignsSayWhichKeysRunTuned) {
 TEST_F(TunedSettings, TuneWritesWhatRunTakes) {
   // A peer without settings, where there is one, is left out.
   const std::string peer = FindSolver("bullet-lemke").available ? ",bullet-lemke" : "";
-  Succeed("tune --solvers lemke" + peer + " --budget 2 --sizes 12 --problem-seed 77 --passes 1 --folder " + Path("t") +
-          " -o " + Path("tuned.json"));
+  Succeed("tune --solvers lemke" + peer + " --budget 2 --sizes 12 --problem-seed 77 --launches 1 --folder " +
+          Path("t") + " -o " + Path("tuned.json"));
   const auto tuned = ReadJson(folder_ / "tuned.json");
   EXPECT_EQ(tuned["budget"], 2);
   EXPECT_EQ(tuned["problems"]["count"], 48);

@@ -248,6 +248,16 @@ TEST(Quantile, InterpolatesBetweenOrderStatistics) {
   EXPECT_EQ(Quantile({1, kInfinity, kInfinity}, 0.75), kInfinity);
 }
 
+TEST(Quantile, IsByWeight) {
+  EXPECT_EQ(WeightedQuantile({{3, 1}, {1, 1}, {2, 1}}, 0.5), 2);
+  EXPECT_EQ(WeightedQuantile({{4, 1}, {1, 1}, {2, 1}, {3, 1}}, 0.5), 2.5);
+  EXPECT_EQ(WeightedQuantile({{1, 0.5}, {2, 0.5}, {3, 3}}, 0.5), 3);
+  // Three variants of one base weigh as much as one problem: half of the weight is at 1, half at 5.
+  EXPECT_EQ(WeightedQuantile({{1, 1}, {5, 1.0 / 3}, {5, 1.0 / 3}, {5, 1.0 / 3}}, 0.5), 3);
+  EXPECT_EQ(WeightedQuantile({{1, 1}, {2, 1}, {3, 1}, {4, 1}}, 1), 4);
+  EXPECT_EQ(WeightedQuantile({{1, 1}, {kInfinity, 2}}, 0.5), kInfinity);
+}
+
 // ----- the lines of C++
 
 class EmbeddingCodeTest : public CommandTest {

@@ -83,10 +83,8 @@ PassRequest Pass(PassKind kind, const std::vector<ProblemArrays>& stream) {
   PassRequest request;
   request.kind = kind;
   request.time_limit_s = 1;
-  request.budget_s = 10;
   request.warm_up = {0, 5};
   request.order = {7, 1, 11, 2, 4};
-  request.group = 2;
   for (const std::uint32_t index : request.order) {
     request.other_b.push_back(-Eigen::Map<const Eigen::VectorXd>(stream[index].b.data(), stream[index].rows));
   }
@@ -101,12 +99,14 @@ TEST(ExternalSolver, APassInTheWorkerGivesTheBitsOfOneHere) {
     const PassRequest request = Pass(kind, stream);
     const PassReply there = external.RunPass(request, 10);
     const PassReply here = RunPass([] { return MakeSolver("dantzig"); }, stream, request);
-    ASSERT_EQ(there.size(), request.order.size());
-    for (std::size_t k = 0; k < there.size(); ++k) {
-      EXPECT_EQ(there[k].status, here[k].status);
-      EXPECT_EQ(there[k].f, here[k].f);
-      EXPECT_GT(there[k].seconds, 0);
+    ASSERT_EQ(there.entries.size(), request.order.size());
+    for (std::size_t k = 0; k < there.entries.size(); ++k) {
+      EXPECT_EQ(there.entries[k].status, here.entries[k].status);
+      EXPECT_EQ(there.entries[k].f, here.entries[k].f);
+      EXPECT_GT(there.entries[k].seconds, 0);
     }
+    ASSERT_TRUE(there.disturbance.has_value());
+    EXPECT_GT(there.disturbance->probe_s, 0);
   }
   EXPECT_FALSE(external.is_version_1());
 }
@@ -118,12 +118,12 @@ TEST(ExternalSolver, APassSaysHowItsWorkerEndedAndTheNextGoesOn) {
     ExternalSolver external(Worker(manner));
     external.LoadStream(stream);
     PassRequest request = Pass(PassKind::kFresh, stream);
-    EXPECT_EQ(external.RunPass(request, 10).size(), request.order.size());
+    EXPECT_EQ(external.RunPass(request, 10).entries.size(), request.order.size());
     request.order.push_back(3);  // nine rows
     EXPECT_EQ(HowItFails([&] { external.RunPass(request, 0.2); }),
               std::string(manner) == "hang-at-nine" ? WorkerFailure::How::kTimeLimit : WorkerFailure::How::kEnded);
     request.order.pop_back();
-    EXPECT_EQ(external.RunPass(request, 10).size(), request.order.size());
+    EXPECT_EQ(external.RunPass(request, 10).entries.size(), request.order.size());
   }
   ExternalSolver missing({{"/no/such/program"}});
   EXPECT_EQ(HowItFails([&] { missing.LoadStream(stream); }), WorkerFailure::How::kNotStarted);
@@ -148,11 +148,13 @@ TEST(ExternalSolver, AWorkerOfVersion1GetsTheFormItWantsAndFormingItIsTimedHere)
       const PassRequest request = Pass(kind, stream);
       const PassReply reply = external.RunPass(request, 10);
       const PassReply wanted = RunPass([] { return MakeSolver("dantzig"); }, stream, request);
-      ASSERT_EQ(reply.size(), request.order.size());
-      for (std::size_t k = 0; k < reply.size(); ++k) {
-        EXPECT_LE((reply[k].f - wanted[k].f).norm(), 1e-9 * wanted[k].f.norm());
-        EXPECT_DOUBLE_EQ(reply[k].seconds, reply[k].problem_s + 0.25 + 0.5);
+      ASSERT_EQ(reply.entries.size(), request.order.size());
+      for (std::size_t k = 0; k < reply.entries.size(); ++k) {
+        const PassEntry& entry = reply.entries[k];
+        EXPECT_LE((entry.f - wanted.entries[k].f).norm(), 1e-9 * wanted.entries[k].f.norm());
+        EXPECT_DOUBLE_EQ(entry.seconds, entry.problem_s + 0.25 + 0.5);
       }
+      EXPECT_FALSE(reply.disturbance.has_value());  // such a worker cannot say
     }
   }
 }

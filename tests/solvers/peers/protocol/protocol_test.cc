@@ -73,8 +73,7 @@ TEST(Protocol, PassesComeBackAsTheyWere) {
   request.kind = PassKind::kAgain;
   request.tolerance = 1e-6;
   request.time_limit_s = 2;
-  request.budget_s = 3;
-  request.group = 4;
+  request.settle_s = 3;
   request.warm_up = {2, 3};
   request.order = {1, 0};
   request.other_b = {Eigen::VectorXd::Ones(problems[1].rows), Eigen::VectorXd::Zero(problems[0].rows)};
@@ -82,25 +81,33 @@ TEST(Protocol, PassesComeBackAsTheyWere) {
   EXPECT_EQ(asked.kind, request.kind);
   EXPECT_EQ(asked.tolerance, request.tolerance);
   EXPECT_EQ(asked.time_limit_s, request.time_limit_s);
-  EXPECT_EQ(asked.budget_s, request.budget_s);
-  EXPECT_EQ(asked.group, request.group);
+  EXPECT_EQ(asked.settle_s, request.settle_s);
   EXPECT_EQ(asked.warm_up, request.warm_up);
   EXPECT_EQ(asked.order, request.order);
   EXPECT_EQ(asked.other_b, request.other_b);
   EXPECT_THROW(DecodePass(Encode(request), std::span(problems).first(3)), std::runtime_error);
 
-  PassReply reply(1);
-  reply[0] = {1, 2, 3, 4, 5, LcpStatus::kTimeLimit, Eigen::VectorXd::Constant(problems[1].rows, 7)};
+  PassReply reply;
+  for (const std::uint32_t place : request.order) {
+    reply.entries.push_back({1, 2, 3, 4, 5, LcpStatus::kTimeLimit, Eigen::VectorXd::Constant(problems[place].rows, 7)});
+  }
+  reply.disturbance = {6, 0.5, 8};
   const PassReply back = DecodePassReply(Encode(reply), request, problems);
-  ASSERT_EQ(back.size(), 1U);
-  EXPECT_EQ(back[0].seconds, 1);
-  EXPECT_EQ(back[0].problem_s, 2);
-  EXPECT_EQ(back[0].prepare_s, 3);
-  EXPECT_EQ(back[0].convert_s, 4);
-  EXPECT_EQ(back[0].solve_s, 5);
-  EXPECT_EQ(back[0].status, LcpStatus::kTimeLimit);
-  EXPECT_EQ(back[0].f, reply[0].f);
-  EXPECT_THROW(DecodePassReply(Encode(PassReply(3)), request, problems), std::runtime_error);
+  ASSERT_EQ(back.entries.size(), request.order.size());
+  EXPECT_EQ(back.entries[0].seconds, 1);
+  EXPECT_EQ(back.entries[0].problem_s, 2);
+  EXPECT_EQ(back.entries[0].prepare_s, 3);
+  EXPECT_EQ(back.entries[0].convert_s, 4);
+  EXPECT_EQ(back.entries[0].solve_s, 5);
+  EXPECT_EQ(back.entries[0].status, LcpStatus::kTimeLimit);
+  EXPECT_EQ(back.entries[0].f, reply.entries[0].f);
+  ASSERT_TRUE(back.disturbance.has_value());
+  EXPECT_EQ(back.disturbance->probe_s, 6);
+  EXPECT_EQ(back.disturbance->cpu_share, 0.5);
+  EXPECT_EQ(back.disturbance->switches, 8);
+  // One answer is missing.
+  reply.entries.pop_back();
+  EXPECT_THROW(DecodePassReply(Encode(reply), request, problems), std::runtime_error);
 }
 
 TEST(Protocol, AnswersComeBackBitForBit) {

@@ -1,0 +1,81 @@
+"""Makes of a campaign's folder, of a study of motion, or of curves, one that is small enough to be kept with the source.
+
+campaign.json as it is; problems and steps of sequences with few digits; of streams a record per solver, size class and
+tier (statistics/records.py), which has every verdict, residual and median time, and quantiles and level of every launch;
+CSV files as they are. All but campaign.json is compressed by xz.
+"""
+
+import json
+import lzma
+import shutil
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from . import studies
+from .errors import ReportError
+from .files import replaced
+from .statistics import records
+from .statistics.cells import measured
+from .statistics.jsonl import is_there, packed, read_lines
+from .statistics.load import PROBLEMS_FILE, STREAMS_FILE, load_campaign
+from .statistics.steps import FILE as STEPS_FILE
+
+CAMPAIGN = "campaign.json"
+# File -> what its lines are sorted by; significant digits of times and of other numbers. Problems keep their order,
+# which is that of tables and figures. A residual's magnitude is what counts, and a single step is timed once, where the
+# clock has hardly two digits of a microsecond.
+_FILES: dict[str, tuple[Callable[[dict], tuple], int, int]] = {
+    PROBLEMS_FILE: (lambda line: (), 4, 3),
+    STEPS_FILE: (lambda step: (step["sequence"], step["solver"], -step["tier"], step["mode"], step["round"]), 3, 2),
+}
+_TABLES = (studies.MOTION_FILE, *map(studies.file_of, studies.CURVES))  # of studies
+_AS_IT_IS = ("tier", "weight", "deadline_s")
+
+
+def compact(folder: Path, output: Path) -> dict[str, int]:
+    """@returns bytes of every file written
+    @throws ReportError where `folder` is none of these, or `output` has files already
+    """
+    tables = [name for name in _TABLES if (folder / name).is_file()]
+    if not tables and not (folder / CAMPAIGN).is_file():
+        raise ReportError(str(folder), f"has no {CAMPAIGN} and no {studies.MOTION_FILE}",
+                          "the folder of a campaign, of motions or of curves")
+    if output.exists() and any(output.iterdir()):
+        raise ReportError(str(output), "has files already", "a new folder")
+    campaign = None if tables else load_campaign(folder)
+    output.mkdir(parents=True, exist_ok=True)
+    written = {name: (folder / name).read_bytes() for name in tables}
+    if campaign is not None:
+        with replaced(output / CAMPAIGN) as beside:
+            shutil.copyfile(folder / CAMPAIGN, beside)
+        for name, (order, *digits) in _FILES.items():
+            if is_there(folder / name):
+                lines = [(order(line), number, _rounded(line, *digits)) for number, line in
+                         read_lines(folder / name, lambda note: None)]
+                written[name] = _bytes(line for *_, line in sorted(lines, key=lambda line: line[:2]))
+        if is_there(folder / STREAMS_FILE) or is_there(folder / records.FILE):
+            lines = [line for of in (False, True) for line in records.lines(campaign, measured(campaign, of))]
+            written[records.FILE] = _bytes(sorted(lines, key=lambda line: (
+                line["size_class"], line["solver"], line["first"], -line["tier"])))
+    sizes = {}
+    for name, content in written.items():
+        path = packed(output / name)
+        with replaced(path) as beside:
+            beside.write_bytes(lzma.compress(content, preset=9))
+        sizes[path.name] = path.stat().st_size
+    return sizes
+
+
+def _bytes(lines: Iterable[dict]) -> bytes:
+    return "".join(json.dumps(line, separators=(",", ":"), ensure_ascii=False) + "\n" for line in lines).encode("utf-8")
+
+
+def _rounded(value: object, time_digits: int, digits: int, key: str = "") -> object:
+    """The same with short numbers; a number > 0 stays one."""
+    if isinstance(value, float) and key not in _AS_IT_IS:
+        return float(f"{value:.{(time_digits if key.endswith('_s') else digits) - 1}e}")
+    if isinstance(value, list):
+        return [_rounded(entry, time_digits, digits, key) for entry in value]
+    if isinstance(value, dict):
+        return {name: _rounded(entry, time_digits, digits, name) for name, entry in value.items()}
+    return value

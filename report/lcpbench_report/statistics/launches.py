@@ -1,0 +1,136 @@
+"""Launches: each is a process of its own, which meets every problem of a size class once.
+
+What differs between launches (memory layout, clock rate, neighbours) is common to all solves of one, and no resampling of
+problems can see it (Kalibera & Jones 2013). So a launch has a *level*: the weighted median over problems of
+log(time in the launch / median time over the launches). Intervals have launches as their top level: a resample draws
+the launches of a solver with replacement and multiplies its times by exp(c (mean drawn level - mean level)), on both
+sides of a ratio. c = sqrt(L / (L - 1)) t / z widens the draws of L launches to Student's interval (Hesterberg 2015,
+"expanded percentile"): two launches say little, and ten nearly what they seem to. The mean is drawn though medians are
+compared, because medians of few launches take few values; by simulation 95 % intervals hold in 93 to 96 % for 2 to 10
+launches, normal or with Student's tails of three degrees (test_statistics_intervals.py).
+
+A single launch tells nothing of others: then an interval is of problems only.
+"""
+
+import math
+import zlib
+
+import numpy as np
+import pandas as pd
+from scipy import stats
+
+from .intervals import CONFIDENCE, RESAMPLES
+from .load import PART_TIMES, Task
+from .weighted import weighted_median, weighted_quantiles
+
+KEY = ["solver", "size_class", "tier"]
+TOGETHER = 0  # the number of the row of all launches together
+_QUANTILES = {"p50_s": 0.5, "p90_s": 0.9, "p99_s": 0.99, "max_s": 1.0}
+# Weighted medians of verified answers, in the row of all together.
+MEDIANS = ("again_s", "first_s", *PART_TIMES)
+OF_LAUNCH = ["level", *_QUANTILES, "disturbed"]
+COLUMNS = [*KEY, "launch", *OF_LAUNCH, *MEDIANS]
+_Z = float(stats.norm.ppf((1 + CONFIDENCE) / 2))
+
+
+def launch_table(columns: dict[str, np.ndarray], fresh: np.ndarray, disturbed: np.ndarray, tasks: list[Task],
+                 places: list[slice]) -> pd.DataFrame:
+    """A row per solver, size class, tier and launch, and one of all launches together (those that were not disturbed,
+    where there are any). Quantiles are of single solves by the problems' weight, what is not verified infinite, of what
+    the solver was given. Problems that count, or all of a class that has none.
+
+    @param columns  of the table of cells
+    @param fresh, disturbed  launches x cells: times, NaN where there is none; whether the machine disturbed the launch
+    @param places   the cells of every task
+    """
+    of_class: dict[tuple, list[tuple[Task, slice]]] = {}
+    for task, place in zip(tasks, places):
+        of_class.setdefault((task.solver, task.size_class, task.tier), []).append((task, place))
+    rows = []
+    for key, parts in of_class.items():
+        found = next((task.launches for task, _ in parts if task.launches), None)
+        if found is None:
+            at = np.concatenate([np.arange(place.start, place.stop) for _, place in parts])
+            found = _of_class(at, columns, fresh, disturbed)
+        rows += [dict(zip(KEY, key)) | row for row in found]
+    return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def _of_class(at: np.ndarray, columns: dict[str, np.ndarray], fresh: np.ndarray, disturbed: np.ndarray) -> list[dict]:
+    at = at[columns["counts"][at]] if columns["counts"][at].any() else at
+    at = at[columns["given"][at]]
+    passes, weights, medians = columns["passes"][at], columns["weight"][at], columns["fresh_s"][at]
+    rows, calm = [], []
+    for number, times in enumerate(fresh[:, at], start=TOGETHER + 1):
+        known = passes & ~np.isnan(times)
+        if known.any():
+            solves = np.where(passes, times, math.inf)
+            bad = bool(disturbed[number - 1, at][known].any())
+            level = weighted_median(np.log(times[known] / medians[known]), weights[known])
+            rows.append({"launch": number, "level": level, "disturbed": bad} | _quantiles(solves, weights))
+            calm.append((bad, solves))
+    whole = [solves for bad, solves in calm if not bad] or [solves for _, solves in calm]
+    whole = whole or [np.where(passes, math.nan, math.inf)]
+    together = {"launch": TOGETHER, "level": 0.0, "disturbed": False}
+    together |= _quantiles(np.concatenate(whole), np.tile(weights, len(whole)))
+    for key in MEDIANS:
+        known = passes & ~np.isnan(columns[key][at])
+        together[key] = weighted_median(columns[key][at][known], weights[known])
+    return [together, *rows]
+
+
+def _quantiles(solves: np.ndarray, weights: np.ndarray) -> dict[str, float]:
+    known = ~np.isnan(solves)
+    return dict(zip(_QUANTILES, weighted_quantiles(solves[known], weights[known], list(_QUANTILES.values()))))
+
+
+class Levels:
+    """Draws of launches: of every solver, size class and tier the same ones each time."""
+
+    def __init__(self, launches: pd.DataFrame | None = None, salt: str = ""):
+        """@param salt  of one of several campaigns, whose launches are drawn independently"""
+        self._salt, self._drawn = salt, {}
+        table = pd.DataFrame(columns=COLUMNS) if launches is None else launches.drop_duplicates([*KEY, "launch"])
+        together = table["launch"] == TOGETHER
+        self._launches = dict(tuple(table[~together].groupby(KEY, sort=False)[["level", "disturbed"]]))
+        self._together = table[together].set_index(KEY).to_dict("index")
+
+    def together(self, solver: str, size_class: str, tier: float, key: str) -> float:
+        """A column of all launches together; NaN where it is not known."""
+        return self._together.get((solver, size_class, tier), {}).get(key, math.nan)
+
+    def count(self, solver: str, size_class: str, tier: float) -> int:
+        return len(self._launches.get((solver, size_class, tier), ()))
+
+    def draws(self, solver: str, size_class: str, tier: float) -> np.ndarray | float:
+        """The shift of logarithms of its times in every resample; 0 with fewer than two launches."""
+        key = (solver, size_class, tier)
+        if key not in self._drawn:
+            self._drawn[key] = self._draw(key) if key in self._launches else 0.0
+        return self._drawn[key]
+
+    def shift(self, solvers, size_classes: pd.Series, tier: float, weights) -> np.ndarray | float:
+        """Of times of several classes, or of several solvers, the mean of their shifts by weight: what a median over all
+        of them moves by, if it moves with each alike.
+
+        @param solvers  one, or of every problem its own
+        """
+        if not self._launches or not len(weights):
+            return 0.0
+        classes, of_class = pd.factorize(size_classes)
+        who, of_solver = (0, [solvers]) if isinstance(solvers, str) else pd.factorize(solvers)
+        sums = np.bincount(classes * len(of_solver) + who, weights, len(of_class) * len(of_solver)) / np.sum(weights)
+        return sum(sums[at] * self.draws(of_solver[at % len(of_solver)], of_class[at // len(of_solver)], tier)
+                   for at in np.flatnonzero(sums))
+
+    def _draw(self, key: tuple) -> np.ndarray | float:
+        table = self._launches[key]
+        calm = ~table["disturbed"].astype(bool)
+        levels = (table[calm] if calm.any() else table)["level"].to_numpy(dtype=float)
+        count = len(levels)
+        if count < 2:
+            return 0.0
+        # The same launches in all classes and tiers: what a neighbour does may last.
+        rng = np.random.default_rng(zlib.crc32(f"{self._salt}|{key[0]}".encode()))
+        wider = math.sqrt(count / (count - 1)) * float(stats.t.ppf((1 + CONFIDENCE) / 2, count - 1)) / _Z
+        return wider * (levels[rng.integers(0, count, (RESAMPLES, count))].mean(axis=1) - levels.mean())

@@ -1,0 +1,135 @@
+"""Ours against the peers, by size class: the Pareto front of peers, the portfolio, and the fastest peer of each problem.
+
+A peer is on the front of a class if no other is both faster (weighted median, failures infinite) and right on as much of
+it. What a peer does not take as it is given counts as not right here: who has the class cannot use it alone. Against
+each rival stands the weighted median of the ratios of times, ours over theirs, over the problems that the rival is right
+on; so the ratio says nothing of those on which it fails, and the shares right beside it, of the problems that both had a
+turn at, do. Together they say who dominates whom (`relation`); a ratio whose interval contains 1 is undecided.
+
+The fastest peer of each problem is another one from problem to problem, which no user can know beforehand: the hardest
+rival there can be. Ratios to it and to the portfolio are also given by where problems come from.
+
+Peers come from Debian for any x86-64, ours are compiled for the machine. At equal flags (`flag_table`) builds of ours for
+less stand against them, and ours against the peers that were compiled as they are.
+"""
+
+import math
+from collections.abc import Collection
+
+import numpy as np
+import pandas as pd
+
+from .class_times import ALL, RATIO, by_solver, classes, ratio
+from .groups import GROUP
+from .intervals import Bootstrap
+from .launches import Levels
+from .load import ORIGIN_GROUPS
+from .weighted import effective_number, weighted_median, weighted_share
+
+PORTFOLIO = "peer-portfolio"  # a careful user's choice: codes of others by turns, each answer checked
+FASTEST = "fastest"  # the value of `rival` for the fastest peer of each problem
+# Instruction set -> ours as it is built for that, and the peers that are built for it or for more.
+_LCP_CODES = ("ode-dantzig", "bullet-dantzig")
+_NATIVE = tuple(f"{key}-native" for key in _LCP_CODES)
+FLAGS = {"any x86-64": ("auto-baseline", (PORTFOLIO, *_LCP_CODES)), "x86-64-v3": ("auto-v3", _NATIVE),
+         "the machine's": ("auto", _NATIVE)}
+OWN_BUILDS = ("auto-baseline", "auto-v3")  # external programs by their origin, and ours
+LEAST_TURNS = 20  # problems of a class that a peer must have had its turn at, where budgets ended some
+DOMINATED, SLOWER, UNDECIDED, FASTER, DOMINATES = RELATIONS = (
+    "dominated by ours", "slower, more often right", "undecided", "faster, less often right", "dominates ours")
+_ROUNDING = 1e-9  # of shares
+COLUMNS = [*GROUP, "size_class", "origin", "own", "rival", "front", "peers", "problems", "n_eff", "own_launches", "launches",
+           "own_s", "own_share", "rival_s", "rival_share", *RATIO, "relation"]
+FLAG_COLUMNS = [*GROUP, "size_class", "flags", "own", "rival", "problems", "n_eff", "own_s", "own_share", "rival_s",
+                "rival_share", *RATIO, "relation"]
+
+
+def rival_table(cells: pd.DataFrame, own: Collection[str], ours: str, levels: Levels) -> pd.DataFrame:
+    """A row per group, size class and rival, and for FASTEST and PORTFOLIO per origin group; `peers`: how many had a turn.
+    None in classes where `ours` had no turn.
+
+    @param own   keys of own solvers; the others are peers
+    @param ours  the one that is compared
+    """
+    return pd.DataFrame([label | row for label, of_class in classes(cells) if label["size_class"] != ALL
+                         for row in _rows(of_class, own, ours, label["tier"], levels)], columns=COLUMNS)
+
+
+def flag_table(cells: pd.DataFrame, levels: Levels) -> pd.DataFrame:
+    """A row per group, size class, entry of FLAGS and rival that there are.
+
+    @param cells  of all solvers, those of ablations too
+    """
+    rows = []
+    for label, of_class in classes(cells):
+        solvers = by_solver(of_class)
+        pairs = [(flags, ours, key) for flags, (ours, keys) in FLAGS.items() for key in keys if {ours, key} <= solvers.keys()]
+        bootstrap = Bootstrap(of_class) if pairs and label["size_class"] != ALL else None
+        rows += [label | {"flags": flags, "own": ours, "rival": key}
+                 | _compared(solvers[ours], solvers[key], label["tier"], bootstrap, levels)
+                 for flags, ours, key in pairs if bootstrap]
+    return pd.DataFrame(rows, columns=FLAG_COLUMNS)
+
+
+def is_own(entry: dict) -> bool:
+    """@param entry  of solvers in campaign.json"""
+    return entry["origin"] == "own" or entry["key"] in OWN_BUILDS
+
+
+def pareto_front(points: dict[str, tuple[float, float]]) -> list[str]:
+    """Names of those that no other is better than in both, the fastest first; without infinite times.
+
+    @param points  name -> time, share right
+    """
+    found: list[str] = []
+    for name in sorted(points, key=lambda name: (points[name][0], -points[name][1])):
+        time, share = points[name]
+        if math.isfinite(time) and share > max((points[other][1] for other in found), default=0):
+            found.append(name)
+    return found
+
+
+def relation(low: float, high: float, own_share: float, share: float) -> str:
+    """@param low, high  interval of the ratio of times, ours over theirs"""
+    if high < 1:
+        return DOMINATED if own_share >= share - _ROUNDING else SLOWER
+    if low > 1:
+        return DOMINATES if share >= own_share - _ROUNDING else FASTER
+    return UNDECIDED
+
+
+def _rows(cells: pd.DataFrame, own: Collection[str], ours: str, tier: float, levels: Levels) -> list[dict]:
+    solvers = by_solver(cells)
+    mine = solvers.get(ours)
+    peers = cells[~cells["solver"].isin(own)]
+    if mine is None or peers.empty:
+        return []
+    tried = {key: of for key, of in peers.groupby("solver", sort=False) if (of["excluded"] == "").any()}
+    problems = cells["problem"].nunique()
+    points = {key: (weighted_median(of["time_s"], of["weight"]), weighted_share(np.isfinite(of["time_s"]), of["weight"]))
+              for key, of in tried.items() if len(of) >= min(LEAST_TURNS, problems)}
+    front = pareto_front(points)
+    rivals = {key: tried[key].set_index("problem") for key in dict.fromkeys([*front, PORTFOLIO]) if key in tried}
+    rivals[FASTEST] = peers.sort_values("time_s", kind="stable").drop_duplicates("problem").set_index("problem")
+    bootstrap, rows = Bootstrap(cells), []
+    groups = mine["origin"].map(ORIGIN_GROUPS)
+    for key, theirs in rivals.items():
+        of_peer = {"own": ours, "rival": key, "front": key in front, "peers": len(tried),
+                   "own_launches": levels.count(ours, mine["size_class"].iloc[0], tier),
+                   "launches": levels.count(key, mine["size_class"].iloc[0], tier)}
+        origins = [ALL, *dict.fromkeys(groups)] if key in (PORTFOLIO, FASTEST) else [ALL]
+        rows += [of_peer | {"origin": origin} | _compared(mine[(groups == origin) | (origin == ALL)], theirs, tier, bootstrap, levels)
+                 for origin in origins]
+    return rows
+
+
+def _compared(mine: pd.DataFrame, theirs: pd.DataFrame, tier: float, bootstrap: Bootstrap, levels: Levels) -> dict:
+    both = mine.index.intersection(theirs.index, sort=False)
+    mine, theirs = mine.loc[both], theirs.loc[both]
+    weights = mine["weight"]
+    row = {"problems": len(both), "n_eff": effective_number(weights, pd.factorize(mine["base"])[0])}
+    for side, of in (("own", mine), ("rival", theirs)):
+        row |= {f"{side}_s": weighted_median(of["time_s"], weights),
+                f"{side}_share": weighted_share(np.isfinite(of["time_s"]), weights)}
+    row |= ratio(mine, theirs, tier, bootstrap, levels)
+    return row | {"relation": relation(row["ratio_low"], row["ratio_high"], row["own_share"], row["rival_share"])}

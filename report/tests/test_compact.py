@@ -1,0 +1,131 @@
+"""Campaigns that are kept: small, and read like any other."""
+
+import lzma
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from lcpbench_report import studies
+from lcpbench_report.compact import compact
+from lcpbench_report.errors import ReportError
+from lcpbench_report.inputs import load_inputs
+from lcpbench_report.statistics import records
+from lcpbench_report.statistics.cells import cell_table
+from lcpbench_report.statistics.load import load_campaign
+from .cases import SharedFolderCase, edit_lines, run
+from .synthetic_campaign import Noise, write_campaign
+from .synthetic_report import MANY, OWN, fail_some, write_motion, write_steps
+
+# What no table but that of cells is made of.
+_LEFT_OUT = {"best_tier", "iterations", "backward_error", "f_error", "factor_share", "first_s", "problem_s", "prepare_s",
+             "convert_s", "solve_s", "peak_bytes"}
+_STEP = 0.0051  # of times, relative; ratios have two
+
+
+def _of_engines(problem: dict) -> dict:
+    return problem | ({"origin": "recorded"} if problem["family"] == "chains" else {})
+
+
+class Compact(SharedFolderCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.campaign, cls.kept = cls.path / "campaign", cls.path / "kept"
+        write_campaign(cls.campaign, MANY, copies=2, change=fail_some, change_problem=_of_engines, noise=Noise(level=0.02),
+                       solvers={key: {"origin": "peer"} for key in MANY if key not in OWN})
+        cls.written = compact(cls.campaign, cls.kept)
+
+    def test_tables_are_the_same_to_the_steps_of_times(self):
+        before, after = (load_inputs([folder]).analysis for folder in (self.campaign, self.kept))
+        self.assertEqual(list(before), list(after))
+        for name, table in before.items():
+            with self.subTest(name):
+                keys = [key for key in ("solver", "tier", "problem", "size_class", "launch", "a", "b") if key in table]
+                one, two = (of.sort_values(keys, kind="stable", ignore_index=True) for of in (table, after[name]))
+                self.assertEqual(len(one), len(two))
+                for column in one.columns.difference(_LEFT_OUT if name == "cells" else set()):
+                    self._assert_alike(column, one[column], two[column])
+
+    def _assert_alike(self, column: str, one: pd.Series, two: pd.Series) -> None:
+        if one.dtype.kind in "biO" or column in ("weight", "tier"):
+            self.assertEqual(one.tolist(), two.tolist(), column)
+            return
+        residual = column.startswith(("rho", "w_error"))
+        rough = residual or column.endswith(("_low", "_high"))  # ends of intervals are times of single problems
+        # p-values depend on ranks, and exponents on logarithms.
+        reach = {"atol": 0.15} if "wilcoxon" in column else {"rtol": 6e-2 if rough else 3 * _STEP, "atol": 5e-3}
+        if column.endswith("_s"):
+            reach["atol"] = 0
+        np.testing.assert_allclose(two, one, **{"rtol": 0} | reach, err_msg=column)
+
+    def test_the_report_and_the_headline_can_be_made_of_it(self):
+        found = [run("headline", folder)[1] for folder in (self.campaign, self.kept)]
+        self.assertEqual(*(text.count("|") for text in found))
+        self.assertEqual(run("compare", self.campaign, self.kept)[0], 0)
+        self.assertEqual(run("analyse", self.kept)[0], 0)
+
+    def test_a_compact_folder_is_made_of_itself_again(self):
+        compact(self.kept, self.path / "twice")
+        key = ["problem", "solver", "tier"]
+        one, two = (cell_table(load_campaign(folder)).sort_values(key, ignore_index=True) for folder in (self.kept, self.path / "twice"))
+        pd.testing.assert_frame_equal(one, two)
+
+    def test_it_is_smaller(self):
+        self.assertLess(10 * sum(self.written.values()), sum(path.stat().st_size for path in self.campaign.iterdir()))
+
+    def test_times_and_residuals_are_rounded_to_their_steps(self):
+        times = pd.Series([1e-9, 3.33e-7, 12.5, np.inf, np.nan])
+        steps = np.array(records.times_to_steps(times), dtype=float)
+        self.assertTrue(all(type(step) is int for step in records.times_to_steps(times)[:4]))
+        np.testing.assert_allclose(records._times(steps), times, rtol=0.0026)
+        values = pd.Series([1.0, 9.96e-13, 0.0, 3.349e-7, 123.0, 1e-300, np.nan, np.inf])
+        codes = np.array(records.residuals_to_codes(values), dtype=float)
+        np.testing.assert_allclose(records._residuals(codes)[:7], values[:7], rtol=0.051)
+        self.assertEqual(records._residuals(codes)[3], 33e-8)
+        self.assertTrue(np.isnan(records._residuals(codes)[7]))
+
+    def test_records_that_do_not_fit_are_refused(self):
+        folder = self.path / "wrong"
+        for number, (key, value) in enumerate((
+                ("solver", "nobody"), ("size_class", "9"), ("tier", 1e-4), ("count", 99), ("kind", "0"), ("kind", None),
+                ("kinds", [{"claim": 1}]), ("time", [1.5]), ("rho", None), ("launches", [{"launch": 1}]), ("first", 1))):
+            with self.subTest(key=key, value=value):
+                compact(self.campaign, folder / str(number))
+                packed = folder / str(number) / "records.jsonl.xz"
+                path = packed.with_suffix("")
+                path.write_bytes(lzma.decompress(packed.read_bytes()))
+                packed.unlink()
+                first = iter([True])
+                edit_lines(path, lambda line: line | ({key: value} if next(first, False) else {}))
+                self.assert_refused("analyse", folder / str(number), told=("records.jsonl:1",))
+
+    def test_sequences_are_kept(self):
+        folder = write_steps(self.path / "steps")
+        compact(folder, self.path / "kept-steps")
+        before, after = load_campaign(folder).passes, load_campaign(self.path / "kept-steps").passes
+        self.assertEqual(sorted(before), sorted(after))
+        for key, runs in before.items():
+            for index, once in runs.rounds.items():
+                self.assertLess(abs(after[key].rounds[index].latency_s / once.latency_s - 1).max(), 6e-3)
+
+    def test_motions_are_kept_as_they_are(self):
+        folder, kept = write_motion(self.path / "motion"), self.path / "kept-motion"
+        compact(folder, kept)
+        self.assertTrue(studies.read_motion(kept).equals(studies.read_motion(folder)))
+        self.assertFalse((kept / studies.MOTION_FILE).exists())
+
+    def test_the_same_campaign_gives_the_same_bytes(self):
+        compact(self.campaign, self.path / "again")
+        for path in filter(Path.is_file, self.kept.iterdir()):
+            self.assertEqual(path.read_bytes(), (self.path / "again" / path.name).read_bytes())
+
+    def test_what_does_not_fit_is_told(self):
+        self.assert_refused("compact", self.campaign, "-o", self.kept, told=("already",))
+        self.assert_refused("compact", self.path, "-o", self.path / "other", told=("campaign.json",))
+        torn = self.path / "torn"
+        compact(self.campaign, torn)
+        whole = (torn / "records.jsonl.xz").read_bytes()
+        (torn / "records.jsonl.xz").write_bytes(whole[:len(whole) // 2])
+        with self.assertRaisesRegex(ReportError, "records.jsonl.xz"):
+            load_campaign(torn)

@@ -1,0 +1,57 @@
+"""Two runs of the same: what moved, and whether the intervals said so."""
+
+import math
+
+import numpy as np
+
+from lcpbench_report.statistics.load import load_campaign
+from lcpbench_report.statistics.moved import REACH, moved_table
+from .cases import FolderCase, edit_lines, run
+from .synthetic_campaign import Noise, fail, only, slower, write_campaign
+
+FACTORS = {"auto": 1.0, "pgs": 3.0, "ode-dantzig": 2.0, "peer-portfolio": 1.5}
+PEERS = {key: {"origin": "peer"} for key in ("ode-dantzig", "peer-portfolio")}
+
+
+class Moved(FolderCase):
+    def write(self, name: str, **arguments):
+        return write_campaign(self.folder / name, FACTORS, tiers=(1e-6,), copies=2, solvers=PEERS,
+                              noise=Noise(problem=0.01, passes=10), **arguments)
+
+    def test_two_runs_agree_and_what_became_slower_does_not(self):
+        old, new = self.write("old"), self.write("new", run=1)
+        status, text, error = run("moved", old, new)
+        self.assertEqual((status, error), (0, ""))
+        self.assertIn("0 are beyond both", text)
+        for words in ("`auto / peer-portfolio`", "`auto / fastest`", "`ode-dantzig`", "101–300"):
+            self.assertIn(words, text)
+        slow = self.write("slow", run=1, change=only("auto", "-50-", lambda record: slower(record, 1.5)))
+        status, text, _ = run("moved", old, slow)
+        self.assertEqual(status, 1)
+        self.assertRegex(text, r"\| 31–100 \| `auto / peer-portfolio` \| .* \+\d\d\.\d % \| \*\*no\*\* \|")
+
+    def test_the_table_by_hand(self):
+        old, new = self.write("old"), self.write("new", change=lambda record: slower(record, 1.02))
+        table, alone = moved_table(load_campaign(old), load_campaign(new))
+        medians, ratios = (table[table["what"].str.contains("/") == of] for of in (False, True))
+        np.testing.assert_allclose(medians["moved"], 0.02)
+        np.testing.assert_allclose(ratios["moved"], 0, atol=1e-12)
+        self.assertLess(0.02, REACH)
+        self.assertTrue(table["agrees"].all())
+        self.assertEqual((len(medians), alone), (len(FACTORS) * 5, []))
+
+    def test_a_failure_in_one_run_does_not_agree_and_in_both_does(self):
+        old, new = self.write("old"), self.write("new", change=only("pgs", "-50-", fail))
+        edit_lines(new / "streams.jsonl", lambda line: None if line["solver"] == "ode-dantzig" else line)
+        table, alone = moved_table(load_campaign(old), load_campaign(new))
+        row = table[(table["what"] == "pgs") & (table["size_class"] == "31-100")].iloc[0]
+        self.assertEqual((row["new"], row["agrees"]), (math.inf, False))
+        self.assertEqual(len(alone), 5)
+        table, _ = moved_table(load_campaign(new), load_campaign(new))
+        self.assertTrue(table["agrees"].all())
+
+    def test_runs_without_anything_in_common_are_refused(self):
+        old, new = self.write("old"), self.write("new")
+        edit_lines(new / "streams.jsonl", lambda line: None if line["solver"] != "pgs" else line)
+        edit_lines(old / "streams.jsonl", lambda line: None if line["solver"] == "pgs" else line)
+        self.assert_refused("moved", old, new, told=("in common",))

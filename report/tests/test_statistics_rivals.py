@@ -1,0 +1,188 @@
+"""What a user pays by size class, the rivals, ablations: true ratios found, false ones not."""
+
+import math
+import unittest
+
+import numpy as np
+import pandas as pd
+
+from lcpbench_report.inputs import load_inputs
+from lcpbench_report.statistics.cells import measured
+from lcpbench_report.statistics.class_times import ablation_table, class_table
+from lcpbench_report.statistics.launches import COLUMNS, Levels
+from lcpbench_report.statistics.load import load_campaign
+from lcpbench_report.statistics.rivals import (DOMINATED, DOMINATES, FASTER, FASTEST, PORTFOLIO, SLOWER, UNDECIDED, flag_table,
+                                               pareto_front, relation, rival_table)
+from lcpbench_report.statistics.tables import levels_of
+from .cases import SharedFolderCase
+from .synthetic_campaign import AGAIN, COPIES, FAMILIES, FIRST, cells_of, fail, write_campaign
+
+INF, NAN = math.inf, math.nan
+
+
+def rivals(cells: pd.DataFrame, levels: Levels = Levels()) -> pd.DataFrame:
+    return rival_table(cells, {"own"}, "own", levels).set_index(["rival", "origin"]).sort_index()
+
+
+class Rivals(unittest.TestCase):
+    # s: only the own one; t: only a peer; u: neither.
+    TIMES = pd.DataFrame({"own": [1.0, 3.0, 2.0, 1.0, INF, INF], "quick": [2.0, 1.0, INF, 1.5, 1.0, INF],
+                          "sure": [4.0, 4.0, 4.0, INF, 9.0, 8.0], "slow": [9.0, 9.0, 9.0, INF, INF, 9.0]}, list("pqrstu"))
+
+    def test_by_hand(self):
+        table = rivals(cells_of(self.TIMES))
+        self.assertEqual(set(table.index.get_level_values(0)), {"quick", "sure", FASTEST})  # slow is dominated by sure
+        row = table.loc[(FASTEST, "all")]
+        # 1/2, 3/1, 2/4, 1/1.5, and two failures of ours.
+        self.assertAlmostEqual(row["ratio"], (1 / 1.5 + 3.0) / 2)
+        self.assertEqual((row["peers"], row["problems"], row["rival_share"], row["own_share"]), (3, 6, 1, 4 / 6))
+        quick = table.loc[("quick", "all")]
+        self.assertEqual((quick["front"], quick["rival_s"], quick["rival_share"]), (True, 1.75, 4 / 6))
+        self.assertAlmostEqual(quick["ratio"], (1 / 1.5 + 3.0) / 2)  # of 1/2, 3, 1/1.5 and inf: where quick is right
+
+    def test_the_portfolio_is_a_rival_whether_on_the_front_or_not_and_by_origin(self):
+        times = pd.DataFrame({"own": [1.0] * 40, PORTFOLIO: [4.0] * 20 + [2.0] * 20, "better": [1.5] * 40})
+        cells = cells_of(times)
+        cells["origin"] = np.where(cells["problem"] < 20, "motion", "recorded")
+        table = rivals(cells)
+        self.assertFalse(table.loc[(PORTFOLIO, "all"), "front"])
+        self.assertEqual([table.loc[(PORTFOLIO, origin), "ratio"] for origin in ("own scenes", "engines")], [0.25, 0.5])
+        self.assertEqual(table.loc[(PORTFOLIO, "all"), "relation"], DOMINATED)
+        self.assertNotIn(("better", "engines"), table.index)
+
+    def test_what_a_peer_does_not_take_is_not_right(self):
+        cells = cells_of(pd.DataFrame({"own": [1.0] * 40, "picky": [0.5] * 40, "sure": [2.0] * 40}))
+        unasked = (cells["solver"] == "picky") & (cells["problem"] >= 24)
+        cells.loc[unasked, ["verdict", "claim", "passes", "time_s"]] = ["not asked", "unsupported", False, INF]
+        row = rivals(cells).loc[("picky", "all")]
+        self.assertEqual((row["rival_share"], row["ratio"], row["relation"]), (0.6, 2.0, FASTER))
+        cells.loc[(cells["solver"] == "picky") & (cells["problem"] >= 16), ["verdict", "passes", "time_s"]] = ["not asked", False, INF]
+        self.assertNotIn(("picky", "all"), rivals(cells).index)  # it takes less than half
+
+    def test_the_front_by_hand(self):
+        points = {"a": (3.0, 0.9), "b": (1.0, 0.5), "c": (2.0, 0.5), "d": (4.0, 0.9), "e": (5.0, 1.0), "f": (INF, 1.0)}
+        self.assertEqual(pareto_front(points), ["b", "a", "e"])
+        self.assertEqual(pareto_front({"f": (INF, 1.0)}), [])
+
+    def test_nobody_off_the_front_is_better_than_one_on_it(self):
+        for seed in range(200):
+            rng = np.random.default_rng([60, seed])
+            points = {k: (float(rng.choice([1, 2, 3, 4, INF])), float(rng.choice([0.5, 0.8, 0.9, 1]))) for k in range(8)}
+            front = pareto_front(points)
+            for key, (time, share) in points.items():
+                covered = any(points[other][0] <= time and points[other][1] >= share for other in front)
+                self.assertEqual(covered, math.isfinite(time) or covered)
+                if key in front:
+                    self.assertFalse(any((t <= time and s > share) or (t < time and s >= share) for t, s in points.values()))
+
+    def test_who_dominates_whom(self):
+        for low, high, own, share, expected in ((0.5, 0.9, 1, 0.9, DOMINATED), (0.5, 0.9, 0.9, 0.9, DOMINATED),
+                                                (0.5, 0.9, 0.8, 0.9, SLOWER), (1.1, 1.3, 0.9, 0.9, DOMINATES),
+                                                (1.1, 1.3, 0.9, 0.8, FASTER), (0.9, 1.3, 1, 0, UNDECIDED),
+                                                (NAN, NAN, 1, 0, UNDECIDED)):
+            self.assertEqual(relation(low, high, own, share), expected)
+
+    def test_variants_of_a_base_weigh_what_one_does(self):
+        cells = cells_of(pd.DataFrame({"own": [1.0] * 12, "peer": [10.0] * 10 + [0.5] * 2}))
+        self.assertAlmostEqual(rivals(cells).loc[("peer", "all"), "ratio"], 0.1)
+        many = cells["problem"] < 10
+        cells.loc[many, "base"], cells.loc[many, "weight"] = "one", 0.1
+        row = rivals(cells).loc[("peer", "all")]
+        self.assertAlmostEqual(row["ratio"], 2.0)
+        self.assertAlmostEqual(row["n_eff"], 3)
+
+    def test_the_interval_holds_the_true_ratio_over_families_and_launches(self):
+        """Families have ratios of their own around 0.25, launches of either solver levels of their own: what another
+        collection and other launches would give is to be in it."""
+        held, naive, runs = 0, 0, 40
+        for seed in range(runs):
+            rng = np.random.default_rng([50, seed])
+            families = np.repeat(np.arange(12), 10)
+            logs = {"own": rng.normal(0, 1, 120)}
+            logs["peer"] = logs["own"] - math.log(0.25) - rng.normal(0, 0.15, 12)[families] - rng.normal(0, 0.3, 120)
+            rows, levels = [], {}
+            for key in logs:
+                of_launches = rng.normal(0, 0.3, 10)
+                levels[key] = float(np.median(of_launches))
+                rows += [{"solver": key, "size_class": "7-12", "tier": 1e-6, "launch": k + 1, "disturbed": False,
+                          "level": level - levels[key]} for k, level in enumerate(of_launches)]
+            cells = cells_of(pd.DataFrame({key: np.exp(logs[key] + levels[key]) for key in logs}))
+            cells["family"] = cells["problem"].map(lambda problem: f"f{families[problem]}")
+            for drawn in (Levels(pd.DataFrame(rows, columns=COLUMNS)), Levels()):
+                row = rivals(cells, drawn).loc[("peer", "all")]
+                holds = row["ratio_low"] <= 0.25 <= row["ratio_high"]
+                held, naive = (held + holds, naive) if drawn.count("own", "7-12", 1e-6) else (held, naive + holds)
+        self.assertGreaterEqual(held, 0.9 * runs)
+        self.assertLess(naive, 0.85 * runs)  # problems alone do not see what launches have in common
+
+    def test_without_peers_there_are_no_rows(self):
+        self.assertTrue(rivals(cells_of(self.TIMES[["own"]])).empty)
+
+    def test_at_equal_flags_a_build_for_less_stands_against_what_is_built_for_no_more(self):
+        cells = cells_of(pd.DataFrame({"auto": [1.0] * 30, "auto-baseline": [3.0] * 30, "auto-v3": [2.0] * 30,
+                                       "ode-dantzig": [4.0] * 30, "ode-dantzig-native": [2.5] * 30}))
+        found = {(of["flags"], of["own"], of["rival"]): of["ratio"] for of in flag_table(cells, Levels()).to_dict("records")}
+        self.assertEqual(found, {("any x86-64", "auto-baseline", "ode-dantzig"): 0.75,
+                                 ("x86-64-v3", "auto-v3", "ode-dantzig-native"): 0.8,
+                                 ("the machine's", "auto", "ode-dantzig-native"): 0.4})
+        self.assertTrue(flag_table(cells[cells["solver"].isin(["auto", "ode-dantzig"])], Levels()).empty)
+
+
+class ClassTimes(unittest.TestCase):
+    def test_medians_are_of_the_class_and_failures_are_infinite(self):
+        times = pd.DataFrame({"a": [1.0, 2.0, INF, 5.0], "b": [INF, INF, 1.0, 1.0]})
+        table = class_table(cells_of(times), Levels()).set_index(["size_class", "solver"])
+        self.assertEqual(table.loc[("7-12", "a"), "median_s"], 3.5)
+        self.assertEqual(table.loc[("7-12", "b"), "median_s"], INF)
+
+
+class Folder(SharedFolderCase):
+    """All of it, from files."""
+
+    FACTORS = {"own": 1.0, "peer": 4.0, "bare": 0.9, "checked": 5.0}
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        write_campaign(cls.path, cls.FACTORS, tiers=(1e-6,), change=cls.change,
+                       solvers={"peer": {"origin": "peer"}, "bare": {"ablation": "no-self-check", "base": "own"},
+                                "checked": {"ablation": "checked", "base": "peer", "origin": "peer"}})
+        cls.campaign, cls.inputs = load_campaign(cls.path), load_inputs([cls.path])
+        of_all, of_ablations = measured(cls.campaign), measured(cls.campaign, True)
+        cls.cells, cls.ablated, cls.levels = of_all.cells, of_ablations.cells, levels_of(of_all, of_ablations)
+
+    # The bare one claims too much on one copy of four.
+    change = staticmethod(lambda record: fail(record, "solved") if record["solver"] == "bare"
+                          and record["problem"].endswith("-0") else record)
+
+    def test_ablations_are_in_their_table_and_nowhere_else(self):
+        self.assertEqual(set(self.cells["solver"]), {"own", "peer"})
+        self.assertEqual(set(self.ablated["solver"]), {"bare", "checked"})
+        self.assertEqual(self.inputs.keys, ["own", "peer"])
+        for name, table in self.inputs.analysis.items():
+            if name not in ("ablation", "equal_flags") and "solver" in table:
+                self.assertLessEqual(set(table["solver"]), {"own", "peer"}, name)
+        self.assertEqual(set(self.inputs.analysis["ablation"]["solver"]), {"bare", "checked"})
+
+    def test_the_ablation_table_finds_the_true_ratios_and_what_went_wrong(self):
+        table = ablation_table(self.cells, self.ablated, self.campaign.info["solvers"], self.levels).set_index(["solver", "size_class"])
+        problems = len(FAMILIES) * 6 * COPIES
+        bare, checked = table.loc[("bare", "all")], table.loc[("checked", "all")]
+        self.assertEqual((bare["base"], bare["ablation"], bare["problems"]), ("own", "no-self-check", problems))
+        self.assertEqual((bare["both"], bare["false_successes"], bare["base_false_successes"]),
+                         (problems * 3 // 4, problems // 4, 0))
+        self.assertAlmostEqual(bare["verified_share"], 3 / 4)
+        for row, ratio in ((bare, 0.9), (checked, 1.25)):
+            self.assertAlmostEqual(row["ratio"], ratio, delta=0.03)
+            self.assertTrue(row["ratio_low"] <= ratio <= row["ratio_high"])
+        self.assertEqual(len(table.loc["bare"]), 6)  # five classes and all
+
+    def test_times_by_class(self):
+        table = class_table(self.cells, self.levels).set_index(["size_class", "solver"])
+        self.assertEqual(list(dict.fromkeys(table.index.get_level_values(0))),
+                         ["7-12", "13-30", "31-100", "101-300", "301-1000", "all"])
+        for size in ("7-12", "301-1000"):
+            own = table.loc[(size, "own")]
+            self.assertAlmostEqual(table.loc[(size, "peer"), "median_s"] / own["median_s"], 4, delta=0.2)
+            self.assertAlmostEqual(own["again_s"] / own["median_s"], AGAIN, delta=0.05)
+            self.assertAlmostEqual(own["first_s"] / own["median_s"], FIRST, delta=0.3)

@@ -1,0 +1,103 @@
+// Which of several solvers' answers is taken: by the verdict of the verifier, which SolversInTurn does not know.
+
+#include "solvers/peers/solvers_in_turn.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "solvers/lcp/verify.h"
+#include "tests/solvers/solve_with.h"
+#include "tests/solvers/test_problems.h"
+
+namespace lcpbench {
+namespace {
+
+// Answers with what it was given, and claims success.
+class Fixed : public LcpSolver {
+ public:
+  explicit Fixed(Eigen::VectorXd f, LcpStatus status = LcpStatus::kSolved) : f_(std::move(f)), status_(status) {}
+  int solves() const { return solves_; }
+
+ protected:
+  void DoPrepare(const LcpProblem& /*problem*/) override {}
+  void DoSolve(const LcpProblem& /*problem*/, const LcpOptions& /*options*/, LcpResult* result) override {
+    ++solves_;
+    result->f = f_;
+    result->status = status_;
+  }
+
+ private:
+  Eigen::VectorXd f_;
+  LcpStatus status_;
+  int solves_ = 0;
+};
+
+constexpr LcpOptions kOptions{.tolerance = 1e-6};
+
+TEST(SolversInTurn, AnswersWithTheFirstThatPassesElseWithTheLeastRho) {
+  std::mt19937_64 random(7);
+  const auto auto_solver = MakeSolver("auto");
+  int passed = 0;
+  for (const TestProblem& test : GeneratedProblems()) {
+    const Eigen::VectorXd right = SolveWith(auto_solver.get(), test.problem).f;
+    std::array<double, 4> errors{1e-12, 1e-2, 1e-1, 1};
+    std::shuffle(errors.begin(), errors.end(), random);
+    std::vector<std::shared_ptr<Fixed>> fixed;
+    std::vector<SolversInTurn::Turn> turns;
+    std::size_t expected = 0;
+    std::vector<Verdict> verdicts;
+    for (const double error : errors) {
+      Eigen::VectorXd f = right;
+      for (double& force : f) force += error * (1 + std::abs(force)) * Uniform(&random, 0.5, 1);
+      fixed.push_back(std::make_shared<Fixed>(f));
+      turns.push_back({fixed.back()});
+      LcpResult claimed;
+      claimed.status = LcpStatus::kSolved;
+      claimed.f = f;
+      verdicts.push_back(Verify(test.problem, claimed, kOptions.tolerance));
+      const std::size_t at = verdicts.size() - 1;
+      if (verdicts[expected].passes) continue;
+      if (verdicts[at].passes || verdicts[at].metrics.rho < verdicts[expected].metrics.rho) expected = at;
+    }
+    SolversInTurn solver(turns);
+    LcpResult of_problem, of_arrays;
+    solver.Solve(test.problem, kOptions, &of_problem);
+    solver.SolveArrays(ProblemArrays::Of(test.problem), kOptions, &of_arrays);
+    const bool passes = verdicts[expected].passes;
+    passed += passes ? 1 : 0;
+    for (const LcpResult& result : {of_problem, of_arrays}) {
+      const auto taken = std::find_if(fixed.begin(), fixed.end(), [&](const auto& one) {
+        return SolveWith(one.get(), test.problem, kOptions).f == result.f;
+      });
+      EXPECT_EQ(taken - fixed.begin(), static_cast<std::ptrdiff_t>(expected)) << test.problem.id();
+      EXPECT_EQ(result.status, passes ? LcpStatus::kSolved : LcpStatus::kNumericalFailure) << test.problem.id();
+    }
+  }
+  EXPECT_GT(passed, 0);
+}
+
+TEST(SolversInTurn, AsksNobodyAfterAnAnswerAClaimOrTheTimeLimit) {
+  const LcpProblem problem = PlantedProblem(8, 4, 1, 0, 0).problem;
+  const Eigen::VectorXd wrong = Eigen::VectorXd::Constant(problem.size(), 1e3);
+  const Eigen::VectorXd right = SolveBy("auto", problem).f;
+  const auto asked = [&](const Eigen::VectorXd& f, LcpStatus status, LcpStatus expected) {
+    const auto second = std::make_shared<Fixed>(right);
+    SolversInTurn solver({{std::make_shared<Fixed>(f, status)}, {second}});
+    EXPECT_EQ(SolveWith(&solver, problem, kOptions).status, expected);
+    return second->solves();
+  };
+  EXPECT_EQ(asked(right, LcpStatus::kIterationLimit, LcpStatus::kSolved), 0);
+  EXPECT_EQ(asked(wrong, LcpStatus::kInfeasible, LcpStatus::kInfeasible), 0);
+  EXPECT_EQ(asked(wrong, LcpStatus::kUnsupported, LcpStatus::kUnsupported), 0);
+  EXPECT_EQ(asked(wrong, LcpStatus::kTimeLimit, LcpStatus::kTimeLimit), 0);
+  EXPECT_EQ(asked(wrong, LcpStatus::kSolved, LcpStatus::kSolved), 1);
+  EXPECT_EQ(asked(wrong, LcpStatus::kNumericalFailure, LcpStatus::kSolved), 1);
+}
+
+}  // namespace
+}  // namespace lcpbench
