@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <utility>
@@ -369,6 +370,30 @@ void RegisterSolverVariant(const std::string& key, const std::string& base, cons
     return make(all);
   };
   RegisterSolver(std::move(entry));
+}
+
+void RegisterSolverBySize(const std::string& key, const std::string& base,
+                          const std::map<Index, std::string>& by_rows) {
+  SolverEntry entry = FindSolver(base);
+  entry.base = entry.base.empty() ? entry.key : entry.base;
+  entry.key = key;
+  for (const auto& [rows, variant] : by_rows) {
+    std::string words;
+    for (const auto& [name, value] : FindSolver(variant).settings)
+      words += (words.empty() ? "" : ",") + name + "=" + value;
+    entry.settings[std::to_string(rows) + " rows"] = words;
+  }
+  entry.by_rows = by_rows;
+  RegisterSolver(std::move(entry));
+}
+
+const std::string& KeyForRows(const SolverEntry& solver, Index rows) {
+  const auto distance = [rows](const auto& meant_for) {
+    return std::abs(std::log(static_cast<double>(meant_for.first) / static_cast<double>(rows)));
+  };
+  const auto nearest = std::min_element(solver.by_rows.begin(), solver.by_rows.end(),
+                                        [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
+  return nearest == solver.by_rows.end() ? solver.key : nearest->second;
 }
 
 void RegisterAblations() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <ostream>
 #include <span>
@@ -39,6 +40,9 @@ struct SolverEntry {
   std::string licence = "Apache-2.0";        ///< SPDX expression: of our code, or of the peer's library
   std::string base = {};                     ///< of a variant (RegisterSolverVariant): the key it is another setting of
   Settings settings = {};                    ///< of a variant: what it adds to what `make` is given
+  /// Of a solver whose settings depend on the number of rows (RegisterSolverBySize): the keys that run in its place, by
+  /// the rows that each is meant for.
+  std::map<Index, std::string> by_rows = {};
   /// What limits its size (SizeLimitOf).
   MethodClass method_class = MethodClass::kAnySize;
   /// A library's own options, never asked for the tier's tolerance.
@@ -82,6 +86,16 @@ void RegisterSolver(SolverEntry entry);
 /// with check=yes and an own one's with self_check=no are ablations.
 /// @throws InputError as RegisterSolver, and for an unknown base, one that is not in this build, or wrong settings
 void RegisterSolverVariant(const std::string& key, const std::string& base, const Settings& settings);
+
+/// Adds a solver that is another one with settings by the number of rows: campaigns run the keys in its place
+/// (KeyForRows), and name it in their results. Made by itself it is its base.
+/// @param by_rows  the base and variants of it, by the rows that each is meant for; not empty
+/// @throws InputError as RegisterSolver, and for unknown keys
+void RegisterSolverBySize(const std::string& key, const std::string& base, const std::map<Index, std::string>& by_rows);
+
+/// The key that runs where a problem has so many rows, at least 1: of by_rows the one that is meant for the nearest
+/// number by ratio, of two the smaller one; else the solver's own.
+const std::string& KeyForRows(const SolverEntry& solver, Index rows);
 
 /// Adds the keys of the ablation table that this build can run: KEY-checked for every peer, KEY-unchecked for every own
 /// solver with the setting `self_check`. Those that are there already stay. Not counted: KEY-baseline, an external

@@ -126,7 +126,7 @@ class Campaign {
       if (one.excluded.empty()) one.excluded = RuleFor(task, place);
       if (one.excluded.empty()) {
         one.reply =
-            worker_->Run(JudgeRequest{NameOf(task, place), task.solver, task.tier, task.judged, LimitOf(task, place)});
+            worker_->Run(JudgeRequest{NameOf(task, place), task.runs, task.tier, task.judged, LimitOf(task, place)});
         const std::vector<nlohmann::json>& records = one.reply.records;
         // A job scheduler that has asked for the end and waited kills all processes at once: no outcome of the
         // solver's.
@@ -207,7 +207,7 @@ class Campaign {
     if (request.pass.order.empty()) return;
     request.launch = kind == PassKind::kFresh ? launch : 0;
     for (std::size_t place = 0; place < task.count(); ++place) request.stream.push_back(NameOf(task, place));
-    request.solver = task.solver;
+    request.solver = task.runs;
     request.judged = task.judged;
     request.other_b_seed = plan_.seed;
     const TimedRun run = RunUndisturbed(request);
@@ -296,7 +296,7 @@ class Campaign {
     SequenceRequest request;
     request.file = SequencePath(options_.folder, pass.about);
     request.sha256 = pass.sequence->sha256;
-    request.solver = pass.solver;
+    request.solver = pass.runs;
     request.tier = pass.tier;
     request.judged = pass.judged;
     request.warm = pass.warm;

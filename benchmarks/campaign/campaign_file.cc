@@ -139,7 +139,8 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
                    {"most_reruns", plan.noise.most_reruns}};
   json["size_limits"] = Json::array();
   json["lines"] = lines;
-  for (const SolverEntry& solver : AllSolvers()) {
+  for (const std::string& key : plan.solvers) {
+    const SolverEntry& solver = FindSolver(key);
     if (const std::optional<SizeLimit> limit = SizeLimitOf(solver.method_class)) {
       json["size_limits"].push_back({{"solver", solver.key}, {"largest", limit->largest}, {"reason", limit->reason}});
     }

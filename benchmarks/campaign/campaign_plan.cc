@@ -210,6 +210,7 @@ std::vector<Task> PlanTasks(const CampaignPlan& plan, const std::vector<PlannedP
       if (!solver.available) continue;
       Task task;
       task.solver = key;
+      task.runs = KeyForRows(solver, size_class->most);
       task.about = size_class->key;
       task.excluded = SizeRefusal(solver, least_rows);
       task.begin = begin;
@@ -233,6 +234,7 @@ std::vector<Task> PlanPasses(const CampaignPlan& plan, const std::vector<Manifes
         if (!solver.available) continue;
         Task task;
         task.solver = solver.key;
+        task.runs = KeyForRows(solver, SizeOf(entry));
         task.about = entry.id;
         task.excluded = SizeRefusal(solver, entry.most_rows);
         task.sequence = &entry;

@@ -109,6 +109,7 @@ std::vector<PlannedProblem> PlanProblems(const CampaignPlan& plan, const std::ve
 /// A solver whose settings do not depend on the tolerance has one task, at the strictest tier, for all tiers.
 struct Task {
   std::string solver;
+  std::string runs;            ///< the key that is run: the solver's, or the one that has its settings for this size
   std::string about;           ///< key of the size class, or id of the sequence
   double tier = 0;             ///< asked for
   std::vector<double> judged;  ///< tiers, loosest first

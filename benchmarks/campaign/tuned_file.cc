@@ -13,14 +13,16 @@ TunedFile ReadTunedFile(const std::string& path) {
   const std::string text = ReadTextFile(path);
   const nlohmann::json json = ParseJsonObject(text, path);
   const JsonField root(json, path);
-  root["schema"].Choice<bool>({{"lcpbench-tuned/1", true}});
+  root["schema"].Choice<bool>({{"lcpbench-tuned/2", true}});
   TunedFile file;
   file.source = {std::filesystem::path(path).filename().string(), TextHash(text),
                  root["budget"].IndexBelow(std::numeric_limits<int>::max())};
-  for (const JsonField& solver : root["solvers"].Items()) {
-    auto& [key, settings] = file.chosen.emplace_back();
-    key = solver["solver"].String();
-    for (const auto& [name, value] : solver["chosen"].Members()) settings[name] = value.String();
+  for (const JsonField& choice : root["solvers"].Items()) {
+    const Index rows = choice["rows"].IndexBelow(std::numeric_limits<int>::max());
+    if (rows == 0) choice["rows"].Mismatch("an integer >= 1");
+    const auto [settings, is_new] = file.chosen[choice["solver"].String()].try_emplace(rows);
+    if (!is_new) choice["rows"].Mismatch("other rows than before");
+    for (const auto& [name, value] : choice["chosen"].Members()) settings->second[name] = value.String();
   }
   return file;
 }

@@ -1,8 +1,7 @@
 #pragma once
 
+#include <map>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "benchmarks/campaign/campaign_plan.h"
 #include "solvers/registry.h"
@@ -12,7 +11,8 @@ namespace lcpbench {
 /// What `lcpbench tune` has chosen (tuned.json, RESULTS.md; docs/formats/tuned.schema.json).
 struct TunedFile {
   TuningSource source;
-  std::vector<std::pair<std::string, Settings>> chosen;  ///< by solver; empty: the default
+  /// By solver and the rows that they are meant for; empty: the default.
+  std::map<std::string, std::map<Index, Settings>> chosen;
 };
 
 /// @throws InputError naming the file and the field, and what was expected

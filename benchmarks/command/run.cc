@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <string_view>
@@ -66,26 +67,34 @@ std::string Both(const std::string& plans, const std::string& users) {
 }
 
 // Reads what `lcpbench tune` has chosen (tuned.json, RESULTS.md) and registers, for every solver of the plan with
-// settings other than its defaults, the variant KEY-tuned, behind its base; solvers that are not in this build have
-// none. `variants` gets them as --variant takes them.
+// settings other than its defaults at some size, KEY-tuned, behind its base, and the variants KEY-tuned-ROWS that run
+// in its place. Who names KEY-tuned needs no base for it, and has it whatever was chosen; solvers that are not in this
+// build have none. `variants` gets the variants as --variant takes them.
 // @param adds  false: only those that the plan names already
 void AddTunedVariants(const std::string& path, bool adds, CampaignPlan* plan, std::vector<std::string>* variants) {
   const TunedFile tuned = ReadTunedFile(path);
   plan->tuning = tuned.source;
-  std::vector<std::string> added;
-  for (const auto& [solver, settings] : tuned.chosen) {
+  for (const auto& [solver, choices] : tuned.chosen) {
     const std::string key = solver + "-tuned";
-    const bool is_named = std::find(plan->solvers.begin(), plan->solvers.end(), key) != plan->solvers.end();
     const auto base = std::find(plan->solvers.begin(), plan->solvers.end(), solver);
+    const bool is_named = std::find(plan->solvers.begin(), plan->solvers.end(), key) != plan->solvers.end();
     const bool is_wanted = is_named || (adds && base != plan->solvers.end());
-    if (!FindSolver(solver).available || settings.empty() || !is_wanted) continue;
-    added.push_back(key);
-    added.back() += "=" + solver;
-    for (const auto& [name, value] : settings) added.back() += "," + name + "=" + value;
+    if (!FindSolver(solver).available || !is_wanted) continue;
+    std::vector<std::string> added;
+    std::map<Index, std::string> by_rows;
+    for (const auto& [rows, settings] : choices) {
+      by_rows[rows] = solver;
+      if (settings.empty()) continue;
+      by_rows[rows] = key + "-" + std::to_string(rows);
+      added.push_back(by_rows[rows] + "=" + solver);
+      for (const auto& [name, value] : settings) added.back() += "," + name + "=" + value;
+    }
+    if (added.empty() && !is_named) continue;
+    RegisterVariants(added);
+    RegisterSolverBySize(key, solver, by_rows);
+    variants->insert(variants->end(), added.begin(), added.end());
     if (!is_named) plan->solvers.insert(base + 1, key);
   }
-  RegisterVariants(added);
-  variants->insert(variants->end(), added.begin(), added.end());
 }
 
 struct RunCampaigns {

@@ -86,14 +86,19 @@ def _limits(page: Page) -> str:
 def _tuning(page: Page) -> str:
     """What data/tuned.json says of how settings were chosen."""
     tuned = page.data("tuned")
-    solvers = tuned["solvers"]
-    tried = [len(solver["tried"]) for solver in solvers]
-    changed = [f"`{solver['solver']}`" for solver in solvers if solver["chosen"]]
-    sizes = formats.words([str(size) for size in tuned["problems"]["sizes"]])
+    choices = tuned["solvers"]
+    tried = [len(choice["tried"]) for choice in choices]
+    sizes, solvers = tuned["problems"]["sizes"], {choice["solver"] for choice in choices}
+    changed = {}
+    for choice in choices:
+        if choice["chosen"]:
+            changed.setdefault(choice["solver"], []).append(choice["rows"])
+    where = [f"`{solver}`" + ("" if rows == sizes else f" (at {formats.words(list(map(str, rows)))} rows)")
+             for solver, rows in changed.items()]
     return (f"At most {tuned['budget']} configurations of each of {len(solvers)} solvers were tried ({min(tried)} to "
-            f"{max(tried)}), on {tuned['problems']['count']} problems with {sizes} rows at tier "
-            f"{formats.power(tuned['tier'])}; {len(changed)} have chosen settings other than their default: "
-            f"{formats.words(changed)}. The other {len(solvers) - len(changed)} keep it.")
+            f"{max(tried)}), on {tuned['problems']['count']} problems with {formats.words(list(map(str, sizes)))} rows at "
+            f"tier {formats.power(tuned['tier'])}; {len(changed)} have chosen settings other than their default: "
+            f"{formats.words(where)}. The other {len(solvers) - len(changed)} keep it.")
 
 
 def _solvers(page: Page, origin: str) -> list[dict]:

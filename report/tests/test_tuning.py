@@ -205,7 +205,7 @@ class Record(FolderCase):
         write_object(self.folder / "tuned.json", made)
         read = json_of(self.folder / "tuned.json")
         self.assertEqual(read, json.loads(json.dumps(made)))
-        self.assertEqual(read["schema"], "lcpbench-tuned/1")
+        self.assertEqual(read["schema"], "lcpbench-tuned/2")
         self.assertEqual(read["budget"], 8)
         solver = read["solvers"][0]
         self.assertEqual(solver["chosen"], {"block_start": "yes"})
@@ -213,8 +213,25 @@ class Record(FolderCase):
         gain = solver["gain"]
         self.assertEqual(gain["ratio"], solver["tried"][1]["ratio"])
         self.assertTrue(0.48 < gain["low"] <= gain["ratio"] <= gain["high"] < 0.7, gain)
-        self.assertGreater(solver["measured_s"], 0)
+        self.assertGreater(read["measured_s"]["lemke"], 0)
         self.assertIn("block_start=yes", said[0])
+
+    def test_every_size_has_a_choice_of_its_own_on_the_problems_nearest_to_it(self):
+        write_campaign(self.folder / "c", {"lemke": 1.0, "lemke-try1": 0.5}, tiers=(1e-6,), noise=Noise(problem=0.02))
+        loaded = load_campaign(self.folder / "c")
+        sizes = [4, 40, 400]
+        made = choice.describe(loaded, {"lemke": SMALL}, {"lemke": draw(SMALL, 8, 1)},
+                               choice.Asked(8, 1, DATA / "tuning.json", sizes, 21), [], "2026-01-01")["solvers"]
+        self.assertEqual([one["rows"] for one in made], sizes)
+        self.assertEqual(sum(one["tried"][0]["problems"] for one in made), len(loaded.problems))
+        rows = [problem["rows"] for problem in loaded.problems.values()]
+        for one in made:
+            near = sum(abs(math.log(n / one["rows"])) == min(abs(math.log(n / size)) for size in sizes) for n in rows)
+            self.assertEqual(one["tried"][0]["problems"], near)
+
+    def test_the_nearest_size_is_by_ratio(self):
+        for rows, size in ((1, 10), (31, 10), (32, 100), (316, 100), (317, 1000), (10**6, 1000)):
+            self.assertEqual(choice.nearest(rows, [1000, 10, 100]), size)
 
     def test_the_committed_file_is_of_the_committed_space(self):
         tuned = json_of(DATA / "tuned.json")

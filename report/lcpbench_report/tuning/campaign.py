@@ -66,7 +66,7 @@ def require_disjoint(manifest: Path, data: Path) -> list[str]:
     return others
 
 
-TASK_BUDGET_S = 0.5  # of a configuration and size class; the same for all, so that slow ones do not take the evening
+LIMIT_S = 0.5  # of a solve; the same for all, so that slow ones do not take the evening
 
 
 def run_campaign(command: Command, manifest: Path, folder: Path, tried: dict[str, list[Configuration]], passes: int,
@@ -76,7 +76,7 @@ def run_campaign(command: Command, manifest: Path, folder: Path, tried: dict[str
     """
     campaign = folder / CAMPAIGN
     arguments = ["run", "--suite", str(manifest), "--tiers", f"{TIER:g}", "--launches", str(passes),
-                 "-o", str(campaign)]
+                 "--time-limit", f"{LIMIT_S:g}", "-o", str(campaign)]
     arguments += ["--solvers", ",".join(key for solver, all_ in tried.items() for key in keys_of(solver, len(all_)))]
     for solver, configurations in tried.items():
         for key, configuration in list(zip(keys_of(solver, len(configurations)), configurations))[1:]:

@@ -1,8 +1,9 @@
 """Which configuration of a solver is chosen, the same rule for every solver; and data/tuned.json, which says what was
 tried with which budget, on what, and what was chosen (benchmarks/RESULTS.md).
 
-Times are fresh ones of verified answers; what was not verified enters with its time limit. Every size class weighs the
-same, within it problems as elsewhere. A configuration may replace the default only if
+A choice is made at each of several sizes, on the problems whose rows are nearest to it by their ratio: a campaign uses
+settings by the same rule. Times are fresh ones of verified answers; what was not verified enters with its time limit.
+Every size class weighs the same, within it problems as elsewhere. A configuration may replace the default only if
 
     its shifted geometric mean is smaller by more than MARGIN,
     the signed-rank test of the paired times of bases says so (two-sided, adjusted by Holm for all configurations of the
@@ -30,7 +31,7 @@ from ..statistics.pairwise import ABOUT, LEVEL, compare_two
 from .campaign import TIER, keys_of
 from .space import Configuration, Space
 
-SCHEMA = "lcpbench-tuned/1"
+SCHEMA = "lcpbench-tuned/2"
 _MACHINE = ("cpu", "cores", "memory_bytes", "os", "compiler", "flags", "solver_flags", "libraries")
 
 
@@ -107,6 +108,9 @@ def describe(campaign: Campaign, spaces: dict[str, Space], tried: dict[str, list
              disjoint_from: list[str], date: str, say: Callable[[str], None] = lambda line: None) -> dict:
     """@param tried  solver -> its configurations, the default first; of solvers of `spaces` alone"""
     info, cells = campaign.info, cell_table(campaign)
+    cells = cells[cells["verdict"] != EXCLUDED]
+    sizes = cells["rows"].map(lambda rows: nearest(rows, asked.sizes))
+    own = {solver: cells["solver"].isin(keys_of(solver, len(configurations))) for solver, configurations in tried.items()}
     environment = info.get("environment", {})
     return {"schema": SCHEMA, "commit": environment.get("git_commit", ""), "dirty": environment.get("git_dirty", False),
             "date": date, "machine": {key: environment.get(key) for key in _MACHINE}, "budget": asked.budget,
@@ -115,28 +119,36 @@ def describe(campaign: Campaign, spaces: dict[str, Space], tried: dict[str, list
             "problems": {"manifests": info["manifests"], "count": len(campaign.problems), "sizes": asked.sizes,
                          "seed": asked.problem_seed, "not_in": disjoint_from},
             "disturbed_share": short(float((cells["disturbed"] > 0).mean())) if len(cells) else 0.0,
-            "solvers": [_solver(campaign, cells, spaces[solver], configurations, say)
-                        for solver, configurations in tried.items()]}
+            "measured_s": {solver: short(_spent(campaign, keys_of(solver, len(configurations))))
+                           for solver, configurations in tried.items()},
+            "solvers": [_choice(cells[own[solver] & (sizes == rows)], rows, spaces[solver], configurations, say)
+                        for solver, configurations in tried.items() for rows in asked.sizes
+                        if (own[solver] & (sizes == rows)).any()]}
+
+
+def nearest(rows: int, sizes: list[int]) -> int:
+    """The size whose ratio to so many rows, or theirs to it, is least; of two the smaller one."""
+    return min(sorted(sizes), key=lambda size: abs(math.log(max(rows, 1) / size)))
 
 
 def file_hash(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def _solver(campaign: Campaign, cells: pd.DataFrame, space: Space, configurations: list[Configuration],
+def _choice(cells: pd.DataFrame, rows: int, space: Space, configurations: list[Configuration],
             say: Callable[[str], None]) -> dict:
-    keys = keys_of(space.solver, len(configurations))
-    shift, outcomes = judge(cells, keys)
+    """@param cells  of the problems that settings at `rows` are chosen on"""
+    shift, outcomes = judge(cells, keys_of(space.solver, len(configurations)))
     index = choose(outcomes)
     best, chosen = outcomes[index], configurations[index]
     words = ", ".join(f"{name}={value}" for name, value in chosen.items())
-    say(f"{space.solver}: {len(configurations)} of {space.size} configurations, " +
+    say(f"{space.solver} at {rows} rows: {len(configurations)} of {space.size} configurations, " +
         (f"chosen {words}: {best.ratio:.3f} x the default's mean ({best.ratio_low:.3f} to {best.ratio_high:.3f})"
          if index else "the default stays"))
     gain = {"ratio": best.ratio, "low": best.ratio_low, "high": best.ratio_high}
-    return {"solver": space.solver, "space": space.size, "configurations": len(configurations), "chosen": chosen,
-            "shift_s": short(shift), "gain": {key: short(value) for key, value in gain.items()} if index else None,
-            "measured_s": short(_spent(campaign, keys)),
+    return {"solver": space.solver, "rows": rows, "space": space.size, "configurations": len(configurations),
+            "chosen": chosen, "shift_s": short(shift),
+            "gain": {key: short(value) for key, value in gain.items()} if index else None,
             "tried": [{"settings": configuration, **{key: short(value) for key, value in asdict(outcome).items()}}
                       for configuration, outcome in zip(configurations, outcomes)]}
 

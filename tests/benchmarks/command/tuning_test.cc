@@ -79,9 +79,9 @@ class TunedSettings : public CommandTest {
 };
 
 TEST_F(TunedSettings, RunBesideTheDefaults) {
-  Write("tuned.json", R"({"schema": "lcpbench-tuned/1", "budget": 5, "solvers": [
-    {"solver": "pgs", "chosen": {"relaxation": "1.3", "sweep": "forward"}},
-    {"solver": "dantzig", "chosen": {}}, {"solver": "lemke", "chosen": {"block_start": "yes"}}]})");
+  Write("tuned.json", R"({"schema": "lcpbench-tuned/2", "budget": 5, "solvers": [
+    {"solver": "pgs", "rows": 9, "chosen": {"relaxation": "1.3", "sweep": "forward"}},
+    {"solver": "dantzig", "rows": 9, "chosen": {}}, {"solver": "lemke", "rows": 9, "chosen": {"block_start": "yes"}}]})");
   Succeed(Campaign("c", "--solvers dantzig,pgs,bpp --tuned " + Path("tuned.json")));
   // None for a solver whose default stays, and for one that the campaign has not.
   const auto solvers = SolversOf("c");
@@ -89,7 +89,7 @@ TEST_F(TunedSettings, RunBesideTheDefaults) {
   const auto& tuned = solvers.at("pgs-tuned");
   EXPECT_EQ(tuned["setting"], "variant");
   EXPECT_EQ(tuned["base"], "pgs");
-  EXPECT_EQ(tuned["settings"], (Json{{"relaxation", "1.3"}, {"sweep", "forward"}}));
+  EXPECT_EQ(tuned["settings"], (Json{{"9 rows", "relaxation=1.3,sweep=forward"}}));
   const auto campaign = ReadJson(folder_ / "c" / "campaign.json");
   EXPECT_EQ(campaign["tuning"]["file"], "tuned.json");
   EXPECT_EQ(campaign["tuning"]["sha256"].get<std::string>().size(), 64U);
@@ -106,6 +106,40 @@ TEST_F(TunedSettings, RunBesideTheDefaults) {
   Succeed(Campaign("d", "--solvers dantzig,pgs"));
   EXPECT_EQ(SolversOf("d").size(), 2U);
   EXPECT_FALSE(ReadJson(folder_ / "d" / "campaign.json").contains("tuning"));
+}
+
+// The numbers of sweeps tell which ones ran.
+TEST_F(TunedSettings, AreThoseOfTheNearestSize) {
+  Write("tuned.json", R"({"schema": "lcpbench-tuned/2", "budget": 5, "solvers": [
+    {"solver": "pgs", "rows": 10, "chosen": {"relaxation": "1.3", "sweep": "forward"}},
+    {"solver": "pgs", "rows": 100, "chosen": {}},
+    {"solver": "pgs", "rows": 1000, "chosen": {"relaxation": "1.2"}}]})");
+  // Who names it needs no base for it.
+  Succeed(std::string("run --suite ") + kManifest + " --filter rockers --tiers 1e-6 --launches 1 -o " + Path("c") +
+          " --solvers pgs-tuned,small,default --variant small=pgs,relaxation=1.3,sweep=forward --variant default=pgs " +
+          "--tuned " + Path("tuned.json"));
+  EXPECT_EQ(SolversOf("c").at("pgs-tuned")["settings"],
+            (Json{{"10 rows", "relaxation=1.3,sweep=forward"}, {"100 rows", ""}, {"1000 rows", "relaxation=1.2"}}));
+  std::map<std::string, std::map<std::string, int>> iterations;  // by problem and solver
+  for (const auto& cell : CellsOf(folder_ / "c")) iterations[cell["problem"]][cell["solver"]] = cell["iterations"];
+  ASSERT_EQ(iterations.size(), 2U);
+  for (auto& [problem, of] : iterations) {
+    const bool is_small = problem.find("-n8-") != std::string::npos;
+    EXPECT_NE(of.at("small"), of.at("default")) << problem;
+    EXPECT_EQ(of.at("pgs-tuned"), of.at(is_small ? "small" : "default")) << problem;
+  }
+}
+
+TEST(SolversBySize, RunWhatIsMeantForTheNearestNumberOfRows) {
+  RegisterSolverBySize("by-size", "pgs", {{10, "pgs"}, {100, "psor"}, {1000, "nncg"}});
+  const SolverEntry& entry = FindSolver("by-size");
+  for (const auto& [rows, key] :
+       {std::pair(1, "pgs"), std::pair(10, "pgs"), std::pair(31, "pgs"), std::pair(32, "psor"), std::pair(316, "psor"),
+        std::pair(317, "nncg"), std::pair(1'000'000, "nncg")}) {
+    EXPECT_EQ(KeyForRows(entry, rows), key) << rows;
+  }
+  EXPECT_EQ(KeyForRows(FindSolver("psor"), 10), "psor");
+  EXPECT_EQ(entry.base, "pgs");
 }
 
 TEST_F(TunedSettings, WhatIsNoTunedFileIsRefusedByOneLine) {
@@ -136,6 +170,7 @@ TEST_F(TunedSettings, TuneWritesWhatRunTakes) {
   const auto tuned = ReadJson(folder_ / "tuned.json");
   EXPECT_EQ(tuned["budget"], 2);
   EXPECT_EQ(tuned["problems"]["count"], 48);
+  EXPECT_EQ(tuned["solvers"][0]["rows"], 12);
   ASSERT_EQ(tuned["solvers"].size(), 1U);
   EXPECT_EQ(tuned["solvers"][0]["configurations"], 2);
   EXPECT_EQ(tuned["solvers"][0]["tried"][1]["settings"], (Json{{"block_start", "yes"}}));
