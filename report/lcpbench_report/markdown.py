@@ -44,11 +44,10 @@ def caption(inputs: Inputs, found: Headline) -> str:
 
 def short_caption(inputs: Inputs, found: Headline) -> str:
     """What outcomes() says, for the front page."""
-    portfolio = ("a portfolio of peers, as a careful user would build it: one code after the other until an answer passes its check"
-                 if found.rival == PORTFOLIO else "the peer that is fastest on each problem")
-    return (f"In each size class {shown_tables.key(found.own)} stands against {portfolio}, at tier {power(found.tier)}"
-            f"{_where(inputs)}. A time is from the caller's arrays to f, on a problem that the solver has not "
-            "seen before; an answer that is not verified counts as infinitely slow. Ratios have 95 % intervals, over launches and problems.")
+    portfolio = "a portfolio of peers (one code after the other until an answer passes its check) and " if found.rival == PORTFOLIO else ""
+    return (f"{shown_tables.key(found.own)} against {portfolio}the fastest peer of each problem, by size class, at tier {power(found.tier)}"
+            f"{_where(inputs)}. A time is from the caller's arrays to f, of a problem not seen before; an answer that "
+            "is not verified is infinitely slow. Intervals (95 %) are over launches and problems.")
 
 
 def _where(inputs: Inputs) -> str:

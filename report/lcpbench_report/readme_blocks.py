@@ -20,7 +20,7 @@ from .table import Table
 
 BLOCK = re.compile(r"<!-- numbers:([a-z-]+) -->(.*?)<!-- end -->", re.DOTALL)
 FIGURE = Path("report/reference/headline.svg")  # below the repository
-_ALT = "Median fresh time against the number of rows: own solvers, the best of each peer library, and the oracle"
+_ALT = "Median fresh time against rows: own solvers, the best of each peer library, the oracle"
 
 
 @dataclass(frozen=True)

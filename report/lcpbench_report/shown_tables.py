@@ -9,7 +9,7 @@ import pandas as pd
 
 from . import choice, decision, formats, solver_facts
 from .formats import DASH, power, residual, seconds, share_of, size_class, times
-from .headline_table import Entry, Headline, headline, verdicts
+from .headline_table import Entry, Headline, Rival, headline, verdicts
 from .inputs import PATHOLOGICAL, Inputs
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_ASKED, VERIFIED, within_rounding
 from .statistics.class_times import ALL, RATIO
@@ -80,11 +80,16 @@ def outcomes(found: Headline) -> Table | None:
     for words, classes_ in zip(("slower", "undecided", "faster"), verdicts(found)):
         if classes_:
             rows.append([words, ", ".join(size_class(row.size_class) for row in classes_),
-                         ", ".join(_time(row.entries[found.own]) for row in classes_),
-                         *(", ".join(_with_interval(*row.rivals[key].ratio) if key in row.rivals else DASH
-                                     for row in classes_) for key in shown)])
+                         ", ".join(seconds(row.entries[found.own].time_s) for row in classes_),
+                         *(", ".join(_short_ratio(row.rivals.get(key), key == found.rival) for row in classes_)
+                           for key in shown)])
     return _table(["ours is", "rows", f"median time of {key(found.own)}", *(f"ours / {_RIVALS[key]}" for key in shown)],
                   rows, "lll" + "l" * len(shown))
+
+
+def _short_ratio(rival: Rival | None, whole: bool) -> str:
+    """@param whole  with its interval"""
+    return DASH if rival is None else _with_interval(*rival.ratio) if whole else times(rival.ratio.median)
 
 
 def by_solver(found: Headline) -> Table:

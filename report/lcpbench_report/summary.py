@@ -9,7 +9,7 @@ from .statistics.load import ORIGINS
 from .statistics.rivals import DOMINATED, DOMINATES, FASTER, FASTEST, PORTFOLIO
 
 MOST_LINES = 12
-_NAMES = {PORTFOLIO: "the portfolio of peers", FASTEST: "the fastest peer of every single problem"}
+_NAMES = {PORTFOLIO: "the portfolio of peers", FASTEST: "the fastest peer of each problem"}
 # Rankings that correlate as much, by the lower end of the interval, are called the same, or alike.
 _SAME, _ALIKE = 0.95, 0.8
 
@@ -145,8 +145,9 @@ def losses(found: Headline) -> str:
         if told := [f"`{of.key}` at {_told(row, of.key, 'times its time')}" for row, of in front if of.relation == kind]:
             parts.append(f"to single peers {words} {formats.words(told)}")
     dominated = sum(of.relation == DOMINATED for _, of in front)
-    return (f"Of the {formats.plural(len(front), 'place')} on the fronts of single peers (no other is both faster and right on as "
-            f"much), ours is faster than {dominated}, and right at least as often. We lose {'; '.join(parts)}.")
+    start = ("On the fronts of single peers (no other is both faster and right on as much), ours is faster than "
+             f"{dominated} of {len(front)}, and right at least as often. " if front else "")
+    return f"{start}We lose {'; '.join(parts)}."
 
 
 def _rows(size_classes: list[str]) -> str:

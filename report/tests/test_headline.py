@@ -55,7 +55,7 @@ class Headline(SharedFolderCase):
             self.assertEqual((found.own, list(row.rivals)), ("auto", [NEXT, FASTEST]))
             self.assertAlmostEqual(row.rivals[NEXT].ratio.median, 1 / 0.6, delta=0.2)
             self.assertEqual(row.rivals[NEXT].relation, DOMINATES)
-        self.assertRegex(summary.peers(found), r"We lose to the fastest peer of every single problem at .*; to single peers that are "
+        self.assertRegex(summary.peers(found), r"We lose to the fastest peer of each problem at .*; to single peers that are "
                          r"faster and at least as often right `ode-lemke` at 7–12 rows \(1\.[567]")
 
         _, found = self.of(lambda record: slower(record, 4) if record["solver"] == NEXT and "-50-" not in record["problem"]
@@ -63,8 +63,8 @@ class Headline(SharedFolderCase):
         row = found.classes[COLUMN]
         self.assertGreater(row.rivals[FASTEST].ratio.low, 1)
         text = summary.peers(found)
-        self.assertRegex(text, r"^Against the fastest peer of every single problem we win at 7–12 rows")
-        self.assertRegex(text, r"We lose to the fastest peer of every single problem at 31–100 rows \(1\.[67]")
+        self.assertRegex(text, r"^Against the fastest peer of each problem we win at 7–12 rows")
+        self.assertRegex(text, r"We lose to the fastest peer of each problem at 31–100 rows \(1\.[67]")
         lost, won = shown_tables.outcomes(found).rows
         self.assertEqual((lost[:2], won[0]), (["slower", "31–100"], "faster"))
         self.assertRegex(lost[3], r"^1\.[67]")
@@ -91,7 +91,7 @@ class Headline(SharedFolderCase):
             self.assertIn(f" {column} |", text)
         self.assertIn("`peer-portfolio` (not on the front)", shown_tables.front(found).markdown())
         self.assertRegex(summary.peers(found), r"^Against the portfolio of peers we win at .*We lose to the portfolio of peers at no size; to the "
-                         r"fastest peer of every single problem at 7–12 rows")
+                         r"fastest peer of each problem at 7–12 rows")
 
     def test_at_equal_flags_there_is_a_row_per_instruction_set_and_else_nothing_is_said(self):
         with tempfile.TemporaryDirectory() as folder:
