@@ -200,7 +200,7 @@ def _report(options: argparse.Namespace) -> None:
           _word("--sizes", default="10,100,1000",
                 help="rows of the scenes, besides the smoke tier; settings are chosen at each of them [%(default)s]"),
           _word("--problem-seed", type=_whole(0), default=21, help="of the scenes [%(default)s]"),
-          _word("--passes", type=_whole(1), default=3, help="timed passes over every stream [%(default)s]"),
+          _word("--launches", type=_whole(1), default=3, help="timed launches of every configuration [%(default)s]"),
           _word("--cpu", type=_whole(0), help="the processor that solves are kept on"),
           _word("--resume", action="store_true", help="go on with the campaign that the folder has"),
           _file("--folder", default=Path("build/results/tuning"), help="of problems and campaign [%(default)s]"),
@@ -227,7 +227,7 @@ def _tune(options: argparse.Namespace) -> int:
             campaign.make_problems(command, options.data, options.folder, sizes, options.problem_seed)
         others = campaign.require_disjoint(manifest, options.data)
         print("no tuning problem is in " + ", ".join(others))
-        folder = campaign.run_campaign(command, manifest, options.folder, tried, options.passes, options.cpu,
+        folder = campaign.run_campaign(command, manifest, options.folder, tried, options.launches, options.cpu,
                                        options.resume)
     except subprocess.CalledProcessError as error:
         return error.returncode

@@ -175,7 +175,7 @@ class Mistakes(FolderCase):
             self.assertNotIn("\n", str(caught.exception))
 
     def test_of_the_command_line_are_one_line(self):
-        for words in (["--budget", "0"], ["--budget", "x"], ["--seed", "-1"], ["--problem-seed", "1.5"], ["--passes", "0"],
+        for words in (["--budget", "0"], ["--budget", "x"], ["--seed", "-1"], ["--problem-seed", "1.5"], ["--launches", "0"],
                       ["--cpu", "-1"], ["--sizes", "10,x"], ["--sizes", "\u00b2"], ["--sizes", "9" * 5000], ["--\x1b[31m", "1"], ["--space", str(self.folder / "none.json")]):
             self.assert_refused("tune", "--lcpbench", "/bin/true", "--folder", self.folder, *words)
 

@@ -69,13 +69,13 @@ def require_disjoint(manifest: Path, data: Path) -> list[str]:
 LIMIT_S = 0.5  # of a solve; the same for all, so that slow ones do not take the evening
 
 
-def run_campaign(command: Command, manifest: Path, folder: Path, tried: dict[str, list[Configuration]], passes: int,
+def run_campaign(command: Command, manifest: Path, folder: Path, tried: dict[str, list[Configuration]], launches: int,
                  cpu: int | None, resume: bool) -> Path:
     """@param tried  solver -> its configurations, the default first
     @returns the campaign's folder
     """
     campaign = folder / CAMPAIGN
-    arguments = ["run", "--suite", str(manifest), "--tiers", f"{TIER:g}", "--launches", str(passes),
+    arguments = ["run", "--suite", str(manifest), "--tiers", f"{TIER:g}", "--launches", str(launches),
                  "--time-limit", f"{LIMIT_S:g}", "-o", str(campaign)]
     arguments += ["--solvers", ",".join(key for solver, all_ in tried.items() for key in keys_of(solver, len(all_)))]
     for solver, configurations in tried.items():
