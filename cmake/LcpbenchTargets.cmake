@@ -16,7 +16,7 @@ target_compile_options(lcpbench_reproducible INTERFACE -ffp-contract=off
 
 add_library(lcpbench_fast INTERFACE)
 if(LCPBENCH_NATIVE)
-  target_compile_options(lcpbench_fast INTERFACE -march=native
+  target_compile_options(lcpbench_fast INTERFACE -march=${LCPBENCH_MARCH}
     # GCC 12's own AVX-512 intrinsics trip this warning (GCC bug 105593); builds without native flags keep it.
     $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 endif()

@@ -218,9 +218,13 @@ class Campaign {
   // Again where the machine disturbed it; of several runs the one that was disturbed least, whatever came out.
   TimedRun RunUndisturbed(const TimedRequest& request) {
     TimedRun best;
+    std::string retried;
     double least = std::numeric_limits<double>::infinity();
     for (int run = 0; run <= plan_.noise.most_reruns; ++run) {
       TimedReply reply = worker_->Run(request);
+      // Who killed a worker is told, whichever run counts.
+      reply.retried = retried += (retried.empty() || reply.retried.empty() ? "" : "; ") + reply.retried;
+      best.reply.retried = retried;
       if (reply.outcome != "completed" && request.pass.order.size() > 1) return {RunOneByOne(request, reply)};
       if (!reply.disturbance) return {std::move(reply)};
       const double fast_s = std::min(journal_.FastProbe(), reply.disturbance->probe_s);
