@@ -77,16 +77,24 @@ class KeptCampaign : public CommandTest {
   }
   // Kills so many workers, one after the other, each once `is_time`: those of the campaign, or those of its worker that
   // have the solver.
+  // @param new_ones  only of processes of the solver that began afterwards: one that has judged waits for its end
   void RunWithKills(const std::string& arguments, int kills, bool of_the_solver,
-                    const std::function<bool(int killed)>& is_time) const {
+                    const std::function<bool(int killed)>& is_time, bool new_ones = false) const {
     const pid_t campaign = Start(arguments);
     int status = 0;
+    pid_t before = 0;
     std::vector<pid_t> killed;
     while (!HasEnded(campaign, &status)) {
       const int count = static_cast<int>(killed.size());
-      if (count == kills || !is_time(count)) continue;
+      if (count == kills) continue;
       const pid_t worker = of_the_solver ? ChildOf(ChildOf(campaign)) : ChildOf(campaign);
-      if (worker == 0 || (!killed.empty() && killed.back() == worker)) continue;
+      if (!is_time(count)) {
+        if (worker != 0) before = worker;
+        continue;
+      }
+      if (worker == 0 || (of_the_solver && new_ones && worker == before) ||
+          (!killed.empty() && killed.back() == worker))
+        continue;
       kill(worker, SIGKILL);
       killed.push_back(worker);
     }
@@ -201,8 +209,9 @@ TEST_F(KeptCampaign, AWorkerThatSomethingElseKillsIsGivenASecondTry) {
 TEST_F(KeptCampaign, AWorkerThatSomethingElseKillsInATimedPassIsGivenASecondTry) {
   for (const bool of_the_solver : {false, true}) {
     const std::string folder = of_the_solver ? "s" : "w";
-    RunWithKills(Campaign(folder, "", "slow"), 1, of_the_solver,
-                 [&](int) { return !ReadFile(folder_ / folder / "streams.jsonl").empty(); });
+    RunWithKills(
+        Campaign(folder, "", "slow"), 1, of_the_solver,
+        [&](int) { return !ReadFile(folder_ / folder / "streams.jsonl").empty(); }, /*new_ones=*/true);
     const Json line = JsonLines(folder_ / folder / "streams.jsonl").at(1);
     EXPECT_EQ(line["kind"], "fresh");
     EXPECT_EQ(line["outcome"], "completed") << line.dump();
