@@ -17,6 +17,7 @@ from .errors import ReportError
 from .headline_table import Headline
 from .inputs import Inputs
 from .table import Table
+from .statistics.rivals import PORTFOLIO
 
 BLOCK = re.compile(r"<!-- numbers:([a-z-]+) -->(.*?)<!-- end -->", re.DOTALL)
 FIGURE = Path("report/reference/headline.svg")  # below the repository
@@ -137,7 +138,8 @@ BLOCKS: dict[str, Callable[[Page], str]] = {
     "manifests": lambda page: formats.words([f"`{of['name']}` {of['version']}" for of in page.info.get("manifests", [])]),
     "tuning": _tuning,
     "own-keys": lambda page: _keys(of["key"] for of in _solvers(page, "own")),
-    "peer-projects": lambda page: formats.words(list(dict.fromkeys(of["library"] for of in peers.facts()["peers"]))),
+    "peer-projects": lambda page: formats.words(list(dict.fromkeys(of["library"] for of in peers.facts()["peers"]
+                                                               if of["key"] != PORTFOLIO))),
     "scene-keys": lambda page: _keys(sorted({about["family"] for about in page.inputs.problems.values()
                                                 if about["origin"] in ("placed", "motion")})),
     "own-solvers": lambda page: _solver_table(page, "own"),
