@@ -161,7 +161,7 @@ def _judging(inputs: Inputs) -> _Lines:
                                 for origin in ORIGINS if weights.get(origin, 0) > 0])
         yield ("Weights", f"Of the k problems of one base, which differ in one number or are steps of one motion, each weighs "
                f"1/k in medians, shares and intervals: {variants} of {len(problems)} problems share a base. Within a size "
-               "class the origins that are there weigh the same, however many problems each has. Of the counted weight have: "
+               "class own scenes and engines weigh the same, however many problems each has (in campaigns before November 2026 every origin did). Of the counted weight have: "
                f"{shares}. {filled} problems fill up size classes, by the recipes of the collection with further seeds. Intervals draw launches, and in own scenes and engines families, and bases within them.")
     if found := [entry["key"] for entry in inputs.solvers if entry.get("ablation")]:
         yield ("Ablation", f"{formats.plural(len(found), 'key')} stand in the ablation table only, in no other figure: our "

@@ -16,8 +16,8 @@ from . import formats, markdown, peers, shown_tables, summary
 from .errors import ReportError
 from .headline_table import Headline
 from .inputs import Inputs
-from .table import Table
 from .statistics.rivals import PORTFOLIO
+from .table import Table
 
 BLOCK = re.compile(r"<!-- numbers:([a-z-]+) -->(.*?)<!-- end -->", re.DOTALL)
 FIGURE = Path("report/reference/headline.svg")  # below the repository
