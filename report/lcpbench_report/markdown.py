@@ -35,7 +35,7 @@ def caption(inputs: Inputs, found: Headline) -> str:
             "solver's own check are inside. The solver object has solved other problems before, but never this one. Peers "
             "are timed in the same way, each in a process of its own; a launch is a new process. The time of a class is the "
             "median over its problems, whose times are medians over launches; each of k variants of one base has weight 1/k, "
-            "own scenes and engines weigh the same, and an answer that is not verified counts as infinitely slow. "
+            "origins of problems are balanced, and an answer that is not verified counts as infinitely slow. "
             "*Problems*: how many, and in parentheses how many their weights are worth. *Peers*: solvers and settings of other "
             "projects that had a turn. *Right*: share verified. **Bold**: no other solver is both faster and right on as much. "
             "Ratios are our time over theirs, problem by problem where theirs is right, with 95 % intervals by bootstrap over "
