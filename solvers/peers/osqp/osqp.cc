@@ -69,6 +69,7 @@ class Osqp : public QpPeer {
     if (options.time_limit_s < std::numeric_limits<double>::infinity()) {
       settings.time_limit = std::max(kLeastTime, deadline.Remaining());
     }
+    if (polishing_) SilenceLibrary();  // it tells what came of each polishing
     std::unique_ptr<OSQPSolver, Cleanup> solver;
     OSQPInt error = 0;
     TimeLibraryCall(options, result, [&] {
