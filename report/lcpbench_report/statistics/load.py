@@ -100,6 +100,9 @@ class Campaign:
     def time_limit(self, rows):
         """The limit of one solve of a problem with so many rows, or of an array of them [s]."""
         limits = self.info["limits"]
+        if "launches" in self.info:  # of its size class, by the most rows of that
+            most = np.array([one["most"] or np.inf for one in self.info["size_classes"]])
+            rows = most[np.searchsorted(most, rows)]
         return np.minimum(np.maximum(limits["time_per_row_s"] * rows, limits["least_s"]), limits["most_s"])
 
 
