@@ -63,7 +63,7 @@ help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
 	@echo "make test     install what is missing, build, run all tests"
 	@echo "make build    install what is missing, configure and build"
-	@echo "make core       the campaign behind the published numbers, on two processors (RUN_OPTIONS=--again=FOLDER compares)"
+	@echo "make core       the campaign behind the published numbers, on two processors (AGAIN=FOLDER compares with that one)"
 	@echo "make ablation   what our own checks, checks for peers, and instruction sets are worth: a build and a campaign (20 minutes)"
 	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
 	@echo "make record-engines   let physics engines step scenes of their own, and record them in data/recordings (RECORDINGS=box2d-)"
@@ -147,11 +147,13 @@ ablation: command $(BASELINE)
 
 # The campaign behind the numbers in README.md and docs/, every other size class on each of two processors.
 core: command $(BASELINE) $(V3)
-	@for k in 1 2; do \
+	@started=; for k in 1 2; do \
 	  $(BUILD)/lcpbench run $(CORE) $(RUN_OPTIONS) --shard $$k/2 --cpu $$((k - 1)) --resume --output $(CORE_RESULTS)-$$k & \
-	done; wait
+	  started="$$started $$!"; \
+	done; failed=0; for one in $$started; do wait $$one || failed=1; done; exit $$failed
 	@rm -rf $(CORE_RESULTS)
 	@$(BUILD)/lcpbench merge $(CORE_RESULTS)-1 $(CORE_RESULTS)-2 --output $(CORE_RESULTS)
+	@$(if $(AGAIN),$(BUILD)/lcpbench moved $(AGAIN) $(CORE_RESULTS))
 
 calibrate: command
 	@$(BUILD)/lcpbench run --resume $(CALIBRATION) --output $(CALIBRATION_RESULTS)

@@ -79,7 +79,7 @@ def weights(problems):
 
 
 def motion_share(problems):
-    """Of the problems' weight, the part of steps of motions."""
+    """The share of the problems' weight that steps of motions have."""
     of_motions = [w for problem, w in zip(problems, weights(problems)) if problem["origin"] == "motion"]
     return sum(of_motions) / sum(weights(problems))
 

@@ -25,7 +25,7 @@ from lcpbench_report.files import write_text  # noqa: E402
 
 # What a command needs is imported when it is run: pandas alone takes a second.
 
-# Of output, not of a mistake.
+# Errors that mean lost output, not a mistake.
 _LOST = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}
 _ROOT = Path(__file__).resolve().parents[1]
 _COMMANDS: dict[str, tuple[Callable[[argparse.Namespace], int | None], tuple]] = {}

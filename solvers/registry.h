@@ -40,7 +40,7 @@ struct SolverEntry {
   std::string licence = "Apache-2.0";        ///< SPDX expression: of our code, or of the peer's library
   std::string base = {};                     ///< of a variant (RegisterSolverVariant): the key it is another setting of
   Settings settings = {};                    ///< of a variant: what it adds to what `make` is given
-  /// Of a solver whose settings depend on the number of rows (RegisterSolverBySize): the keys that run in its place, by
+  /// Where settings depend on the number of rows (RegisterSolverBySize): the keys that run in the place of this one, by
   /// the rows that each is meant for.
   std::map<Index, std::string> by_rows = {};
   /// What limits its size (SizeLimitOf).

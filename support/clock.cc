@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <limits>
 
 #if defined(__x86_64__)
 #include <cpuid.h>
@@ -51,17 +52,38 @@ struct Rate {
   std::uint64_t empty = 0;  // ticks
 };
 
+struct Moment {
+  std::uint64_t ns = 0;
+  std::uint64_t ticks = 0;
+};
+
+// Clock and counter at one time: of some reads those between which least passed, so that an interruption of the thread
+// does not count.
+Moment Now() {
+  constexpr int kReads = 10;
+  Moment now;
+  std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+  for (int k = 0; k < kReads; ++k) {
+    const std::uint64_t before = SteadyNanoseconds();
+    const std::uint64_t ticks = Counter();
+    const std::uint64_t passed = SteadyNanoseconds() - before;
+    if (passed >= least) continue;
+    least = passed;
+    now = {before + passed / 2, ticks};
+  }
+  return now;
+}
+
 std::uint64_t Ticks(const Rate& rate) { return rate.by_counter ? Counter() : SteadyNanoseconds(); }
 
 Rate MeasuredRate() {
   Rate rate;
   if (rate.by_counter) {
     constexpr std::uint64_t kCalibration = 20'000'000;  // ns
-    const std::uint64_t clock = SteadyNanoseconds();
-    const std::uint64_t ticks = Counter();
-    std::uint64_t passed = 0;
-    while (passed < kCalibration) passed = SteadyNanoseconds() - clock;
-    rate.tick_s = 1e-9 * static_cast<double>(passed) / static_cast<double>(Counter() - ticks);
+    const Moment first = Now();
+    Moment last = first;
+    while (last.ns - first.ns < kCalibration) last = Now();
+    rate.tick_s = 1e-9 * static_cast<double>(last.ns - first.ns) / static_cast<double>(last.ticks - first.ticks);
   }
   std::array<std::uint64_t, 1001> empty{};
   for (std::uint64_t& ticks : empty) {
@@ -90,8 +112,9 @@ void Stopwatch::Start() { start_ = Ticks(TheRate()); }
 
 double Stopwatch::Seconds() const {
   const Rate& rate = TheRate();
-  const std::uint64_t ticks = Ticks(rate) - start_;
-  return rate.tick_s * static_cast<double>(std::max(ticks, rate.empty + 1) - rate.empty);
+  // Signed: the counters of two processors may differ, and the thread may have moved.
+  const auto ticks = static_cast<std::int64_t>(Ticks(rate) - start_) - static_cast<std::int64_t>(rate.empty);
+  return rate.tick_s * static_cast<double>(std::max<std::int64_t>(ticks, 1));
 }
 
 }  // namespace lcpbench

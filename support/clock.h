@@ -16,7 +16,7 @@ class Stopwatch {
   Stopwatch();
   /// An interval begins.
   void Start();
-  /// Of the interval since Start, at least the resolution of the clock [s].
+  /// How long the interval since Start is, at least the resolution of the clock [s].
   double Seconds() const;
 
  private:

@@ -157,7 +157,8 @@ class Campaign {
     return request;
   }
 
-  // The time of a solver that is right on Launches::right of a class's weight, or of any, decides who else is near.
+  // Near are those within Launches::within times the least median of those that verify Launches::right of the class's
+  // weight, or of all where nobody does. Where nobody solves half of a class at a tier, nobody is near there.
   std::vector<Task> NearTasks() const {
     struct Standing {
       double median_s;
@@ -191,7 +192,8 @@ class Campaign {
         if (standing.right || !any_right) best = std::min(best, standing.median_s);
       }
       for (const auto& [solver, standing] : solvers) {
-        if (standing.median_s <= plan_.launches.within * best) near.emplace(std::get<0>(of), solver);
+        const bool is_near = std::isfinite(best) && standing.median_s <= plan_.launches.within * best;
+        if (is_near) near.emplace(std::get<0>(of), solver);
       }
     }
     std::vector<Task> tasks = tasks_;
@@ -216,16 +218,17 @@ class Campaign {
   }
 
   // Again where the machine disturbed it; of several runs the one that was disturbed least, whatever came out.
-  TimedRun RunUndisturbed(const TimedRequest& request) {
+  TimedRun RunUndisturbed(TimedRequest request) {
     TimedRun best;
     std::string retried;
     double least = std::numeric_limits<double>::infinity();
     for (int run = 0; run <= plan_.noise.most_reruns; ++run) {
+      request.run = run;
       TimedReply reply = worker_->Run(request);
       // Who killed a worker is told, whichever run counts.
-      reply.retried = retried += (retried.empty() || reply.retried.empty() ? "" : "; ") + reply.retried;
-      best.reply.retried = retried;
-      if (reply.outcome != "completed" && request.pass.order.size() > 1) return {RunOneByOne(request, reply)};
+      if (!reply.retried.empty()) retried += (retried.empty() ? "" : "; ") + reply.retried;
+      reply.retried = retried;
+      if (reply.outcome != "completed") return {RunOneByOne(request, reply)};
       if (!reply.disturbance) return {std::move(reply)};
       const double fast_s = std::min(journal_.FastProbe(), reply.disturbance->probe_s);
       const double found = DisturbanceOf(plan_.noise, *reply.disturbance, fast_s);
@@ -238,6 +241,7 @@ class Campaign {
       if (!best.disturbed) break;
     }
     if (best.disturbed) ++disturbed_;
+    best.reply.retried = retried;
     return best;
   }
 

@@ -148,7 +148,14 @@ void RequireValid(const CampaignPlan& plan) {
           "a rule for noise that some cells pass");
   require(plan.rounds >= 1 && plan.launches.others >= 1 && plan.launches.near >= plan.launches.others, "launches >= 1");
   require(plan.most_rows >= 0, "rows >= 0");
-  for (const auto& [size_class, most] : plan.most_of_side) require(most >= 1, "problems of a side >= 1");
+  require(
+      plan.launches.within >= 1 && plan.launches.right > 0 && plan.launches.right <= 1 && plan.launches.settle_s >= 0,
+      "launches within a factor >= 1, a share right in (0, 1], a time to settle >= 0 s");
+  for (const auto& [key, most] : plan.most_of_side) {
+    const bool is_class =
+        std::any_of(kSizeClasses.begin(), kSizeClasses.end(), [&](const auto& of) { return of.key == key; });
+    require(is_class && most >= 1, "a size class and problems of a side >= 1");
+  }
   const SolveLimits& limits = plan.limits;
   require(limits.time_per_row_s >= 0 && limits.least_s > 0 && limits.most_s >= limits.least_s,
           "time limits > 0 s, in order");
@@ -216,7 +223,6 @@ std::vector<Task> PlanTasks(const CampaignPlan& plan, const std::vector<PlannedP
       task.begin = begin;
       task.end = end;
       task.first = begin - first_of_class;
-      task.is_stream = size_class->stream > 0;
       AddByTier(std::move(task), plan, &tasks);
     }
     begin = end;

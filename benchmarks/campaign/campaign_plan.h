@@ -49,9 +49,9 @@ struct SolveLimits {
 /// differs within one, so the launches carry the intervals.
 struct Launches {
   int near = 10;        ///< of every solver within `within` times of the best of the class; by turns over the campaign
-  int others = 2;       ///< of the others
+  int others = 2;       ///< launches of all other solvers
   double within = 3;    ///< median times, failures infinite, after `others` launches, at any tier
-  double right = 0.99;  ///< share of the weight that who is called the best must verify, where anyone does
+  double right = 0.99;  ///< share of the weight that a solver must verify to count as the best, where one does
   double settle_s = 0.05;  ///< how long a launch may warm up until its times settle [s]
   bool parts = true;       ///< one more launch times parts, and the same matrix with another b
 };
@@ -115,10 +115,9 @@ struct Task {
   std::vector<double> judged;  ///< tiers, loosest first
   std::string excluded;        ///< the rule by which none of it is run; "" for none
   // A task on problems:
-  std::size_t begin = 0;   ///< of PlanProblems
-  std::size_t end = 0;     ///< after the last
-  std::size_t first = 0;   ///< of its size class, the place of `begin`
-  bool is_stream = false;  ///< its class is timed as a stream
+  std::size_t begin = 0;  ///< of PlanProblems
+  std::size_t end = 0;    ///< after the last
+  std::size_t first = 0;  ///< of its size class, the place of `begin`
   // A task on a sequence:
   const SequenceEntry* sequence = nullptr;  ///< null: problems
   std::size_t manifest = 0;                 ///< that has it: index into the plan's

@@ -132,7 +132,11 @@ void Journal::RequireNew(const nlohmann::json& line) const {
     throw InputError("a second line of " + key.solver + " on " + key.about + " at " + key.tier +
                      (is_sequence ? ", " + key.mode + ", round " : ", " + kind + ", pass ") + std::to_string(pass));
   }
-  if (kind != kJudge || !line.at("excluded").get<std::string>().empty()) return;
+  if (is_sequence || !line.at("excluded").get<std::string>().empty()) return;
+  if (kind == KindKey(PassKind::kFresh) && line.at("fresh_s").size() != planned->second) {
+    throw InputError(std::to_string(line["fresh_s"].size()) + " times");
+  }
+  if (kind != kJudge) return;
   const auto attempted = line.at("attempted").get<std::size_t>();
   if (attempted > planned->second) throw InputError("attempted " + line.at("attempted").dump());
   for (const nlohmann::json& exception : line.at("exceptions")) {

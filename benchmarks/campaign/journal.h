@@ -67,7 +67,7 @@ class Journal {
     std::set<std::size_t> unverified;   ///< of those that were attempted
     std::set<std::size_t> changed;      ///< not verified in one of the first launches (Launches::others)
     std::set<std::size_t> out_of_time;  ///< stopped, or killed, at the time limit; of a sequence 0 where that ended it
-    std::vector<double> quickest_s;     ///< of the same, by place; infinite without a time
+    std::vector<double> quickest_s;     ///< the least time of each place in the first launches; infinite without one
     bool completed = false;             ///< of a sequence
   };
   /// Null where the task was not judged, or is excluded.

@@ -45,7 +45,9 @@ struct JudgeRequest {
 struct TimedRequest {
   std::vector<ProblemName> stream;
   std::string solver;
-  int launch = 0;              ///< another solver, stream or launch than the request before has a process of its own
+  // Another solver, stream, launch or run than that of the request before has a process of its own.
+  int launch = 0;
+  int run = 0;                 ///< how often the launch was run again
   PassRequest pass;            ///< its other_b are made by the worker: AnotherB with `other_b_seed`
   std::vector<double> judged;  ///< tiers that the answers are judged at
   std::uint64_t other_b_seed = 1;
@@ -97,7 +99,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProblemName, manifest, id)
 // Without other_b, which the worker makes.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PassRequest, kind, tolerance, time_limit_s, warm_up, settle_s, order)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(JudgeRequest, problem, solver, tier, judged, time_limit_s)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TimedRequest, stream, solver, launch, pass, judged, other_b_seed)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TimedRequest, stream, solver, launch, run, pass, judged, other_b_seed)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SequenceRequest, file, sha256, solver, tier, judged, warm, deadline_s, limits,
                                    budget_s)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(JudgeReply, outcome, detail, retried, records)

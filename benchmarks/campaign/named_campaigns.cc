@@ -21,14 +21,15 @@ constexpr const char* kQuickProblems =
     "^steps/((disc-track|gear-train|boxes-and-discs)-n12|disc-pile-n40)-s1-motion/"
     "(?!ipopt|siconos|petsc|tao|cgal|clp|alglib|simbody|drake|pinocchio|[a-z]+-(dual|primal))";
 
-// Of every method that someone would choose the better of its settings.
+// The better of the default and the tuned settings of each method, without methods that nobody would choose.
 constexpr const char* kCoreSolvers =
     "auto dantzig lemke lemke-tuned semismooth-newton bpp active-set pgs psor nncg apgd ipopt-qp ipopt-ncp ipm "
-    "hybrid bullet-dantzig bullet-dantzig-cfm bullet-dantzig-native bullet-si ode-dantzig ode-dantzig-cfm ode- "
-    "dantzig-native dart-dantzig-cfm peer-portfolio siconos-lexicolemke siconos-newton-fb-tuned siconos-pgs-tuned "
-    "siconos-nsgs-sbm petsc-rsls-tuned petsc-ssls-direct tao-tron-tuned tao-bntr-tuned clp-default mujoco-newton "
-    "alglib-quickqp alglib-bleic proxqp-primal piqp-dual daqp-primal osqp-dual-tuned clarabel-dual highs-dual- "
-    "tuned qpoases-dual-tuned qpalm-primal quadprog-primal pinocchio-pgs dart-pgs daqp-avi";
+    "hybrid bullet-dantzig bullet-dantzig-cfm bullet-dantzig-native bullet-si ode-dantzig ode-dantzig-cfm "
+    "ode-dantzig-native dart-dantzig-cfm peer-portfolio siconos-lexicolemke siconos-newton-fb-tuned "
+    "siconos-pgs-tuned siconos-nsgs-sbm petsc-rsls-tuned petsc-ssls-direct tao-tron-tuned tao-bntr-tuned "
+    "clp-default mujoco-newton alglib-quickqp alglib-bleic proxqp-primal piqp-dual daqp-primal osqp-dual-tuned "
+    "clarabel-dual highs-dual-tuned qpoases-dual-tuned qpalm-primal quadprog-primal pinocchio-pgs dart-pgs "
+    "daqp-avi";
 
 // Some hundred times what `auto` takes: 50 ms to 100 rows, 60 ms to 300, 0.2 s to 1000, 1 s to 10^4.
 constexpr SolveLimits kCoreLimits = {.time_per_row_s = 2e-4, .most_s = 1};
@@ -52,8 +53,7 @@ const std::vector<CampaignPlan>& NamedCampaigns() {
        .limits = {.most_s = 0.2}},
       // The numbers in README.md and docs/, and comparisons between commits: every class to 10^4 rows, with all
       // problems of the collection and all that fill up its streams, of every origin; of large ones a fair few.
-      // --external and
-      // --variant add solvers.
+      // --external and --variant add solvers.
       {.name = "core",
        .manifests = {"engine", "standard", "recorded", "literature"},
        .solvers = Words(kCoreSolvers),

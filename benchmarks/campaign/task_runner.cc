@@ -76,7 +76,8 @@ JudgeReply TaskRunner::Run(const JudgeRequest& request, const BeginPhase& begin)
 }
 
 ExternalSolver& TaskRunner::ProcessOf(const TimedRequest& request) {
-  const std::string launch = request.solver + "\n" + std::to_string(request.launch) + "\n" + stream_;
+  const std::string launch =
+      request.solver + "\n" + std::to_string(request.launch) + "\n" + std::to_string(request.run) + "\n" + stream_;
   const SolverEntry& entry = FindSolver(request.solver);
   if (timed_ == nullptr || launch_ != launch) {
     pool_.Clear();
@@ -98,13 +99,6 @@ ExternalSolver& TaskRunner::ProcessOf(const TimedRequest& request) {
   return dynamic_cast<ExternalSolver&>(*timed_);
 }
 
-// What a pass may take: every solve its limit, and some more for what surrounds it.
-double TaskRunner::LimitOf(const PassRequest& pass) {
-  constexpr double kGrace = 5;  // s
-  const auto solves = static_cast<double>(pass.order.size() + 2 * pass.warm_up.size());
-  return kGrace + 2 * solves * pass.time_limit_s + pass.settle_s;
-}
-
 TimedReply TaskRunner::Run(const TimedRequest& request, const BeginPhase& begin) {
   std::string names;
   for (const ProblemName& name : request.stream) names += name.id + "\n";
@@ -122,7 +116,7 @@ TimedReply TaskRunner::Run(const TimedRequest& request, const BeginPhase& begin)
 
   TimedReply reply;
   PassReply pass;
-  const double limit_s = LimitOf(request.pass);
+  const double limit_s = PassLimit(request.pass);
   try {
     ExternalSolver& solver = ProcessOf(request);
     begin(kJudgingLimit + limit_s, "in a timed pass");

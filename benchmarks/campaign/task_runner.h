@@ -36,7 +36,6 @@ class TaskRunner {
   };
   const Problem& Get(const ProblemName& name);
   ExternalSolver& ProcessOf(const TimedRequest& request);
-  static double LimitOf(const PassRequest& pass);
 
   std::map<std::string, std::unique_ptr<ProblemSet>> sets_;
   std::map<std::string, Problem> problems_;  // by id
@@ -45,7 +44,7 @@ class TaskRunner {
   // The stream that arrays_ hold, by its names joined.
   std::string stream_;
   std::vector<ProblemArrays> arrays_;
-  // The process that times passes, and the solver, launch and stream that it is of.
+  // The process that times passes, and what it was started for: solver, launch, run and stream.
   std::string launch_;
   std::unique_ptr<LcpSolver> timed_;
 };

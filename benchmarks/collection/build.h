@@ -25,8 +25,8 @@ inline constexpr const char* kMotionProblems = "problems/motion.jsonl.gz";
 /// rows. Of each other recording kRecordedSteps steps spread evenly over it give the whole scene at the velocity level,
 /// its largest island where that is not the whole, and the whole scene at the acceleration level where there is one;
 /// with the same rules as motions for what is refused, and no two with the same content.
-/// Of each size class up to kMostIslandRows rows kIslandsOfClass islands of all their steps are taken besides:
-/// recordings take turns, each with its islands in the order of ChooseIslands (recorded_islands.h).
+/// Each size class up to kMostIslandRows rows gets kIslandsOfClass islands from all steps as well: the recordings take
+/// turns, each with its islands in the order of ChooseIslands (recorded_islands.h).
 inline constexpr const char* kRecordings = "recordings";
 inline constexpr const char* kRecordedSequence = "-sequence.jsonl.gz";
 inline constexpr int kRecordedSteps = 8;

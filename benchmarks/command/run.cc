@@ -33,7 +33,8 @@ std::string CampaignNames() {
   return names;
 }
 
-// A campaign by name, or of a manifest: with a '/' or ending in .json.
+// A campaign by name, or of a manifest: with a '/' or ending in .json. It has solvers where the suite has a list of
+// them.
 CampaignPlan CampaignOf(const std::string& suite) {
   CampaignPlan plan;
   const auto named = std::find_if(NamedCampaigns().begin(), NamedCampaigns().end(),
@@ -46,11 +47,6 @@ CampaignPlan CampaignOf(const std::string& suite) {
     plan.manifests = {suite};
   } else {
     throw InputError("unknown suite '" + suite + "', expected one of " + CampaignNames() + ", or a manifest's path");
-  }
-  const bool has_its_own = !plan.solvers.empty();
-  for (const SolverEntry& entry : AllSolvers()) {
-    const bool is_named_here = entry.origin == SolverOrigin::kExternal || !entry.base.empty();
-    if (!has_its_own || is_named_here) plan.solvers.push_back(entry.key);
   }
   return plan;
 }
@@ -78,8 +74,11 @@ void AddTunedVariants(const std::string& path, bool adds, CampaignPlan* plan, st
     const std::string key = solver + "-tuned";
     const auto base = std::find(plan->solvers.begin(), plan->solvers.end(), solver);
     const bool is_named = std::find(plan->solvers.begin(), plan->solvers.end(), key) != plan->solvers.end();
-    const bool is_wanted = is_named || (adds && base != plan->solvers.end());
-    if (!FindSolver(solver).available || !is_wanted) continue;
+    if (!FindSolver(solver).available) {
+      std::erase(plan->solvers, key);
+      continue;
+    }
+    if (!is_named && !(adds && base != plan->solvers.end())) continue;
     std::vector<std::string> added;
     std::map<Index, std::string> by_rows;
     for (const auto& [rows, settings] : choices) {
@@ -172,14 +171,15 @@ struct RunCampaigns {
     const std::vector<std::string> of_the_suite = plan.solvers;
     plan.filter = Both(plan.filter, filter);
     for (const auto& change : changes) change(plan);
-    const bool has_its_own = plan.solvers == of_the_suite && plan.solvers.size() < AllSolvers().size();
+    const bool is_the_suites = !plan.solvers.empty() && plan.solvers == of_the_suite;
+    if (is_the_suites || plan.solvers.empty()) {
+      for (const SolverEntry& entry : AllSolvers()) {
+        const bool is_named_here = entry.origin == SolverOrigin::kExternal || !entry.base.empty();
+        if (!is_the_suites || is_named_here) plan.solvers.push_back(entry.key);
+      }
+    }
     if (tuned.empty() && !plan.tuning.file.empty()) tuned = DataFile(plan.tuning.file);
-    if (!tuned.empty()) AddTunedVariants(tuned, !has_its_own, &plan, &named.variants);
-    // A solver that is tuned in the suite need not be so any more.
-    const auto is_known = [](const std::string& key) {
-      return std::any_of(AllSolvers().begin(), AllSolvers().end(), [&](const auto& entry) { return entry.key == key; });
-    };
-    if (has_its_own) std::erase_if(plan.solvers, std::not_fn(is_known));
+    if (!tuned.empty()) AddTunedVariants(tuned, !is_the_suites, &plan, &named.variants);
     if (options.folder.empty()) options.folder = "build/results/" + plan.name;
     options.solver_arguments = named.Words();
     if (ablations) options.solver_arguments.emplace_back("--ablations");

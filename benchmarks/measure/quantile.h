@@ -19,8 +19,9 @@ inline double Quantile(std::vector<double> values, double q) {
   return values[below] + part * (values[below + 1] - values[below]);
 }
 
-/// Of one value or more, each with its weight, first: the least with at least `level` of the weight, in (0, 1], at or
-/// below it; where that is exactly `level`, the mean of it and the next one. [Same, definition 2, with weights]
+/// The weighted quantile of one value or more, each with its weight: the least value with at least `level` of the
+/// weight, in (0, 1], at or below it; where that is exactly `level`, the mean of it and the next one. [Same, definition
+/// 2, with weights]
 inline double WeightedQuantile(std::vector<std::pair<double, double>> values, double level) {
   constexpr double kEqual = 1e-9;  // sums of weights, relative
   std::sort(values.begin(), values.end());

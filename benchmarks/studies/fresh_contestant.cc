@@ -149,15 +149,13 @@ std::vector<bool> Judge(const Contestant& contestant, const FreshStream& stream,
 
 PassReply RunPass(const Contestant& contestant, const FreshStream& stream, const PassRequest& request) {
   if (contestant.make) return RunPass([&] { return contestant.make(stream, request); }, stream.arrays, request);
-  constexpr double kGrace = 60;  // s
   const std::unique_ptr<LcpSolver> solver = contestant.entry.make({});
   auto* const external = dynamic_cast<ExternalSolver*>(solver.get());
   if (external == nullptr) {
     throw std::logic_error("solver '" + contestant.entry.key + "' does not run in a process of its own");
   }
   external->LoadStream(stream.arrays);
-  const auto solves = static_cast<double>(request.order.size() + 2 * request.warm_up.size());
-  return external->RunPass(request, kGrace + 2 * solves * request.time_limit_s + request.settle_s);
+  return external->RunPass(request, PassLimit(request));
 }
 
 }  // namespace lcpbench

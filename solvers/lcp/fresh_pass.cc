@@ -69,6 +69,12 @@ void TimeParts(LcpSolver* solver, const ProblemArrays& arrays, const LcpOptions&
 
 }  // namespace
 
+double PassLimit(const PassRequest& request) {
+  constexpr double kGrace = 5;  // s
+  const auto solves = static_cast<double>(request.order.size() + 2 * request.warm_up.size());
+  return kGrace + 2 * solves * request.time_limit_s + request.settle_s;
+}
+
 PassReply RunPass(const SolverFactory& make, std::span<const ProblemArrays> problems, const PassRequest& request) {
   const std::unique_ptr<LcpSolver> solver = make();
   LcpOptions options;
@@ -79,6 +85,7 @@ PassReply RunPass(const SolverFactory& make, std::span<const ProblemArrays> prob
   LcpResult result;
   PassReply reply;
   reply.entries.resize(request.order.size());
+  for (std::size_t k = 0; k < request.order.size(); ++k) reply.entries[k].f.resize(problems[request.order[k]].rows);
   WarmUp(solver.get(), problems, request, options, &result);
 
   ReadAll(problems);

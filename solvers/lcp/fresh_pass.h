@@ -66,6 +66,9 @@ struct PassReply {
 /// Makes the solver object of a pass.
 using SolverFactory = std::function<std::unique_ptr<LcpSolver>()>;
 
+/// What a pass may take in all [s]: every solve twice its limit, and some more for what surrounds it.
+double PassLimit(const PassRequest& request);
+
 /// Runs one pass in this thread. The solver object is made for it, warmed up, and meets every problem once. The stream
 /// is read just before, as arrays that were just written: whatever ran earlier, it lies in the caches as far as these
 /// hold it. Every solve is timed by itself (Stopwatch).

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
-#include <type_traits>
 #include <utility>
 
 #include "solvers/lcp/residual.h"
@@ -44,21 +44,15 @@ LcpProblem Shifted(const LcpProblem& problem, double shift) {
   return LcpProblem::FromDense(problem.id(), std::move(A), problem.b(), problem.bounds(), problem.facts());
 }
 
-// @param given  a problem, or its arrays
-template <typename Given>
-void SolveTurn(const SolversInTurn::Turn& turn, const Given& given, const LcpOptions& options, LcpResult* result) {
-  constexpr bool kIsProblem = std::is_same_v<Given, LcpProblem>;
-  if (turn.shift > 0) {
-    const LcpProblem problem = [&] {
-      if constexpr (kIsProblem) return given;
-      if constexpr (!kIsProblem) return LcpProblem::FromArrays(given);
-    }();
-    turn.solver->Solve(Shifted(problem, turn.shift), options, result);
-  } else if constexpr (kIsProblem) {
-    turn.solver->Solve(given, options, result);
-  } else {
-    turn.solver->SolveArrays(given, options, result);
-  }
+void SolveTurn(const SolversInTurn::Turn& turn, const LcpProblem& problem, const LcpOptions& options,
+               LcpResult* result) {
+  turn.solver->Solve(turn.shift > 0 ? Shifted(problem, turn.shift) : problem, options, result);
+}
+
+void SolveTurn(const SolversInTurn::Turn& turn, const ProblemArrays& arrays, const LcpOptions& options,
+               LcpResult* result) {
+  if (turn.shift > 0) return SolveTurn(turn, LcpProblem::FromArrays(arrays), options, result);
+  turn.solver->SolveArrays(arrays, options, result);
 }
 
 // Seconds that may be unknown, which is negative.
@@ -111,20 +105,29 @@ bool SolversInTurn::Passes(const ProblemArrays& arrays, double tolerance, const 
 // @param given  a problem, or its arrays
 template <typename Given>
 void SolversInTurn::Ask(const Given& given, const LcpOptions& options, LcpResult* result) {
+  const Deadline deadline(options);
   SolveTurn(turns_.front(), given, options, result);
   LcpStatus last = result->status;
   if (last == LcpStatus::kUnsupported || last == LcpStatus::kInfeasible) return;
   double rho = 0;
-  bool passes = Passes(given, options.tolerance, result->f, &rho);
+  const auto judge = [&](const Eigen::VectorXd& f, double* of_f) {
+    *of_f = std::numeric_limits<double>::infinity();
+    return f.allFinite() && Passes(given, options.tolerance, f, of_f);
+  };
+  bool passes = judge(result->f, &rho);
   for (std::size_t turn = 1; turn < turns_.size() && !passes; ++turn) {
-    if (last == LcpStatus::kTimeLimit) break;
+    LcpOptions rest = options;
+    rest.time_limit_s = deadline.Remaining();
+    if (last == LcpStatus::kTimeLimit || rest.time_limit_s <= 0) break;
     LcpResult other;
-    SolveTurn(turns_[turn], given, options, &other);
+    SolveTurn(turns_[turn], given, rest, &other);
     last = other.status;
     if (last == LcpStatus::kUnsupported) continue;
+    // What a later solver, or one of another problem, says of solutions is not passed on.
+    if (last == LcpStatus::kInfeasible) other.status = LcpStatus::kNumericalFailure;
     double rho_of_other = 0;
-    passes = Passes(given, options.tolerance, other.f, &rho_of_other);
-    if (passes || rho_of_other < rho || std::isnan(rho)) {
+    passes = judge(other.f, &rho_of_other);
+    if (passes || rho_of_other < rho) {
       rho = rho_of_other;
       std::swap(*result, other);
     }

@@ -10,17 +10,17 @@
 
 namespace lcpbench {
 
-/// Asks solvers in turn, judges each answer by rho and backward error as our own solvers do, and answers with the first
-/// one that passes, else with that of the least rho. `kSolved` says that the answer passes. All of it is on the clock.
-/// A turn that ends at its time limit is the last. Where the first solver refuses the problem or claims that it has no
-/// solution, that is the answer.
+/// Asks solvers in turn, judges each answer by rho and backward error, in double, and answers with the first one that
+/// passes, else with that of the least rho. A turn has what is left of the time limit. `kSolved` says that the answer
+/// passes. All of it is on the clock. A turn that ends at its time limit is the last. Where the first solver refuses
+/// the problem or claims that it has no solution, that is the answer.
 class SolversInTurn : public LcpSolver {
  public:
   /// A solver and what it is asked.
   struct Turn {
     std::shared_ptr<LcpSolver> solver;  ///< may have several turns
     /// It is asked A + s I, s being `shift` times the largest diagonal entry of A. From factors that are n more columns
-    /// of J, so that the problem keeps its form; what bodies a row joins is not seen any more then. 0: the problem.
+    /// of J, so that the problem keeps its form; it no longer shows which bodies a row joins. 0: the problem.
     double shift = 0;
   };
   explicit SolversInTurn(std::vector<Turn> turns) : turns_(std::move(turns)) {}

@@ -222,6 +222,7 @@ PassReply ExternalSolver::RunPassByProblems(const PassRequest& request, double l
   LcpOptions options;
   options.tolerance = request.tolerance;
   options.time_limit_s = request.time_limit_s;
+  options.time_parts = request.kind == PassKind::kParts;
   const double start = SteadyNow();
   const auto solve = [&](const LcpProblem& problem) {
     if (SteadyNow() - start > limit_s) throw WorkerFailure(How::kTimeLimit, "a pass by single solves took too long");
@@ -231,7 +232,10 @@ PassReply ExternalSolver::RunPassByProblems(const PassRequest& request, double l
   PassReply reply;
   for (std::size_t k = 0; k < request.order.size(); ++k) {
     LcpProblem problem = LcpProblem::FromArrays(stream_[request.order[k]]);
-    if (request.kind == PassKind::kAgain) problem = problem.WithB(request.other_b[k]);
+    if (request.kind == PassKind::kAgain) {
+      if (hello_.version > 1) solve(problem);  // then the worker has the matrix
+      problem = problem.WithB(request.other_b[k]);
+    }
     const LcpResult result = solve(problem);
     PassEntry entry;
     entry.seconds = std::max(0.0, result.own_fresh_s);

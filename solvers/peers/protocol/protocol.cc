@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <concepts>
 #include <cstring>
 #include <stdexcept>
@@ -367,8 +368,12 @@ PassReply DecodePassReply(const Bytes& payload, const PassRequest& request, std:
   PassReply reply;
   reply.entries.resize(count);
   for (std::uint32_t k = 0; k < count; ++k) Fields(in, reply.entries[k], stream[request.order[k]].rows);
-  Fields(in, reply.disturbance.emplace());
+  const Disturbance& found = reply.disturbance.emplace();
+  Fields(in, *reply.disturbance);
   in.Finish();
+  const bool is_known =
+      std::isfinite(found.probe_s) && found.probe_s > 0 && found.cpu_share >= 0 && found.cpu_share <= 1;
+  if (!is_known) reply.disturbance.reset();
   return reply;
 }
 

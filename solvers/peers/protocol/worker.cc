@@ -24,8 +24,8 @@ namespace {
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
-// Of the heap that is touched before a stream is decoded: it holds the stream in one stretch, and what a solver takes
-// for it, so that a timed solve meets no page for the first time.
+// The heap is touched before a stream is decoded: it holds the stream in one stretch, and what a solver takes for it,
+// so that a timed solve meets no page for the first time. So many times the stream's size, and at least so much.
 constexpr std::size_t kHeapShare = 2;
 constexpr std::size_t kLeastHeap = std::size_t{32} << 20U;  // bytes
 

@@ -226,7 +226,7 @@ class Quadprog(Adapter):
                 solution = self.module.solve_qp(q.H, -q.g, q.C.T[:, order], q.lower[order], int(equal.sum()))
                 f = np.empty(q.m)
                 f[order] = solution[4]
-                # Of an equation it gives the size only.
+                # quadprog gives only the size of an equation's multiplier.
                 if equal.any():
                     f[equal] = self.signed(q, equal, f, solution[0])
             else:

@@ -7,8 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "benchmarks/campaign/named_campaigns.h"
 #include "benchmarks/collection/manifest.h"
 #include "solvers/registry.h"
 #include "tests/benchmarks/command/command_fixture.h"
@@ -28,6 +30,20 @@ std::map<std::string, ManifestEntry> Problems(const std::string& set) {
 }
 
 class QuickCampaign : public CommandTest {};
+
+// A key of a list that is misspelt, or split by a line break, would be missing from the published numbers.
+TEST(NamedCampaign, NamesSolversOfTheRegistryAndNoneTwice) {
+  for (const CampaignPlan& plan : NamedCampaigns()) {
+    std::set<std::string> keys;
+    for (const std::string& key : plan.solvers) {
+      EXPECT_TRUE(keys.insert(key).second) << plan.name << ": " << key;
+      constexpr std::string_view kTuned = "-tuned";
+      const std::string base = key.ends_with(kTuned) ? key.substr(0, key.size() - kTuned.size()) : key;
+      EXPECT_NO_THROW(FindSolver(base)) << plan.name << ": " << key;
+    }
+    EXPECT_LE(keys.size() + 2, 50U) << plan.name;  // with the two builds for narrower instruction sets
+  }
+}
 
 TEST_F(QuickCampaign, HasASpreadOfEverything) {
   const CommandOutcome listed = Succeed("run --benchmark_list_tests");

@@ -6,7 +6,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -79,6 +82,61 @@ TEST(SolversInTurn, AnswersWithTheFirstThatPassesElseWithTheLeastRho) {
     }
   }
   EXPECT_GT(passed, 0);
+}
+
+// Keeps the problem that it is asked.
+class Asked : public LcpSolver {
+ public:
+  const LcpProblem& problem() const { return *problem_; }
+
+ protected:
+  void DoPrepare(const LcpProblem& /*problem*/) override {}
+  void DoSolve(const LcpProblem& problem, const LcpOptions& /*options*/, LcpResult* result) override {
+    problem_ = problem;
+    result->f.setConstant(problem.size(), 1e3);
+    result->status = LcpStatus::kInfeasible;
+  }
+
+ private:
+  std::optional<LcpProblem> problem_;
+};
+
+TEST(SolversInTurn, ATurnWithAShiftIsAskedAPlusSIInTheGivenForm) {
+  for (const TestProblem& test : GeneratedProblems()) {
+    const Eigen::VectorXd wrong = Eigen::VectorXd::Constant(test.problem.size(), 1e6);
+    for (const bool from_arrays : {false, true}) {
+      const auto asked = std::make_shared<Asked>();
+      SolversInTurn solver({{std::make_shared<Fixed>(wrong)}, {asked, 1e-3}});
+      LcpResult result;
+      if (from_arrays) {
+        solver.SolveArrays(ProblemArrays::Of(test.problem), kOptions, &result);
+      } else {
+        solver.Solve(test.problem, kOptions, &result);
+      }
+      Eigen::MatrixXd expected = test.problem.DenseA();
+      const double s = 1e-3 * expected.diagonal().cwiseAbs().maxCoeff();
+      expected.diagonal().array() += s;
+      EXPECT_LE((asked->problem().DenseA() - expected).norm(), 1e-12 * expected.norm()) << test.problem.id();
+      EXPECT_EQ(asked->problem().given_form(), test.problem.given_form()) << test.problem.id();
+      // What it says of A + s I is not said of A.
+      EXPECT_NE(result.status, LcpStatus::kInfeasible) << test.problem.id();
+    }
+  }
+}
+
+TEST(SolversInTurn, TakesNoAnswerThatIsNotANumber) {
+  const LcpProblem problem = PlantedProblem(8, 4, 1, 0, 0).problem;
+  const Eigen::VectorXd right = SolveBy("auto", problem).f;
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    for (Index row = 0; row < problem.size(); ++row) {
+      Eigen::VectorXd f = right;
+      f[row] = bad;
+      SolversInTurn alone({{std::make_shared<Fixed>(f)}});
+      EXPECT_EQ(SolveWith(&alone, problem, kOptions).status, LcpStatus::kNumericalFailure);
+      SolversInTurn both({{std::make_shared<Fixed>(f)}, {std::make_shared<Fixed>(right)}});
+      EXPECT_EQ(SolveWith(&both, problem, kOptions).f, right);
+    }
+  }
 }
 
 TEST(SolversInTurn, AsksNobodyAfterAnAnswerAClaimOrTheTimeLimit) {
