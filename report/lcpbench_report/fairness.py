@@ -62,13 +62,13 @@ def _noise(inputs: Inputs) -> _Lines:
         disturbed = int(launches["disturbed"].sum())
         yield ("Noise", "Launches of one solver on one class differ by "
                f"{formats.percent(spread['std'].median())} in the median (standard deviation of their levels), and by more than "
-               f"{formats.percent(spread['std'].quantile(0.9))} in a tenth of the classes; intervals have them as their top level. "
+               f"{formats.percent(spread['std'].quantile(0.9))} in a tenth of the classes; the intervals include this. "
                f"{disturbed} of {len(launches)} launches were disturbed by the machine also when they were run again; they do "
                "not count where there are others. Differences within the intervals mean nothing.")
         few = float((spread["count"] < _FEW).mean())
         if few > 0.005:
-            yield ("Single launches", f"Of {formats.percent(few)} of solvers and classes there is one launch: those intervals are of "
-                   "problems only.")
+            yield ("Single launches", f"{formats.percent(few)} of the pairs of solver and class were launched only once: their intervals "
+                   "cover problems only.")
     changed = cells[cells["verdict"] == CHANGED]
     if len(changed):
         yield ("Answers that changed", f"In {formats.plural(len(changed), 'cell')} the answer was verified when the problem "
@@ -161,7 +161,7 @@ def _judging(inputs: Inputs) -> _Lines:
                                 for origin in ORIGINS if weights.get(origin, 0) > 0])
         yield ("Weights", f"Of the k problems of one base, which differ in one number or are steps of one motion, each weighs "
                f"1/k in medians, shares and intervals: {variants} of {len(problems)} problems share a base. Within a size "
-               "class own scenes and engines weigh the same, however many problems each has (in campaigns before November 2026 every origin did). Of the counted weight have: "
+               "class own scenes and engines weigh the same, however many problems each has (in campaigns without launches, placed scenes, motions and recordings did). Of the counted weight have: "
                f"{shares}. {filled} problems fill up size classes, by the recipes of the collection with further seeds. Intervals draw launches, and in own scenes and engines families, and bases within them.")
     if found := [entry["key"] for entry in inputs.solvers if entry.get("ablation")]:
         yield ("Ablation", f"{formats.plural(len(found), 'key')} stand in the ablation table only, in no other figure: our "

@@ -133,8 +133,8 @@ def peers(found: Headline) -> str:
 
 
 def losses(found: Headline) -> str:
-    """Of how much of the front ours is better than in both; and to whom we lose, at how many rows and by how much: the
-    rival, single peers of the front, the fastest of each problem."""
+    """How many members of the front ours dominates; and to whom we lose, at how many rows and by how much: the rival,
+    single peers of the front, the fastest of each problem."""
     parts = []
     for rival in dict.fromkeys((found.rival, FASTEST)):
         lost = [row for row in found.classes if rival in row.rivals and low(row, rival) > 1]

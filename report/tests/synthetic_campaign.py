@@ -42,7 +42,7 @@ def size_class(rows: int) -> str:
 
 
 def times_of_passes(rng, median: float, noise: Noise) -> list[float]:
-    """Of one cell, whose passes have levels of their own."""
+    """The times of one cell, whose passes have levels of their own."""
     logs = rng.normal(0, noise.problem, noise.passes) + rng.normal(0, noise.level, noise.passes)
     return (median * np.exp(logs)).tolist()
 

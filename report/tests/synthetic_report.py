@@ -97,8 +97,8 @@ def whole_inputs() -> Inputs:
 # ----- many solvers: for the headline and figures
 
 OWN = ("auto", "dantzig", "pgs")
-# Of one library two methods: the second is quicker, and not given large problems; of another two settings: the
-# default one is slower.
+# One library has two methods: the second is quicker, and is not given large problems. Another has two settings: the
+# default is slower.
 MANY = {"auto": 1.0, "dantzig": 0.5, "pgs": 3.0, "ode-dantzig": 2.0, "ode-lemke": 0.6, "clp": 20.0, "clp-default": 40.0}
 FAILING, NEXT = "dantzig", "ode-lemke"  # the fastest, but not on all problems of any size; the next one
 ENVIRONMENT = {"cpu": "A Processor", "compiler": "GNU 12.2.0", "git_commit": "0123456789abcdef", "git_dirty": False,

@@ -11,7 +11,7 @@ from lcpbench_report.compact import compact
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.statistics import records
-from lcpbench_report.statistics.cells import cell_table
+from lcpbench_report.statistics.cells import CHANGED, cell_table
 from lcpbench_report.statistics.load import load_campaign
 from .cases import SharedFolderCase, edit_lines, run
 from .synthetic_campaign import Noise, write_campaign
@@ -34,6 +34,9 @@ class Compact(SharedFolderCase):
         cls.campaign, cls.kept = cls.path / "campaign", cls.path / "kept"
         write_campaign(cls.campaign, MANY, copies=2, change=fail_some, change_problem=_of_engines, noise=Noise(level=0.02),
                        solvers={key: {"origin": "peer"} for key in MANY if key not in OWN})
+        first = iter([True])
+        edit_lines(cls.campaign / "streams.jsonl", lambda line: line | (
+            {"failed": [1]} if line["kind"] == "fresh" and line["solver"] == "auto" and next(first, False) else {}))
         cls.written = compact(cls.campaign, cls.kept)
 
     def test_tables_are_the_same_to_the_steps_of_times(self):
@@ -58,6 +61,11 @@ class Compact(SharedFolderCase):
         if column.endswith("_s"):
             reach["atol"] = 0
         np.testing.assert_allclose(two, one, **{"rtol": 0} | reach, err_msg=column)
+
+    def test_an_answer_that_changed_in_a_launch_is_told(self):
+        for folder in (self.campaign, self.kept):
+            cells = cell_table(load_campaign(folder))
+            self.assertEqual(cells.loc[cells["verdict"] == CHANGED, "solver"].unique().tolist(), ["auto"])
 
     def test_the_report_and_the_headline_can_be_made_of_it(self):
         found = [run("headline", folder)[1] for folder in (self.campaign, self.kept)]

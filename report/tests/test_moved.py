@@ -1,5 +1,6 @@
 """Two runs of the same: what moved, and whether the intervals said so."""
 
+import itertools
 import math
 
 import numpy as np
@@ -49,6 +50,16 @@ class Moved(FolderCase):
         self.assertEqual(len(alone), 5)
         table, _ = moved_table(load_campaign(new), load_campaign(new))
         self.assertTrue(table["agrees"].all())
+
+    def test_a_median_that_is_infinite_in_one_run_only_does_not_agree(self):
+        def some(of_20: int):
+            count = itertools.count()
+            return lambda record: fail(record) if record["solver"] == "pgs" and 7 * next(count) % 20 < of_20 else record
+
+        table, _ = moved_table(*(load_campaign(self.write(name, change=some(of_20))) for name, of_20 in (("old", 6), ("new", 14))))
+        mixed = table[np.isinf(table["old"]) != np.isinf(table["new"])]
+        self.assertGreater(len(mixed), 0)
+        self.assertFalse(mixed["agrees"].any())
 
     def test_runs_without_anything_in_common_are_refused(self):
         old, new = self.write("old"), self.write("new")

@@ -49,7 +49,7 @@ class JudgedPass:
         return np.median([_or_infinite(r.latency_s) for r in self.rounds], axis=0)
 
     def solves(self) -> np.ndarray:
-        """Of every round, one behind the other: latency, infinite where the answer is not verified."""
+        """The latencies of all rounds, one behind the other; infinite where the answer is not verified."""
         return np.concatenate([np.where(r.verified[self.tier], _or_infinite(r.latency_s), math.inf) for r in self.rounds])
 
     def verified(self) -> np.ndarray:

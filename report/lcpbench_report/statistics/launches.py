@@ -110,8 +110,8 @@ class Levels:
         return self._drawn[key]
 
     def shift(self, solvers, size_classes: pd.Series, tier: float, weights) -> np.ndarray | float:
-        """Of times of several classes, or of several solvers, the mean of their shifts by weight: what a median over all
-        of them moves by, if it moves with each alike.
+        """The mean of the shifts of several classes, or of several solvers, by weight: how far a median over all of them
+        moves, if it moves with each alike.
 
         @param solvers  one, or of every problem its own
         """
@@ -130,7 +130,7 @@ class Levels:
         count = len(levels)
         if count < 2:
             return 0.0
-        # The same launches in all classes and tiers: what a neighbour does may last.
+        # The same draws wherever the same number of launches is calm: what a neighbour does may last.
         rng = np.random.default_rng(zlib.crc32(f"{self._salt}|{key[0]}".encode()))
         wider = math.sqrt(count / (count - 1)) * float(stats.t.ppf((1 + CONFIDENCE) / 2, count - 1)) / _Z
         return wider * (levels[rng.integers(0, count, (RESAMPLES, count))].mean(axis=1) - levels.mean())

@@ -68,8 +68,8 @@ class Task:
     exceptions: list[dict] = field(default_factory=list)  # what is not plainly solved and verified, by `at`
     peak_bytes: float = math.nan
     passes: dict[str, dict[int, TimedPass]] = field(default_factory=dict)  # kind -> number of the launch -> pass
-    # Of a compact record (records.py), instead of what is above: columns of the table of cells, and what launches.py
-    # makes of its class.
+    # A compact record (records.py) has these instead of what is above: columns of the table of cells, and what
+    # launches.py makes of its class.
     columns: dict[str, np.ndarray] = field(default_factory=dict)
     launches: list[dict] = field(default_factory=list)
 

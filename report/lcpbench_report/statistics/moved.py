@@ -1,9 +1,9 @@
 """Two runs of the same solvers on the same size classes, OLD and NEW: how far what is published moved.
 
 Per tier, size class and solver the median time; and the ratio of ours to every peer of either front and to the portfolio,
-which is sharper. A value agrees if it moved by at most REACH, or if either run's value lies in the other's interval. All of
-what is published has a printed interval, so that is what a run promises of the next one. Medians that are infinite in both
-agree; in one only, they do not.
+which is sharper. A value agrees if it moved by at most REACH, or if either run's value lies in the other's interval, which
+is what a run promises of the next one. Medians that are infinite in both agree; in one only, they do not. What is known in
+neither run is not compared.
 """
 
 import math
@@ -46,7 +46,10 @@ def moved_table(old: Campaign, new: Campaign) -> tuple[pd.DataFrame, list[str]]:
              if of.rival != FASTEST}
     found = [_values(run, front, ours) | {_key(of): (of.ratio, of.ratio_low, of.ratio_high) for of in rivals[side].itertuples()
                                           if of.rival == FASTEST} for side, run in runs.items()]
-    rows = [_row(key, found[0][key], found[1][key]) for key in found[0] if key in found[1]]
+    rows = [_row(key, found[0][key], found[1][key]) for key in found[0]
+            if key in found[1] and not (math.isnan(found[0][key][0]) and math.isnan(found[1][key][0]))]
+    if not rows:
+        raise ReportError("campaign.json", "no median is known in OLD and NEW", "two runs of the same")
     table = pd.DataFrame(rows, columns=COLUMNS)
     return table.sort_values(["agrees", "moved"], key=lambda column: column if column.name == "agrees" else -column.abs(),
                              kind="stable", ignore_index=True), alone
@@ -77,7 +80,7 @@ def _values(run: Measured, front: set[tuple], ours: str) -> dict[tuple, tuple[fl
 
 
 def _row(key: tuple, old: tuple[float, float, float], new: tuple[float, float, float]) -> list:
-    same = old[0] == new[0] or math.isnan(old[0]) and math.isnan(new[0])  # both infinite, or neither known
+    same = old[0] == new[0]  # also both infinite
     moved = 0.0 if same else new[0] / old[0] - 1
-    within = any(low <= value <= high for value, (_, low, high) in ((old[0], new), (new[0], old)))
+    within = math.isfinite(old[0]) and math.isfinite(new[0]) and any(low <= value <= high for value, (_, low, high) in ((old[0], new), (new[0], old)))
     return [*key, *old, *new, moved, same or abs(moved) <= REACH or within]

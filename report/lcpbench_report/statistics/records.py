@@ -47,7 +47,8 @@ def lines(campaign: Campaign, measured: Measured) -> Iterator[dict]:
     """@param measured  the campaign's cells, those of ablations or the others"""
     place = {name: number for names in campaign.classes.values() for number, name in enumerate(names)}
     cells = measured.cells.assign(place=measured.cells["problem"].map(place), changed=measured.cells["verdict"] == CHANGED)
-    timed = cells["passes"].astype(bool) & (cells["timed"] > 0)
+    cells["passes"] = cells["passes"].astype(bool) | cells["changed"]  # as it was judged by itself: the reader takes it away
+    timed = cells["passes"] & (cells["timed"] > 0)
     cells["time"] = times_to_steps(cells["fresh_s"].where(timed, cells["first_s"]))
     cells["again"] = times_to_steps(cells["again_s"])
     for name in ("rho", "w_error"):

@@ -68,7 +68,7 @@ def levels_of(of_all: Measured, of_ablations: Measured) -> Levels:
 
 
 def main_own(keys: Collection[str]) -> str:
-    """Of own solvers the one that is compared with the peers: MAIN, or the first where that was not run; "" without any."""
+    """The own solver that is compared with the peers: MAIN, or the first where that was not run; "" without any."""
     return MAIN if MAIN in keys else next(iter(keys), "")
 
 

@@ -13,8 +13,8 @@ _ROUNDING = 1e-9  # of sums of weights, relative
 
 
 def weighted_quantiles(values, weights, levels) -> list[float]:
-    """Of each level the least value with at least that share of the weight at or below it; where that is exactly the
-    level, the mean of it and the next one (Hyndman & Fan 1996, definition 2, with weights). inf is a value; NaN without
+    """The quantile of each level: the least value with at least that share of the weight at or below it; where that is
+    exactly the level, the mean of it and the next one (Hyndman & Fan 1996, definition 2, with weights). inf is a value; NaN without
     any."""
     values, weights = np.asarray(values, dtype=float), np.asarray(weights, dtype=float)
     if not len(values):
