@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -161,19 +162,27 @@ TEST_F(SequenceCommand, KeepsWhatIsWrittenOnInterruption) {
 
 TEST_F(SequenceCommand, MotionComparesEverySolverWithTheReference) {
   std::string solvers;
-  std::size_t motions = 0;
+  std::map<std::string, std::size_t> motions;  // of each solver and scene
+  std::set<std::string> own;
   for (const SolverEntry& solver : OwnSolversAndAPeerOfEachLibrary()) {
     // These do not take some of the problems, which ends a motion early.
     if (solver.key == "fixed-size-bpp" || solver.key == "band-pivoting") continue;
     solvers += " " + solver.key;
-    motions += solver.uses_tolerance ? 2 : 1;
+    motions[solver.key] = solver.uses_tolerance ? 2 : 1;
+    if (solver.origin == SolverOrigin::kOwn) own.insert(solver.key);
   }
   const CommandOutcome outcome = Succeed(
       "motion --scenes disc-pile,boxes-and-discs,disc-track@velocity --size 10 --steps 30 --tolerances 1e-3,1e-9 "
       "--budget 60 --solvers" +
       solvers + " -o " + Path("m"));
   const std::vector<std::string> rows = Lines(ReadFile(Path("m") + "/motion.csv"));
-  EXPECT_EQ(rows.size(), 1 + 3 * motions * 31);
+  std::map<std::string, std::size_t> rows_of;
+  for (std::size_t i = 1; i < rows.size(); ++i) ++rows_of[Split(rows[i], ',')[4]];
+  for (const auto& [solver, count] : motions) {
+    // A peer's answers may be wrong and end a motion early: then the output says so.
+    const bool is_told = !own.contains(solver) && outcome.out.find("\n" + solver + " at ") != std::string::npos;
+    EXPECT_TRUE(rows_of[solver] == 3 * count * 31 || is_told) << solver << ": " << rows_of[solver];
+  }
   for (const char* scene : {"disc-pile, velocity level", "boxes-and-discs, velocity level", "disc-track, velocity"}) {
     EXPECT_NE(outcome.out.find(scene), std::string::npos) << outcome.out;
   }
