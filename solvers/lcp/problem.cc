@@ -1,6 +1,7 @@
 #include "solvers/lcp/problem.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -167,6 +168,24 @@ void Assemble(const Eigen::Ref<const SparseMatrix>& J, const double* inverse_mas
   }
 }
 
+// A derived form is made on the first request. std::call_once calls the kernel each time it has run something, which
+// takes longer than a form of a few rows; a lock that nobody waits for does not.
+class Once {
+ public:
+  template <typename Make>
+  void Call(const Make& make) {
+    if (is_done_.load(std::memory_order_acquire)) return;
+    const std::scoped_lock lock(mutex_);
+    if (is_done_.load(std::memory_order_relaxed)) return;
+    make();
+    is_done_.store(true, std::memory_order_release);
+  }
+
+ private:
+  std::atomic<bool> is_done_ = false;
+  std::mutex mutex_;
+};
+
 }  // namespace
 
 // All but b, and what has been derived of it: shared by problems that differ in b only.
@@ -184,8 +203,8 @@ struct LcpProblem::Matrix {
   Beyond beyond;  // of the numbers given
   bool has_extremes = false;
 
-  // Derived on request, once; the flags make that safe from several threads.
-  std::once_flag dense_once, sparse_once, diagonal_once, asymmetry_once, two_body_once;
+  // Derived on request, once, also where several threads ask.
+  Once dense_once, sparse_once, diagonal_once, asymmetry_once, two_body_once;
   Eigen::MatrixXd derived_dense;
   SparseMatrix derived_sparse;
   Eigen::VectorXd diagonal;
@@ -526,7 +545,7 @@ const Eigen::VectorXd& LcpProblem::b() const { return *b_; }
 bool LcpProblem::has_two_body_rows() const {
   Matrix& s = *matrix_;
   if (s.form != MatrixForm::kFactors) return false;
-  std::call_once(s.two_body_once, [&] { s.two_body_rows = s.HasTwoBodyRows(); });
+  s.two_body_once.Call([&] { s.two_body_rows = s.HasTwoBodyRows(); });
   return s.two_body_rows;
 }
 
@@ -543,7 +562,7 @@ const Eigen::VectorXd& LcpProblem::inverse_mass() const {
 const Eigen::MatrixXd& LcpProblem::DenseA() const {
   Matrix& s = *matrix_;
   if (s.form == MatrixForm::kDense) return s.dense;
-  std::call_once(s.dense_once, [&] {
+  s.dense_once.Call([&] {
     const auto n = static_cast<double>(size());
     RequireMemory(n * n * sizeof(double), "the dense A");
     if (s.form == MatrixForm::kSparse) {
@@ -558,7 +577,7 @@ const Eigen::MatrixXd& LcpProblem::DenseA() const {
 
 const SparseMatrix& LcpProblem::SparseA() const {
   Matrix& s = *matrix_;
-  std::call_once(s.sparse_once, [&] {
+  s.sparse_once.Call([&] {
     switch (s.form) {
       case MatrixForm::kFactors:
         if (s.EveryPairSharesAColumn()) {
@@ -580,7 +599,7 @@ const SparseMatrix& LcpProblem::SparseA() const {
 
 const Eigen::VectorXd& LcpProblem::DiagonalA() const {
   Matrix& s = *matrix_;
-  std::call_once(s.diagonal_once, [&] {
+  s.diagonal_once.Call([&] {
     switch (s.form) {
       case MatrixForm::kFactors:
         s.diagonal = Eigen::VectorXd::Zero(size());
@@ -606,7 +625,7 @@ const Eigen::VectorXd& LcpProblem::DiagonalA() const {
 double LcpProblem::Asymmetry() const {
   Matrix& s = *matrix_;
   if (s.form == MatrixForm::kFactors) return 0;
-  std::call_once(s.asymmetry_once, [&] {
+  s.asymmetry_once.Call([&] {
     const Eigen::VectorXd& d = DiagonalA();
     const auto relative = [&](Index i, Index j, double difference) {
       const double scale = std::sqrt(std::abs(d[i])) * std::sqrt(std::abs(d[j]));
