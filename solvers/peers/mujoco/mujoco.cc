@@ -1,4 +1,4 @@
-// MuJoCo 2.2: its Newton and conjugate gradient solvers in accelerations, and projected Gauss-Seidel in forces.
+// MuJoCo 4.0: its Newton and conjugate gradient solvers in accelerations, and projected Gauss-Seidel in forces.
 //
 // They solve w = (A + R) f + b with a diagonal R > 0: over the accelerations a that f makes, with v = J a + b, the cost
 // is a'M a / 2 and v_i^2 / (2 R_i) for each bilateral row and each unilateral one with v_i < 0, and f_i = -v_i / R_i.
@@ -6,12 +6,12 @@
 // others have R_i = A_ii 1e-12, setting `regularization`.
 //
 // What a step of the engine does with its tree of bodies before that is not ours, and compiling a model takes far
-// longer than a solve. So the smallest model is compiled when the worker starts, and the arrays that the solvers read
-// are those of this class: degrees of freedom without a tree, one for each column of J with an inverse mass (M
-// diagonal), and one row of efc_J per row, bilateral ones (equality) before unilateral ones (limit). mj_factorM,
-// mj_projectConstraint and mj_fwdConstraint are the library's. b is what the library subtracts as `efc_aref`. Rows that
-// move nothing are left out. O(nnz of J) memory, but the library's stack: (columns)^2, or of Gauss-Seidel rows (rows +
-// columns).
+// longer than a solve. So model and data are not the library's, but have the arrays that its solvers read, filled by
+// this class: for each column of J with an inverse mass a degree of freedom with a tree of its own (M diagonal), and
+// one row of efc_J per row, bilateral ones (equality) before unilateral ones (limit). mj_factorM, mj_island,
+// mj_projectConstraint and mj_fwdConstraint are the library's, in the order of a step. b is what the library subtracts
+// as `efc_aref`. Rows that move nothing are left out. O(nnz of J) memory, but the library's arena: (columns)^2, or of
+// Gauss-Seidel rows (rows + columns).
 //
 // A warm start is the acceleration that f makes. It is used with the engine's own R only: with a small one v is the
 // difference of numbers that are far larger, and the solvers stop there.
@@ -22,11 +22,10 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -37,30 +36,14 @@
 namespace lcpbench {
 namespace {
 
-[[noreturn]] void ThrowError(const char* message) { throw std::runtime_error(std::string("MuJoCo: ") + message); }
-void IgnoreWarning(const char* /*message*/) {}
-
-const mjModel* CompileModel() {
-  const std::string text =
-      "<mujoco><size njmax='1' nconmax='1'/><worldbody><body><inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>"
-      "<joint type='slide'/></body></worldbody></mujoco>";
-  const auto files = std::make_unique<mjVFS>();
-  mj_defaultVFS(files.get());
-  constexpr const char* kName = "model.xml";
-  std::array<char, 1000> message{};
-  if (mj_makeEmptyFileVFS(files.get(), kName, static_cast<int>(text.size())) != 0) ThrowError("no room for the model");
-  std::memcpy(files->filedata[0], text.data(), text.size());
-  const mjModel* model = mj_loadXML(kName, files.get(), message.data(), static_cast<int>(message.size()));
-  mj_deleteVFS(files.get());
-  if (model == nullptr) ThrowError(message.data());
-  return model;
+// Errors are thrown through the library, which else ends the process; what it warns of shows in the answer.
+void ThrowErrors(const mjLogMessage* message) {
+  if (message->level == mjLOG_ERROR) throw std::runtime_error(std::string("MuJoCo: ") + message->subject);
 }
 
-/// The smallest model there is, with the library's default options. Compiled once, and never deleted.
-const mjModel& SmallestModel() {
-  static const mjModel* const model = CompileModel();
-  return *model;
-}
+struct FreeArena {
+  void operator()(void* arena) const { mju_free(arena); }
+};
 
 /// Compressed rows as MuJoCo has them.
 struct Rows {
@@ -85,10 +68,8 @@ struct Rows {
 class MuJoCo : public LcpSolver {
  public:
   MuJoCo(std::string_view key, mjtSolver solver, SettingsReader* reader)
-      : model_(std::make_unique<mjModel>(SmallestModel())),
-        tier_(key, reader),
-        options_(model_->opt),
-        data_(std::make_unique<mjData>()) {  // of zeros
+      : model_(std::make_unique<mjModel>()), tier_(key, reader), data_(std::make_unique<mjData>()) {  // of zeros
+    mj_defaultOption(&options_);
     options_.solver = solver;
     if (tier_.is_library_default()) return;
     regularization_ = reader->Number("regularization", kRegularization, 1e-16, 1);
@@ -106,15 +87,18 @@ class MuJoCo : public LcpSolver {
     const auto rows = order_.size();
     const auto columns = mass_.size();
     if (rows == 0) return;
-    Allocate(rows, columns);
     FillJacobian(problem);
+    Allocate(rows, columns);
     for (std::size_t i = 0; i < rows; ++i) {
       R_[i] = std::max(mjMINVAL, regularization_ * problem.DiagonalA()[order_[i]]);
       D_[i] = 1 / R_[i];
     }
     PointAtArrays();
     mj_factorM(model_.get(), data_.get());
+    mj_island(model_.get(), data_.get());
     mj_projectConstraint(model_.get(), data_.get());
+    // Where its arena is too small, the library drops all rows.
+    if (data_->nefc != static_cast<int>(rows)) throw std::runtime_error("MuJoCo: its arena is too small");
   }
 
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
@@ -143,14 +127,16 @@ class MuJoCo : public LcpSolver {
         model_->opt.iterations = tier_.Iterations(options);
       }
       model_->opt.iterations = IterationLimit(options, model_->opt.iterations);
-      data_->pstack = 0;  // an error of the solve before may have left it anywhere
+      data_->pstack = data_->pbase = 0;  // an error of the solve before may have left them anywhere
     });
     TimeLibraryCall(options, result, [&] { mj_fwdConstraint(model_.get(), data_.get()); });
     TimeConversion(options, result, [&] {
       for (std::size_t i = 0; i < order_.size(); ++i) result->f[order_[i]] = force_[i] * scale;
     });
-    result->iterations = data_->solver_iter;
-    result->status = data_->solver_iter >= model_->opt.iterations ? LcpStatus::kIterationLimit : LcpStatus::kSolved;
+    // The library counts for its first islands only.
+    const int islands = std::clamp(data_->nisland, 1, mjNISLAND);
+    result->iterations = *std::max_element(data_->solver_niter, data_->solver_niter + islands);
+    result->status = result->iterations >= model_->opt.iterations ? LcpStatus::kIterationLimit : LcpStatus::kSolved;
   }
 
  private:
@@ -177,49 +163,38 @@ class MuJoCo : public LcpSolver {
     add(false);
   }
 
-  bool IsSparse() const {
-    constexpr std::size_t kFewest = 60;  // the library's own rule
-    return options_.jacobian == mjJAC_SPARSE || (options_.jacobian == mjJAC_AUTO && mass_.size() >= kFewest);
-  }
-
   void Allocate(std::size_t rows, std::size_t columns) {
     const bool is_dual = options_.solver == mjSOL_PGS;
-    // What the library takes of its stack, from its code, and a reserve for vectors.
-    constexpr std::size_t kVectors = 40;
-    const std::size_t matrices = is_dual ? 4 * rows * columns : 3 * columns * columns;
-    const std::size_t stack = matrices + kVectors * (rows + columns + 1);
-    const std::size_t forces = is_dual ? rows * rows : 0;
-    const std::size_t dense = IsSparse() ? 0 : rows * columns;
-    if (std::max({stack, forces, dense}) > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
-      throw MemoryRefusal("the library counts its memory by an int, and would need " + std::to_string(stack) +
-                          " numbers");
+    // What the library takes of its arena, from its code, and a reserve for vectors.
+    constexpr std::size_t kVectors = 64;
+    const std::size_t order = is_dual ? rows : columns;
+    const std::size_t jacobian =
+        mj_isSparse(model_.get()) != 0 ? static_cast<std::size_t>(J_.matrix.nonZeros()) : rows * columns;
+    if (std::max(order * order, jacobian) > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+      throw MemoryRefusal("the library counts the entries of a matrix by an int, and would need " +
+                          std::to_string(std::max(order * order, jacobian)));
     }
-    RequireMemory(static_cast<double>(sizeof(double) * (stack + forces + dense) + sizeof(int) * forces),
-                  "the library's stack");
-    if (stack > stack_size_) {
-      stack_.reset(new double[stack]);  // not cleared: most of it is never touched
-      stack_size_ = stack;
-    }
-    if (forces > forces_size_) {
-      AR_.reset(new double[forces]);
-      AR_column_.reset(new int[forces]);
-      forces_size_ = forces;
+    const std::size_t size =
+        sizeof(double) * ((is_dual ? 2 : 3) * order * order + 3 * jacobian + kVectors * (rows + columns + 1));
+    RequireMemory(static_cast<double>(size), "the library's arena");
+    if (size > arena_size_) {
+      arena_.reset(mju_malloc(size));  // not cleared: most of it is never touched
+      arena_size_ = size;
     }
     for (auto* values : {&R_, &D_, &reference_, &row_b_, &force_, &none_}) values->assign(rows, 0);
-    for (auto* values :
-         {&LD_, &inverse_, &inverse_root_, &acceleration_, &start_, &smooth_, &smooth_force_, &row_force_}) {
+    for (auto* values : {&LD_, &inverse_, &acceleration_, &start_, &smooth_, &smooth_force_, &row_force_}) {
       values->assign(columns, 0);
     }
-    for (auto* values : {&AR_count_, &AR_start_, &state_, &number_}) values->assign(rows, 0);
+    state_.assign(rows, 0);
+    number_.resize(rows);  // a number of its own for each row: the library takes equal ones for one constraint
+    std::iota(number_.begin(), number_.end(), 0);
+    joints_.assign(rows, mjEQ_JOINT);
     type_.assign(rows, mjCNSTR_LIMIT_TENDON);
     std::fill_n(type_.begin(), equalities_, mjCNSTR_EQUALITY);
     parent_.assign(columns, -1);
+    one_.assign(columns, 1);
     diagonal_.resize(columns);
-    simple_.resize(columns);
-    for (std::size_t i = 0; i < columns; ++i) {
-      diagonal_[i] = static_cast<int>(i);
-      simple_[i] = static_cast<int>(columns - i);
-    }
+    std::iota(diagonal_.begin(), diagonal_.end(), 0);
   }
 
   void FillJacobian(const LcpProblem& problem) {
@@ -234,35 +209,35 @@ class MuJoCo : public LcpSolver {
       }
     }
     J.finalize();
-    if (!IsSparse()) {
+    model_->opt = options_;
+    model_->nv = columns;
+    if (mj_isSparse(model_.get()) != 0) {
+      J_.Count();
+    } else {
       dense_J_ = J;
-      return;
     }
-    JT_.matrix = J.transpose();
-    J_.Count();
-    JT_.Count();
   }
 
   void PointAtArrays() {
     mjModel& model = *model_;
     mjData& data = *data_;
-    model.opt = options_;
-    model.nv = model.nq = model.nM = static_cast<int>(mass_.size());
-    model.njmax = static_cast<int>(order_.size());
-    model.dof_Madr = diagonal_.data();
+    const bool is_sparse = mj_isSparse(&model) != 0;
+    model.nq = model.nM = model.nC = model.ntree = model.nv;
+    model.M_rownnz = model.tree_dofnum = model.dof_simplenum = one_.data();
+    model.M_rowadr = model.M_colind = model.dof_Madr = model.dof_treeid = model.tree_dofadr = diagonal_.data();
     model.dof_parentid = parent_.data();
-    model.dof_simplenum = simple_.data();
-    double sum = 0;
-    for (const double mass : mass_) sum += mass;
-    model.stat.meaninertia = sum / static_cast<double>(mass_.size());
-    data.nstack = static_cast<int>(stack_size_);
-    data.stack = stack_.get();
+    model.eq_type = joints_.data();
+    model.stat.meaninertia = std::accumulate(mass_.begin(), mass_.end(), 0.0) / static_cast<double>(mass_.size());
+    data.arena = arena_.get();
+    data.narena = static_cast<mjtSize>(arena_size_);
+    data.parena = data.pstack = data.pbase = 0;
     data.ne = equalities_;
-    data.nefc = model.njmax;
-    data.qM = mass_.data();
+    data.nefc = static_cast<int>(order_.size());
+    data.nl = data.nefc - data.ne;
+    data.nJ = static_cast<int>(is_sparse ? J_.matrix.nonZeros() : dense_J_.size());
+    data.M = mass_.data();
     data.qLD = LD_.data();
     data.qLDiagInv = inverse_.data();
-    data.qLDiagSqrtInv = inverse_root_.data();
     data.qacc = acceleration_.data();
     data.qacc_warmstart = start_.data();
     data.qacc_smooth = smooth_.data();
@@ -271,23 +246,14 @@ class MuJoCo : public LcpSolver {
     data.efc_type = type_.data();
     data.efc_id = number_.data();
     data.efc_state = state_.data();
-    data.efc_J = IsSparse() ? J_.matrix.valuePtr() : dense_J_.data();
+    data.efc_J = is_sparse ? J_.matrix.valuePtr() : dense_J_.data();
     data.efc_J_rownnz = J_.count.data();
     data.efc_J_rowadr = J_.matrix.outerIndexPtr();
     data.efc_J_rowsuper = J_.same.data();
     data.efc_J_colind = J_.matrix.innerIndexPtr();
-    data.efc_JT = JT_.matrix.valuePtr();
-    data.efc_JT_rownnz = JT_.count.data();
-    data.efc_JT_rowadr = JT_.matrix.outerIndexPtr();
-    data.efc_JT_rowsuper = JT_.same.data();
-    data.efc_JT_colind = JT_.matrix.innerIndexPtr();
     data.efc_frictionloss = none_.data();
     data.efc_R = R_.data();
     data.efc_D = D_.data();
-    data.efc_AR = AR_.get();
-    data.efc_AR_rownnz = AR_count_.data();
-    data.efc_AR_rowadr = AR_start_.data();
-    data.efc_AR_colind = AR_column_.get();
     data.efc_aref = reference_.data();
     data.efc_b = row_b_.data();
     data.efc_force = force_.data();
@@ -300,26 +266,24 @@ class MuJoCo : public LcpSolver {
     for (std::size_t i = 0; i < start_.size(); ++i) start_[i] *= inverse_[i];
   }
 
-  std::unique_ptr<mjModel> model_;  // the smallest one with our arrays, which it does not own
+  std::unique_ptr<mjModel> model_;  // of our arrays only
   PeerTier tier_;
-  mjOption options_;
+  mjOption options_{};
   double regularization_ = kOwnRegularization;  // of A_ii
-  std::unique_ptr<mjData> data_;                // of our arrays only
+  std::unique_ptr<mjData> data_;                // of our arrays and arena only
   std::vector<Index> order_;                    // rows as the library has them
   int equalities_ = 0;
   std::vector<int> place_;  // of J's columns, -1: none
   // By columns.
-  std::vector<double> mass_, LD_, inverse_, inverse_root_, acceleration_, start_, smooth_, smooth_force_, row_force_;
-  std::vector<int> diagonal_, parent_, simple_;
+  std::vector<double> mass_, LD_, inverse_, acceleration_, start_, smooth_, smooth_force_, row_force_;
+  std::vector<int> diagonal_, parent_, one_;
   // By rows.
   std::vector<double> R_, D_, reference_, row_b_, force_, none_;
-  std::vector<int> type_, number_, state_, AR_count_, AR_start_;
-  Rows J_, JT_;
+  std::vector<int> type_, number_, state_, joints_;
+  Rows J_;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> dense_J_;
-  std::unique_ptr<double[]> stack_, AR_;  // NOLINT(modernize-avoid-c-arrays): not to be cleared
-  std::unique_ptr<int[]> AR_column_;      // NOLINT(modernize-avoid-c-arrays)
-  std::size_t stack_size_ = 0;
-  std::size_t forces_size_ = 0;
+  std::unique_ptr<void, FreeArena> arena_;
+  std::size_t arena_size_ = 0;
 };
 
 std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
@@ -332,9 +296,7 @@ std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
 }  // namespace
 
 PeerLibrary ThisPeerLibrary() {
-  mju_user_error = &ThrowError;
-  mju_user_warning = &IgnoreWarning;
-  SmallestModel();
+  mju_setLogHandler(&ThrowErrors);
   return {mj_versionString(), &Make};
 }
 

@@ -1,18 +1,4 @@
-lcpbench_peer_option(MUJOCO MuJoCo libmujoco-dev)
-if(LCPBENCH_WITH_MUJOCO)
-  # Its package file for CMake asks for OpenGL, which only its pictures need.
-  find_path(MUJOCO_INCLUDE_DIR NAMES mujoco/mujoco.h)
-  find_library(MUJOCO_LIBRARY NAMES mujoco)
-  mark_as_advanced(MUJOCO_INCLUDE_DIR MUJOCO_LIBRARY)
-  if(MUJOCO_INCLUDE_DIR AND MUJOCO_LIBRARY)
-    file(STRINGS "${MUJOCO_INCLUDE_DIR}/mujoco/mujoco.h" mujoco_version REGEX "define mjVERSION_HEADER")
-    string(REGEX REPLACE "[^0-9]" "" mujoco_version "${mujoco_version}")
-  endif()
-  # The adapter fills structures that change between releases.
-  if(mujoco_version MATCHES "^22[0-9]$")
-    lcpbench_add_peer(mujoco SOURCES mujoco/mujoco.cc LIBRARIES "${MUJOCO_LIBRARY}")
-    target_include_directories(lcpbench_worker_mujoco SYSTEM PRIVATE "${MUJOCO_INCLUDE_DIR}")
-  else()
-    lcpbench_peer_missing(MUJOCO "MuJoCo 2.2" libmujoco-dev)
-  endif()
-endif()
+# The wheel `mujoco-core` is the library of the wheel `mujoco` without viewer. The adapter fills structures that change
+# between releases, hence one version.
+lcpbench_add_wheel_peer(mujoco LIBRARY_NAME "MuJoCo 4.0.0" WHEEL mujoco-core PREFIX mujoco INCLUDE include
+                        HEADER mujoco/mujoco.h SHARED libmujoco.so.4.0.0)
