@@ -89,6 +89,7 @@ class MuJoCo : public LcpSolver {
     if (rows == 0) return;
     FillJacobian(problem);
     Allocate(rows, columns);
+    if (mj_isSparse(model_.get()) == 0) dense_J_ = J_.matrix;
     for (std::size_t i = 0; i < rows; ++i) {
       R_[i] = std::max(mjMINVAL, regularization_ * problem.DiagonalA()[order_[i]]);
       D_[i] = 1 / R_[i];
@@ -211,11 +212,7 @@ class MuJoCo : public LcpSolver {
     J.finalize();
     model_->opt = options_;
     model_->nv = columns;
-    if (mj_isSparse(model_.get()) != 0) {
-      J_.Count();
-    } else {
-      dense_J_ = J;
-    }
+    if (mj_isSparse(model_.get()) != 0) J_.Count();
   }
 
   void PointAtArrays() {
