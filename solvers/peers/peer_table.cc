@@ -123,7 +123,7 @@ constexpr PeerEntry kPeers[] = {
     {kClp, "clp", "COIN-OR simplex code with its QP extension", TierSettings{{1e-3, 1e-6, 1e-9}, 0, kInfeasibilities},
      kAny},
     {kMujoco, "mujoco-newton", "Newton in accelerations, exact line search, R/A = 1e-12",
-     TierSettings{{1e-3, 1e-6, 1e-9}, 1e9, kFallOfCost}},
+     TierSettings{{1e-3, 1e-10, 1e-10}, 1e9, kFallOfCost}},
     {kMujoco, "mujoco-cg", "nonlinear conjugate gradients in accelerations, R/A = 1e-12",
      TierSettings{{1e-4, 1e-6, 1e-9}, 1e9, kFallOfCost}},
     {kMujoco, "mujoco-pgs", "projected Gauss-Seidel, R/A = 1e-12", TierSettings{{1e-5, 1e-8, 1e-11}, 1e9, kFallOfCost}},
