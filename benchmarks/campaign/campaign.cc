@@ -228,7 +228,7 @@ class Campaign {
       // Who killed a worker is told, whichever run counts.
       if (!reply.retried.empty()) retried += (retried.empty() ? "" : "; ") + reply.retried;
       reply.retried = retried;
-      if (reply.outcome != "completed") return {RunOneByOne(request, reply)};
+      if (reply.outcome != "completed") return {RunHalves(request, reply)};
       if (!reply.disturbance) return {std::move(reply)};
       const double fast_s = std::min(journal_.FastProbe(), reply.disturbance->probe_s);
       const double found = DisturbanceOf(plan_.noise, *reply.disturbance, fast_s);
@@ -245,32 +245,48 @@ class Campaign {
     return best;
   }
 
-  // A process that ended in a pass does not say at which problem: it counts for the one at which it ends again.
-  TimedReply RunOneByOne(const TimedRequest& request, const TimedReply& ended) {
+  // A process that ended in a pass does not say at which problem: each half of them gets a process of its own, and so
+  // on down to single problems. A half that completes counts.
+  TimedReply RunHalves(const TimedRequest& request, const TimedReply& ended) {
     TimedReply all;
     all.outcome = ended.outcome;
     all.detail = ended.detail;
     all.retried = ended.retried;
     all.failed.resize(request.judged.size());
-    for (const std::uint32_t place : request.pass.order) {
-      if (Interruption::Requested()) break;
-      TimedRequest one = request;
-      one.pass.order = {place};
-      const TimedReply reply = worker_->Run(one);
-      if (!reply.retried.empty()) all.retried += (all.retried.empty() ? "" : "; ") + reply.retried;
-      for (const auto& [field, seconds] : reply.times) {
-        all.times[field].resize(request.stream.size());
-        all.times[field][place] = seconds.at(place);
-      }
-      for (std::size_t tier = 0; tier < all.failed.size(); ++tier) {
-        const bool failed = reply.outcome != "completed" || !reply.failed.at(tier).empty();
-        if (failed) all.failed[tier].push_back(place);
-      }
-    }
     for (const TimeField& field : TimeFields()) {
       if (field.kind == request.pass.kind) all.times[field.name].resize(request.stream.size());
     }
+    using Places = std::vector<std::uint32_t>;
+    std::vector<Places> open = {request.pass.order};
+    while (!open.empty() && !Interruption::Requested()) {
+      const Places places = std::move(open.back());
+      open.pop_back();
+      const auto middle = places.begin() + std::ssize(places) / 2;
+      for (const Places& half : {Places(places.begin(), middle), Places(middle, places.end())}) {
+        if (half.empty() || Interruption::Requested()) continue;
+        TimedRequest part = request;
+        part.pass.order = half;
+        const TimedReply reply = worker_->Run(part);
+        if (!reply.retried.empty()) all.retried += (all.retried.empty() ? "" : "; ") + reply.retried;
+        if (reply.outcome != "completed" && half.size() > 1) {
+          open.push_back(half);
+          continue;
+        }
+        for (const std::uint32_t place : half) Take(reply, place, &all);
+      }
+    }
     return all;
+  }
+
+  // What a part of a pass says of one problem.
+  static void Take(const TimedReply& reply, std::uint32_t place, TimedReply* all) {
+    for (const auto& [field, seconds] : reply.times) all->times[field][place] = seconds.at(place);
+    for (std::size_t tier = 0; tier < all->failed.size(); ++tier) {
+      const auto failed = [&] {
+        return std::ranges::find(reply.failed.at(tier), place) != reply.failed.at(tier).end();
+      };
+      if (reply.outcome != "completed" || failed()) all->failed[tier].push_back(place);
+    }
   }
 
   // Makes the pass's sequence where the folder does not have it yet; what it has from a run before is checked once, and
