@@ -348,9 +348,13 @@ void AutoEngine::Prepare(const LcpProblem& problem) {
   taken_ = Taken::kNothing;
   was_asked_in_place_ = std::exchange(asked_in_place_, false);
   if (!was_asked_in_place_ && IsReadInPlace(problem.given_form(), problem.size())) {
-    given_ = ProblemArrays::Of(problem);
-    std::fill(given_.b.begin(), given_.b.end(), 0.0);  // that of Solve's problem takes its place
-    taken_ = Take(given_);
+    if (problem.has_factors()) {
+      if (step_.Take(problem)) taken_ = Taken::kRows;
+    } else {
+      given_ = ProblemArrays::Of(problem);
+      std::fill(given_.b.begin(), given_.b.end(), 0.0);  // that of Solve's problem takes its place
+      taken_ = Take(given_);
+    }
     if (taken_ == Taken::kRows) rows_.Reserve(step_.rows().rows, step_.rows().bodies);
   }
   if (taken_ == Taken::kNothing) PrepareProblem(problem);

@@ -22,9 +22,8 @@ void RowSolver::Reserve(Index max_rows, Index max_bodies) {
   max_rows = reserved_rows_ = std::max(max_rows, reserved_rows_);
   max_bodies = reserved_bodies_ = std::max(max_bodies, reserved_bodies_);
   islands_.Reserve(max_rows, max_bodies);
-  tableau_.ReserveRows(std::min(max_rows, SmallPivoting::kMaxRows), max_bodies);
+  tableau_.Reserve(max_rows, max_bodies);
   profile_.Reserve(std::min(max_rows, AutoFacts::kMostIslandRows), max_bodies);
-  judge_.Reserve(max_rows, max_bodies);
   const Index known = static_cast<Index>(all_.size());
   if (known >= max_rows) return;
   all_.resize(At(max_rows));
@@ -104,17 +103,15 @@ RowSolver::PartEnd RowSolver::AskFixedSizeBpp(const Request& request, Part part,
 
 RowSolver::PartEnd RowSolver::AskPrincipalPivoting(const Request& request, Part part, const double* initial_f,
                                                    RowAnswer* answer) {
-  using Judgement = SmallPivoting::Answer::Judgement;
-  const double tolerance = request.tolerance;
-  const double row_limit = tableau::kMargin * std::sqrt(tolerance);
-  const SmallPivoting::Answer found =
-      tableau_.SolveRows(request.rows, part, {row_limit, initial_f, request.deadline, true}, request.f, request.w);
+  SmallPivoting::Request of_part;
+  of_part.initial_f = initial_f;
+  of_part.deadline = request.deadline;
+  double rho = 0;
+  const RowTableau::End end =
+      tableau_.Solve(request.rows, part, request.tolerance, of_part, request.f, request.w, &rho);
   answer->iterations += tableau_.pivots();
-  const Judgement judgement = found.Judge(tolerance);
-  double rho = found.rho;
-  if (judgement == Judgement::kWrong || (judgement == Judgement::kUnclear && !Passes(request, part, &rho))) {
-    return std::isfinite(found.rho) ? PartEnd::kInexact : PartEnd::kGaveUp;
-  }
+  if (end == RowTableau::End::kInexact) return PartEnd::kInexact;
+  if (end == RowTableau::End::kGaveUp) return PartEnd::kGaveUp;
   answer->rho = std::max(answer->rho, rho);
   return PartEnd::kSolved;
 }

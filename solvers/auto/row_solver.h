@@ -9,9 +9,8 @@
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
 #include "solvers/linear_algebra/islands.h"
-#include "solvers/pivoting/small_pivoting.h"
+#include "solvers/pivoting/row_tableau.h"
 #include "solvers/rows/profile_pivoting.h"
-#include "solvers/rows/row_judge.h"
 
 namespace lcpbench {
 
@@ -69,7 +68,7 @@ class RowSolver {
   PartEnd AskPrincipalPivoting(const Request& request, Part part, const double* initial_f, RowAnswer* answer);
   PartEnd AskProfilePivoting(const Request& request, Part part, const double* initial_f, RowAnswer* answer);
   bool Passes(const Request& request, Part part, double* rho) {
-    return judge_.Passes(request.rows, part, request.tolerance, request.f, request.w, rho);
+    return tableau_.Passes(request.rows, part, request.tolerance, request.f, request.w, rho);
   }
 
   const std::optional<AutoMethod> only_;
@@ -78,8 +77,7 @@ class RowSolver {
   Index reserved_rows_ = 0, reserved_bodies_ = 0;
   RowIslands islands_;
   ProfilePivoting profile_;
-  RowJudge judge_;
-  SmallPivoting tableau_;
+  RowTableau tableau_;
   std::vector<std::int32_t> all_;  // 0, 1, 2, ...
 };
 

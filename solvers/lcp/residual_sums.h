@@ -44,6 +44,8 @@ class ResidualSums {
 
   /// A row's backward error is too large.
   void RefuseRow() { meets_ = false; }
+  /// Rounding of a row's gap may hide that its backward error is too large.
+  void DoubtRow() { is_clear_ = false; }
 
   /// |D^-1/2 min(w, D f)|_2
   Real defect_norm() const { return std::sqrt(defects_); }
@@ -58,13 +60,13 @@ class ResidualSums {
     const Real rounding = roundings * std::sqrt(magnitudes_ * inverse);
     *rho = static_cast<double>(found);
     if (!(found <= tolerance && meets_)) return Known::kWrong;
-    return found + rounding <= tolerance ? Known::kRight : Known::kUnclear;
+    return is_clear_ && found + rounding <= tolerance ? Known::kRight : Known::kUnclear;
   }
 
  private:
   double row_limit_ = 0;
   Real defects_ = 0, loads_ = 0, magnitudes_ = 0;  // squares, over A_ii
-  bool meets_ = true;
+  bool meets_ = true, is_clear_ = true;
 };
 
 }  // namespace lcpbench

@@ -30,7 +30,9 @@ constexpr double kSmallComponent = 1e-8;
 // and the waiting rows behind it, [q, open); then rows out of play: dependent bilateral rows and stuck ones.
 class DantzigEngine final : public PivotBase {
  public:
-  explicit DantzigEngine(const DantzigOptions& options) : PivotBase(options), order_(options.order) {}
+  explicit DantzigEngine(const DantzigOptions& options)
+      : PivotBase(options, options.order == DantzigOrder::kIndex ? std::optional(TableauRule::kDriven) : std::nullopt),
+        order_(options.order) {}
 
   void Reserve(Index max_rows) override;
 

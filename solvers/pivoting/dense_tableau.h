@@ -41,10 +41,10 @@ class DenseTableau {
       SolveAndCheck();
       return true;
     }
-    const bool found = (n_ <= 2 && SolveInClosedForm()) || FindActiveSet();
+    const bool found = (HasClosedForm() && SolveInClosedForm()) || FindActiveSet();
     t_.rho = found ? 0 : kInfinity;
     t_.rounding = 0;
-    t_.rows_meet = found;
+    t_.rows_meet = t_.rows_are_clear = found;
     return true;
   }
 
@@ -62,6 +62,10 @@ class DenseTableau {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   static constexpr double kLeastPivot = tableau::kLeastPivot;
   static constexpr double kNoise = tableau::kNoise;
+  // Rates of change below this, of scaled numbers, are rounding.
+  static constexpr double kLeastRate = 1e-12;
+  // Of a sum of products, in parts of its terms, for each of them.
+  static constexpr double kRounding = 2 * std::numeric_limits<double>::epsilon();
   // rho up to which a guess of the active set counts as right.
   static constexpr double kRightRho = 1e-13;
   // Active sets that are tried before the tableau: the guess, and what its violated rows make of it.
@@ -107,6 +111,7 @@ class DenseTableau {
   bool is_active(int i) const { return t_.side[i] < 0; }
   bool is_joint(int i) const { return t_.least_force[i] < 0; }
   bool is_violated(int i) const { return t_.q[i] * t_.weight[i] < -noise_; }
+  bool HasClosedForm() const { return n_ <= 2 && t_.rule == TableauRule::kMostViolated; }
   void Fill(double* to, double value) const {
     for (int v = 0; v < registers_; ++v) Store(to, v, L::Set(value));
   }
@@ -176,6 +181,15 @@ class DenseTableau {
     return L::Gather(RowOf(t_.tableau, v * kWidth) + r, stride_);
   }
 
+  // The same after the exchange that waits.
+  template <int count>
+  V CurrentEntriesOf(int r, int v, const V& at) const {
+    const V x = EntriesOf<count>(r, v);
+    if (waiting_.row < 0) return x;
+    const V others = L::Without(L::Equal(at, L::Set(waiting_.row)), x);
+    return L::Fnma(L::Set(waiting_.x[r]), Load(waiting_.y, v), others);
+  }
+
   // Exchanges f_r and w_r. False if rounding is all that the pivot is made of.
   template <int count>
   bool Pivot(int r) {
@@ -205,13 +219,10 @@ class DenseTableau {
     const double size = Abs(inverse);
     const double q_r = t_.q[r];
     const bool any_waits = waiting_.row >= 0;
-    const V waiting_row = L::Set(waiting_.row);
-    const V behind = L::Set(any_waits ? waiting_.x[r] : 0);
     const V row_r = L::Set(r);
     V at = L::Indices();
     for (int v = 0; v < Registers<count>(); ++v) {
-      V x = EntriesOf<count>(r, v);
-      if (any_waits) x = L::Fnma(behind, Load(waiting_.y, v), L::Without(L::Equal(at, waiting_row), x));
+      const V x = CurrentEntriesOf<count>(r, v, at);
       const V y = x * L::Set(inverse);
       Store(latest_.x, v, x);
       Store(latest_.y, v, y);
@@ -231,6 +242,16 @@ class DenseTableau {
       SetEntry(waiting_.y, r, 0);
     }
     t_.side[r] = enters ? -1 : 1;
+    if (t_.rule == TableauRule::kAlongPath) ExchangeCover(r, inverse);
+  }
+
+  // As q.
+  void ExchangeCover(int r, double inverse) {
+    const double cover = t_.cover[r];
+    for (int v = 0; v < registers_; ++v) {
+      Store(t_.cover, v, L::Fnma(Load(latest_.x, v), L::Set(cover * inverse), Load(t_.cover, v)));
+    }
+    SetEntry(t_.cover, r, cover * Abs(inverse));
   }
 
   // By its register: one that is read soon after one of its doubles was written has to wait.
@@ -366,7 +387,7 @@ class DenseTableau {
     return -1;
   }
 
-  // False if the limit of pivots or the deadline came first.
+  // False if the limit of pivots or the deadline came first, or the rule of the method does not get ahead.
   template <int count>
   bool DrivePivots() {
     noise_ = kNoise;
@@ -374,13 +395,14 @@ class DenseTableau {
     for (int k = 0; k < t_.guess_count; ++k) {
       if (!is_active(t_.guess[k])) Pivot<count>(t_.guess[k]);
     }
+    // What rounding leaves of these is for the loop below.
+    if (t_.rule == TableauRule::kDriven && !DriveRows<count>()) return false;
+    if (t_.rule == TableauRule::kAlongPath && !FollowPath<count>()) return false;
     const int greedy = 2 * n_;
-    const int limit = 6 * n_ + 20;
     for (bool any_blocked = false;;) {
       const int r = t_.pivots > greedy ? FirstViolated() : MostViolated<count>();
       if (r < 0 && (!any_blocked || !TakePlace<count>())) return true;
-      const bool is_late = t_.clock != nullptr && t_.pivots % kPivotsPerClockRead == 0 && t_.is_late(t_.clock);
-      if (t_.pivots >= limit || is_late) return false;
+      if (IsOver()) return false;
       if (r >= 0 && !Pivot<count>(r)) {
         Block(r);
         any_blocked = true;
@@ -393,6 +415,143 @@ class DenseTableau {
       }
       if (r >= 0) noise_ = Larger(noise_, kNoise * Abs(t_.q[r]));
     }
+  }
+
+  // Whether the limit of pivots or the deadline has come.
+  bool IsOver() const {
+    const bool is_late = t_.clock != nullptr && t_.pivots % kPivotsPerClockRead == 0 && t_.is_late(t_.clock);
+    return is_late || t_.pivots >= 6 * n_ + 20;
+  }
+
+  // Makes rows right one after the other; those not reached yet have weight 0 and may be as they are. False where a
+  // row depends on F so that nothing blocks it, or rounding is in the way.
+  template <int count>
+  bool DriveRows() {
+    Fill(t_.weight, 0);
+    for (int r = 0; r < n_; ++r) {
+      if (is_joint(r)) continue;
+      if (!(t_.q[r] * t_.inverse_root[r] < -noise_)) {
+        SetEntry(t_.weight, r, t_.inverse_root[r]);
+      } else if (!DriveRow<count>(r)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  // Raises the force of row r until its gap is 0. A row that reaches 0 on the way changes sides.
+  template <int count>
+  bool DriveRow(int r) {
+    double force = 0;
+    for (;;) {
+      const double a = t_.pivot[r];
+      CopyRow<count>(r);
+      const Blocking blocking = FindBlocking(r, a > kLeastPivot * t_.diagonal[r] ? -t_.q[r] / a : kInfinity);
+      if (IsOver() || blocking.step == kInfinity) return false;
+      if (blocking.row == r) {
+        if (!Pivot<count>(r)) return false;
+        if (force > 0) SetEntry(t_.q, r, t_.q[r] - force);
+        noise_ = Larger(noise_, kNoise * Abs(t_.q[r]));
+        return true;
+      }
+      force += blocking.step;
+      for (int v = 0; v < registers_; ++v) {
+        Store(t_.q, v, L::Fma(L::Set(blocking.step), Load(t_.correction, v), Load(t_.q, v)));
+      }
+      SetEntry(t_.q, r, t_.q[r] + blocking.step * a);
+      SetEntry(t_.q, blocking.row, 0);
+      if (!Pivot<count>(blocking.row)) return false;
+    }
+  }
+
+  // Row r of the tableau after all exchanges, with 0 on its diagonal, to t_.correction.
+  template <int count>
+  void CopyRow(int r) {
+    if (r == waiting_.row) CatchUp<count>();
+    V at = L::Indices();
+    for (int v = 0; v < Registers<count>(); ++v) {
+      Store(t_.correction, v, CurrentEntriesOf<count>(r, v, at));
+      at = at + L::Set(kWidth);
+    }
+    SetEntry(t_.correction, r, 0);
+  }
+
+  struct Blocking {
+    int row;
+    double step;
+  };
+  // What reaches 0 first while the force of row r grows by `full` and q by t_.correction times that: of the rows that
+  // have a weight, else row r itself.
+  Blocking FindBlocking(int r, double full) const {
+    V least = L::Set(full);
+    V row = L::Set(r);
+    V at = L::Indices();
+    for (int v = 0; v < registers_; ++v) {
+      const V side = Load(t_.side, v);
+      const V fall = -(side * Load(t_.correction, v));
+      const V step = L::Max(side * Load(t_.q, v), L::Set(0)) / fall;
+      const M blocks = (L::Set(kLeastRate) < fall) & (Load(t_.weight, v) != L::Set(0)) & (step < least);
+      least = L::Select(blocks, step, least);
+      row = L::Select(blocks, at, row);
+      at = at + L::Set(kWidth);
+    }
+    const double step = L::Least(least);
+    const unsigned first = L::Bits(least == L::Set(step));
+    return {static_cast<int>(row[__builtin_ctz(first)]), step};
+  }
+
+  // z from 1 to 0: the point for z is q + z cover, all signs right. False where rounding is in the way.
+  template <int count>
+  bool FollowPath() {
+    double worst = 0;
+    for (int i = 0; i < n_; ++i) worst = Larger(worst, is_active(i) ? 0 : -t_.q[i] * t_.weight[i]);
+    if (!(worst > noise_)) return true;
+    for (int v = 0; v < registers_; ++v) {
+      const M is_covered = Load(t_.weight, v) != L::Set(0);
+      Store(t_.cover, v, L::Masked(is_covered, L::Set(worst) * Load(t_.root, v)));
+    }
+    for (double z = 1;;) {
+      const Blocking next = FindNext(z, kLeastRate * worst);
+      if (next.row < 0) return true;
+      z = next.step;
+      if (IsOver()) return false;
+      if (!Pivot<count>(next.row) && !TakePlaceAt<count>(next.row, z)) return false;
+    }
+  }
+
+  // The row that reaches 0 next, and at which z; row -1: none before z = 0.
+  Blocking FindNext(double z, double least_rate) const {
+    V largest = L::Set(0);
+    V row = L::Set(-1);
+    V at = L::Indices();
+    for (int v = 0; v < registers_; ++v) {
+      const V cover = Load(t_.cover, v);
+      const V zero = L::Min(-Load(t_.q, v) / cover, L::Set(z));
+      const M falls = (L::Set(least_rate) < Load(t_.side, v) * cover) & (Load(t_.weight, v) != L::Set(0));
+      const M is_next = falls & (largest < zero);
+      largest = L::Select(is_next, zero, largest);
+      row = L::Select(is_next, at, row);
+      at = at + L::Set(kWidth);
+    }
+    const double found = -L::Least(-largest);
+    const unsigned first = L::Bits(largest == L::Set(found));
+    return {static_cast<int>(row[__builtin_ctz(first)]), found};
+  }
+
+  // Row r depends on F: it takes the place of the row whose force it drives to 0 first, at this z.
+  template <int count>
+  bool TakePlaceAt(int r, double z) {
+    CopyRow<count>(r);
+    int leaving = -1;
+    double least = kInfinity;
+    for (int i = 0; i < n_; ++i) {
+      if (!is_active(i) || is_joint(i) || !(t_.correction[i] > kLeastRate)) continue;
+      const double step = -(t_.q[i] + z * t_.cover[i]) / t_.correction[i];
+      if (!(step < least)) continue;
+      least = step;
+      leaving = i;
+    }
+    return leaving >= 0 && Pivot<count>(leaving) && Pivot<count>(r);
   }
 
   // Row r may not be moved, or may be again.
@@ -546,14 +705,29 @@ class DenseTableau {
     return defects[i % kWidth] <= t_.row_limit * (Abs(t_.b[i]) + L::Sum(size));
   }
 
+  // Whether rounding of the entries of A, as t_.rounding has it, cannot hide that a row's backward error is too large.
+  bool RowsAreClear() const {
+    if (!t_.is_assembled) return true;
+    const V hidden = L::Set(kRounding * (n_ + 8) * size_);
+    const V limit = L::Set(tableau::kHiddenInRow * t_.row_limit);
+    M is_clear = L::FromBits(~0U);
+    for (int v = 0; v < registers_; ++v) {
+      const V b = Load(t_.b, v);
+      const V force = L::Abs(Load(t_.diagonal, v) * Load(t_.force, v));
+      const V size = L::Max(L::Abs(Load(t_.w, v) - b), force) + L::Abs(b);
+      is_clear &= (hidden * Load(t_.root, v) <= limit * size) | (L::Indices() + L::Set(v * kWidth) >= L::Set(n_));
+    }
+    return !L::Any(~is_clear);
+  }
+
   void SolveAndCheck() {
     t_.rho = Run();
     t_.rounding = kInfinity;
-    t_.rows_meet = false;
+    t_.rows_meet = t_.rows_are_clear = false;
     if (t_.rho == kInfinity) return;
-    constexpr double kRounding = 2 * std::numeric_limits<double>::epsilon();
     t_.rounding = kRounding * (n_ + 8) * __builtin_sqrt(n_) * size_ / b_norm_;
     t_.rows_meet = RowsMeet();
+    t_.rows_are_clear = RowsAreClear();
     if (t_.rows_meet) return;
     // Where all forces around a row should be 0, its backward error is rounding over rounding.
     double largest = 0;
@@ -573,7 +747,7 @@ class DenseTableau {
 
   // rho of the forces that it finds; infinity if it gave up.
   double Run() {
-    if (n_ <= 2 && SolveInClosedForm()) {
+    if (HasClosedForm() && SolveInClosedForm()) {
       const double rho = Rho();
       if (rho <= tableau::kGoodEnough) return rho;
     }

@@ -30,7 +30,7 @@ double Generic(Index i) {
 
 class LemkeEngine final : public PivotBase {
  public:
-  explicit LemkeEngine(const LemkeOptions& options) : PivotBase(options) {}
+  explicit LemkeEngine(const LemkeOptions& options) : PivotBase(options, TableauRule::kAlongPath) {}
 
   void Reserve(Index max_rows) override;
 

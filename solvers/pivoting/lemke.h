@@ -31,9 +31,9 @@ struct LemkeOptions : PivotOptions {
 /// Farkas ray, since ties are resolved lexicographically and no basis is visited twice. On other symmetric A it may
 /// fail, and says so; A that is not symmetric is refused, and A_ii < 0 is kUnsupported.
 ///
-/// Claims, bilateral rows, restarts and memory as for DantzigSolver (dantzig.h); a path starts again from the current F
-/// at most 10 times while that helps. Warm start: the rows with initial_f_i > 0 and blocks of violated rows enter F
-/// first, and the path starts there. Only the set matters.
+/// Claims, bilateral rows, restarts, memory and the tableau of SolveArrays as for DantzigSolver (dantzig.h); a path
+/// starts again from the current F at most 10 times while that helps. Warm start: the rows with initial_f_i > 0 and
+/// blocks of violated rows enter F first, and the path starts there. Only the set matters.
 ///
 /// Cost: O(n^2) to load; per pivot one substitution pair for the direction and at most one more to enter, so about
 /// 1.5 m^2 + m (n - m) multiply-adds for m = |F|; a tie costs as much again.

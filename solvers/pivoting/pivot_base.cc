@@ -52,6 +52,17 @@ void PivotOptions::Read(SettingsReader* reader) {
   self_check = reader->SelfCheck();
 }
 
+// A tableau has a rank rule of its own, without a choice.
+PivotBase::PivotBase(const PivotOptions& options, std::optional<TableauRule> rule) : pivot_options_(options) {
+  const bool has_own_rank_rule = options.rank_tolerance != PivotOptions().rank_tolerance;
+  if (rule.has_value() && !has_own_rank_rule) tableau_.emplace(InstructionSet::kBest, *rule);
+}
+
+bool PivotBase::SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
+  if (!tableau_.has_value() || options.max_iterations > 0 || arrays.rows > pivot_options_.max_rows) return false;
+  return tableau_->SolveArrays(arrays, options, pivot_options_.self_check, result);
+}
+
 std::string PivotBase::WhyUnsupported(const LcpProblem& problem) const {
   if (problem.size() > pivot_options_.max_rows) {
     return std::to_string(problem.size()) +

@@ -13,6 +13,7 @@
 #include "solvers/lcp/solver.h"
 #include "solvers/pivoting/complementary_basis.h"
 #include "solvers/pivoting/pivot_options.h"
+#include "solvers/pivoting/row_tableau.h"
 
 namespace lcpbench {
 
@@ -25,7 +26,8 @@ namespace lcpbench {
 /// ClaimRay for its ray.
 class PivotBase {
  public:
-  explicit PivotBase(const PivotOptions& options) : pivot_options_(options) {}
+  /// @param rule  by which SolveArrays pivots on a tableau; empty: it does not
+  PivotBase(const PivotOptions& options, std::optional<TableauRule> rule);
   virtual ~PivotBase() = default;
 
   /// Refuses A that is not numerically symmetric, and more than max_rows rows.
@@ -37,6 +39,9 @@ class PivotBase {
   /// a coarser one, from nothing active and without blocks.
   /// `problem` shares its matrix with the prepared one.
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
+  /// The method on a tableau (RowTableau). False, for Solve to be asked, where that does not take or solve the problem,
+  /// or the caller limits iterations.
+  bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
 
  protected:
   static constexpr Index kNoRow = -1;
@@ -125,6 +130,7 @@ class PivotBase {
   bool IsSurplus(Index p, double largest) const;
 
   const PivotOptions pivot_options_;
+  std::optional<RowTableau> tableau_;
   bool blocks_ = false;  // in this attempt
   bool out_of_time_ = false;
   std::int64_t solved_at_ = -1;  // pivots_ when SolveForces left F and f as they are; -1: not so

@@ -24,21 +24,23 @@ SmallPivoting::Answer::Judgement SmallPivoting::Answer::Judge(double tolerance) 
   // Rounding of this form may be all that is in the way; where it hides more than kMostRho, others do better.
   const double hidden = std::min(rounding, tableau::kMostRho);
   if (!(rho - hidden <= std::min(tableau::kMostRho, tolerance) && rows_meet)) return Judgement::kWrong;
-  return rho + rounding <= tolerance ? Judgement::kRight : Judgement::kUnclear;
+  return rows_are_clear && rho + rounding <= tolerance ? Judgement::kRight : Judgement::kUnclear;
 }
 
-SmallPivoting::SmallPivoting(InstructionSet instructions) : kernel_(FindKernel(kKernels, instructions)) {
+SmallPivoting::SmallPivoting(InstructionSet instructions, TableauRule rule)
+    : kernel_(FindKernel(kKernels, instructions)) {
+  work_.rule = rule;
   work_.is_late = [](const void* clock) { return static_cast<const Deadline*>(clock)->Expired(); };
 }
 
 void SmallPivoting::Reserve(Index max_rows, Index problem_rows) {
   if (static_cast<Index>(local_.size()) < problem_rows) local_.resize(At(problem_rows), 0);
   const Index room = InRegisters(max_rows, kMostWidth);
-  double** const vectors[] = {&work_.diagonal,       &work_.b,          &work_.force,       &work_.w,
-                              &work_.scale,          &work_.pivot,      &work_.q,           &work_.weight,
-                              &work_.blocked_weight, &work_.side,       &work_.root,        &work_.inverse_root,
-                              &work_.least_force,    &work_.correction, &work_.exchange[0], &work_.exchange[1],
-                              &work_.exchange[2],    &work_.exchange[3]};
+  double** const vectors[] = {&work_.diagonal,       &work_.b,           &work_.force,      &work_.w,
+                              &work_.scale,          &work_.pivot,       &work_.q,          &work_.weight,
+                              &work_.blocked_weight, &work_.side,        &work_.root,       &work_.inverse_root,
+                              &work_.least_force,    &work_.correction,  &work_.cover,      &work_.exchange[0],
+                              &work_.exchange[1],    &work_.exchange[2], &work_.exchange[3]};
   const Index size = 2 * room * room + std::ssize(vectors) * room;
   if (size <= numbers_.size()) return;
   numbers_.setZero(size);
@@ -67,12 +69,14 @@ void SmallPivoting::SetSize(Index n) {
   work_.n = static_cast<int>(n);
   work_.stride = static_cast<int>(InRegisters(n, kernel_.width));
   work_.joint_count = 0;
+  work_.is_assembled = true;
   std::fill(work_.diagonal + n, work_.diagonal + work_.stride, 1.0);
   std::fill(work_.b + n, work_.b + work_.stride, 0.0);
 }
 
 void SmallPivoting::LoadDense(const LcpProblem& problem) {
   SetSize(problem.size());
+  work_.is_assembled = problem.has_factors();
   const Index n = work_.n;
   std::copy_n(problem.DiagonalA().data(), n, work_.diagonal);
   std::copy_n(problem.b().data(), n, work_.b);
@@ -86,6 +90,7 @@ void SmallPivoting::LoadDense(const LcpProblem& problem) {
 
 void SmallPivoting::LoadPart(const LcpProblem& problem, std::span<const Index> rows) {
   SetSize(static_cast<Index>(rows.size()));
+  work_.is_assembled = problem.has_factors();
   for (int i = 0; i < work_.n; ++i) {
     const Index given = rows[At(i)];
     work_.diagonal[i] = problem.DiagonalA()[given];
@@ -105,6 +110,7 @@ void SmallPivoting::LoadPart(const LcpProblem& problem, std::span<const Index> r
 
 void SmallPivoting::LoadArrays(const ProblemArrays& arrays, const double* diagonal) {
   SetSize(arrays.rows);
+  work_.is_assembled = false;
   const Index n = work_.n;
   std::copy_n(diagonal, n, work_.diagonal);
   std::copy_n(arrays.b.data(), n, work_.b);

@@ -25,7 +25,9 @@ namespace lcpbench {
 /// the most negative f A_ii^1/2 or w / A_ii^1/2 is moved, until there is none; after `2 n` moves the violated row of
 /// least index is [Murty 1974], which is finite for positive definite A.
 ///
-/// One and two rows have closed forms, which are tried first.
+/// Other rules for the next pivot make it Dantzig's or Lemke's method on the same tableau (TableauRule).
+///
+/// One and two rows have closed forms, which principal pivoting tries first.
 ///
 /// A is loaded here; a kernel (DenseTableau), compiled for each instruction set and chosen at run time, does the rest.
 /// It scales by powers of two that bring A_ii into [1, 4) and the largest |b_i| into [1, 2), so that no unit matters
@@ -46,7 +48,8 @@ class SmallPivoting {
   static constexpr Index kRowsWithoutClock = 24;
 
   /// @throws InputError if this machine lacks the instructions
-  explicit SmallPivoting(InstructionSet instructions = InstructionSet::kBest);
+  explicit SmallPivoting(InstructionSet instructions = InstructionSet::kBest,
+                         TableauRule rule = TableauRule::kMostViolated);
   SmallPivoting(const SmallPivoting&) = delete;
   SmallPivoting& operator=(const SmallPivoting&) = delete;
 
@@ -71,7 +74,8 @@ class SmallPivoting {
     /// What rounding can hide of the rho of the given form: w_i / A_ii^1/2 is off by at most 2 (n + 8) epsilon
     /// |D^1/2 f|_1, also where A_ij is a rounded sum, because (|J| M^-1 |J|^T)_ij <= (A_ii A_jj)^1/2.
     double rounding;
-    bool rows_meet;  ///< row_limit, in double
+    bool rows_meet;       ///< row_limit, in double
+    bool rows_are_clear;  ///< and rounding of A hides no row that misses it by more than SmallPivoting's callers allow
 
     enum class Judgement {
       kRight,
@@ -150,11 +154,11 @@ SmallPivoting::Answer SmallPivoting::SolveLoaded(const Given& given, const Reque
   work_.row_limit = request.row_limit;
   work_.self_check = request.self_check;
   work_.clock = work_.n > kRowsWithoutClock ? request.deadline : nullptr;
-  if (!kernel_.solve(&work_)) return {kInfinity, kInfinity, false};
+  if (!kernel_.solve(&work_)) return {kInfinity, kInfinity, false, false};
   const double inverse_b_scale = 1 / work_.b_scale;
   for (Index i = 0; i < work_.n; ++i) f[given(i)] = work_.force[i] * (work_.scale[i] * inverse_b_scale);
   for (Index i = 0; i < work_.n && w != nullptr; ++i) w[given(i)] = work_.w[i] * (inverse_b_scale / work_.scale[i]);
-  return {work_.rho, work_.rounding, work_.rows_meet};
+  return {work_.rho, work_.rounding, work_.rows_meet, work_.rows_are_clear};
 }
 
 }  // namespace lcpbench

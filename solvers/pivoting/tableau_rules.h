@@ -16,5 +16,8 @@ inline constexpr double kGoodEnoughInLanes = 1e-13;
 inline constexpr double kMostRho = 1e-9;
 /// Backward errors in double of at most this part of what is allowed pass in extended precision, too.
 inline constexpr double kMargin = 0.1;
+/// What rounding may add to a row's backward error, in parts of the limit with that margin: the rest of what is
+/// allowed.
+inline constexpr double kHiddenInRow = 1 / kMargin - 1;
 
 }  // namespace lcpbench::tableau

@@ -6,6 +6,13 @@
 /// Plain types only: this header is compiled with every set of flags.
 namespace lcpbench {
 
+/// Which row changes sides next.
+enum class TableauRule : std::uint8_t {
+  kMostViolated,  ///< principal pivoting on the most violated row
+  kDriven,        ///< Dantzig's: row by row, each driven to w = 0 while those before it stay right [Baraff 1994]
+  kAlongPath,     ///< Lemke's: what reaches 0 first as z falls from 1 to 0 in w = A f + b + z d
+};
+
 /// A problem of n rows, its answer, and the room to find it in. Vectors have `stride` numbers, matrices that many a
 /// row: n in whole registers, aligned to them, padded by zeros.
 struct TableauWork {
@@ -19,8 +26,10 @@ struct TableauWork {
   int joint_count = 0;
   int* guess = nullptr;  ///< rows that may be active, ascending, joints among them; changed
   int guess_count = 0;
+  TableauRule rule = TableauRule::kMostViolated;
   double row_limit = 0;
   bool self_check = true;
+  bool is_assembled = true;  ///< entries of A are rounded sums, not given numbers
   bool (*is_late)(const void* clock) = nullptr;
   const void* clock = nullptr;  ///< nullptr: no limit
 
@@ -32,6 +41,7 @@ struct TableauWork {
   double rho = 0;
   double rounding = 0;
   bool rows_meet = false;
+  bool rows_are_clear = false;
   int pivots = 0;
 
   // Room.
@@ -45,6 +55,7 @@ struct TableauWork {
   double* inverse_root = nullptr;
   double* least_force = nullptr;  ///< 0 or, of joints, -infinity
   double* correction = nullptr;
+  double* cover = nullptr;   ///< of kAlongPath: d, exchanged as b is
   double* exchange[4] = {};  ///< x and y of two pivots
   int* rows = nullptr;
   int* columns = nullptr;

@@ -5,6 +5,7 @@
 
 #include "solvers/lcp/residual_sums.h"
 #include "solvers/lcp/step_rows.h"
+#include "solvers/pivoting/tableau_rules.h"
 
 /// Internal to solvers/rows/.
 namespace lcpbench {
@@ -58,8 +59,14 @@ ResidualSums<double> SumRows(const StepRows& rows, const Real* J, std::span<cons
     // |A f|_i and |A_ii f_i|, by which alone most rows pass.
     const double b = std::abs(rows.b[row]);
     const double defect = std::abs(ResidualSums<double>::Defect(w_row, d * f[row], is_joint));
-    const bool is_clear = defect <= row_limit * (b + std::max(std::abs(w_row - rows.b[row]), std::abs(d * f[row])));
-    if (!is_clear && !(defect <= row_limit * (b + size_of_gap(row)))) sums.RefuseRow();
+    const double least = row_limit * (b + std::max(std::abs(w_row - rows.b[row]), std::abs(d * f[row])));
+    // What rounding of the terms may add to the defect of a row whose terms cancel.
+    const double hidden = kRoundingOfTwoBodies<Sum> * magnitude;
+    if (!(defect <= least && hidden <= tableau::kHiddenInRow * least)) {
+      const double limit = row_limit * (b + size_of_gap(row));
+      if (!(defect <= limit)) sums.RefuseRow();
+      if (!(hidden <= tableau::kHiddenInRow * limit)) sums.DoubtRow();
+    }
     if (w != nullptr) w[row] = w_row;
   }
   return sums;

@@ -8,23 +8,22 @@
 namespace lcpbench {
 // Columns that do not ascend or are out of range end it as a third body does: LcpProblem finds the words for them.
 template <Index p>
-bool TwoBodyCopy::TakeRows(const ProblemArrays& arrays) {
-  const Index n = arrays.rows;
+bool TwoBodyCopy::TakeRows(const Factors& factors) {
+  const Index n = factors.rows;
   if (body_.size() < At(2 * n)) body_.resize(At(2 * n));
   if (J_.size() < At(2 * p * n)) J_.resize(At(2 * p * n));
-  const int* const start = arrays.row_start.data();
-  const int* const column = arrays.column.data();
-  const double* const value = arrays.value.data();
-  const double* const mass = arrays.inverse_mass.data();
-  if (moves_.size() < At(arrays.columns / p)) moves_.resize(At(arrays.columns / p));
+  const int* const start = factors.start;
+  const int* const column = factors.column;
+  const double* const value = factors.value;
+  if (moves_.size() < At(factors.columns / p)) moves_.resize(At(factors.columns / p));
   unsigned char* const moves = moves_.data();
-  for (Index k = 0; k < arrays.columns / p; ++k) {
+  for (Index k = 0; k < factors.columns / p; ++k) {
     double sum = 0;
-    for (int c = 0; c < p; ++c) sum += mass[k * p + c];
+    for (int c = 0; c < p; ++c) sum += factors.mass[k * p + c];
     moves[k] = sum > 0 ? 1 : 0;
   }
-  const auto columns = static_cast<int>(arrays.columns);
-  const auto entries = static_cast<int>(arrays.column.size());
+  const auto columns = static_cast<int>(factors.columns);
+  const auto entries = static_cast<int>(factors.entries);
   double* J = J_.data();
   std::int32_t* body = body_.data();
   for (Index i = 0; i < n; ++i, J += 2 * p, body += 2) {
@@ -66,6 +65,24 @@ bool TwoBodyCopy::TakeRows(const ProblemArrays& arrays) {
   return true;
 }
 
+bool TwoBodyCopy::TakeFactors(const Factors& factors, int columns_per_body) {
+  NumberRange range(kFactorRange);
+  range.Look(factors.value, factors.entries);
+  range.Look(factors.mass, factors.columns);
+  if (range.has_large()) return false;
+  // -0.0 is 0, and seldom: it goes the long way.
+  std::uint64_t signs = 0;
+  for (Index k = 0; k < factors.columns; ++k) signs |= std::bit_cast<std::uint64_t>(factors.mass[k]);
+  if (signs >> 63U != 0 || !(columns_per_body == 3 ? TakeRows<3>(factors) : TakeRows<6>(factors))) return false;
+  rows_.columns_per_body = columns_per_body;
+  rows_.rows = factors.rows;
+  rows_.bodies = factors.columns / columns_per_body;
+  rows_.body = body_.data();
+  rows_.J = J_.data();
+  rows_.inverse_mass = factors.mass;
+  return !range.has_small() || HasDiagonalInRange(rows_);
+}
+
 bool TwoBodyCopy::Take(const ProblemArrays& arrays) {
   const int p = arrays.facts.columns_per_body;
   const auto count = static_cast<Index>(arrays.value.size());
@@ -75,25 +92,25 @@ bool TwoBodyCopy::Take(const ProblemArrays& arrays) {
                     (arrays.bilateral.empty() || arrays.bilateral.size() == arrays.b.size()) &&
                     arrays.row_start.front() == 0 && arrays.row_start.back() == count;
   if (!fits) return false;
-  NumberRange of_factors(kFactorRange);
   NumberRange of_loads(kLoadRange);
-  of_factors.Look(arrays.value.data(), count);
-  of_factors.Look(arrays.inverse_mass.data(), arrays.columns);
   of_loads.Look(arrays.b.data(), arrays.rows);
-  if (of_factors.has_large() || !of_loads.is_within()) return false;
-  // -0.0 is 0, and seldom: it goes the long way.
-  std::uint64_t signs = 0;
-  for (const double m : arrays.inverse_mass) signs |= std::bit_cast<std::uint64_t>(m);
-  if (signs >> 63U != 0 || !(p == 3 ? TakeRows<3>(arrays) : TakeRows<6>(arrays))) return false;
-  rows_.columns_per_body = p;
-  rows_.rows = arrays.rows;
-  rows_.bodies = arrays.columns / p;
-  rows_.body = body_.data();
-  rows_.J = J_.data();
+  if (!of_loads.is_within()) return false;
   rows_.b = arrays.b.data();
   rows_.bilateral = arrays.bilateral.empty() ? nullptr : arrays.bilateral.data();
-  rows_.inverse_mass = arrays.inverse_mass.data();
-  return !of_factors.has_small() || HasDiagonalInRange(rows_);
+  return TakeFactors({arrays.rows, arrays.columns, count, arrays.row_start.data(), arrays.column.data(),
+                      arrays.value.data(), arrays.inverse_mass.data()},
+                     p);
+}
+
+bool TwoBodyCopy::Take(const LcpProblem& problem) {
+  const SparseMatrix& J = problem.J();
+  if (J.cols() % problem.columns_per_body() != 0) return false;
+  rows_.b = nullptr;
+  const std::vector<unsigned char>& bilateral = problem.bounds().bilateral;
+  rows_.bilateral = bilateral.empty() ? nullptr : bilateral.data();
+  return TakeFactors({problem.size(), J.cols(), J.nonZeros(), J.outerIndexPtr(), J.innerIndexPtr(), J.valuePtr(),
+                      problem.inverse_mass().data()},
+                     problem.columns_per_body());
 }
 
 }  // namespace lcpbench

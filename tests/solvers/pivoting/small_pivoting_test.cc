@@ -60,7 +60,7 @@ TEST_P(SmallPivotingTest, SolvesDefiniteProblemsOfEverySize) {
     for (unsigned seed = 0; seed < (n <= 2 ? 200U : 5U); ++seed) {
       const LcpProblem problem = Definite(n, 1000 * seed + static_cast<unsigned>(n));
       VectorXd f(n);
-      const auto [rho, rounding, rows_meet] = tableau.Solve(problem, {}, &f);
+      const auto [rho, rounding, rows_meet, rows_are_clear] = tableau.Solve(problem, {}, &f);
       EXPECT_LE(rho, 1e-13) << n;
       const Verdict verdict = Verify(problem, Claimed(f), 1e-9);
       EXPECT_TRUE(verdict.passes) << n << ": " << verdict.reason;
@@ -103,13 +103,58 @@ TEST_P(SmallPivotingTest, RowsThatDependOnOthersTakeTheirPlaces) {
       const LcpProblem problem =
           PlantedProblem(n, static_cast<int>(n / 6), 100 * seed + static_cast<unsigned>(n), 5, 4).problem;
       VectorXd f(n);
-      const auto [rho, rounding, rows_meet] = tableau.Solve(problem, {}, &f);
+      const auto [rho, rounding, rows_meet, rows_are_clear] = tableau.Solve(problem, {}, &f);
       if (!(rho <= 1e-9)) continue;
       ++solved;
       EXPECT_LE(ComputeMetrics(problem, f).rho, rho + rounding) << n << ' ' << seed;
     }
   }
   EXPECT_GE(solved, 0.99 * problems) << problems;
+}
+
+// Each way of choosing pivots ends at the one solution of a definite problem.
+TEST_P(SmallPivotingTest, DrivenRowsAndLemkesPathEndAtTheSamePoint) {
+  SmallPivoting principal(GetParam());
+  principal.Reserve(SmallPivoting::kMaxRows);
+  for (const TableauRule rule : {TableauRule::kDriven, TableauRule::kAlongPath}) {
+    SmallPivoting tableau(GetParam(), rule);
+    tableau.Reserve(SmallPivoting::kMaxRows);
+    for (Index n = 1; n <= SmallPivoting::kMaxRows; ++n) {
+      for (unsigned seed = 0; seed < (n <= 3 ? 100U : 5U); ++seed) {
+        const LcpProblem problem = Definite(n, 1000 * seed + static_cast<unsigned>(n));
+        VectorXd expected(n);
+        principal.Solve(problem, {}, &expected);
+        VectorXd f(n);
+        EXPECT_LE(tableau.Solve(problem, {}, &f).rho, 1e-13) << n << ' ' << seed;
+        EXPECT_LE((f - expected).cwiseAbs().maxCoeff(), 1e-11 * (1 + expected.cwiseAbs().maxCoeff())) << n;
+        // Rows with a force have entered, joints and those of a force by rounding apart.
+        const auto active = (f.array().abs() > 1e-9).count();
+        EXPECT_GE(tableau.pivots(), active - static_cast<Index>(problem.bilateral_rows().size())) << n;
+      }
+    }
+  }
+}
+
+// Dependent rows: Lemke's path exchanges them, and a driven row may have nothing in its way.
+TEST_P(SmallPivotingTest, DrivenRowsAndLemkesPathMeetDependentRows) {
+  for (const TableauRule rule : {TableauRule::kDriven, TableauRule::kAlongPath}) {
+    SmallPivoting tableau(GetParam(), rule);
+    tableau.Reserve(SmallPivoting::kMaxRows);
+    int solved = 0;
+    int problems = 0;
+    for (Index n = 6; n <= SmallPivoting::kMaxRows; n += 6) {
+      for (unsigned seed = 0; seed < 20; ++seed, ++problems) {
+        const LcpProblem problem =
+            PlantedProblem(n, static_cast<int>(n / 6), 100 * seed + static_cast<unsigned>(n), 5, 4).problem;
+        VectorXd f(n);
+        const auto [rho, rounding, rows_meet, rows_are_clear] = tableau.Solve(problem, {}, &f);
+        if (!(rho <= 1e-9)) continue;
+        ++solved;
+        EXPECT_LE(ComputeMetrics(problem, f).rho, rho + rounding) << n << ' ' << seed;
+      }
+    }
+    EXPECT_GE(solved, 0.7 * problems) << problems;
+  }
 }
 
 TEST_P(SmallPivotingTest, APartIsSolvedAsTheProblemOfItsRows) {
