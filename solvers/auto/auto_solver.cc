@@ -17,8 +17,8 @@
 #include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/islands.h"
+#include "solvers/linear_algebra/tableau_rules.h"
 #include "solvers/pivoting/small_pivoting.h"
-#include "solvers/pivoting/tableau_rules.h"
 #include "solvers/rows/two_body_copy.h"
 #include "support/input_error.h"
 

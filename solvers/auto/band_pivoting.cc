@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "solvers/linear_algebra/tableau_rules.h"
 #include "solvers/linear_algebra/vector_register.h"
-#include "solvers/pivoting/tableau_rules.h"
 #include "solvers/rows/exchange_blocks.h"
 #include "support/array_index.h"
 

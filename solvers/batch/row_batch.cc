@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "solvers/batch/kernel.h"
-#include "solvers/pivoting/tableau_rules.h"
+#include "solvers/linear_algebra/tableau_rules.h"
 #include "solvers/rows/extended_rho.h"
 
 namespace lcpbench {

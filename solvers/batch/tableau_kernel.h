@@ -6,8 +6,8 @@
 
 #include "solvers/batch/kernel.h"
 #include "solvers/batch/row_assembly.h"
+#include "solvers/linear_algebra/tableau_rules.h"
 #include "solvers/linear_algebra/vector_register.h"
-#include "solvers/pivoting/tableau_rules.h"
 
 namespace lcpbench {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "solvers/linear_algebra/tableau_rules.h"
 #include "solvers/linear_algebra/vector_register.h"
-#include "solvers/pivoting/tableau_rules.h"
 #include "solvers/pivoting/tableau_work.h"
 
 namespace lcpbench {

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <optional>
 
-#include "solvers/pivoting/tableau_rules.h"
+#include "solvers/linear_algebra/tableau_rules.h"
 #include "solvers/rows/fixed_size_bpp.h"
 #include "support/array_index.h"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "solvers/pivoting/tableau_rules.h"
+#include "solvers/linear_algebra/tableau_rules.h"
 #include "support/array_index.h"
 
 namespace lcpbench {

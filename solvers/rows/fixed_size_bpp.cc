@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "solvers/lcp/residual_sums.h"
-#include "solvers/pivoting/tableau_rules.h"
+#include "solvers/linear_algebra/tableau_rules.h"
 
 namespace lcpbench {
 namespace {

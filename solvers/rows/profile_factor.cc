@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "solvers/linear_algebra/tableau_rules.h"
 #include "solvers/linear_algebra/vector_register.h"
-#include "solvers/pivoting/tableau_rules.h"
 #include "support/array_index.h"
 
 namespace lcpbench {

@@ -4,7 +4,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "solvers/pivoting/tableau_rules.h"
+#include "solvers/linear_algebra/tableau_rules.h"
 #include "solvers/rows/row_sums.h"
 
 namespace lcpbench {

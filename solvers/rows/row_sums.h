@@ -5,7 +5,7 @@
 
 #include "solvers/lcp/residual_sums.h"
 #include "solvers/lcp/step_rows.h"
-#include "solvers/pivoting/tableau_rules.h"
+#include "solvers/linear_algebra/tableau_rules.h"
 
 /// Internal to solvers/rows/.
 namespace lcpbench {
