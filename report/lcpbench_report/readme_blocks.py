@@ -99,7 +99,7 @@ def _tuning(page: Page) -> str:
     return (f"At most {tuned['budget']} configurations of each of {len(solvers)} solvers were tried ({min(tried)} to "
             f"{max(tried)}), on {tuned['problems']['count']} problems with {formats.words(list(map(str, sizes)))} rows at "
             f"tier {formats.power(tuned['tier'])}; {len(changed)} have chosen settings other than their default: "
-            f"{formats.words(where)}. The other {len(solvers) - len(changed)} keep it.")
+            f"{formats.words(where)}." + (f" The other {rest} keep it." if (rest := len(solvers) - len(changed)) else ""))
 
 
 def _solvers(page: Page, origin: str) -> list[dict]:
@@ -111,7 +111,14 @@ def _keys(keys) -> str:
     return ", ".join(map(shown_tables.key, keys))
 
 
-def _solver_table(page: Page, origin: str, *more: str) -> str:
+def _peers(page: Page) -> list[dict]:
+    """All peers, with the versions that the campaign met."""
+    library = {of["key"]: of["library"] for of in peers.facts()["peers"]}
+    met = {library[of["key"]]: of["library_version"] for of in _solvers(page, "peer") if of["key"] in library}
+    return [of | {"library_version": met.get(of["library"], formats.DASH)} for of in peers.facts()["peers"]]
+
+
+def _solver_table(page: Page, solvers: list[dict], *more: str) -> str:
     """Key, method, whether the tolerance matters, and the settings that data/tuning.json declares, with their values.
     Keys that differ from another one by peers.RELATED have no row of their own.
 
@@ -119,7 +126,7 @@ def _solver_table(page: Page, origin: str, *more: str) -> str:
     """
     declared = {of["solver"]: of["settings"] for of in page.data("tuning")["solvers"]}
     rows = []
-    for of in _solvers(page, origin):
+    for of in solvers:
         if of["key"].endswith(peers.RELATED):
             continue
         settings = "; ".join(f"`{name}` {', '.join(values)}" for name, values in declared.get(of["key"], {}).items())
@@ -142,7 +149,7 @@ BLOCKS: dict[str, Callable[[Page], str]] = {
                                                                if of["key"] != PORTFOLIO))),
     "scene-keys": lambda page: _keys(sorted({about["family"] for about in page.inputs.problems.values()
                                                 if about["origin"] in ("placed", "motion")})),
-    "own-solvers": lambda page: _solver_table(page, "own"),
+    "own-solvers": lambda page: _solver_table(page, _solvers(page, "own")),
     "peer-criteria": lambda page: peers.criteria().markdown(), "peers-left-out": lambda page: peers.left_out().markdown(),
-    "peer-solvers": lambda page: _solver_table(page, "peer", "library_version", "licence"),
+    "peer-solvers": lambda page: _solver_table(page, _peers(page), "library_version", "licence"),
 }
