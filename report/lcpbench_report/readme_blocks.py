@@ -114,7 +114,8 @@ def _keys(keys) -> str:
 def _peers(page: Page) -> list[dict]:
     """All peers, with the versions that the campaign met."""
     library = {of["key"]: of["library"] for of in peers.facts()["peers"]}
-    met = {library[of["key"]]: of["library_version"] for of in _solvers(page, "peer") if of["key"] in library}
+    met = {library[key]: of["library_version"] for of in page.info["solvers"]
+           if (key := of["base"] or of["key"]) in library and of["library_version"]}
     return [of | {"library_version": met.get(of["library"], formats.DASH)} for of in peers.facts()["peers"]]
 
 
