@@ -66,7 +66,7 @@ class Campaign {
       Time(task, PassKind::kParts, 1);
       Time(task, PassKind::kAgain, 1);
     };
-    if (launches.parts && !VisitAll(tasks_, launches.near + 1, "parts", explain)) return false;
+    if (launches.parts && !VisitAll(timed, launches.near + 1, "parts", explain)) return false;
     StartWorker();  // with all its memory
     for (int round = 0; round < plan_.rounds; ++round) {
       const std::string title = "sequences, round " + std::to_string(round);

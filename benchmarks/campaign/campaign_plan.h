@@ -53,7 +53,7 @@ struct Launches {
   double within = 3;    ///< median times, failures infinite, after `others` launches, at any tier
   double right = 0.99;  ///< share of the weight that a solver must verify to count as the best, where one does
   double settle_s = 0.05;  ///< how long a launch may warm up until its times settle [s]
-  bool parts = true;       ///< one more launch times parts, and the same matrix with another b
+  bool parts = true;  ///< of those that have `near`, one more launch times parts, and the same matrix with another b
 };
 
 /// What a campaign consists of, fixed before its first solve.
