@@ -50,9 +50,11 @@ const LcpProblem& AnyProblem() {
 TEST(ExternalSolver, GivesTheBitsOfTheSameSolverInThisProcess) {
   ExternalSolver external(Worker("dantzig"));
   EXPECT_EQ(external.Greet().name, "dantzig");
+  const auto dantzig = MakeSolver("dantzig", {});
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const LcpProblem problem = PlantedProblem(15, 5, seed, 3, 0).problem;
-    const LcpResult here = SolveHere(problem);
+    LcpResult here;  // a worker begins at arrays
+    dantzig->SolveArrays(ProblemArrays::Of(problem), {}, &here);
     const LcpResult there = SolveThere(external, problem);
     EXPECT_EQ(there.status, here.status);
     EXPECT_EQ(there.f, here.f);
