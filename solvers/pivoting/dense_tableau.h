@@ -64,7 +64,7 @@ class DenseTableau {
   static constexpr double kNoise = tableau::kNoise;
   // Rates of change below this, of scaled numbers, are rounding.
   static constexpr double kLeastRate = 1e-12;
-  // Of a sum of products, in parts of its terms, for each of them.
+  // A sum of products is off by at most this for each product, in parts of the sum of absolute values.
   static constexpr double kRounding = 2 * std::numeric_limits<double>::epsilon();
   // rho up to which a guess of the active set counts as right.
   static constexpr double kRightRho = 1e-13;
@@ -245,7 +245,7 @@ class DenseTableau {
     if (t_.rule == TableauRule::kAlongPath) ExchangeCover(r, inverse);
   }
 
-  // As q.
+  // Changes the cover as an exchange changes q.
   void ExchangeCover(int r, double inverse) {
     const double cover = t_.cover[r];
     for (int v = 0; v < registers_; ++v) {
@@ -395,7 +395,7 @@ class DenseTableau {
     for (int k = 0; k < t_.guess_count; ++k) {
       if (!is_active(t_.guess[k])) Pivot<count>(t_.guess[k]);
     }
-    // What rounding leaves of these is for the loop below.
+    // The loop below mends what rounding leaves violated.
     if (t_.rule == TableauRule::kDriven && !DriveRows<count>()) return false;
     if (t_.rule == TableauRule::kAlongPath && !FollowPath<count>()) return false;
     const int greedy = 2 * n_;

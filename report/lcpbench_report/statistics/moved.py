@@ -82,5 +82,6 @@ def _values(run: Measured, front: set[tuple], ours: str) -> dict[tuple, tuple[fl
 def _row(key: tuple, old: tuple[float, float, float], new: tuple[float, float, float]) -> list:
     same = old[0] == new[0]  # also both infinite
     moved = 0.0 if same else new[0] / old[0] - 1
-    within = math.isfinite(old[0]) and math.isfinite(new[0]) and any(low <= value <= high for value, (_, low, high) in ((old[0], new), (new[0], old)))
+    within = all(map(math.isfinite, (old[0], new[0]))) and any(
+        low <= value <= high for value, (_, low, high) in ((old[0], new), (new[0], old)))
     return [*key, *old, *new, moved, same or abs(moved) <= REACH or within]

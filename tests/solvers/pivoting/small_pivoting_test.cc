@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "solvers/lcp/verify.h"
@@ -92,24 +93,29 @@ TEST_P(SmallPivotingTest, GivesTheSameForcesFromAnyFormAndBySse2) {
   }
 }
 
-// Half as many degrees of freedom as rows: most active sets leave violated rows that depend on them.
+// Half as many degrees of freedom as rows: most active sets leave violated rows that depend on them. Principal pivoting
+// exchanges nearly all of these; the other rules leave a quarter of the problems to the caller.
 TEST_P(SmallPivotingTest, RowsThatDependOnOthersTakeTheirPlaces) {
-  SmallPivoting tableau(GetParam());
-  tableau.Reserve(SmallPivoting::kMaxRows);
-  int solved = 0;
-  int problems = 0;
-  for (Index n = 6; n <= SmallPivoting::kMaxRows; n += 6) {
-    for (unsigned seed = 0; seed < 20; ++seed, ++problems) {
-      const LcpProblem problem =
-          PlantedProblem(n, static_cast<int>(n / 6), 100 * seed + static_cast<unsigned>(n), 5, 4).problem;
-      VectorXd f(n);
-      const auto [rho, rounding, rows_meet, rows_are_clear] = tableau.Solve(problem, {}, &f);
-      if (!(rho <= 1e-9)) continue;
-      ++solved;
-      EXPECT_LE(ComputeMetrics(problem, f).rho, rho + rounding) << n << ' ' << seed;
+  for (const auto& [rule, least_solved] :
+       {std::pair(TableauRule::kMostViolated, 0.99), std::pair(TableauRule::kDriven, 0.7),
+        std::pair(TableauRule::kAlongPath, 0.7)}) {
+    SmallPivoting tableau(GetParam(), rule);
+    tableau.Reserve(SmallPivoting::kMaxRows);
+    int solved = 0;
+    int problems = 0;
+    for (Index n = 6; n <= SmallPivoting::kMaxRows; n += 6) {
+      for (unsigned seed = 0; seed < 20; ++seed, ++problems) {
+        const LcpProblem problem =
+            PlantedProblem(n, static_cast<int>(n / 6), 100 * seed + static_cast<unsigned>(n), 5, 4).problem;
+        VectorXd f(n);
+        const SmallPivoting::Answer answer = tableau.Solve(problem, {}, &f);
+        if (!(answer.rho <= 1e-9)) continue;
+        ++solved;
+        EXPECT_LE(ComputeMetrics(problem, f).rho, answer.rho + answer.rounding) << n << ' ' << seed;
+      }
     }
+    EXPECT_GE(solved, least_solved * problems) << static_cast<int>(rule);
   }
-  EXPECT_GE(solved, 0.99 * problems) << problems;
 }
 
 // Each way of choosing pivots ends at the one solution of a definite problem.
@@ -132,28 +138,6 @@ TEST_P(SmallPivotingTest, DrivenRowsAndLemkesPathEndAtTheSamePoint) {
         EXPECT_GE(tableau.pivots(), active - static_cast<Index>(problem.bilateral_rows().size())) << n;
       }
     }
-  }
-}
-
-// Dependent rows: Lemke's path exchanges them, and a driven row may have nothing in its way.
-TEST_P(SmallPivotingTest, DrivenRowsAndLemkesPathMeetDependentRows) {
-  for (const TableauRule rule : {TableauRule::kDriven, TableauRule::kAlongPath}) {
-    SmallPivoting tableau(GetParam(), rule);
-    tableau.Reserve(SmallPivoting::kMaxRows);
-    int solved = 0;
-    int problems = 0;
-    for (Index n = 6; n <= SmallPivoting::kMaxRows; n += 6) {
-      for (unsigned seed = 0; seed < 20; ++seed, ++problems) {
-        const LcpProblem problem =
-            PlantedProblem(n, static_cast<int>(n / 6), 100 * seed + static_cast<unsigned>(n), 5, 4).problem;
-        VectorXd f(n);
-        const auto [rho, rounding, rows_meet, rows_are_clear] = tableau.Solve(problem, {}, &f);
-        if (!(rho <= 1e-9)) continue;
-        ++solved;
-        EXPECT_LE(ComputeMetrics(problem, f).rho, rho + rounding) << n << ' ' << seed;
-      }
-    }
-    EXPECT_GE(solved, 0.7 * problems) << problems;
   }
 }
 
