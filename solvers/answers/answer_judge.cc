@@ -25,6 +25,24 @@ double Rounding(const LcpProblem& problem, const Eigen::VectorXd& f) {
   return (rows + kTermsBesideRows) * std::numeric_limits<double>::epsilon() * std::sqrt(rows) * relative;
 }
 
+// Whether what rounding hides of a row's gap, which Rounding bounds over all rows, may be what its backward error
+// misses the limit by.  O(n)
+bool RoundingMayHideARow(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w, double limit) {
+  if (!problem.has_factors()) return false;  // entries of A are given, not sums that may cancel
+  constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
+  const Eigen::VectorXd& D = problem.DiagonalA();
+  double forces = 0;
+  for (Index i = 0; i < f.size(); ++i) forces += std::sqrt(std::abs(D[i])) * std::abs(f[i]);
+  for (Index i = 0; i < f.size(); ++i) {
+    const double b = problem.b()[i];
+    // (|A| |f| + |b|)_i is no less.
+    const double least = std::max(std::abs(w[i] - b), std::abs(D[i] * f[i])) + std::abs(b);
+    const double defect = std::abs(ResidualSums<double>::Defect(w[i], D[i] * f[i], problem.is_bilateral(i)));
+    if (defect + kRounding * std::sqrt(std::abs(D[i])) * forces > limit * least) return true;
+  }
+  return false;
+}
+
 // Entries of D^1/2 y below this part of the largest may be rounding of zeros.
 constexpr double kNoise = 1e-12;
 // A ray is multiplied by these, then its entries are cut to so many bits.
@@ -62,12 +80,13 @@ bool AnswerJudge::Publish() {
   double backward = estimate_.BackwardError(f_, w_);
   // The verdict is made in extended precision, so the estimate is, too, where rounding may matter: where it could
   // decide about rho, and where sums cancel in a row whose own terms are all (nearly) 0, so that its backward error is
-  // rounding over nothing.
-  if (is_unclear || (rho <= tolerance_ && backward * backward > tolerance_)) {
+  // rounding over nothing, or seems small for it.
+  if (is_unclear || (rho <= tolerance_ && (backward * backward > tolerance_ ||
+                                           RoundingMayHideARow(estimate_.problem(), f_, w_, std::sqrt(tolerance_))))) {
     extended_.Rho(f_);
     for (Index i = 0; i < w_.size(); ++i) w_[i] = static_cast<double>(extended_.w(i));
     rho = estimate_.Rho(f_, w_);
-    backward = estimate_.BackwardError(f_, w_);
+    backward = static_cast<double>(extended_.BackwardError(f_));
   }
   const double tier = std::max(rho, backward * backward);
   if (tier < tier_) {

@@ -126,6 +126,9 @@ class Residual {
     return worst;
   }
 
+  /// The same with the w of the last Rho(f).
+  Real BackwardError(const Eigen::VectorXd& f) { return BackwardError(f, w_); }
+
   /// Whether f passes a tier: rho <= tolerance and every backward error <= sqrt(tolerance).  As Rho(f), plus the
   /// entries of those rows of A whose residual is not small by itself.
   bool Meets(double tolerance, const Eigen::VectorXd& f) {
