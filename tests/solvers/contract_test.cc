@@ -107,6 +107,21 @@ TEST_P(SolverContract, NearlyParallelRowsMayFailButMayNotLie) {
   }
 }
 
+// Islands of a pendulum that DART recorded: the terms of a small row cancel, and rounding of A is all that is left.
+TEST_P(SolverContract, RowsWhoseTermsCancelMayFailButMayNotLie) {
+  for (const LcpRecord& record : ReadLcpFile(LCPBENCH_SOURCE_DIR "/tests/data/reports/terms-that-cancel.jsonl")) {
+    for (const double tolerance : kTiers) {
+      const LcpOptions options{.tolerance = tolerance, .time_limit_s = kShortTime};
+      LcpResult of_arrays;
+      solver_->SolveArrays(ProblemArrays::Of(record.problem), options, &of_arrays);
+      for (const LcpResult& result : {SolveWith(solver_.get(), record.problem, options), of_arrays}) {
+        const Verdict verdict = Verify(record.problem, result, tolerance);
+        EXPECT_FALSE(verdict.false_success) << record.problem.id() << " at " << tolerance << ": " << verdict.reason;
+      }
+    }
+  }
+}
+
 // The floor is told by those that fail at it, and by no others.
 TEST_P(SolverContract, AFailureAtTheRoundingFloorSaysSo) {
   constexpr double kTolerance = 1e-9;
