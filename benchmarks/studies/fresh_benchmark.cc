@@ -33,7 +33,12 @@ namespace {
 
 constexpr const char* kSuite = "core";
 constexpr const char* kFromArrays = "arrays";
+constexpr const char* kFromProblem = "problem";
 constexpr const char* kFromRows = "rows";
+
+TimedFrom BeginningOf(const std::string& from) {
+  return from == kFromRows ? TimedFrom::kRows : from == kFromProblem ? TimedFrom::kProblem : TimedFrom::kArrays;
+}
 
 struct Options {
   FreshSources sources;
@@ -73,9 +78,10 @@ void Declare(CLI::App* app, Options* options) {
   app->add_flag("--only-workers", options->only_workers,
                 "Peers that are linked in run in their workers, as the others");
   app->add_option("--from", options->from,
-                  "What a solve begins at. arrays: J by compressed rows; rows: two bodies and their numbers a row, as "
+                  "What a solve begins at. arrays: J by compressed rows; problem: the same, made an LcpProblem for own "
+                  "solvers; rows: two bodies and their numbers a row, as "
                   "engines have them, for auto (StepSolver) and the codes that are linked in")
-      ->check(CLI::IsMember({kFromArrays, kFromRows}))
+      ->check(CLI::IsMember({kFromArrays, kFromProblem, kFromRows}))
       ->capture_default_str();
   app->add_option("--tier", options->tier, "Tolerance, asked for and judged at")
       ->check(Tolerance())
@@ -142,7 +148,7 @@ class Study {
   explicit Study(const Options& options)
       : plan_(options.plan),
         tier_(options.tier),
-        contestants_(MakeContestants(options.solvers, options.only_workers, options.from == kFromRows)),
+        contestants_(MakeContestants(options.solvers, options.only_workers, BeginningOf(options.from))),
         problems_(options.sources, plan_) {
     for (FreshStream* stream : problems_.streams()) {
       for (const Contestant& contestant : contestants_) Register(stream, contestant);

@@ -50,6 +50,25 @@ class SolverOfSteps final : public LcpSolver {
   std::vector<StepRows> rows_;  // views of steps_
 };
 
+// Makes an LcpProblem of the arrays, as a C++ program does that has no other use for them.
+class SolverOfProblems final : public LcpSolver {
+ public:
+  explicit SolverOfProblems(std::unique_ptr<LcpSolver> solver) : solver_(std::move(solver)) {}
+
+ protected:
+  void DoPrepare(const LcpProblem& /*problem*/) override {}
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
+    solver_->Solve(problem, options, result);
+  }
+  bool DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) override {
+    solver_->Solve(LcpProblem::FromArrays(arrays), options, result);
+    return true;
+  }
+
+ private:
+  std::unique_ptr<LcpSolver> solver_;
+};
+
 std::unique_ptr<LcpSolver> MakeStepSolver(const FreshStream& stream, const PassRequest& request) {
   const auto solver =
       std::make_shared<StepSolver>(StepOptions{.tolerance = request.tolerance, .time_limit_s = request.time_limit_s});
@@ -114,13 +133,19 @@ Contestant FromArrays(const SolverEntry& entry, bool only_workers) {
 
 }  // namespace
 
-std::vector<Contestant> MakeContestants(const std::vector<std::string>& keys, bool only_workers, bool from_rows) {
+std::vector<Contestant> MakeContestants(const std::vector<std::string>& keys, bool only_workers, TimedFrom begins) {
   std::vector<Contestant> contestants;
   contestants.reserve(keys.size());
   for (const std::string& key : keys) {
     const SolverEntry& entry = FindSolver(key);
     if (!entry.available) throw InputError("solver '" + key + "' is not in this build");
-    contestants.push_back(from_rows ? FromRows(entry) : FromArrays(entry, only_workers));
+    Contestant contestant = begins == TimedFrom::kRows ? FromRows(entry) : FromArrays(entry, only_workers);
+    if (begins == TimedFrom::kProblem && entry.origin == SolverOrigin::kOwn) {
+      contestant.make = [entry](const auto& /*stream*/, const auto& /*request*/) {
+        return std::make_unique<SolverOfProblems>(entry.make({}));
+      };
+    }
+    contestants.push_back(std::move(contestant));
   }
   return contestants;
 }

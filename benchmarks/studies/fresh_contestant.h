@@ -13,6 +13,13 @@
 
 namespace lcpbench {
 
+/// What a timed solve begins at.
+enum class TimedFrom {
+  kArrays,   ///< ProblemArrays
+  kProblem,  ///< the same, of which an LcpProblem is made for LcpSolver::Solve, and destroyed after it
+  kRows,     ///< an engine's arrays (StepRows)
+};
+
 /// What fresh_benchmark times: a solver, and where it runs.
 struct Contestant {
   SolverEntry entry;
@@ -24,11 +31,11 @@ struct Contestant {
 /// By keys of the registry. Own solvers run in this process. So do peers whose libraries are linked into this program
 /// (linked_peers.h). Other peers run in their workers.
 /// @param only_workers  linked peers run in their workers, too
-/// @param from_rows     timed from an engine's arrays (StepRows) instead of ProblemArrays: `auto` as StepSolver, and
-///                      codes of linked peers that take a dense A, which is assembled from the rows on their clock.
-///                      Problems without such arrays are refused (InputError) when they are met.
+/// @param begins        kRows: `auto` as StepSolver, and codes of linked peers that take a dense A, which is assembled
+///                      from the rows on their clock; problems without such arrays are refused (InputError) when they
+///                      are met. kProblem: own solvers; peers begin at arrays.
 /// @throws InputError for an unknown key, a solver that is not in this build, or one that takes no rows
-std::vector<Contestant> MakeContestants(const std::vector<std::string>& keys, bool only_workers, bool from_rows);
+std::vector<Contestant> MakeContestants(const std::vector<std::string>& keys, bool only_workers, TimedFrom begins);
 
 /// Whether f answers that problem of the stream.
 bool IsRight(const FreshStream& stream, std::size_t place, const Eigen::VectorXd& f, double tier);

@@ -12,6 +12,8 @@
 namespace lcpbench {
 namespace {
 
+// How often profile pivoting sweeps on where single rows do not pass.
+constexpr int kMoreSweeps = 4;
 // Parts of the largest force of an island below which forces are taken for rounding, where a row's error asks for it.
 constexpr double kRoundingOfForces[] = {1e-13, 1e-11, 1e-9};
 
@@ -122,6 +124,10 @@ RowSolver::PartEnd RowSolver::AskProfilePivoting(const Request& request, Part pa
   answer->iterations += profile_.iterations();
   double rho = 0;
   bool passes = Passes(request, part, &rho);
+  for (int k = 0; k < kMoreSweeps && !passes; ++k) {
+    profile_.SweepOn(request.f);
+    passes = Passes(request, part, &rho);
+  }
   for (const double rounding : kRoundingOfForces) {
     if (passes) break;
     profile_.Polish(rounding, request.f);

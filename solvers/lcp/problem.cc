@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -196,7 +197,8 @@ struct LcpProblem::Matrix {
   MatrixFacts facts;
 
   Eigen::MatrixXd dense;  // A of kDense
-  SparseMatrix sparse;    // A of kSparse, J of kFactors
+  // A of kSparse, J of kFactors. Eigen's sparse matrices allocate even where they are empty.
+  std::optional<SparseMatrix> given_sparse;
   Eigen::VectorXd inverse_mass;
   RowBounds bounds;
   std::vector<Index> bilateral;
@@ -206,10 +208,12 @@ struct LcpProblem::Matrix {
   // Derived on request, once, also where several threads ask.
   Once dense_once, sparse_once, diagonal_once, asymmetry_once, two_body_once;
   Eigen::MatrixXd derived_dense;
-  SparseMatrix derived_sparse;
+  std::optional<SparseMatrix> derived_sparse;
   Eigen::VectorXd diagonal;
   double asymmetry = 0;
   bool two_body_rows = false;
+
+  const SparseMatrix& sparse() const { return *given_sparse; }
 
   void RequireFiniteValues(const char* name, const double* values, Index count, Index side = 0) {
     beyond = RequireFinite(id, name, form == MatrixForm::kFactors ? kFactorRange : kEntryRange, values, count, side);
@@ -226,7 +230,7 @@ struct LcpProblem::Matrix {
     RequireShape(id, name, matrix->rows(), matrix->cols(), rows, columns);
     matrix->makeCompressed();
     RequireFiniteValues(name, matrix->valuePtr(), matrix->nonZeros());
-    sparse.swap(*matrix);
+    given_sparse.emplace().swap(*matrix);
   }
 
   void TakeMasses(Eigen::VectorXd masses) {
@@ -251,11 +255,11 @@ struct LcpProblem::Matrix {
     for (Index i = 0; i < rows; ++i) {
       long double of_row = 0;
       if (form == MatrixForm::kFactors) {
-        for (SparseMatrix::InnerIterator it(sparse, i); it; ++it) {
+        for (SparseMatrix::InnerIterator it(sparse(), i); it; ++it) {
           of_row += static_cast<long double>(it.value()) * it.value() * inverse_mass[it.col()];
         }
       } else {
-        of_row = std::abs(form == MatrixForm::kDense ? dense(i, i) : sparse.coeff(i, i));
+        of_row = std::abs(form == MatrixForm::kDense ? dense(i, i) : sparse().coeff(i, i));
       }
       if (of_row > std::numeric_limits<double>::max()) {
         Reject(id, "J M^-1 J^T must be finite, the diagonal entry of row " + std::to_string(i) + " is beyond doubles");
@@ -269,7 +273,7 @@ struct LcpProblem::Matrix {
     for (Index i = 0; i < rows; ++i) {
       Index first = -1;
       Index second = -1;
-      for (SparseMatrix::InnerIterator it(sparse, i); it; ++it) {
+      for (SparseMatrix::InnerIterator it(sparse(), i); it; ++it) {
         const Index block = it.col() / facts.columns_per_body;
         if (inverse_mass[it.col()] == 0 || it.value() == 0 || block == first || block == second) continue;
         if (second >= 0) return false;
@@ -281,11 +285,11 @@ struct LcpProblem::Matrix {
 
   // Whether every row of J has more than half of the columns that can move; at most 2^31 - 1 pairs.
   bool EveryPairSharesAColumn() const {
-    if (!HasDenseRows(sparse) || rows * rows > std::numeric_limits<int>::max()) return false;
+    if (!HasDenseRows(sparse()) || rows * rows > std::numeric_limits<int>::max()) return false;
     const auto movable = static_cast<Index>((inverse_mass.array() != 0).count());
     for (Index i = 0; i < rows; ++i) {
       Index count = 0;
-      for (SparseMatrix::InnerIterator it(sparse, i); it; ++it) count += inverse_mass[it.col()] != 0 ? 1 : 0;
+      for (SparseMatrix::InnerIterator it(sparse(), i); it; ++it) count += inverse_mass[it.col()] != 0 ? 1 : 0;
       if (2 * count <= movable) return false;
     }
     return true;
@@ -295,18 +299,16 @@ struct LcpProblem::Matrix {
   void FormSparseWithAll(const Eigen::MatrixXd& symmetric) {
     const Index n = symmetric.rows();
     RequireSparseMatrices(n, static_cast<double>(n) * static_cast<double>(n), 1);
-    derived_sparse.resize(n, n);
-    derived_sparse.resizeNonZeros(n * n);
-    for (Index i = 0; i <= n; ++i) derived_sparse.outerIndexPtr()[i] = static_cast<int>(i * n);
-    for (Index i = 0; i < n; ++i) {
-      std::iota(derived_sparse.innerIndexPtr() + i * n, derived_sparse.innerIndexPtr() + (i + 1) * n, 0);
-    }
-    std::copy_n(symmetric.data(), n * n, derived_sparse.valuePtr());
+    SparseMatrix& all = derived_sparse.emplace(n, n);
+    all.resizeNonZeros(n * n);
+    for (Index i = 0; i <= n; ++i) all.outerIndexPtr()[i] = static_cast<int>(i * n);
+    for (Index i = 0; i < n; ++i) std::iota(all.innerIndexPtr() + i * n, all.innerIndexPtr() + (i + 1) * n, 0);
+    std::copy_n(symmetric.data(), n * n, all.valuePtr());
   }
 
   // A = J M^-1 J^T row by row. Every entry sums m_k (J_ik J_jk) over ascending k, so (i, j) and (j, i) round alike.
   void FormSparseFromFactors() {
-    const SparseMatrix& J = sparse;
+    const SparseMatrix& J = sparse();
     const Index n = rows;
     const Eigen::SparseMatrix<double, Eigen::ColMajor, int> columns = J;
     // An entry is a pair of rows that share a body, which has several columns.
@@ -382,8 +384,7 @@ struct LcpProblem::Matrix {
         entries.emplace_back(static_cast<int>(i), static_cast<int>(it.col()), it.value());
       }
     }
-    derived_sparse.resize(n, n);
-    derived_sparse.setFromTriplets(entries.begin(), entries.end());
+    derived_sparse.emplace(n, n).setFromTriplets(entries.begin(), entries.end());
   }
 };
 
@@ -471,7 +472,7 @@ ProblemArrays ProblemArrays::Of(const LcpProblem& problem) {
       arrays.value.insert(arrays.value.end(), row.begin(), row.end());
     }
   } else {
-    const SparseMatrix& given = matrix.sparse;
+    const SparseMatrix& given = matrix.sparse();
     arrays.columns = given.cols();
     arrays.row_start.assign(given.outerIndexPtr(), given.outerIndexPtr() + given.rows() + 1);
     arrays.column.assign(given.innerIndexPtr(), given.innerIndexPtr() + given.nonZeros());
@@ -504,11 +505,11 @@ LcpProblem LcpProblem::FromArrays(const ProblemArrays& arrays) {
     matrix.LookForExtremes();
     return LcpProblem(storage);
   }
-  matrix.sparse.resize(n, arrays.columns);
-  matrix.sparse.resizeNonZeros(count);
-  std::copy(arrays.row_start.begin(), arrays.row_start.end(), matrix.sparse.outerIndexPtr());
-  std::copy(arrays.column.begin(), arrays.column.end(), matrix.sparse.innerIndexPtr());
-  std::copy(arrays.value.begin(), arrays.value.end(), matrix.sparse.valuePtr());
+  SparseMatrix& sparse = matrix.given_sparse.emplace(n, arrays.columns);
+  sparse.resizeNonZeros(count);
+  std::copy(arrays.row_start.begin(), arrays.row_start.end(), sparse.outerIndexPtr());
+  std::copy(arrays.column.begin(), arrays.column.end(), sparse.innerIndexPtr());
+  std::copy(arrays.value.begin(), arrays.value.end(), sparse.valuePtr());
   if (has_factors) {
     RequireShape(arrays.id, "inverse_mass", static_cast<Index>(arrays.inverse_mass.size()), 1, arrays.columns, 1);
     matrix.TakeMasses(Eigen::Map<const Eigen::VectorXd>(arrays.inverse_mass.data(), arrays.columns));
@@ -530,7 +531,7 @@ LcpProblem LcpProblem::CopyOfGivenForm() const {
   const Matrix& given = *matrix_;
   const auto storage = MakeStorage(given.id, given.form, b(), given.bounds, given.facts);
   storage->matrix.dense = given.dense;
-  storage->matrix.sparse = given.sparse;
+  storage->matrix.given_sparse = given.given_sparse;
   storage->matrix.inverse_mass = given.inverse_mass;
   storage->matrix.has_extremes = given.has_extremes;
   return LcpProblem(storage);
@@ -551,7 +552,7 @@ bool LcpProblem::has_two_body_rows() const {
 
 const SparseMatrix& LcpProblem::J() const {
   if (!has_factors()) throw std::logic_error("LcpProblem::J: the problem has no factors");
-  return matrix_->sparse;
+  return matrix_->sparse();
 }
 
 const Eigen::VectorXd& LcpProblem::inverse_mass() const {
@@ -566,11 +567,11 @@ const Eigen::MatrixXd& LcpProblem::DenseA() const {
     const auto n = static_cast<double>(size());
     RequireMemory(n * n * sizeof(double), "the dense A");
     if (s.form == MatrixForm::kSparse) {
-      s.derived_dense = Eigen::MatrixXd(s.sparse);
+      s.derived_dense = Eigen::MatrixXd(s.sparse());
       return;
     }
     s.derived_dense.resize(size(), size());
-    Assemble(s.sparse, s.inverse_mass.data(), s.derived_dense.data(), size());
+    Assemble(s.sparse(), s.inverse_mass.data(), s.derived_dense.data(), size());
   });
   return s.derived_dense;
 }
@@ -587,14 +588,14 @@ const SparseMatrix& LcpProblem::SparseA() const {
         }
         break;
       case MatrixForm::kSparse:
-        s.FormSparseWithDiagonal(s.sparse);
+        s.FormSparseWithDiagonal(s.sparse());
         break;
       case MatrixForm::kDense:
         s.FormSparseWithDiagonal(s.dense.sparseView(1.0, 0.0));
         break;
     }
   });
-  return s.derived_sparse;
+  return *s.derived_sparse;
 }
 
 const Eigen::VectorXd& LcpProblem::DiagonalA() const {
@@ -605,14 +606,14 @@ const Eigen::VectorXd& LcpProblem::DiagonalA() const {
         s.diagonal = Eigen::VectorXd::Zero(size());
         for (Index i = 0; i < size(); ++i) {
           double sum = 0;
-          for (SparseMatrix::InnerIterator it(s.sparse, i); it; ++it) {
+          for (SparseMatrix::InnerIterator it(s.sparse(), i); it; ++it) {
             sum += s.inverse_mass[it.col()] * (it.value() * it.value());
           }
           s.diagonal[i] = sum;
         }
         break;
       case MatrixForm::kSparse:
-        s.diagonal = s.sparse.diagonal();
+        s.diagonal = s.sparse().diagonal();
         break;
       case MatrixForm::kDense:
         s.diagonal = s.dense.diagonal();
@@ -639,8 +640,8 @@ double LcpProblem::Asymmetry() const {
         }
       }
     } else {
-      const SparseMatrix transpose = s.sparse.transpose();
-      const SparseMatrix difference = s.sparse - transpose;
+      const SparseMatrix transpose = s.sparse().transpose();
+      const SparseMatrix difference = s.sparse() - transpose;
       for (Index i = 0; i < difference.outerSize(); ++i) {
         for (SparseMatrix::InnerIterator it(difference, i); it; ++it) {
           worst = std::max(worst, relative(i, it.col(), it.value()));
@@ -660,11 +661,11 @@ void LcpProblem::ComputeW(const Eigen::VectorXd& f, Eigen::VectorXd* w) const {
       w->noalias() += s.dense * f;
       break;
     case MatrixForm::kSparse:
-      w->noalias() += s.sparse * f;
+      w->noalias() += s.sparse() * f;
       break;
     case MatrixForm::kFactors: {
-      const Eigen::VectorXd body = s.inverse_mass.cwiseProduct(s.sparse.transpose() * f);
-      w->noalias() += s.sparse * body;
+      const Eigen::VectorXd body = s.inverse_mass.cwiseProduct(s.sparse().transpose() * f);
+      w->noalias() += s.sparse() * body;
       break;
     }
   }

@@ -89,14 +89,14 @@ void LcpSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
     result->status = LcpStatus::kSolved;
     return;
   }
-  if (std::string why = WhyUnsupported(problem); !why.empty()) {
-    result->status = LcpStatus::kUnsupported;
-    result->detail = std::move(why);
-    return;
-  }
   result->status = LcpStatus::kNumericalFailure;
   try {
     Prepare(problem);
+    if (!prepared_.has_value()) {
+      result->status = LcpStatus::kUnsupported;
+      result->detail = WhyUnsupported(problem);
+      return;
+    }
     const InSequence::Scope sequence(in_sequence_);
     const FactorClock::Session clock(options.time_factorizations);
     DoSolve(problem, options, result);

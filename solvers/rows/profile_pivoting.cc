@@ -15,9 +15,13 @@ namespace {
 // Iterations before the first factor, at least, and rounds of pivoting that may pass without fewer violations.
 constexpr Index kFirstIterations = 2;
 constexpr int kPatience = 1;
+// One row in so many counts as few violations, which pivoting ends mostly.
+constexpr Index kRowsPerFew = 16;
 constexpr int kMostRounds = 12;
 // Processor cycles that an iteration takes per row, roughly.
 constexpr double kCostOfRow = 110;
+// Iterations of SweepOn.
+constexpr int kMoreIterations = 4;
 // The clock is read once in so many iterations, and before every factorization.
 constexpr int kIterationsWithoutClock = 16;
 // Alternations of sweeps and pivoting.
@@ -135,7 +139,15 @@ bool ProfilePivoting::Pivot(int most_patience) {
     FindBasicPoint();
     return true;
   };
-  return ExchangeBlocks(kMostRounds, most_patience, find, [&] { return ExchangeViolated(); });
+  return ExchangeBlocks(
+      kMostRounds, most_patience, find, [&] { return ExchangeViolated(); }, n_ / kRowsPerFew);
+}
+
+double ProfilePivoting::SweepOn(double* f) {
+  if (rows_ == nullptr) return std::numeric_limits<double>::infinity();
+  for (int k = 0; k < kMoreIterations && !TimeIsUp(); ++k) Iterate();
+  scaled_.ToGiven(x_.f, f);
+  return Residual() / scaled_.b_norm;
 }
 
 // Pivots until no sign is violated but by rounding, and takes forces that are rounding for none: where all forces
@@ -143,7 +155,7 @@ bool ProfilePivoting::Pivot(int most_patience) {
 double ProfilePivoting::Polish(double rounding, double* f) {
   if (rows_ == nullptr) return std::numeric_limits<double>::infinity();
   violation_ = std::min(violation_, kRoundingOfGaps * scaled_.b_norm / std::sqrt(static_cast<double>(n_)));
-  if (has_profile_) {
+  if (has_profile_ && !std::exchange(is_polished_, true)) {
     const double before = Residual();
     const bool settled = Pivot(kPatienceOfPolish);
     TakeBasicPoint();
@@ -166,6 +178,7 @@ double ProfilePivoting::Solve(const StepRows& all, std::span<const std::int32_t>
     return std::numeric_limits<double>::infinity();
   }
   has_profile_ = factor_.FindProfile(form_);
+  is_polished_ = false;
   bool has_matrix = false;
   violation_ = kPartOfTolerance * request.tolerance * scaled_.b_norm / std::sqrt(static_cast<double>(n_));
   const double limit = request.tolerance * scaled_.b_norm;
@@ -178,7 +191,9 @@ double ProfilePivoting::Solve(const StepRows& all, std::span<const std::int32_t>
   if (request.initial_f != nullptr) budget = 1;
   for (int phase = 0; phase < kMostPhases; ++phase) {
     bool arrived = false;
-    for (Index k = 0; k < budget && !arrived; ++k) {
+    // Interior points do as well from where the first sweeps ended.
+    const Index most = phase == 1 && has_profile_ ? 0 : budget;
+    for (Index k = 0; k < most && !arrived; ++k) {
       arrived = Iterate() <= limit / 2;
       if (iterations_ % kIterationsWithoutClock == 0 && TimeIsUp()) break;
     }

@@ -26,9 +26,9 @@ namespace lcpbench {
 ///
 /// Iterations and pivoting rounds alternate, each granted about what the other one costs, until f passes or the limits
 /// of profile_pivoting.cc are reached; from the second alternation on interior points (CentralPath) go before the
-/// rounds. The deadline is looked at before every factorization and once in sixteen iterations.
-/// Guaranteed class: symmetric PSD, as nncg; no promise on the number of iterations. Cost: O(n) an iteration, and that
-/// of ProfileFactor. Only Reserve allocates.
+/// rounds, in the second one in place of iterations. The deadline is looked at before every factorization and once in
+/// sixteen iterations. Guaranteed class: symmetric PSD, as nncg; no promise on the number of iterations. Cost: O(n) an
+/// iteration, and that of ProfileFactor. Only Reserve allocates.
 class ProfilePivoting {
  public:
   struct Request {
@@ -47,6 +47,9 @@ class ProfilePivoting {
 
   /// Writes the entries `part` of f. Returns rho as the scaled sums have it; the caller judges f by the given rows.
   double Solve(const StepRows& all, std::span<const std::int32_t> part, const Request& request, double* f);
+
+  /// The last Solve goes on by some more iterations, which make single rows of small forces exact. Returns rho.
+  double SweepOn(double* f);
 
   /// The last Solve's f made as exact as its active set allows, where single rows have too large an error. Returns rho.
   /// @param rounding  forces of at most this part of the largest one become 0
@@ -72,7 +75,8 @@ class ProfilePivoting {
   const RowKernel* rows_ = nullptr;  // one of these; nullptr: the island could not be loaded
   ProfileFactor factor_;
   bool has_profile_ = false;
-  Index n_ = 0;  // of the island
+  bool is_polished_ = false;  // by pivoting, since the last Solve
+  Index n_ = 0;               // of the island
   std::int64_t iterations_ = 0;
   const Deadline* deadline_ = nullptr;
   double violation_ = 0;  // what counts as one

@@ -5,7 +5,6 @@
 
 #include "solvers/lcp/residual_sums.h"
 #include "solvers/lcp/step_rows.h"
-#include "solvers/linear_algebra/tableau_rules.h"
 
 /// Internal to solvers/rows/.
 namespace lcpbench {
@@ -62,10 +61,10 @@ ResidualSums<double> SumRows(const StepRows& rows, const Real* J, std::span<cons
     const double least = row_limit * (b + std::max(std::abs(w_row - rows.b[row]), std::abs(d * f[row])));
     // What rounding of the terms may add to the defect of a row whose terms cancel.
     const double hidden = kRoundingOfTwoBodies<Sum> * magnitude;
-    if (!(defect <= least && hidden <= tableau::kHiddenInRow * least)) {
+    if (!(defect + hidden <= least)) {
       const double limit = row_limit * (b + size_of_gap(row));
       if (!(defect <= limit)) sums.RefuseRow();
-      if (!(hidden <= tableau::kHiddenInRow * limit)) sums.DoubtRow();
+      if (!(defect + hidden <= limit)) sums.DoubtRow();
     }
     if (w != nullptr) w[row] = w_row;
   }

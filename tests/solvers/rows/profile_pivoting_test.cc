@@ -16,6 +16,7 @@
 #include "solvers/linear_algebra/islands.h"
 #include "solvers/rows/body_order.h"
 #include "solvers/rows/central_path.h"
+#include "solvers/rows/exchange_blocks.h"
 #include "solvers/rows/profile_factor.h"
 #include "tests/solvers/step/random_step.h"
 
@@ -180,6 +181,23 @@ TEST(ProfileFactor, SolvesAsEigenForEveryActiveSet) {
 }
 
 // From no force at all: the fewer the residual may be, the more steps, and the gaps end at those of the solution.
+// Whether all rows are right in the end where these many are wrong after each basic point.
+bool Ends(const std::vector<Index>& wrong, int patience, Index few) {
+  std::size_t round = 0;
+  return ExchangeBlocks(
+      static_cast<int>(wrong.size()), patience, [] { return true; }, [&] { return wrong[round++]; }, few);
+}
+
+TEST(ExchangeBlocks, HasOneRoundMoreWhereFewRowsAreWrong) {
+  EXPECT_TRUE(Ends({30, 12, 3, 1, 0}, 1, 0));
+  EXPECT_FALSE(Ends({30, 12, 3, 3, 0}, 1, 0));
+  EXPECT_FALSE(Ends({30, 12, 3, 3, 0}, 1, 2));
+  EXPECT_TRUE(Ends({30, 12, 3, 3, 0}, 1, 3));
+  EXPECT_FALSE(Ends({30, 12, 3, 3, 3, 0}, 1, 3));
+  EXPECT_TRUE(Ends({30, 12, 3, 4, 1, 2, 0}, 1, 3));
+  EXPECT_FALSE(Ends({30, 12, 3}, 3, 3));
+}
+
 TEST(CentralPath, LeadsToTheSolution) {
   Island island;
   ProfileFactor factor;
