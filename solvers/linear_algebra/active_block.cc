@@ -25,20 +25,32 @@ double DenseActiveBlock::FactorTime(Index rows) {
   return CostModel::kDenseMultiplyAdd * n * n * n / 6 + CostModel::kDenseEntry * n * n + CostModel::kDenseOverhead;
 }
 
-void DenseActiveBlock::Analyze(const LcpProblem& problem) {
-  n_ = problem.DenseA().rows();
+void DenseActiveBlock::Analyze(const LcpProblem& problem) { Reserve(problem.DenseA().rows()); }
+
+void DenseActiveBlock::Reserve(Index n) {
+  n_ = n;
   RequireDenseMatrices(n_, 2);
   A_.resize(n_, n_);
   const Index most = WholeBlocks(n_, kRows);
   factor_.resize(most * most);
   panel_.resize(most * kPanel);
-  for (Eigen::VectorXd* v : {&inverse_, &floor_, &x_, &sums_}) v->resize(most);
+  across_.setZero(most * kRows);
+  for (Eigen::VectorXd* v : {&inverse_, &floor_, &x_}) v->resize(most);
   rows_.reserve(static_cast<size_t>(n_));
 }
 
 void DenseActiveBlock::Load(const LcpProblem& problem, const Eigen::VectorXd& scale) {
   const Eigen::MatrixXd& given = problem.DenseA();
   for (Index j = 0; j < n_; ++j) A_.col(j) = (given.col(j) * scale[j]).cwiseProduct(scale.head(n_));
+}
+
+void DenseActiveBlock::Assemble(const StepRows& rows) {
+  AssembleDenseA(rows, A_.data(), n_);
+  A_.rightCols(n_ - rows.rows).setZero();
+}
+
+void DenseActiveBlock::Scale(const Eigen::VectorXd& scale) {
+  for (Index j = 0; j < n_; ++j) A_.col(j).array() *= scale.array() * scale[j];
 }
 
 void DenseActiveBlock::Gather(double shift) {
@@ -50,13 +62,18 @@ void DenseActiveBlock::Gather(double shift) {
       double* to = strip(block, k);
       const Index count = std::min(kRows, m - block * kRows);
       const Index* rows = rows_.data() + block * kRows;
+      // Mostly all rows of a block are active.
+      if (count == kRows && rows[kRows - 1] - rows[0] == kRows - 1) {
+        std::copy_n(from + rows[0], kRows, to);
+        continue;
+      }
       for (Index r = 0; r < count; ++r) to[r] = from[rows[r]];
       for (Index r = std::max(count, Index{0}); r < kRows; ++r) to[r] = 0;
     }
     strip(k / kRows, k)[k % kRows] = from[row] * (1 + shift);
     floor_[k] = from[row] * shift;
   }
-  for (Index k = m; k < padded_; ++k) {
+  for (Index k = m; k < WholeBlocks(m, kPanel); ++k) {
     double* to = strip(k / kRows, k);
     std::fill(to, to + kRows, 0.0);
     to[k % kRows] = 1;
@@ -97,13 +114,16 @@ void DenseActiveBlock::UpdatePanel(Index begin) {
 }
 
 void DenseActiveBlock::FactorPanel(Index begin) {
-  for (Index d = begin; d < begin + kPanel; ++d) {
+  const Index end = std::min(begin + kPanel, static_cast<Index>(rows_.size()));
+  for (Index d = begin; d < end; ++d) {
     const Index own = d / kRows;
     for (Index k = begin; k < d; ++k) {
       const double s = strip(own, k)[d % kRows] * inverse_[k];
       for (Index block = own; block * kRows < padded_; ++block) Strip(strip(block, d)) -= Strip(strip(block, k)) * s;
     }
     inverse_[d] = 1 / std::max(strip(own, d)[d % kRows], floor_[d]);
+    const double* const column = strip(own, d);
+    for (Index r = d % kRows + 1; r < kRows; ++r) across_[(own * kRows + r) * kRows + d % kRows] = column[r];
   }
 }
 
@@ -115,7 +135,7 @@ bool DenseActiveBlock::Factor(const std::vector<char>& active, double shift, con
   }
   padded_ = WholeBlocks(static_cast<Index>(rows_.size()), kRows);
   Gather(shift);
-  for (Index begin = 0; begin < padded_; begin += kPanel) {
+  for (Index begin = 0; begin < std::ssize(rows_); begin += kPanel) {
     UpdatePanel(begin);
     FactorPanel(begin);
     // One panel of a thousand rows takes some 100 us.
@@ -132,32 +152,42 @@ Index DenseActiveBlock::CountDependentRows() const {
   return count;
 }
 
+// Entries that a column has above the diagonal of its block are no part of L: what they make of entries that are known
+// already is not read.
 void DenseActiveBlock::Solve(double* x) {
+  using Lanes = Eigen::Array<double, kRows, 1>;
   const auto m = static_cast<Index>(rows_.size());
   double* y = x_.data();
   for (Index k = 0; k < m; ++k) y[k] = x[rows_[static_cast<size_t>(k)]];
   std::fill(y + m, y + padded_, 0.0);
+  double rest[kRows] = {};
   for (Index block = 0; block * kRows < padded_; ++block) {  // y := D^-1 L^-1 y
     const Index first = block * kRows;
-    Eigen::Array<double, kRows, 1> rest = Strip(y + first);
-    for (Index k = 0; k < first; ++k) rest -= Strip(strip(block, k)) * y[k];
-    for (Index k = 0; k < kRows; ++k) {
-      rest[k] *= inverse_[first + k];
-      const double* l = strip(block, first + k);
-      for (Index r = k + 1; r < kRows; ++r) rest[r] -= l[r] * rest[k];
+    Lanes left = Strip(y + first);
+    for (Index k = 0; k < first; ++k) left -= Strip(strip(block, k)) * y[k];
+    const Index end = std::min(kRows, m - first);
+    for (Index k = 0; k < end; ++k) {
+      Strip{rest} = left;
+      y[first + k] = rest[k] * inverse_[first + k];
+      left -= Strip(strip(block, first + k)) * y[first + k];
     }
-    Strip(y + first) = rest;
   }
-  sums_.head(padded_).setZero();  // of column k of L D with the entries of y that are known
-  for (Index block = padded_ / kRows - 1; block >= 0; --block) {
+  for (Index block = padded_ / kRows - 1; block >= 0; --block) {  // y := L^-T y, by rows of L D within the block
     const Index first = block * kRows;
-    for (Index k = kRows - 1; k >= 0; --k) {
-      const double* l = strip(block, first + k);
-      for (Index r = k + 1; r < kRows; ++r) sums_[first + k] += l[r] * y[first + r];
-      y[first + k] -= inverse_[first + k] * sums_[first + k];
+    const Index end = std::min(kRows, m - first);
+    for (Index k = 0; k < end; ++k) {
+      Lanes sum = Lanes::Zero();
+      for (Index below = first + kRows; below < padded_; below += kRows) {
+        sum += Strip(strip(below / kRows, first + k)) * Strip(y + below);
+      }
+      rest[k] = sum.sum();
     }
-    const Eigen::Array<double, kRows, 1> here = Strip(y + first);
-    for (Index k = 0; k < first; ++k) sums_[k] += (Strip(strip(block, k)) * here).sum();
+    Lanes left = Strip(rest);
+    for (Index k = end - 1; k >= 0; --k) {
+      Strip{rest} = left;
+      y[first + k] -= inverse_[first + k] * rest[k];
+      left += Strip(across_.data() + (first + k) * kRows) * y[first + k];
+    }
   }
   std::fill(x, x + n_, 0.0);
   for (Index k = 0; k < m; ++k) x[rows_[static_cast<size_t>(k)]] = y[k];

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "solvers/lcp/solver.h"
+#include "solvers/lcp/step_rows.h"
 
 namespace lcpbench {
 
@@ -51,6 +52,12 @@ class DenseActiveBlock final : public ActiveBlock {
   void Solve(double* x) override;
   void Multiply(const double* x, double* y) const override;
   Index CountDependentRows() const override;
+  /// In the place of Analyze, for matrices of n rows. Allocates.
+  void Reserve(Index n);
+  /// In the place of Load: A of up to n rows of a step, filled up by zeros, in given units, which Scale ends.
+  void Assemble(const StepRows& rows);
+  double given_diagonal(Index i) const { return A_(i, i); }  ///< between Assemble and Scale
+  void Scale(const Eigen::VectorXd& scale);                  ///< A := S A S
   double factor_time() const override { return FactorTime(n_); }
   /// The same without an analysis, which allocates three n x n arrays.
   static double FactorTime(Index n);
@@ -75,7 +82,8 @@ class DenseActiveBlock final : public ActiveBlock {
   Eigen::VectorXd inverse_;  // 1 / D_kk
   Eigen::VectorXd floor_;    // least pivot of each row
   Eigen::VectorXd panel_;    // rows of the panel of L, packed
-  Eigen::VectorXd x_, sums_;
+  Eigen::VectorXd across_;   // L D within blocks below the diagonal, by rows of kRows numbers
+  Eigen::VectorXd x_;
 };
 
 /// ActiveBlock on the sparse A: L D L^T in an approximate minimum degree order, with one symbolic analysis for all F.
