@@ -8,6 +8,8 @@
 
 #include "solvers/active_set/block_pivoting.h"
 #include "solvers/active_set/row_engines.h"
+#include "solvers/linear_algebra/tableau_rules.h"
+#include "solvers/rows/fixed_size_bpp.h"
 
 namespace lcpbench {
 namespace {
@@ -43,12 +45,14 @@ class BppEngine {
   using End = BlockPivoting::End;
 
   void TellSingleExchanges(LcpResult* result) const;
+  bool SolveFewRows(const RowTask& task, LcpResult* result);
   void StartWarm(const Eigen::VectorXd& initial_f);
   End Run(const Eigen::VectorXd* initial_f, Index n);
 
   const BppOptions options_;
   PivotingSetup setup_;
   Eigen::VectorXd f_, w_;  // of a warm start
+  FixedSizeBpp few_;
   RowEngines<BppEngine> of_rows_;
 };
 
@@ -137,7 +141,26 @@ void BppEngine::PrepareRows(Index size) {
   for (Eigen::VectorXd* v : {&f_, &w_}) v->setZero(size);
 }
 
+// By the same method in registers, without the proximal loop; not where the caller asks for something particular.
+bool BppEngine::SolveFewRows(const RowTask& task, LcpResult* result) {
+  static const BppOptions kUsual;
+  const bool is_usual = options_.proximal == kUsual.proximal && options_.largest_proximal == kUsual.largest_proximal &&
+                        options_.patience == kUsual.patience && !options_.end_when_singular &&
+                        !options_.end_when_cycling && task.options.initial_f == nullptr;
+  if (!is_usual || task.rows.rows > FixedSizeBpp::kMostRows) return false;
+  const double tolerance = std::min(task.options.tolerance, BlockPivoting::kProofTolerance);
+  double rho = 0;
+  if (!few_.Solve(task.rows, task.all, tolerance, tableau::kMargin * std::sqrt(tolerance), result->f.data(), w_.data(),
+                  &rho)) {
+    return false;
+  }
+  result->iterations = 1;
+  result->status = LcpStatus::kSolved;
+  return true;
+}
+
 bool BppEngine::SolveRows(const RowTask& task, LcpResult* result) {
+  if (SolveFewRows(task, result)) return true;
   const Index n = task.rows.rows;
   if (!setup_.BeginRows(task, kFactorizationsPerRow * n + kExtraFactorizations, /*conjugate=*/true)) return false;
   if (!setup_.ConcludeRows(Run(task.options.initial_f, n), task, result)) return false;

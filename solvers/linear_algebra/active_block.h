@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 #include "solvers/lcp/solver.h"
@@ -75,14 +76,14 @@ class DenseActiveBlock final : public ActiveBlock {
   void FactorPanel(Index begin);
 
   Index n_ = 0;
-  Index padded_ = 0;         // |F| in whole blocks
-  Eigen::MatrixXd A_;        // S A S
-  std::vector<Index> rows_;  // F
-  Eigen::VectorXd factor_;   // K_FF, then L D, diagonal and below
-  Eigen::VectorXd inverse_;  // 1 / D_kk
-  Eigen::VectorXd floor_;    // least pivot of each row
-  Eigen::VectorXd panel_;    // rows of the panel of L, packed
-  Eigen::VectorXd across_;   // L D within blocks below the diagonal, by rows of kRows numbers
+  Index m_ = 0, padded_ = 0;        // |F|, and in whole blocks
+  Eigen::MatrixXd A_;               // S A S, and below it at least one row of zeros
+  std::vector<std::int32_t> rows_;  // F, filled up to whole blocks by the first row of zeros
+  Eigen::VectorXd factor_;          // K_FF, then L D, diagonal and below
+  Eigen::VectorXd inverse_;         // 1 / D_kk
+  Eigen::VectorXd floor_;           // least pivot of each row
+  Eigen::VectorXd panel_;           // rows of the panel of L, packed
+  Eigen::VectorXd across_;          // L D within blocks below the diagonal, by rows of kRows numbers
   Eigen::VectorXd x_;
 };
 
