@@ -149,20 +149,21 @@ struct RowTask {
 class RowSink final : public AnswerSink {
  public:
   void Reserve(Index rows) {
-    for (Eigen::VectorXd* v : {&f_, &w_}) v->setZero(rows);
+    for (Eigen::VectorXd* v : {&f_, &w_, &best_}) v->setZero(rows);
   }
   /// @param task  must outlive the solve
   void Start(const RowTask& task);
   Eigen::VectorXd& candidate() override { return f_; }
-  /// True if the candidate passes; it is the answer then.
+  /// True if it passes at the tolerance, or at kProofTolerance if that is less. The best one that passes is kept.
   bool Publish() override;
+  Eigen::VectorXd& best() { return best_; }
   double tier() const override { return tier_; }
   double rho() const override { return rho_; }
 
  private:
   const RowTask* task_ = nullptr;
-  double tolerance_ = 0, tier_ = 0, rho_ = 0;
-  Eigen::VectorXd f_, w_;
+  double tier_ = 0, rho_ = 0;
+  Eigen::VectorXd f_, w_, best_;
 };
 
 /// What `bpp` and `semismooth-newton` have around it: units, a form of the active block and a judge of answers.

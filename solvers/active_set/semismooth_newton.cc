@@ -63,6 +63,8 @@ constexpr double kNearlySolved = 1e-3;
 constexpr double kNearlyExact = 3e-7;
 // On the way of continuation: where more than one row in so many is wrong, exchanging them all rarely ends.
 constexpr Index kPartWrong = 30;
+// Rows of arrays that take more factors mostly need residuals in extended precision, which an LcpProblem has.
+constexpr std::int64_t kFactorsOfRows = 40;
 constexpr Index kFewWrong = 30;
 
 }  // namespace
@@ -363,7 +365,7 @@ void SemismoothNewtonEngine::PrepareRows(Index size) {
 bool SemismoothNewtonEngine::SolveRows(const RowTask& task, LcpResult* result) {
   tolerance_ = task.options.tolerance;
   deadline_ = task.deadline;
-  if (!setup_.BeginRows(task, SemismoothNewtonSolver::kDefaultFactors, /*conjugate=*/false)) return false;
+  if (!setup_.BeginRows(task, kFactorsOfRows, /*conjugate=*/false)) return false;
   return setup_.ConcludeRows(Run(Start(task.options.initial_f)), task, result);
 }
 
