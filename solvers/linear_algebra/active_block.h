@@ -43,8 +43,8 @@ class ActiveBlock {
 
 /// ActiveBlock on the dense A: L D L^T from scratch, left-looking by panels of eight columns. L D is stored by blocks
 /// of 16 rows, columns of a block one after the other, so that the product of a block with the rows of a panel reads
-/// memory in order and keeps its 16 x 8 sums in registers. F is filled up with rows of the unit matrix to whole blocks.
-/// No library routine, because those allocate in a factorization.
+/// memory in order and keeps its 16 x 8 sums in registers. F is filled up to whole blocks of rows, by zeros, and to
+/// whole panels of columns, by those of the unit matrix. No library routine, because those allocate in a factorization.
 class DenseActiveBlock final : public ActiveBlock {
  public:
   void Analyze(const LcpProblem& problem) override;
