@@ -37,6 +37,11 @@ class ActiveSetEngine {
   std::string WhyUnsupported(const LcpProblem& problem) const { return patient_.WhyUnsupported(problem); }
   void Prepare(const LcpProblem& problem);
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
+  bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
+    if (arrays.rows >= continuation_rows_) return false;
+    patient_.SolveArrays(arrays, options, result);
+    return true;
+  }
 
  private:
   bool IsLarge(const LcpProblem& problem) const { return problem.size() >= continuation_rows_; }

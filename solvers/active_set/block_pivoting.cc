@@ -8,6 +8,7 @@
 
 #include "solvers/answers/answer_judge.h"
 #include "solvers/lcp/verify.h"
+#include "solvers/linear_algebra/tableau_rules.h"
 #include "support/array_index.h"
 
 namespace lcpbench {
@@ -49,21 +50,24 @@ constexpr double kRayWeight = 1e-10;
 
 }  // namespace
 
-void BlockPivoting::Reserve(const LcpProblem& problem) {
-  const Index n = problem.size();
+void BlockPivoting::Reserve(Index n) {
   for (Eigen::VectorXd* v :
        {&root_, &f_, &w_, &center_, &proximal_, &residual_, &direction_, &image_, &preconditioned_, &ray_}) {
     v->setZero(n);
   }
   for (std::vector<char>* v : {&active_, &active_proximal_}) v->assign(At(n), 0);
   violated_.reserve(At(n));
+}
+
+void BlockPivoting::Reserve(const LcpProblem& problem) {
+  Reserve(problem.size());
   product_.Reset(problem, GivenFormTest::Rows::kGivenWhenNeeded);
   product_.Rho(f_);  // makes its workspace
 }
 
 void BlockPivoting::Begin(const Task& task) {
   task_ = task;
-  product_.SetB(*task.problem);
+  if (task.problem != nullptr) product_.SetB(*task.problem);
   factors_ = 0;
   single_exchanges_ = 0;
   accepted_ray_.reset();
@@ -214,7 +218,7 @@ BlockPivoting::End BlockPivoting::CorrectForces() {
 
 // Where rounding is what is left, and too much for rows whose terms are all tiny: with residuals in extended precision.
 bool BlockPivoting::Refine(double tolerance) {
-  if (task_.sink == nullptr || task_.conjugate || !IsNear()) return false;
+  if (task_.problem == nullptr || task_.sink == nullptr || task_.conjugate || !IsNear()) return false;
   double most = kWorthRefining;
   for (int k = 0; k < kMaxRefinements && tier() > tolerance && !TimeIsUp(); ++k) {
     GiveForces(0, &ray_);
@@ -306,6 +310,7 @@ bool BlockPivoting::Publish() {
 // itself and residuals in extended precision. AcceptedRay, which allocates, is asked only where the verifier's rule is
 // met.
 bool BlockPivoting::FindRay(const Eigen::VectorXd& direction) {
+  if (task_.problem == nullptr) return false;
   const ScaledVectors& scaled = *task_.scaled;
   const LcpProblem& problem = *task_.problem;
   const Index n = f_.size();
@@ -403,6 +408,76 @@ bool PivotingSetup::Begin(const LcpProblem& problem, const LcpOptions& options, 
   task.conjugate = conjugate;
   task.through_bodies = blocks.is_through_bodies(block);
   pivoting.Begin(task);
+  return true;
+}
+
+void RowSink::Start(const RowTask& task) {
+  task_ = &task;
+  tier_ = rho_ = std::numeric_limits<double>::infinity();
+}
+
+bool RowSink::Publish() {
+  const auto passes = [this](double tolerance) {
+    return task_->judge.Passes(task_->rows, task_->all, tolerance, f_.data(), w_.data(), &rho_);
+  };
+  const double tolerance = task_->options.tolerance;
+  const double enough = std::min(tolerance, BlockPivoting::kProofTolerance);
+  const bool is_enough = passes(enough);
+  const bool meets = is_enough || (enough < tolerance && rho_ <= tolerance && passes(tolerance));
+  // Of backward errors no more is known than that they are within the judge's margin.
+  const double tier = is_enough ? rho_ : std::max(rho_, tableau::kMargin * tableau::kMargin * tolerance);
+  if (meets && tier < tier_) {
+    tier_ = tier;
+    best_.swap(f_);
+  }
+  return is_enough;
+}
+
+void PivotingSetup::PrepareRows(Index size, bool self_checks) {
+  self_check = self_checks;
+  block = &block_of_rows;
+  sink = &row_answer;
+  block_of_rows.Reserve(size);
+  pivoting.Reserve(size);
+  scaled.Reset(size);
+  row_answer.Reserve(size);
+  for (Eigen::VectorXd* v : {&given_diagonal, &given_b}) v->setZero(size);
+}
+
+bool PivotingSetup::BeginRows(const RowTask& task, std::int64_t factors, bool conjugate) {
+  const StepRows& rows = task.rows;
+  block_of_rows.Assemble(rows);
+  given_diagonal.setZero();
+  given_b.setZero();
+  std::fill(scaled.bilateral.begin(), scaled.bilateral.end(), 0);
+  for (Index i = 0; i < rows.rows; ++i) {
+    given_diagonal[i] = block_of_rows.given_diagonal(i);
+    if (!(given_diagonal[i] > 0)) return false;
+    given_b[i] = rows.b[i];
+    scaled.bilateral[At(i)] = rows.bilateral != nullptr && rows.bilateral[i] != 0 ? 1 : 0;
+  }
+  scaled.Load(given_diagonal, given_b);
+  block_of_rows.Scale(scaled.scale);
+  row_answer.Start(task);
+  BlockPivoting::Task of_rows;
+  of_rows.scaled = &scaled;
+  of_rows.block = block;
+  of_rows.sink = self_check ? sink : nullptr;
+  of_rows.deadline = task.deadline;
+  of_rows.factors = factors;
+  of_rows.tolerance = task.options.tolerance;
+  of_rows.conjugate = conjugate;
+  pivoting.Begin(of_rows);
+  return true;
+}
+
+bool PivotingSetup::ConcludeRows(BlockPivoting::End end, const RowTask& task, LcpResult* result) {
+  const bool is_solved = self_check ? sink->tier() <= task.options.tolerance : end == BlockPivoting::End::kDone;
+  if (!is_solved) return false;
+  if (!self_check) pivoting.GiveForces(0, &row_answer.best());
+  result->f = row_answer.best().head(task.rows.rows);
+  result->iterations = pivoting.factors();
+  result->status = LcpStatus::kSolved;
   return true;
 }
 

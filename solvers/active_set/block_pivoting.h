@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "solvers/answers/answer_judge.h"
@@ -12,6 +13,7 @@
 #include "solvers/lcp/solver.h"
 #include "solvers/linear_algebra/active_block_choice.h"
 #include "solvers/linear_algebra/scaled_lcp.h"
+#include "solvers/rows/row_judge.h"
 
 namespace lcpbench {
 
@@ -33,6 +35,7 @@ class BlockPivoting {
 
   /// One problem and what to solve it with.
   struct Task {
+    /// nullptr: rows that no LcpProblem holds. Nothing is refined in extended precision, and no ray is found.
     const LcpProblem* problem = nullptr;
     const ScaledVectors* scaled = nullptr;
     ActiveBlock* block = nullptr;        ///< loaded
@@ -70,6 +73,7 @@ class BlockPivoting {
   static constexpr Index kDependentShare = 50;  ///< see BppOptions::end_when_singular
 
   void Reserve(const LcpProblem& problem);
+  void Reserve(Index rows);  ///< for tasks without a problem
   /// @param task  what it points to must outlive the runs
   void Begin(const Task& task);
   /// F = all rows that can act, c = 0.
@@ -132,6 +136,36 @@ class BlockPivoting {
   std::optional<Eigen::VectorXd> accepted_ray_;
 };
 
+/// A problem as arrays have it, of rows with at most two moving bodies, and who judges answers to it.
+struct RowTask {
+  const StepRows& rows;
+  std::span<const std::int32_t> all;  ///< 0, 1, 2, ... n - 1
+  RowJudge& judge;
+  const LcpOptions& options;
+  const Deadline* deadline;  ///< nullptr for none
+};
+
+/// Judges candidates of one solve by the rows. Only Reserve allocates.
+class RowSink final : public AnswerSink {
+ public:
+  void Reserve(Index rows) {
+    for (Eigen::VectorXd* v : {&f_, &w_, &best_}) v->setZero(rows);
+  }
+  /// @param task  must outlive the solve
+  void Start(const RowTask& task);
+  Eigen::VectorXd& candidate() override { return f_; }
+  /// True if it passes at the tolerance, or at kProofTolerance if that is less. The best one that passes is kept.
+  bool Publish() override;
+  Eigen::VectorXd& best() { return best_; }
+  double tier() const override { return tier_; }
+  double rho() const override { return rho_; }
+
+ private:
+  const RowTask* task_ = nullptr;
+  double tier_ = 0, rho_ = 0;
+  Eigen::VectorXd f_, w_, best_;
+};
+
 /// What `bpp` and `semismooth-newton` have around it: units, a form of the active block and a judge of answers.
 struct PivotingSetup {
   void Prepare(const LcpProblem& problem, ActiveBlockChoice::Allowed allowed, bool self_checks);
@@ -139,6 +173,12 @@ struct PivotingSetup {
   /// @param factors  limit unless the options have one
   bool Begin(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, std::int64_t factors,
              bool conjugate, LcpResult* result);
+  /// Prepare for rows of a step, up to `size` of them, filled up by rows that do not act: dense, without a problem.
+  void PrepareRows(Index size, bool self_checks);
+  /// The same as Begin. False where a row has A_ii = 0.
+  bool BeginRows(const RowTask& task, std::int64_t factors, bool conjugate);
+  /// Whether the rows are solved. Writes f and iterations then.
+  bool ConcludeRows(BlockPivoting::End end, const RowTask& task, LcpResult* result);
   /// The result of a solve that ended so; its detail is left to the solver.
   void Conclude(BlockPivoting::End end, double tolerance, LcpResult* result);
   double StepTime() const { return blocks.StepTime(block, scaled.b.size()); }
@@ -148,7 +188,12 @@ struct PivotingSetup {
   ActiveBlock* block = nullptr;
   ScaledVectors scaled;
   AnswerJudge answer;
+  AnswerSink* sink = &answer;  ///< whoever judges
   BlockPivoting pivoting;
+  // Of rows.
+  DenseActiveBlock block_of_rows;
+  RowSink row_answer;
+  Eigen::VectorXd given_diagonal, given_b;
 };
 
 }  // namespace lcpbench

@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "solvers/active_set/block_pivoting.h"
+#include "solvers/active_set/row_engines.h"
+#include "solvers/linear_algebra/tableau_rules.h"
+#include "solvers/rows/fixed_size_bpp.h"
 
 namespace lcpbench {
 namespace {
@@ -33,16 +37,23 @@ class BppEngine {
   double StepTime() const { return setup_.StepTime(); }
   bool is_dense() const { return setup_.blocks.is_dense(setup_.block); }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
+  bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
+  void PrepareRows(Index size);
+  bool SolveRows(const RowTask& task, LcpResult* result);
 
  private:
   using End = BlockPivoting::End;
 
+  void TellSingleExchanges(LcpResult* result) const;
+  bool SolveFewRows(const RowTask& task, LcpResult* result);
   void StartWarm(const Eigen::VectorXd& initial_f);
   End Run(const Eigen::VectorXd* initial_f, Index n);
 
   const BppOptions options_;
   PivotingSetup setup_;
   Eigen::VectorXd f_, w_;  // of a warm start
+  FixedSizeBpp few_;
+  RowEngines<BppEngine> of_rows_;
 };
 
 std::string BppEngine::WhyUnsupported(const LcpProblem& problem) const {
@@ -113,6 +124,51 @@ void BppEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
   const Deadline* limit = deadline.has_value() ? &*deadline : nullptr;
   if (!setup_.Begin(problem, options, limit, factors, /*conjugate=*/true, result)) return;
   setup_.Conclude(Run(options.initial_f, problem.size()), options.tolerance, result);
+  TellSingleExchanges(result);
+}
+
+// Rows are solved with a dense block, unless the caller asks for another one.
+bool BppEngine::SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
+  using Form = BppOptions::Form;
+  const bool may_be_dense = options_.form != Form::kSparse && options_.form != Form::kBodies;
+  if (!may_be_dense || arrays.rows > options_.max_dense_rows) return false;
+  return of_rows_.Solve(
+      arrays, options, [this] { return std::make_unique<BppEngine>(options_); }, result);
+}
+
+void BppEngine::PrepareRows(Index size) {
+  setup_.PrepareRows(size, options_.self_check);
+  for (Eigen::VectorXd* v : {&f_, &w_}) v->setZero(size);
+}
+
+// By the same method in registers, without the proximal loop; not where the caller asks for something particular.
+bool BppEngine::SolveFewRows(const RowTask& task, LcpResult* result) {
+  static const BppOptions kUsual;
+  const bool is_usual = options_.proximal == kUsual.proximal && options_.largest_proximal == kUsual.largest_proximal &&
+                        options_.patience == kUsual.patience && !options_.end_when_singular &&
+                        !options_.end_when_cycling && task.options.initial_f == nullptr;
+  if (!is_usual || task.rows.rows > FixedSizeBpp::kMostRows) return false;
+  const double tolerance = std::min(task.options.tolerance, BlockPivoting::kProofTolerance);
+  double rho = 0;
+  if (!few_.Solve(task.rows, task.all, tolerance, tableau::kMargin * std::sqrt(tolerance), result->f.data(), w_.data(),
+                  &rho)) {
+    return false;
+  }
+  result->iterations = 1;
+  result->status = LcpStatus::kSolved;
+  return true;
+}
+
+bool BppEngine::SolveRows(const RowTask& task, LcpResult* result) {
+  if (SolveFewRows(task, result)) return true;
+  const Index n = task.rows.rows;
+  if (!setup_.BeginRows(task, kFactorizationsPerRow * n + kExtraFactorizations, /*conjugate=*/true)) return false;
+  if (!setup_.ConcludeRows(Run(task.options.initial_f, n), task, result)) return false;
+  TellSingleExchanges(result);
+  return true;
+}
+
+void BppEngine::TellSingleExchanges(LcpResult* result) const {
   if (const std::int64_t single = setup_.pivoting.single_exchanges(); single > 0) {
     result->detail += (result->detail.empty() ? "" : "; ") + std::to_string(single) + " single exchanges";
   }

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "solvers/active_set/block_pivoting.h"
+#include "solvers/active_set/row_engines.h"
 #include "support/array_index.h"
 #include "support/input_error.h"
 
@@ -61,6 +63,8 @@ constexpr double kNearlySolved = 1e-3;
 constexpr double kNearlyExact = 3e-7;
 // On the way of continuation: where more than one row in so many is wrong, exchanging them all rarely ends.
 constexpr Index kPartWrong = 30;
+// Rows of arrays that take more factors mostly need residuals in extended precision, which an LcpProblem has.
+constexpr std::int64_t kFactorsOfRows = 40;
 constexpr Index kFewWrong = 30;
 
 }  // namespace
@@ -80,10 +84,14 @@ class SemismoothNewtonEngine {
   void Prepare(const LcpProblem& problem);
   double StepTime() const { return setup_.StepTime(); }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
+  bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
+  void PrepareRows(Index size);
+  bool SolveRows(const RowTask& task, LcpResult* result);
 
  private:
   using End = BlockPivoting::End;  // kNotMet: go on
 
+  void Reserve(Index rows);
   bool Start(const Eigen::VectorXd* initial_f);
   End Run(bool warm);
   Index FindActiveSet(double eps);
@@ -96,15 +104,15 @@ class SemismoothNewtonEngine {
   double RhoOf(const Eigen::VectorXd& f);
   End Finish(double weight, Index most);
   End FinishFromCenter();
-  bool Expired() const { return deadline_->Expired(); }
+  bool Expired() const { return deadline_ != nullptr && deadline_->Expired(); }
+  double tier() const { return setup_.sink->tier(); }
 
   SemismoothNewtonOptions options_;
   PivotingSetup setup_;
   BlockPivoting& pivoting_ = setup_.pivoting;  // of which the finish and the rays are used
-  const AnswerJudge& answer_ = setup_.answer;
   const ScaledVectors& scaled_ = setup_.scaled;
   double tolerance_ = 0;
-  std::optional<Deadline> deadline_;
+  const Deadline* deadline_ = nullptr;  // nullptr for none
 
   Index n_ = 0;
   bool continuation_ = false;      // still
@@ -115,14 +123,19 @@ class SemismoothNewtonEngine {
   Eigen::VectorXd growth_;         // c - previous c
   std::vector<char> in_F_;
   double slope_at_0_ = 0, curvature_ = 0;  // of 1/2 u.A u along the step
+  RowEngines<SemismoothNewtonEngine> of_rows_;
 };
 
-void SemismoothNewtonEngine::Prepare(const LcpProblem& problem) {
-  n_ = problem.size();
-  setup_.Prepare(problem, {.dense = n_ <= kMaxDenseRows, .bodies = n_ >= options_.continuation_rows},
-                 options_.self_check);
+void SemismoothNewtonEngine::Reserve(Index rows) {
+  n_ = rows;
   for (Eigen::VectorXd* v : {&c_, &u_, &w_, &step_, &step_w_, &inverse_, &growth_}) v->setZero(n_);
   in_F_.assign(At(n_), 0);
+}
+
+void SemismoothNewtonEngine::Prepare(const LcpProblem& problem) {
+  Reserve(problem.size());
+  setup_.Prepare(problem, {.dense = n_ <= kMaxDenseRows, .bodies = n_ >= options_.continuation_rows},
+                 options_.self_check);
 }
 
 // True if there is a warm start that is worth trying; else c = 0.
@@ -238,7 +251,7 @@ double SemismoothNewtonEngine::RhoOf(const Eigen::VectorXd& f) {
 BlockPivoting::End SemismoothNewtonEngine::Finish(double weight, Index most) {
   const End end = pivoting_.Finish(in_F_, c_, weight, most);
   // A looser answer is no reason to end: the problem may have none, and the next finish may be exact.
-  return end == End::kNotMet && answer_.tier() <= std::min(tolerance_, kNearlyExact) ? End::kDone : end;
+  return end == End::kNotMet && tier() <= std::min(tolerance_, kNearlyExact) ? End::kDone : end;
 }
 
 // The rows that a good c leaves active are mostly the right ones. Where the finish from them does not end, proximal
@@ -260,8 +273,8 @@ BlockPivoting::End SemismoothNewtonEngine::FinishFromCenter() {
 
 void SemismoothNewtonEngine::PublishCenter() {
   if (!options_.self_check) return;
-  for (Index p = 0; p < n_; ++p) setup_.answer.candidate()[p] = scaled_.GivenForce(p, c_[p]);
-  setup_.answer.Publish();
+  for (Index p = 0; p < n_; ++p) setup_.sink->candidate()[p] = scaled_.GivenForce(p, c_[p]);
+  setup_.sink->Publish();
 }
 
 BlockPivoting::End SemismoothNewtonEngine::Run(bool warm) {
@@ -294,7 +307,7 @@ BlockPivoting::End SemismoothNewtonEngine::Run(bool warm) {
       c_[p] = next;
     }
     const auto shows_a_ray = [&] {
-      return k >= kFirstRayStep && answer_.tier() > std::min(tolerance_, BlockPivoting::kProofTolerance) &&
+      return k >= kFirstRayStep && tier() > std::min(tolerance_, BlockPivoting::kProofTolerance) &&
              (!continuation_ || IsDiverging(k)) && growth_.dot(scaled_.b) < 0 && pivoting_.FindRay(growth_);
     };
     if (!continuation_) {
@@ -307,7 +320,7 @@ BlockPivoting::End SemismoothNewtonEngine::Run(bool warm) {
     const std::int64_t steps = pivoting_.factors() - before;
     RestartFromCenter();
     const double rho = scaled_.Rho(c_, w_);
-    if (rho < answer_.tier()) PublishCenter();
+    if (rho < tier()) PublishCenter();
     if (rho <= tolerance_ || rho <= kWorthAnother * finished_rho) {
       finished_rho = rho;
       end = FinishFromCenter();
@@ -326,14 +339,34 @@ BlockPivoting::End SemismoothNewtonEngine::Run(bool warm) {
 
 void SemismoothNewtonEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   tolerance_ = options.tolerance;
-  deadline_.emplace(options);
+  std::optional<Deadline> deadline;
+  if (std::isfinite(options.time_limit_s)) deadline.emplace(options);
+  deadline_ = deadline.has_value() ? &*deadline : nullptr;
   continuation_ = n_ >= options_.continuation_rows;
   const std::int64_t factors =
       continuation_ ? SemismoothNewtonSolver::kContinuationFactors : SemismoothNewtonSolver::kDefaultFactors;
-  if (!setup_.Begin(problem, options, &*deadline_, factors, /*conjugate=*/false, result)) return;
+  if (!setup_.Begin(problem, options, deadline_, factors, /*conjugate=*/false, result)) return;
   const End end = Run(Start(options.initial_f));
-  if (answer_.tier() == kInfinity) PublishCenter();
+  if (tier() == kInfinity) PublishCenter();
   setup_.Conclude(end, tolerance_, result);
+}
+
+bool SemismoothNewtonEngine::SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
+  if (arrays.rows >= options_.continuation_rows) return false;
+  return of_rows_.Solve(
+      arrays, options, [this] { return std::make_unique<SemismoothNewtonEngine>(options_); }, result);
+}
+
+void SemismoothNewtonEngine::PrepareRows(Index size) {
+  Reserve(size);
+  setup_.PrepareRows(size, options_.self_check);
+}
+
+bool SemismoothNewtonEngine::SolveRows(const RowTask& task, LcpResult* result) {
+  tolerance_ = task.options.tolerance;
+  deadline_ = task.deadline;
+  if (!setup_.BeginRows(task, kFactorsOfRows, /*conjugate=*/false)) return false;
+  return setup_.ConcludeRows(Run(Start(task.options.initial_f)), task, result);
 }
 
 SemismoothNewtonOptions SemismoothNewtonOptions::FromSettings(const Settings& settings, const char* key) {

@@ -25,38 +25,47 @@ double DenseActiveBlock::FactorTime(Index rows) {
   return CostModel::kDenseMultiplyAdd * n * n * n / 6 + CostModel::kDenseEntry * n * n + CostModel::kDenseOverhead;
 }
 
-void DenseActiveBlock::Analyze(const LcpProblem& problem) {
-  n_ = problem.DenseA().rows();
+void DenseActiveBlock::Analyze(const LcpProblem& problem) { Reserve(problem.DenseA().rows()); }
+
+void DenseActiveBlock::Reserve(Index n) {
+  n_ = n;
   RequireDenseMatrices(n_, 2);
-  A_.resize(n_, n_);
+  A_.setZero(WholeBlocks(n_ + 1, kPanel), n_);
   const Index most = WholeBlocks(n_, kRows);
   factor_.resize(most * most);
   panel_.resize(most * kPanel);
-  for (Eigen::VectorXd* v : {&inverse_, &floor_, &x_, &sums_}) v->resize(most);
-  rows_.reserve(static_cast<size_t>(n_));
+  across_.setZero(most * kRows);
+  for (Eigen::VectorXd* v : {&inverse_, &floor_, &x_}) v->resize(most);
+  rows_.reserve(static_cast<size_t>(most));
 }
 
 void DenseActiveBlock::Load(const LcpProblem& problem, const Eigen::VectorXd& scale) {
   const Eigen::MatrixXd& given = problem.DenseA();
-  for (Index j = 0; j < n_; ++j) A_.col(j) = (given.col(j) * scale[j]).cwiseProduct(scale.head(n_));
+  for (Index j = 0; j < n_; ++j) A_.col(j).head(n_) = (given.col(j) * scale[j]).cwiseProduct(scale.head(n_));
+}
+
+void DenseActiveBlock::Assemble(const StepRows& rows) {
+  AssembleDenseA(rows, A_.data(), A_.rows());
+  A_.rightCols(n_ - rows.rows).setZero();
+}
+
+void DenseActiveBlock::Scale(const Eigen::VectorXd& scale) {
+  for (Index j = 0; j < n_; ++j) A_.col(j).head(n_).array() *= scale.array() * scale[j];
 }
 
 void DenseActiveBlock::Gather(double shift) {
-  const auto m = static_cast<Index>(rows_.size());
-  for (Index k = 0; k < m; ++k) {
+  for (Index k = 0; k < m_; ++k) {
     const Index row = rows_[static_cast<size_t>(k)];
-    const double* from = A_.data() + row * n_;
+    const double* from = A_.data() + row * A_.rows();
     for (Index block = k / kRows; block * kRows < padded_; ++block) {
       double* to = strip(block, k);
-      const Index count = std::min(kRows, m - block * kRows);
-      const Index* rows = rows_.data() + block * kRows;
-      for (Index r = 0; r < count; ++r) to[r] = from[rows[r]];
-      for (Index r = std::max(count, Index{0}); r < kRows; ++r) to[r] = 0;
+      const std::int32_t* rows = rows_.data() + block * kRows;
+      for (Index r = 0; r < kRows; ++r) to[r] = from[rows[r]];
     }
     strip(k / kRows, k)[k % kRows] = from[row] * (1 + shift);
     floor_[k] = from[row] * shift;
   }
-  for (Index k = m; k < padded_; ++k) {
+  for (Index k = m_; k < WholeBlocks(m_, kPanel); ++k) {
     double* to = strip(k / kRows, k);
     std::fill(to, to + kRows, 0.0);
     to[k % kRows] = 1;
@@ -97,13 +106,16 @@ void DenseActiveBlock::UpdatePanel(Index begin) {
 }
 
 void DenseActiveBlock::FactorPanel(Index begin) {
-  for (Index d = begin; d < begin + kPanel; ++d) {
+  const Index end = std::min(begin + kPanel, m_);
+  for (Index d = begin; d < end; ++d) {
     const Index own = d / kRows;
     for (Index k = begin; k < d; ++k) {
       const double s = strip(own, k)[d % kRows] * inverse_[k];
       for (Index block = own; block * kRows < padded_; ++block) Strip(strip(block, d)) -= Strip(strip(block, k)) * s;
     }
     inverse_[d] = 1 / std::max(strip(own, d)[d % kRows], floor_[d]);
+    const double* const column = strip(own, d);
+    for (Index r = d % kRows + 1; r < kRows; ++r) across_[(own * kRows + r) * kRows + d % kRows] = column[r];
   }
 }
 
@@ -111,12 +123,14 @@ bool DenseActiveBlock::Factor(const std::vector<char>& active, double shift, con
   const FactorClock::Scope clock;
   rows_.clear();
   for (Index i = 0; i < n_; ++i) {
-    if (active[static_cast<size_t>(i)] != 0) rows_.push_back(i);
+    if (active[static_cast<size_t>(i)] != 0) rows_.push_back(static_cast<std::int32_t>(i));
   }
-  padded_ = WholeBlocks(static_cast<Index>(rows_.size()), kRows);
+  m_ = std::ssize(rows_);
+  padded_ = WholeBlocks(m_, kRows);
+  rows_.resize(static_cast<size_t>(padded_), static_cast<std::int32_t>(n_));
   Gather(shift);
-  for (Index begin = 0; begin < padded_; begin += kPanel) {
-    UpdatePanel(begin);
+  for (Index begin = 0; begin < m_; begin += kPanel) {
+    if (begin > 0) UpdatePanel(begin);
     FactorPanel(begin);
     // One panel of a thousand rows takes some 100 us.
     if (deadline != nullptr && deadline->Expired()) return false;
@@ -126,41 +140,50 @@ bool DenseActiveBlock::Factor(const std::vector<char>& active, double shift, con
 
 Index DenseActiveBlock::CountDependentRows() const {
   Index count = 0;
-  for (Index k = 0; k < static_cast<Index>(rows_.size()); ++k) {
+  for (Index k = 0; k < m_; ++k) {
     if (1 <= kDependentPivot * floor_[k] * inverse_[k]) ++count;
   }
   return count;
 }
 
+// Entries that a column has above the diagonal of its block are no part of L: what they make of entries that are known
+// already is not read.
 void DenseActiveBlock::Solve(double* x) {
-  const auto m = static_cast<Index>(rows_.size());
+  using Lanes = Eigen::Array<double, kRows, 1>;
   double* y = x_.data();
-  for (Index k = 0; k < m; ++k) y[k] = x[rows_[static_cast<size_t>(k)]];
-  std::fill(y + m, y + padded_, 0.0);
+  for (Index k = 0; k < m_; ++k) y[k] = x[rows_[static_cast<size_t>(k)]];
+  std::fill(y + m_, y + padded_, 0.0);
+  double rest[kRows] = {};
   for (Index block = 0; block * kRows < padded_; ++block) {  // y := D^-1 L^-1 y
     const Index first = block * kRows;
-    Eigen::Array<double, kRows, 1> rest = Strip(y + first);
-    for (Index k = 0; k < first; ++k) rest -= Strip(strip(block, k)) * y[k];
-    for (Index k = 0; k < kRows; ++k) {
-      rest[k] *= inverse_[first + k];
-      const double* l = strip(block, first + k);
-      for (Index r = k + 1; r < kRows; ++r) rest[r] -= l[r] * rest[k];
+    Lanes left = Strip(y + first);
+    for (Index k = 0; k < first; ++k) left -= Strip(strip(block, k)) * y[k];
+    const Index end = std::min(kRows, m_ - first);
+    for (Index k = 0; k < end; ++k) {
+      Strip{rest} = left;
+      y[first + k] = rest[k] * inverse_[first + k];
+      left -= Strip(strip(block, first + k)) * y[first + k];
     }
-    Strip(y + first) = rest;
   }
-  sums_.head(padded_).setZero();  // of column k of L D with the entries of y that are known
-  for (Index block = padded_ / kRows - 1; block >= 0; --block) {
+  for (Index block = padded_ / kRows - 1; block >= 0; --block) {  // y := L^-T y, by rows of L D within the block
     const Index first = block * kRows;
-    for (Index k = kRows - 1; k >= 0; --k) {
-      const double* l = strip(block, first + k);
-      for (Index r = k + 1; r < kRows; ++r) sums_[first + k] += l[r] * y[first + r];
-      y[first + k] -= inverse_[first + k] * sums_[first + k];
+    const Index end = std::min(kRows, m_ - first);
+    for (Index k = 0; k < end; ++k) {
+      Lanes sum = Lanes::Zero();
+      for (Index below = first + kRows; below < padded_; below += kRows) {
+        sum += Strip(strip(below / kRows, first + k)) * Strip(y + below);
+      }
+      rest[k] = sum.sum();
     }
-    const Eigen::Array<double, kRows, 1> here = Strip(y + first);
-    for (Index k = 0; k < first; ++k) sums_[k] += (Strip(strip(block, k)) * here).sum();
+    Lanes left = Strip(rest);
+    for (Index k = end - 1; k >= 0; --k) {
+      Strip{rest} = left;
+      y[first + k] -= inverse_[first + k] * rest[k];
+      left += Strip(across_.data() + (first + k) * kRows) * y[first + k];
+    }
   }
   std::fill(x, x + n_, 0.0);
-  for (Index k = 0; k < m; ++k) x[rows_[static_cast<size_t>(k)]] = y[k];
+  for (Index k = 0; k < m_; ++k) x[rows_[static_cast<size_t>(k)]] = y[k];
 }
 
 void DenseActiveBlock::Multiply(const double* x, double* y) const {
@@ -168,7 +191,7 @@ void DenseActiveBlock::Multiply(const double* x, double* y) const {
   for (Index j = 0; j < n_; ++j) {
     const double xj = x[j];
     if (xj == 0) continue;
-    const double* __restrict a = A_.data() + j * n_;
+    const double* __restrict a = A_.data() + j * A_.rows();
     double* __restrict out = y;
     for (Index i = 0; i < n_; ++i) out[i] += a[i] * xj;
   }

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 #include "solvers/lcp/solver.h"
+#include "solvers/lcp/step_rows.h"
 
 namespace lcpbench {
 
@@ -41,8 +43,8 @@ class ActiveBlock {
 
 /// ActiveBlock on the dense A: L D L^T from scratch, left-looking by panels of eight columns. L D is stored by blocks
 /// of 16 rows, columns of a block one after the other, so that the product of a block with the rows of a panel reads
-/// memory in order and keeps its 16 x 8 sums in registers. F is filled up with rows of the unit matrix to whole blocks.
-/// No library routine, because those allocate in a factorization.
+/// memory in order and keeps its 16 x 8 sums in registers. F is filled up to whole blocks of rows, by zeros, and to
+/// whole panels of columns, by those of the unit matrix. No library routine, because those allocate in a factorization.
 class DenseActiveBlock final : public ActiveBlock {
  public:
   void Analyze(const LcpProblem& problem) override;
@@ -51,6 +53,12 @@ class DenseActiveBlock final : public ActiveBlock {
   void Solve(double* x) override;
   void Multiply(const double* x, double* y) const override;
   Index CountDependentRows() const override;
+  /// In the place of Analyze, for matrices of n rows. Allocates.
+  void Reserve(Index n);
+  /// In the place of Load: A of up to n rows of a step, filled up by zeros, in given units, which Scale ends.
+  void Assemble(const StepRows& rows);
+  double given_diagonal(Index i) const { return A_(i, i); }  ///< between Assemble and Scale
+  void Scale(const Eigen::VectorXd& scale);                  ///< A := S A S
   double factor_time() const override { return FactorTime(n_); }
   /// The same without an analysis, which allocates three n x n arrays.
   static double FactorTime(Index n);
@@ -68,14 +76,15 @@ class DenseActiveBlock final : public ActiveBlock {
   void FactorPanel(Index begin);
 
   Index n_ = 0;
-  Index padded_ = 0;         // |F| in whole blocks
-  Eigen::MatrixXd A_;        // S A S
-  std::vector<Index> rows_;  // F
-  Eigen::VectorXd factor_;   // K_FF, then L D, diagonal and below
-  Eigen::VectorXd inverse_;  // 1 / D_kk
-  Eigen::VectorXd floor_;    // least pivot of each row
-  Eigen::VectorXd panel_;    // rows of the panel of L, packed
-  Eigen::VectorXd x_, sums_;
+  Index m_ = 0, padded_ = 0;        // |F|, and in whole blocks
+  Eigen::MatrixXd A_;               // S A S, and below it at least one row of zeros
+  std::vector<std::int32_t> rows_;  // F, filled up to whole blocks by the first row of zeros
+  Eigen::VectorXd factor_;          // K_FF, then L D, diagonal and below
+  Eigen::VectorXd inverse_;         // 1 / D_kk
+  Eigen::VectorXd floor_;           // least pivot of each row
+  Eigen::VectorXd panel_;           // rows of the panel of L, packed
+  Eigen::VectorXd across_;          // L D within blocks below the diagonal, by rows of kRows numbers
+  Eigen::VectorXd x_;
 };
 
 /// ActiveBlock on the sparse A: L D L^T in an approximate minimum degree order, with one symbolic analysis for all F.

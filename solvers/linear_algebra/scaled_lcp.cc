@@ -15,9 +15,13 @@ constexpr Index kWorkPerClockRead = 1 << 14;
 
 }  // namespace
 
+void ScaledVectors::Reset(Eigen::Index rows) {
+  for (Eigen::VectorXd* v : {&scale, &diagonal, &b, &b_unit}) v->setZero(rows);
+  for (std::vector<char>* v : {&can_act, &bilateral}) v->assign(At(rows), 0);
+}
+
 void ScaledVectors::Reset(const LcpProblem& problem) {
-  for (Eigen::VectorXd* v : {&scale, &diagonal, &b, &b_unit}) v->setZero(problem.size());
-  for (std::vector<char>* v : {&can_act, &bilateral}) v->assign(static_cast<size_t>(problem.size()), 0);
+  Reset(problem.size());
   for (const Eigen::Index i : problem.bilateral_rows()) bilateral[static_cast<size_t>(i)] = 1;
 }
 
@@ -34,9 +38,7 @@ void ScaledVectors::Clip(const Eigen::VectorXd& given, Eigen::VectorXd* f) const
   }
 }
 
-bool ScaledVectors::Load(const LcpProblem& problem) {
-  const Eigen::VectorXd& d = problem.DiagonalA();
-  const Eigen::VectorXd& given = problem.b();
+bool ScaledVectors::Load(const Eigen::VectorXd& d, const Eigen::VectorXd& given) {
   double largest = 0;
   double squared = 0;
   for (Eigen::Index i = 0; i < d.size(); ++i) {

@@ -50,7 +50,13 @@ struct ScaledVectors {
   /// Allocates, and reads the bounds.
   void Reset(const LcpProblem& problem);
   /// False, half loaded, if an A_ii < 0.  O(n)
-  bool Load(const LcpProblem& problem);
+  bool Load(const LcpProblem& problem) { return Load(problem.DiagonalA(), problem.b()); }
+  /// The same of A that no LcpProblem holds, with the joints in `bilateral`. Rows may be filled up by some with A_ii =
+  /// 0 and b_i = 0.
+  /// @param d, given  A_ii, and b in given units
+  bool Load(const Eigen::VectorXd& d, const Eigen::VectorXd& given);
+  /// Room for `rows` rows, none of them a joint. Allocates.
+  void Reset(Eigen::Index rows);
 
   bool is_joint(Eigen::Index i) const { return bilateral[static_cast<size_t>(i)] != 0; }
   bool acts(Eigen::Index i) const { return can_act[static_cast<size_t>(i)] != 0; }

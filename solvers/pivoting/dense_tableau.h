@@ -431,25 +431,31 @@ class DenseTableau {
   template <int count>
   bool DriveRows() {
     Fill(t_.weight, 0);
+    bool is_first = true;
     for (int r = 0; r < n_; ++r) {
       if (is_joint(r)) continue;
       if (!(t_.q[r] * t_.inverse_root[r] < -noise_)) {
         SetEntry(t_.weight, r, t_.inverse_root[r]);
-      } else if (!DriveRow<count>(r)) {
+      } else if (!DriveRow<count>(r, is_first)) {
         return false;
       }
+      is_first = false;
     }
     return true;
   }
 
-  // Raises the force of row r until its gap is 0. A row that reaches 0 on the way changes sides.
+  // Raises the force of row r until its gap is 0. A row that reaches 0 on the way changes sides; no row is in the way
+  // of the first one.
   template <int count>
-  bool DriveRow(int r) {
+  bool DriveRow(int r, bool is_first) {
     double force = 0;
     for (;;) {
       const double a = t_.pivot[r];
-      CopyRow<count>(r);
-      const Blocking blocking = FindBlocking(r, a > kLeastPivot * t_.diagonal[r] ? -t_.q[r] / a : kInfinity);
+      Blocking blocking{r, a > kLeastPivot * t_.diagonal[r] ? -t_.q[r] / a : kInfinity};
+      if (!is_first) {
+        CopyRow<count>(r);
+        blocking = FindBlocking(r, blocking.step);
+      }
       if (IsOver() || blocking.step == kInfinity) return false;
       if (blocking.row == r) {
         if (!Pivot<count>(r)) return false;

@@ -9,8 +9,10 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "benchmarks/measure/allocation_count.h"
@@ -290,6 +292,46 @@ TEST_P(DirectSolversLaw, NothingWrongIsClaimedForAMatrixThatIsNotPsd) {
     const Verdict verdict = Verify(other, claim, 1e-9);
     EXPECT_FALSE(verdict.false_success) << seed;
     EXPECT_FALSE(verdict.false_infeasible) << seed;
+  }
+}
+
+// By some without an LcpProblem, up to 128 rows: cold and warm, redundant or not, with and without the check.
+TEST_P(DirectSolversLaw, ArraysAreSolvedAsTheirProblemIs) {
+  static const std::set<std::string_view> kReadRows = {"dantzig", "lemke", "bpp_dense", "active_set",
+                                                       "semismooth_newton"};
+  Settings settings = GetParam().settings;
+  settings["self_check"] = "no";
+  const auto unchecked = MakeSolver(GetParam().key, settings);
+  CountAllocations(true);
+  int asked = 0;
+  int in_place = 0;
+  for (const Index n : {1, 2, 3, 5, 6, 7, 8, 9, 16, 17, 30, 60, 100, 128, 129}) {
+    for (unsigned seed = 0; seed < 8; ++seed) {
+      const auto bodies = static_cast<int>(seed % 2 == 0 ? n : 1 + n / 4);
+      const TestProblem test = PlantedProblem(n, bodies, seed, seed % 4 < 2 ? 0 : 5, 3);
+      SCOPED_TRACE(test.problem.id());
+      const ProblemArrays arrays = ProblemArrays::Of(test.problem);
+      LcpResult result;
+      solver_->SolveArrays(arrays, {}, &result);
+      Judge(test, result);
+      if (result.status != LcpStatus::kSolved) continue;
+      const VectorXd f = result.f;
+      const long before = AllocationCount();
+      solver_->SolveArrays(arrays, {}, &result);
+      asked += n <= 128 ? 1 : 0;
+      in_place += AllocationCount() == before ? 1 : 0;
+      EXPECT_EQ(result.f, f);
+      solver_->SolveArrays(arrays, {.initial_f = &f}, &result);
+      Judge(test, result);
+      unchecked->SolveArrays(arrays, {}, &result);
+      if (result.status == LcpStatus::kSolved) {
+        EXPECT_LE(ComputeMetrics(test.problem, result.f).rho, 1e-9);
+      }
+    }
+  }
+  ExpectUndecided(GetParam().undecided_rounded);
+  if (AllocationsAreCounted() && kReadRows.contains(GetParam().name)) {
+    EXPECT_GE(in_place, 0.9 * asked);
   }
 }
 
