@@ -7,15 +7,18 @@
 /// Plain types only: this header is compiled with every set of flags.
 namespace lcpbench {
 
-inline constexpr int kBatchMaxRows = 32;
+inline constexpr int kBatchMaxRows = 64;
 inline constexpr int kBatchMaxLanes = 8;
+/// Up to so many rows kernels take rows in turn: such groups have no larger problems beside them.
+inline constexpr int kMostUnrolledRows = 12;
+inline constexpr std::size_t kBatchWorkspace = std::size_t{8} * kBatchMaxLanes * kBatchMaxRows * (kBatchMaxRows + 24);
 
 /// What is read and written of one problem besides its rows of J: b and f (n), bit i of `joints` for a bilateral row i.
 /// n: the lane's own rows without those that fill it up.
 struct BatchItem {
   const double* b = nullptr;
   double* f = nullptr;
-  std::uint32_t joints = 0;
+  std::uint64_t joints = 0;
   int n = 0;
 };
 
@@ -30,6 +33,7 @@ struct BatchGroup {
   std::int64_t bodies = 0;
   int columns_per_body = 3;
   int rows = 0;
+  void* workspace = nullptr;   ///< kBatchWorkspace bytes, aligned to 64
   double rho_limit = 0;        ///< at most this rho, in double, where rounding
   double rounding_limit = 0;   ///< can hide at most this much of it
   double close_rho_limit = 0;  ///< up to this one a test in higher precision is worth while

@@ -44,16 +44,20 @@ std::uint32_t BitsOfBytes(const unsigned char* bytes, int count, bool is_whole) 
 }
 
 // @param left  numbers that `bilateral` has, >= n
-std::uint32_t JointsOf(const unsigned char* bilateral, int n, std::int64_t left) {
-  std::uint32_t joints = 0;
-  for (int i = 0; i < n; i += 8) joints |= BitsOfBytes(bilateral + i, std::min(n - i, 8), i + 8 <= left) << i;
+std::uint64_t JointsOf(const unsigned char* bilateral, int n, std::int64_t left) {
+  std::uint64_t joints = 0;
+  for (int i = 0; i < n; i += 8) {
+    joints |= std::uint64_t{BitsOfBytes(bilateral + i, std::min(n - i, 8), i + 8 <= left)} << i;
+  }
   return joints;
 }
 
 }  // namespace
 
 struct RowBatch::Implementation {
-  explicit Implementation(InstructionSet instructions) : kernels(FindKernel(kKernels, instructions)) {}
+  explicit Implementation(InstructionSet instructions) : kernels(FindKernel(kKernels, instructions)) {
+    group.workspace = workspace.data();
+  }
 
   // A lane's rows, filled up by rows of zeros.
   struct Padded {
@@ -177,6 +181,11 @@ struct RowBatch::Implementation {
     std::array<std::int32_t, kBatchMaxLanes> problems{};
     std::size_t used = 0;
     for (std::size_t size = kSizes - 1; size > 0; --size) {
+      // From here on by another order of pivots.
+      if (size == kMostUnrolledRows && used > 0) {
+        SolveMixed(queue, {problems.data(), used});
+        used = 0;
+      }
       for (std::size_t k = 0; k < queue->count[size]; ++k) {
         problems[used++] = queue->problems[size][k];
         if (used < kernels.lanes) continue;
@@ -275,6 +284,7 @@ struct RowBatch::Implementation {
   double* f = nullptr;
   Receiver* receiver = nullptr;
   BatchGroup group;
+  alignas(64) std::array<std::byte, kBatchWorkspace> workspace;
   std::array<Padded, kBatchMaxLanes> padded;
   volatile unsigned touched = 0;
   Queue first_try, second_try;

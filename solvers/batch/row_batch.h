@@ -21,7 +21,7 @@ namespace lcpbench {
 /// Solve allocates nothing. One object serves one thread at a time.
 class RowBatch {
  public:
-  static constexpr Index kMaxRows = 32;  ///< of a problem in lanes
+  static constexpr Index kMaxRows = 64;  ///< of a problem in lanes
 
   /// What becomes of the problems, in no order, each once.
   class Receiver {
