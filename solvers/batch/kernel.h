@@ -34,7 +34,7 @@ struct BatchGroup {
   int columns_per_body = 3;
   int rows = 0;
   void* workspace = nullptr;   ///< kBatchWorkspace bytes, aligned to 64
-  double rho_limit = 0;        ///< at most this rho, in double, where rounding
+  double rho_limit = 0;        ///< at most this rho, in double, where rounding hides no row's error and
   double rounding_limit = 0;   ///< can hide at most this much of it
   double close_rho_limit = 0;  ///< up to this one a test in higher precision is worth while
   double row_limit = 0;        ///< at most this backward error of each row, in double

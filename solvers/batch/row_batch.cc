@@ -9,7 +9,7 @@
 
 #include "solvers/batch/kernel.h"
 #include "solvers/linear_algebra/tableau_rules.h"
-#include "solvers/rows/extended_rho.h"
+#include "solvers/rows/extended_check.h"
 
 namespace lcpbench {
 namespace {
@@ -261,7 +261,7 @@ struct RowBatch::Implementation {
     for (std::size_t l = 0; l < problems.size(); ++l) {
       const bool met = (group.met >> l & 1U) != 0;
       const bool close = (group.close >> l & 1U) != 0;
-      if (met || (close && IsRight(problems[l]))) {
+      if (met || (close && IsRight(problems[l], &group.rho[l]))) {
         receiver->Take(problems[l], group.pivots[l], group.rho[l]);
       } else if (queue == &first_try) {
         second_try.Add(problems[l], SizeOf(problems[l]));
@@ -271,11 +271,11 @@ struct RowBatch::Implementation {
     }
   }
 
-  // Where rounding may hide more than the tolerance.
-  bool IsRight(std::int32_t problem) const {
+  // Where rounding may hide more than the tolerance, or a row's backward error.
+  bool IsRight(std::int32_t problem, double* rho) const {
     const std::int64_t first = start[static_cast<std::size_t>(problem)];
     const StepRows part = PartOf(*rows, first, start[static_cast<std::size_t>(problem) + 1]);
-    return ExtendedRho(part, f + first) <= group.close_rho_limit;
+    return PassesExtended(part, group.close_rho_limit, group.row_limit, f + first, rho);
   }
 
   const BatchKernels& kernels;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <limits>
 #include <utility>
 
 #include "solvers/batch/kernel.h"
@@ -460,6 +459,7 @@ class TableauKernel {
     V sum = L::Set(0);
     M met = L::FromBits(kAllLanes);
     M solid = met;
+    V least_row = L::Set(kFirst);
     MultiplyForces();
     for (int i = 0; i < row_count(); ++i) {
       const V w = w_[i];
@@ -472,9 +472,11 @@ class TableauKernel {
       const V b = b_[i];
       const V least = L::Max(L::Abs(force), L::Abs(w - b)) + L::Abs(b);
       met &= L::Abs(defect) <= limit * least;
+      least_row = L::Min(least_row, L::Select(d == L::Set(0), L::Set(kFirst), least * (scale_[i] * b_scale_)));
       solid &= ((d == L::Set(0)) | (L::Set(1 / kMostDiagonal) <= d)) & (d <= L::Set(kMostDiagonal));
     }
     rows_met_ = met;
+    least_row_ = least_row;
     solid_ = solid & (L::Set(1 / kMostUnitOfB) <= b_scale_) & (b_scale_ <= L::Set(kMostUnitOfB));
     rho_square_ = L::Set(4) * sum / b_square_;
   }
@@ -530,13 +532,13 @@ class TableauKernel {
   void Judge() {
     // SmallPivoting::Answer::rounding, squared, with D_ii = 4 for forces and b.
     // By the lane's own rows: what it is worth must not depend on its neighbours.
-    constexpr double kRounding = 2 * std::numeric_limits<double>::epsilon() * 2 * 2;
     alignas(64) double rows_of[kLaneCount];
     for (int l = 0; l < kLaneCount; ++l) rows_of[l] = group_->items[l].n;
     const V n = L::Load(rows_of);
-    const V part = L::Set(kRounding) * (n + L::Set(8)) * size_;
+    const V part = L::Set(2 * 2 * tableau::kRounding) * (n + L::Set(tableau::kTermsBesideRows)) * size_;
     const V rounding = n * (part * part) / b_square_;
-    const M clear = rounding <= L::Set(group_->rounding_limit * group_->rounding_limit);
+    const M rows_clear = part <= L::Set(tableau::kHiddenInRow * group_->row_limit) * least_row_;
+    const M clear = rows_clear & (rounding <= L::Set(group_->rounding_limit * group_->rounding_limit));
     const M right = solid_ & clear & (rho_square_ <= L::Set(group_->rho_limit * group_->rho_limit));
     M rows = rows_met_;
     if (L::Bits(right & rows) != kAllLanes) rows = WholeRowsMeet();
@@ -600,7 +602,7 @@ class TableauKernel {
   V x_[kUnroll ? 1 : kPending][N], y_[kUnroll ? 1 : kPending][N];
   M joint_[N];
   M moved_, rows_met_, solid_;
-  V noise_, pivots_, b_scale_, inverse_b_scale_, b_square_, rho_square_, size_;
+  V noise_, pivots_, b_scale_, inverse_b_scale_, b_square_, rho_square_, size_, least_row_;
   int pending_;
   bool any_joint_;
 };
