@@ -14,9 +14,7 @@
 namespace lcpbench {
 namespace {
 
-// Problems of a block: enough that the groups of a size, one after another, find their instructions in the first-level
-// cache, and few enough that what lies beside a problem is still in some cache when its turn comes.
-constexpr std::size_t kBlock = 512;
+constexpr std::size_t kBlock = RowBatch::kBlock;
 constexpr std::size_t kMostLanes = kBatchMaxLanes;
 constexpr std::size_t kRoom = kBlock + (2 * kMostLanes);
 constexpr std::size_t kSizes = kBatchMaxRows + 1;
@@ -294,12 +292,12 @@ struct RowBatch::Implementation {
 RowBatch::RowBatch(InstructionSet instructions) : implementation_(std::make_unique<Implementation>(instructions)) {}
 RowBatch::~RowBatch() = default;
 
-void RowBatch::Solve(const StepRows& rows, std::span<const std::int32_t> start, double tolerance, double* f,
-                     Receiver* receiver) {
+void RowBatch::Solve(const StepRows& rows, std::span<const std::int32_t> start, double tolerance,
+                     std::atomic<std::size_t>* next, double* f, Receiver* receiver) {
   Implementation& own = *implementation_;
   own.Start(rows, start, tolerance, f, receiver);
   const std::size_t count = start.size() - 1;
-  for (std::size_t first = 0; first < count; first += kBlock) {
+  for (std::size_t first; (first = next->fetch_add(kBlock)) < count;) {
     own.Sort(first, std::min(count, first + kBlock));
     own.SolveFull(&own.first_try);
     own.SolveFull(&own.second_try);

@@ -282,6 +282,36 @@ TEST(RowBatch, Avx2AndAvx512GiveTheSameBits) {
   }
 }
 
+TEST(RowBatch, GivesTheSameBitsOnAnyNumberOfThreads) {
+  Batch batch(3, false);
+  for (unsigned seed = 0; seed < 5000; ++seed)
+    batch.AddRandom(static_cast<int>(seed * 5 % (seed % 9 == 0 ? 67 : 9)), seed);
+  StepSolver alone;
+  const Answers expected = SolveBatch(&alone, &batch);
+  EXPECT_GT(alone.left(), 0);
+  for (const int threads : {2, 3, 8}) {
+    StepSolver solver({.threads = threads});
+    for (int repeat = 0; repeat < 3; ++repeat) {
+      const Answers answers = SolveBatch(&solver, &batch);
+      EXPECT_EQ(answers.left, expected.left);
+      EXPECT_EQ(answers.f, expected.f);
+      for (std::size_t k = 0; k < batch.size(); ++k) {
+        EXPECT_EQ(answers.of[k].status, expected.of[k].status);
+        EXPECT_EQ(answers.of[k].iterations, expected.of[k].iterations);
+        EXPECT_EQ(answers.of[k].rho, expected.of[k].rho);
+      }
+    }
+    // Of several wrong rows the first is named, as on one thread.
+    Batch wrong = batch;
+    for (const std::size_t row : {std::size_t{1000}, wrong.b.size() / 2, wrong.b.size() - 1})
+      wrong.b[row] = std::nan("");
+    ExpectRefused([&] { SolveBatch(&solver, &wrong); }, "row 1000");
+    EXPECT_EQ(SolveBatch(&solver, &batch).f, expected.f);
+  }
+  ExpectRefused([] { StepSolver({.threads = 0}); }, "threads must be from 1");
+  ExpectRefused([] { StepSolver({.threads = 1025}); }, "threads must be from 1");
+}
+
 TEST(RowBatch, TakesEmptyBatchesAndProblems) {
   StepSolver solver;
   solver.SolveBatch({}, std::vector<std::int32_t>{0}, nullptr, {});
