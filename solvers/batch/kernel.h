@@ -9,8 +9,10 @@ namespace lcpbench {
 
 inline constexpr int kBatchMaxRows = 64;
 inline constexpr int kBatchMaxLanes = 8;
-/// Up to so many rows kernels take rows in turn: such groups have no larger problems beside them.
-inline constexpr int kMostUnrolledRows = 12;
+/// Up to so many rows a kernel takes rows in turn (such groups have no larger problems beside them), and so many it has
+/// at most: what few lanes gain by rows of their own does not pay for their gathers.
+constexpr int RowsInTurn(std::size_t lanes) { return lanes == 8 ? 12 : 32; }
+constexpr int MostRowsIn(std::size_t lanes) { return lanes == 8 ? kBatchMaxRows : 32; }
 inline constexpr std::size_t kBatchWorkspace = std::size_t{8} * kBatchMaxLanes * kBatchMaxRows * (kBatchMaxRows + 24);
 
 /// What is read and written of one problem besides its rows of J: b and f (n), bit i of `joints` for a bilateral row i.

@@ -130,7 +130,7 @@ struct RowBatch::Implementation {
     for (std::size_t k = first; k < last; ++k) {
       const std::int32_t n = start[k + 1] - start[k];
       const auto problem = static_cast<std::int32_t>(k);
-      if (n > kMaxRows || n == 0) {
+      if (n > MostRowsIn(kernels.lanes) || n == 0) {
         receiver->Leave(problem);
       } else {
         first_try.Add(problem, n);
@@ -178,9 +178,10 @@ struct RowBatch::Implementation {
   void SolveRest(Queue* queue) {
     std::array<std::int32_t, kBatchMaxLanes> problems{};
     std::size_t used = 0;
+    const auto in_turn = static_cast<std::size_t>(RowsInTurn(kernels.lanes));
     for (std::size_t size = kSizes - 1; size > 0; --size) {
       // From here on by another order of pivots.
-      if (size == kMostUnrolledRows && used > 0) {
+      if (size == in_turn && used > 0) {
         SolveMixed(queue, {problems.data(), used});
         used = 0;
       }

@@ -23,7 +23,7 @@ namespace lcpbench {
 /// Solve allocates nothing. One object serves one thread at a time.
 class RowBatch {
  public:
-  static constexpr Index kMaxRows = 64;  ///< of a problem in lanes
+  static constexpr Index kMaxRows = 64;  ///< of a problem in lanes; 32 but with AVX-512
   /// Problems of a block: enough that the groups of a size, one after another, find their instructions in the
   /// first-level cache, and few enough that what lies beside a problem is still in some cache when its turn comes.
   static constexpr std::size_t kBlock = 512;

@@ -34,6 +34,8 @@ constexpr int Mirror(int v) {
   return last - v;
 }
 
+constexpr int kRowsInTurn = RowsInTurn(Lanes::kWidth);
+
 /// Solves one group of N rows or fewer, one problem per lane (docs/solvers/batch.md).
 ///
 /// The tableau T starts as A, of which the lower triangle is kept, q as b. Exchanging row k, with a = T_kk:
@@ -42,16 +44,16 @@ constexpr int Mirror(int v) {
 /// be negative. Nothing here depends on another lane but whether a pass is made at all, which changes no bits in a lane
 /// that moves nothing (its multipliers are 0).
 ///
-/// Few rows, for which all is unrolled, are taken in turn, the same ones in all lanes, two in one pass. Of more rows
-/// every lane exchanges its own, the wrong one of greatest q_k^2 / |T_kk|: then with x the column T_.k, but x_k = a -
-/// sign a, and y = x / a, all but the diagonal becomes T - x y^T, whatever k is; the diagonal is kept apart. T itself
-/// waits until kPending exchanges have come together, because to read and to write it is what takes the time.
+/// Up to kRowsInTurn rows are taken in turn, the same ones in all lanes, two in one pass. Of more rows every lane
+/// exchanges its own, the wrong one of greatest q_k^2 / |T_kk|: then with x the column T_.k, but x_k = a - sign a, and
+/// y = x / a, all but the diagonal becomes T - x y^T, whatever k is; the diagonal is kept apart. T itself waits until
+/// kPending exchanges have come together, because to read and to write it is what takes the time.
 template <int N>
 class TableauKernel {
  public:
   void Solve(BatchGroup* group) {
     group_ = group;
-    n_ = kUnroll ? N : (group->rows + 1) / 2 * 2;
+    n_ = kInTurn ? N : (group->rows + 1) / 2 * 2;
     for (int k = 0; k < kLaneCount; ++k) f_[row_count() + k] = L::Set(0);
     for (int i = group->rows; i < row_count(); ++i) {
       b_[i] = L::Set(0);
@@ -75,7 +77,7 @@ class TableauKernel {
 
   [[gnu::noinline]] void Run() {
     Scale();
-    if constexpr (kUnroll) {
+    if constexpr (kInTurn) {
       SweepRows();
     } else {
       ExchangeRows();
@@ -86,7 +88,7 @@ class TableauKernel {
     for (int k = 0; k < most; ++k) {
       const M poor = L::Set(kGoodEnough * kGoodEnough) < rho_square_;
       if (!L::Any(poor)) break;
-      if constexpr (!kUnroll) CatchUp();
+      if constexpr (!kInTurn) CatchUp();
       Refine(poor);
     }
     Judge();
@@ -97,7 +99,11 @@ class TableauKernel {
   static constexpr int kPanels = N / 2;
   static constexpr int kEntries = N * (N + 1) / 2;
   static constexpr unsigned kAllLanes = (1U << kLaneCount) - 1;
-  static constexpr bool kUnroll = N <= kMostUnrolledRows;
+  static constexpr bool kInTurn = N <= kRowsInTurn;
+  // Up to this size everything is unrolled and vectors stay in registers; above, only the pass of an exchange is, and
+  // not where it has more instructions (SSE2) than a first-level cache holds.
+  static constexpr bool kUnroll = N <= 12;
+  static constexpr bool kUnrollPass = kUnroll || kLaneCount > 2;
   // In turn: after three sweeps nine lanes in ten of the scene families are done at 10 rows; a lane that cycles costs
   // its neighbours the rest.
   static constexpr int kMaxSweeps = 12;
@@ -115,30 +121,29 @@ class TableauKernel {
   static constexpr double kMostUnitOfB = 0x1p224;
 
   static constexpr int At(int i, int j) { return i * (i + 1) / 2 + j; }  // j <= i
-  int row_count() const { return kUnroll ? N : n_; }
+  int row_count() const { return kInTurn ? N : n_; }
   static constexpr int AtAny(int i, int j) { return j <= i ? At(i, j) : At(j, i); }
 
-  // f(j) for j < i, unrolled where rows are few; then i is a constant.
-  template <typename I, typename F>
+  // f(j) for j < i, unrolled if asked for; then i is a constant.
+  template <bool is_unrolled = kUnroll, typename I, typename F>
   [[gnu::always_inline]] static void EachUpTo(I i, const F& f) {
-    if constexpr (kUnroll) {
+    if constexpr (is_unrolled) {
       EachUnrolled(std::make_integer_sequence<int, I::value>{}, f);
     } else {
       for (int j = 0; j < i; ++j) f(j);
     }
   }
+  template <bool is_unrolled = kUnroll, typename F>
+  [[gnu::always_inline]] static void EachPanel(const F& f) {
+    EachUpTo<is_unrolled>(std::integral_constant<int, N / 2>{}, f);
+  }
   template <typename F>
   [[gnu::always_inline]] void Each(const F& f) const {
-    if constexpr (kUnroll) {
-      EachUnrolled(std::make_integer_sequence<int, N>{}, f);
+    if constexpr (kInTurn) {
+      EachUpTo(std::integral_constant<int, N>{}, f);
     } else {
-      for (int i = 0; i < n_; ++i) f(i);
+      EachUpTo(n_, f);
     }
-  }
-
-  template <typename F>
-  [[gnu::always_inline]] static void EachPanel(const F& f) {
-    EachUnrolled(std::make_integer_sequence<int, kPanels>{}, f);
   }
 
   void TakeJoints() {
@@ -179,7 +184,9 @@ class TableauKernel {
       const V s = scale_[i];
       EachUpTo(i, [&](auto j) LCPBENCH_INLINE_LAMBDA { tableau_[At(i, j)] = matrix_[At(i, j)] * s * scale_[j]; });
       const V d = matrix_[At(i, i)] * s * s;
-      (kUnroll ? tableau_[At(i, i)] : pivot_[i]) = L::Fma(d, shift, d);
+      tableau_[At(i, i)] = L::Fma(d, shift, d);
+      // Lanes that are done multiply column 0 of T by 0, whose diagonal has to be a number, too.
+      if constexpr (!kInTurn) pivot_[i] = tableau_[At(i, i)];
       least_[i] = L::Set(kLeastPivot) * d;
     });
     noise_ = L::Set(-kNoise);
@@ -259,7 +266,7 @@ class TableauKernel {
     V y0[N];
     V y1[N];
     y0[k] = y0[l] = y1[k] = y1[l] = L::Set(0);
-    EachPanel([&](auto pair) LCPBENCH_INLINE_LAMBDA {
+    EachPanel<kUnrollPass>([&](auto pair) LCPBENCH_INLINE_LAMBDA {
       if (pair == panel) return;
       const auto i = Twice(pair);
       V x0[2];
@@ -273,8 +280,8 @@ class TableauKernel {
       }
       V* const upper = tableau_ + At(i, 0);
       V* const lower = tableau_ + At(i + 1, 0);
-      EachUpTo(i, [&](auto j) LCPBENCH_INLINE_LAMBDA {
-        if (j / 2 == panel) return;
+      EachUpTo<kUnrollPass>(i, [&](auto j) LCPBENCH_INLINE_LAMBDA {
+        if (kUnroll && j / 2 == panel) return;  // else overwritten below
         upper[j] = L::Fnma(x1[0], y1[j], L::Fnma(x0[0], y0[j], upper[j]));
         lower[j] = L::Fnma(x1[1], y1[j], L::Fnma(x0[1], y0[j], lower[j]));
       });
@@ -339,17 +346,12 @@ class TableauKernel {
     return L::Any(is_open);
   }
 
-  template <bool joints>
+  template <bool joints, int pending = 0>
   void ExchangeOneOf(Candidate* best) {
-    switch (pending_) {
-      case 0:
-        return Exchange<joints, 0>(best);
-      case 1:
-        return Exchange<joints, 1>(best);
-      case 2:
-        return Exchange<joints, 2>(best);
-      default:
-        return Exchange<joints, 3>(best);
+    if (pending_ == pending) {
+      Exchange<joints, pending>(best);
+    } else if constexpr (pending + 1 < kPending) {
+      ExchangeOneOf<joints, pending + 1>(best);
     }
   }
 
@@ -396,24 +398,14 @@ class TableauKernel {
   }
 
   // The tableau after all exchanges.
+  template <int count = kPending>
   void CatchUp() {
-    switch (pending_) {
-      case 0:
-        break;
-      case 1:
-        Update<1>();
-        break;
-      case 2:
-        Update<2>();
-        break;
-      case 3:
-        Update<3>();
-        break;
-      default:
-        Update<4>();
-        break;
+    if (pending_ == count) {
+      Update<count>();
+      pending_ = 0;
+    } else if constexpr (count > 1) {
+      CatchUp<count - 1>();
     }
-    pending_ = 0;
   }
   template <int count>
   [[gnu::noinline]] void Update() {
@@ -514,7 +506,7 @@ class TableauKernel {
       w_[i] = L::Masked(poor & L::SignOf(sign_[i]), w_[i] * scale_[i] * b_scale_);
     }
     for (int i = 0; i < row_count(); ++i) {
-      V sum = L::Fnma(kUnroll ? tableau_[At(i, i)] : pivot_[i], w_[i], q_[i]);
+      V sum = L::Fnma(kInTurn ? tableau_[At(i, i)] : pivot_[i], w_[i], q_[i]);
       for (int j = 0; j < row_count(); ++j) {
         if (j != i) sum = L::Fnma(tableau_[AtAny(i, j)], w_[j], sum);
       }
@@ -598,8 +590,8 @@ class TableauKernel {
   V matrix_[kEntries];  // in given units
   V q_[N], b_[N], sign_[N], least_[N], scale_[N], w_[N];
   V f_[N + kLaneCount];       // read in whole blocks
-  V pivot_[kUnroll ? 1 : N];  // the diagonal of T, which has none of its own then
-  V x_[kUnroll ? 1 : kPending][N], y_[kUnroll ? 1 : kPending][N];
+  V pivot_[kInTurn ? 1 : N];  // the diagonal of T, which has none of its own then
+  V x_[kInTurn ? 1 : kPending][N], y_[kInTurn ? 1 : kPending][N];
   M joint_[N];
   M moved_, rows_met_, solid_;
   V noise_, pivots_, b_scale_, inverse_b_scale_, b_square_, rho_square_, size_, least_row_;
@@ -610,13 +602,14 @@ class TableauKernel {
 // By the smallest even size that holds all lanes' rows.
 template <int N = 2>
 void SolveGroup(BatchGroup* group) {
-  if (group->rows > kMostUnrolledRows || group->shift > 0) {
-    static_assert(sizeof(TableauKernel<kBatchMaxRows>) <= kBatchWorkspace);
-    static_cast<TableauKernel<kBatchMaxRows>*>(group->workspace)->Solve(group);
+  if (group->rows > kRowsInTurn || group->shift > 0) {
+    using Kernel = TableauKernel<kBatchMaxRows>;
+    static_assert(sizeof(Kernel) <= kBatchWorkspace);
+    static_cast<Kernel*>(group->workspace)->Solve(group);
   } else if (group->rows <= N) {
     TableauKernel<N> kernel;
     kernel.Solve(group);
-  } else if constexpr (N < kMostUnrolledRows) {
+  } else if constexpr (N < kRowsInTurn) {
     SolveGroup<N + 2>(group);
   }
 }
