@@ -7,15 +7,20 @@
 /// Plain types only: this header is compiled with every set of flags.
 namespace lcpbench {
 
-inline constexpr int kBatchMaxRows = 32;
+inline constexpr int kBatchMaxRows = 64;
 inline constexpr int kBatchMaxLanes = 8;
+/// Up to so many rows a kernel takes rows in turn (such groups have no larger problems beside them), and so many it has
+/// at most: what few lanes gain by rows of their own does not pay for their gathers.
+constexpr int RowsInTurn(std::size_t lanes) { return lanes == 8 ? 12 : 32; }
+constexpr int MostRowsIn(std::size_t lanes) { return lanes == 8 ? kBatchMaxRows : 32; }
+inline constexpr std::size_t kBatchWorkspace = std::size_t{8} * kBatchMaxLanes * kBatchMaxRows * (kBatchMaxRows + 24);
 
 /// What is read and written of one problem besides its rows of J: b and f (n), bit i of `joints` for a bilateral row i.
 /// n: the lane's own rows without those that fill it up.
 struct BatchItem {
   const double* b = nullptr;
   double* f = nullptr;
-  std::uint32_t joints = 0;
+  std::uint64_t joints = 0;
   int n = 0;
 };
 
@@ -30,7 +35,8 @@ struct BatchGroup {
   std::int64_t bodies = 0;
   int columns_per_body = 3;
   int rows = 0;
-  double rho_limit = 0;        ///< at most this rho, in double, where rounding
+  void* workspace = nullptr;   ///< kBatchWorkspace bytes, aligned to 64
+  double rho_limit = 0;        ///< at most this rho, in double, where rounding hides no row's error and
   double rounding_limit = 0;   ///< can hide at most this much of it
   double close_rho_limit = 0;  ///< up to this one a test in higher precision is worth while
   double row_limit = 0;        ///< at most this backward error of each row, in double

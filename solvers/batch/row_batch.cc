@@ -9,14 +9,12 @@
 
 #include "solvers/batch/kernel.h"
 #include "solvers/linear_algebra/tableau_rules.h"
-#include "solvers/rows/extended_rho.h"
+#include "solvers/rows/extended_check.h"
 
 namespace lcpbench {
 namespace {
 
-// Problems of a block: enough that the groups of a size, one after another, find their instructions in the first-level
-// cache, and few enough that what lies beside a problem is still in some cache when its turn comes.
-constexpr std::size_t kBlock = 512;
+constexpr std::size_t kBlock = RowBatch::kBlock;
 constexpr std::size_t kMostLanes = kBatchMaxLanes;
 constexpr std::size_t kRoom = kBlock + (2 * kMostLanes);
 constexpr std::size_t kSizes = kBatchMaxRows + 1;
@@ -44,16 +42,20 @@ std::uint32_t BitsOfBytes(const unsigned char* bytes, int count, bool is_whole) 
 }
 
 // @param left  numbers that `bilateral` has, >= n
-std::uint32_t JointsOf(const unsigned char* bilateral, int n, std::int64_t left) {
-  std::uint32_t joints = 0;
-  for (int i = 0; i < n; i += 8) joints |= BitsOfBytes(bilateral + i, std::min(n - i, 8), i + 8 <= left) << i;
+std::uint64_t JointsOf(const unsigned char* bilateral, int n, std::int64_t left) {
+  std::uint64_t joints = 0;
+  for (int i = 0; i < n; i += 8) {
+    joints |= std::uint64_t{BitsOfBytes(bilateral + i, std::min(n - i, 8), i + 8 <= left)} << i;
+  }
   return joints;
 }
 
 }  // namespace
 
 struct RowBatch::Implementation {
-  explicit Implementation(InstructionSet instructions) : kernels(FindKernel(kKernels, instructions)) {}
+  explicit Implementation(InstructionSet instructions) : kernels(FindKernel(kKernels, instructions)) {
+    group.workspace = workspace.data();
+  }
 
   // A lane's rows, filled up by rows of zeros.
   struct Padded {
@@ -128,7 +130,7 @@ struct RowBatch::Implementation {
     for (std::size_t k = first; k < last; ++k) {
       const std::int32_t n = start[k + 1] - start[k];
       const auto problem = static_cast<std::int32_t>(k);
-      if (n > kMaxRows || n == 0) {
+      if (n > MostRowsIn(kernels.lanes) || n == 0) {
         receiver->Leave(problem);
       } else {
         first_try.Add(problem, n);
@@ -176,7 +178,13 @@ struct RowBatch::Implementation {
   void SolveRest(Queue* queue) {
     std::array<std::int32_t, kBatchMaxLanes> problems{};
     std::size_t used = 0;
+    const auto in_turn = static_cast<std::size_t>(RowsInTurn(kernels.lanes));
     for (std::size_t size = kSizes - 1; size > 0; --size) {
+      // From here on by another order of pivots.
+      if (size == in_turn && used > 0) {
+        SolveMixed(queue, {problems.data(), used});
+        used = 0;
+      }
       for (std::size_t k = 0; k < queue->count[size]; ++k) {
         problems[used++] = queue->problems[size][k];
         if (used < kernels.lanes) continue;
@@ -252,7 +260,7 @@ struct RowBatch::Implementation {
     for (std::size_t l = 0; l < problems.size(); ++l) {
       const bool met = (group.met >> l & 1U) != 0;
       const bool close = (group.close >> l & 1U) != 0;
-      if (met || (close && IsRight(problems[l]))) {
+      if (met || (close && IsRight(problems[l], &group.rho[l]))) {
         receiver->Take(problems[l], group.pivots[l], group.rho[l]);
       } else if (queue == &first_try) {
         second_try.Add(problems[l], SizeOf(problems[l]));
@@ -262,11 +270,11 @@ struct RowBatch::Implementation {
     }
   }
 
-  // Where rounding may hide more than the tolerance.
-  bool IsRight(std::int32_t problem) const {
+  // Where rounding may hide more than the tolerance, or a row's backward error.
+  bool IsRight(std::int32_t problem, double* rho) const {
     const std::int64_t first = start[static_cast<std::size_t>(problem)];
     const StepRows part = PartOf(*rows, first, start[static_cast<std::size_t>(problem) + 1]);
-    return ExtendedRho(part, f + first) <= group.close_rho_limit;
+    return PassesExtended(part, group.close_rho_limit, group.row_limit, f + first, rho);
   }
 
   const BatchKernels& kernels;
@@ -275,6 +283,7 @@ struct RowBatch::Implementation {
   double* f = nullptr;
   Receiver* receiver = nullptr;
   BatchGroup group;
+  alignas(64) std::array<std::byte, kBatchWorkspace> workspace;
   std::array<Padded, kBatchMaxLanes> padded;
   volatile unsigned touched = 0;
   Queue first_try, second_try;
@@ -284,12 +293,12 @@ struct RowBatch::Implementation {
 RowBatch::RowBatch(InstructionSet instructions) : implementation_(std::make_unique<Implementation>(instructions)) {}
 RowBatch::~RowBatch() = default;
 
-void RowBatch::Solve(const StepRows& rows, std::span<const std::int32_t> start, double tolerance, double* f,
-                     Receiver* receiver) {
+void RowBatch::Solve(const StepRows& rows, std::span<const std::int32_t> start, double tolerance,
+                     std::atomic<std::size_t>* next, double* f, Receiver* receiver) {
   Implementation& own = *implementation_;
   own.Start(rows, start, tolerance, f, receiver);
   const std::size_t count = start.size() - 1;
-  for (std::size_t first = 0; first < count; first += kBlock) {
+  for (std::size_t first; (first = next->fetch_add(kBlock)) < count;) {
     own.Sort(first, std::min(count, first + kBlock));
     own.SolveFull(&own.first_try);
     own.SolveFull(&own.second_try);

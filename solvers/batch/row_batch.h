@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -21,7 +23,10 @@ namespace lcpbench {
 /// Solve allocates nothing. One object serves one thread at a time.
 class RowBatch {
  public:
-  static constexpr Index kMaxRows = 32;  ///< of a problem in lanes
+  static constexpr Index kMaxRows = 64;  ///< of a problem in lanes; 32 but with AVX-512
+  /// Problems of a block: enough that the groups of a size, one after another, find their instructions in the
+  /// first-level cache, and few enough that what lies beside a problem is still in some cache when its turn comes.
+  static constexpr std::size_t kBlock = 512;
 
   /// What becomes of the problems, in no order, each once.
   class Receiver {
@@ -37,9 +42,11 @@ class RowBatch {
   explicit RowBatch(InstructionSet instructions);
   ~RowBatch();
 
+  /// Solves problems, a block at a time, until `next`, the first one that no block has yet, is at their end; batches
+  /// that share it share the problems.
   /// Problem k has the rows start[k] to start[k + 1] - 1; sizes and arrays have been checked, numbers have not.
-  void Solve(const StepRows& rows, std::span<const std::int32_t> start, double tolerance, double* f,
-             Receiver* receiver);
+  void Solve(const StepRows& rows, std::span<const std::int32_t> start, double tolerance,
+             std::atomic<std::size_t>* next, double* f, Receiver* receiver);
 
  private:
   struct Implementation;

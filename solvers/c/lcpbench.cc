@@ -405,6 +405,7 @@ lcpbench_step_options StepDefaults() {
   defaults.size = sizeof defaults;
   defaults.tolerance = StepOptions().tolerance;
   defaults.time_limit_s = StepOptions().time_limit_s;
+  defaults.threads = StepOptions().threads;
   return defaults;
 }
 
@@ -694,6 +695,8 @@ lcpbench_error lcpbench_step_create(const lcpbench_step_options* options, lcpben
                                                 "lcpbench_step_options (call lcpbench_step_options_init)");
       given.tolerance = read.tolerance;
       given.time_limit_s = read.time_limit_s;
+      given.threads = read.threads;
+      if (read.reserved != 0) Refuse("options.reserved", read.reserved, "0");
     }
     *step = new lcpbench_step{StepSolver(given), {}};
   });

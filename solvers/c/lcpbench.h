@@ -316,6 +316,8 @@ typedef struct lcpbench_step_options {
   size_t size;          ///< sizeof(lcpbench_step_options), set by lcpbench_step_options_init
   double tolerance;     ///< requested bound on rho (see lcpbench_verdict), in (0, 1); default 1e-9
   double time_limit_s;  ///< wall-clock limit of one solve [s], > 0; default: infinity
+  int32_t threads;      ///< of lcpbench_step_solve_batch, in [1, 1024], the caller's among them; default 1
+  int32_t reserved;     ///< 0
 } lcpbench_step_options;
 
 /// Writes the defaults.

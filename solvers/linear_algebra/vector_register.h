@@ -90,6 +90,36 @@ struct Lanes {
   static V Gather(const double* from, std::ptrdiff_t step) {
     return Gather(from, step, std::make_integer_sequence<int, kWidth>{});
   }
+  /// Where the lanes of from[at] are, in doubles; and the numbers there.
+  static M LanePlaces(M at) {
+#if defined(__AVX512F__)
+    return (at << 3) + M{0, 1, 2, 3, 4, 5, 6, 7};
+#elif defined(__AVX2__)
+    return (at << 2) + M{0, 1, 2, 3};
+#else
+    return (at << 1) + M{0, 1};
+#endif
+  }
+  static V GatherLanes(const V* from, M places) {
+    const auto* const numbers = reinterpret_cast<const double*>(from);
+#if defined(__AVX512F__)
+    return _mm512_i64gather_pd(reinterpret_cast<__m512i>(places), numbers, 8);
+#elif defined(__AVX2__)
+    return _mm256_i64gather_pd(numbers, reinterpret_cast<__m256i>(places), 8);
+#else
+    return V{numbers[places[0]], numbers[places[1]]};
+#endif
+  }
+  /// Of numbers from 0 to 2^31.
+  static M Larger(M a, M b) {
+#if defined(__AVX512F__)
+    return a > b ? a : b;
+#elif defined(__AVX2__)
+    return reinterpret_cast<M>(_mm256_max_epi32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
+#else
+    return M{a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1]};
+#endif
+  }
   /// 0, 1, 2, ...
   static V Indices() { return Indices(std::make_integer_sequence<int, kWidth>{}); }
   static V Xor(V a, V b) { return reinterpret_cast<V>(reinterpret_cast<M>(a) ^ reinterpret_cast<M>(b)); }
@@ -101,6 +131,7 @@ struct Lanes {
     return reinterpret_cast<M>(_mm_shuffle_epi32(_mm_srai_epi32(reinterpret_cast<__m128i>(a), 31), 0xf5));
 #endif
   }
+  static M FromSigns(M a) { return SignOf(reinterpret_cast<V>(a)); }
   /// a where m, else b.
   static V Select(M m, V a, V b) {
 #if defined(__AVX512F__)

@@ -62,10 +62,9 @@ class DenseTableau {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   static constexpr double kLeastPivot = tableau::kLeastPivot;
   static constexpr double kNoise = tableau::kNoise;
+  static constexpr double kRounding = tableau::kRounding;
   // Rates of change below this, of scaled numbers, are rounding.
   static constexpr double kLeastRate = 1e-12;
-  // A sum of products is off by at most this for each product, in parts of the sum of absolute values.
-  static constexpr double kRounding = 2 * std::numeric_limits<double>::epsilon();
   // rho up to which a guess of the active set counts as right.
   static constexpr double kRightRho = 1e-13;
   // Active sets that are tried before the tableau: the guess, and what its violated rows make of it.
@@ -717,7 +716,7 @@ class DenseTableau {
   // Whether rounding of the entries of A, as t_.rounding has it, cannot hide that a row's backward error is too large.
   bool RowsAreClear() const {
     if (!t_.is_assembled) return true;
-    const V hidden = L::Set(kRounding * (n_ + 8) * size_);
+    const V hidden = L::Set(kRounding * (n_ + tableau::kTermsBesideRows) * size_);
     const V limit = L::Set(tableau::kHiddenInRow * t_.row_limit);
     M is_clear = L::FromBits(~0U);
     for (int v = 0; v < registers_; ++v) {
@@ -734,7 +733,7 @@ class DenseTableau {
     t_.rounding = kInfinity;
     t_.rows_meet = t_.rows_are_clear = false;
     if (t_.rho == kInfinity) return;
-    t_.rounding = kRounding * (n_ + 8) * __builtin_sqrt(n_) * size_ / b_norm_;
+    t_.rounding = kRounding * (n_ + tableau::kTermsBesideRows) * __builtin_sqrt(n_) * size_ / b_norm_;
     t_.rows_meet = RowsMeet();
     t_.rows_are_clear = RowsAreClear();
     if (t_.rows_meet) return;

@@ -143,10 +143,9 @@ struct Tiny {
 
   bool Passes(double tolerance, double row_limit, double* rho) const {
     ResidualSums<double> sums(row_limit);
-    // Rounding of A_ij is a part of (A_ii A_jj)^1/2, which may be all that is left of rows whose terms cancel.
     double squares = 0;
     for (int j = 0; j < n; ++j) squares += A[j][j] * f[j] * f[j];
-    const double hidden = kRoundingOfTwoBodies<> / (tableau::kHiddenInRow * row_limit);
+    const double hidden = (n + tableau::kTermsBesideRows) * tableau::kRounding / (tableau::kHiddenInRow * row_limit);
     for (int i = 0; i < n; ++i) {
       double size = std::abs(b[i]);
       for (int j = 0; j < n; ++j) size += std::abs(A[i][j] * f[j]);

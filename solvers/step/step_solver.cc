@@ -1,9 +1,13 @@
 #include "solvers/step/step_solver.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <exception>
 #include <optional>
 #include <string>
+#include <system_error>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -17,6 +21,8 @@
 
 namespace lcpbench {
 namespace {
+
+constexpr int kMostThreads = 1024;
 
 // The same rows in compressed form, with all their bodies, for what AutoSolver asks.
 ProblemArrays ToArrays(const StepRows& rows) {
@@ -106,6 +112,7 @@ struct StepSolver::Implementation {
   LcpResult result;
   Eigen::VectorXd initial_f, gaps, unwanted_w;
   std::int64_t fallbacks = 0;
+  std::exception_ptr error;  // of the last batch
 
   LcpOptions SolveOptions() const {
     LcpOptions solve;
@@ -167,48 +174,58 @@ struct StepSolver::Implementation {
   }
 };
 
-StepSolver::StepSolver(const StepOptions& options) : implementation_(std::make_unique<Implementation>(options)) {
+StepSolver::StepSolver(const StepOptions& options) {
   if (!(options.tolerance > 0 && options.tolerance < 1)) {
     throw InputError("tolerance must be in (0, 1), found " + std::to_string(options.tolerance));
   }
   if (!(options.time_limit_s > 0)) {
     throw InputError("time limit must be > 0 s, found " + std::to_string(options.time_limit_s));
   }
+  if (!(options.threads >= 1 && options.threads <= kMostThreads)) {
+    throw InputError("threads must be from 1 to " + std::to_string(kMostThreads) + ", found " +
+                     std::to_string(options.threads));
+  }
+  for (int k = 0; k < options.threads; ++k) threads_.push_back(std::make_unique<Implementation>(options));
 }
 
 StepSolver::~StepSolver() = default;
 
 void StepSolver::Reserve(Index max_rows, Index max_bodies) {
-  implementation_->rows.Reserve(max_rows, max_bodies);
-  implementation_->own_bodies.Reserve(max_rows);
-  if (implementation_->unwanted_w.size() < max_rows) implementation_->unwanted_w.resize(max_rows);
+  for (const auto& own : threads_) {
+    own->rows.Reserve(max_rows, max_bodies);
+    own->own_bodies.Reserve(max_rows);
+    if (own->unwanted_w.size() < max_rows) own->unwanted_w.resize(max_rows);
+  }
 }
-
-std::int64_t StepSolver::fallbacks() const { return implementation_->fallbacks; }
 
 StepAnswer StepSolver::Solve(const StepRows& rows, const double* initial_f, double* f, double* w) {
-  return implementation_->Solve(rows, false, initial_f, f, w);
+  return threads_.front()->Solve(rows, false, initial_f, f, w);
 }
 
-std::int64_t StepSolver::left() const { return implementation_->left; }
+std::int64_t StepSolver::fallbacks() const { return Sum(&Implementation::fallbacks); }
+std::int64_t StepSolver::left() const { return Sum(&Implementation::left); }
+std::int64_t StepSolver::Sum(std::int64_t Implementation::*count) const {
+  std::int64_t sum = 0;
+  for (const auto& own : threads_) sum += (*own).*count;
+  return sum;
+}
 
 // What becomes of the problems of a batch.
 class StepSolver::BatchReceiver final : public RowBatch::Receiver {
  public:
-  BatchReceiver(StepSolver* solver, const StepRows& rows, std::span<const std::int32_t> start, double* f,
+  BatchReceiver(Implementation* own, const StepRows& rows, std::span<const std::int32_t> start, double* f,
                 std::span<StepAnswer> answers)
-      : solver_(*solver), rows_(rows), start_(start), f_(f), answers_(answers) {}
+      : own_(*own), rows_(rows), start_(start), f_(f), answers_(answers) {}
 
   void Take(std::int32_t problem, int pivots, double rho) override {
     answers_[static_cast<std::size_t>(problem)] = {LcpStatus::kSolved, pivots, rho};
   }
   void Leave(std::int32_t problem) override {
-    Implementation& own = *solver_.implementation_;
     const auto k = static_cast<std::size_t>(problem);
-    ++own.left;
+    ++own_.left;
     try {
-      const StepRows part = own.own_bodies.Take(PartOf(rows_, start_[k], start_[k + 1]));
-      answers_[k] = own.Solve(part, true, nullptr, f_ + start_[k], nullptr);
+      const StepRows part = own_.own_bodies.Take(PartOf(rows_, start_[k], start_[k + 1]));
+      answers_[k] = own_.Solve(part, true, nullptr, f_ + start_[k], nullptr);
     } catch (const InputError&) {
       CheckRows(rows_, nullptr);  // names the row by its place among all
       throw;
@@ -216,7 +233,7 @@ class StepSolver::BatchReceiver final : public RowBatch::Receiver {
   }
 
  private:
-  StepSolver& solver_;
+  Implementation& own_;
   const StepRows& rows_;
   std::span<const std::int32_t> start_;
   double* f_;
@@ -233,9 +250,31 @@ void StepSolver::SolveBatch(const StepRows& rows, std::span<const std::int32_t> 
   }
   // Arrays, and what the first row has; lanes look at the rest as they read it.
   CheckRows(rows.rows > 0 ? PartOf(rows, 0, 1) : rows, nullptr);
-  implementation_->left = 0;
-  BatchReceiver receiver(this, rows, start, f, answers);
-  implementation_->batch.Solve(rows, start, implementation_->options.tolerance, f, &receiver);
+  std::atomic<std::size_t> next = 0;
+  const auto run = [&](Implementation* own) {
+    try {
+      BatchReceiver receiver(own, rows, start, f, answers);
+      own->batch.Solve(rows, start, own->options.tolerance, &next, f, &receiver);
+    } catch (...) {
+      own->error = std::current_exception();
+      next = answers.size();  // the others need not go on
+    }
+  };
+  for (const auto& own : threads_) {
+    own->left = 0;
+    own->error = nullptr;
+  }
+  std::vector<std::thread> others;
+  const std::size_t useful = std::min(threads_.size(), answers.size() / RowBatch::kBlock);
+  try {
+    for (std::size_t k = 1; k < useful; ++k) others.emplace_back(run, threads_[k].get());
+  } catch (const std::system_error&) {  // as many as there are
+  }
+  run(threads_.front().get());
+  for (std::thread& other : others) other.join();
+  for (const auto& own : threads_) {
+    if (own->error != nullptr) std::rethrow_exception(own->error);
+  }
 }
 
 }  // namespace lcpbench

@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
@@ -16,6 +17,9 @@ struct StepOptions {
   double tolerance = 1e-9;                                        ///< requested bound on rho (verify.h), in (0, 1)
   double time_limit_s = std::numeric_limits<double>::infinity();  ///< of one Solve, wall clock [s], > 0
   InstructionSet instructions = InstructionSet::kBest;            ///< of kernels; refused where the machine lacks them
+  /// Of one SolveBatch, in [1, 1024], the caller's among them: they are started, and their results waited for, in each
+  /// call, as many as there are blocks of 512 problems. Results are the same with any number.
+  int threads = 1;
 };
 
 /// How a solve of StepSolver ended.
@@ -65,6 +69,7 @@ class StepSolver {
   /// @param start    one number more than there are problems, ascending from 0 to rows.rows
   /// @param f        rows.rows numbers, written
   /// @param answers  one per problem, written
+  /// With options.threads > 1 it allocates what threads need.
   /// @throws InputError as Solve, and for `start`; then f and answers may be written in part
   void SolveBatch(const StepRows& rows, std::span<const std::int32_t> start, double* f, std::span<StepAnswer> answers);
 
@@ -76,7 +81,9 @@ class StepSolver {
  private:
   class BatchReceiver;
   struct Implementation;
-  std::unique_ptr<Implementation> implementation_;
+  std::int64_t Sum(std::int64_t Implementation::*count) const;
+
+  std::vector<std::unique_ptr<Implementation>> threads_;  // one each; the first is the caller's
 };
 
 }  // namespace lcpbench

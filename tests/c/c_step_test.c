@@ -360,7 +360,8 @@ static void WrongOptionsAreRefused(void) {
   CHECK_REFUSED(lcpbench_step_options_init(NULL, sizeof options), "options is NULL");
   CHECK_REFUSED(lcpbench_step_options_init(&options, 4), "size is 4");
   CHECK_OK(lcpbench_step_options_init(&options, sizeof options));
-  CHECK(options.size == sizeof options && options.tolerance == 1e-9 && isinf(options.time_limit_s));
+  CHECK(options.size == sizeof options && options.tolerance == 1e-9 && isinf(options.time_limit_s) &&
+        options.threads == 1);
   CHECK_REFUSED(lcpbench_step_create(&options, NULL), "step is NULL");
   options.tolerance = 1;
   CHECK_REFUSED(lcpbench_step_create(&options, &other), "tolerance must be in (0, 1)");
@@ -369,6 +370,13 @@ static void WrongOptionsAreRefused(void) {
   options.tolerance = 1e-6;
   options.time_limit_s = 0;
   CHECK_REFUSED(lcpbench_step_create(&options, &other), "time limit must be > 0");
+  options.time_limit_s = 1;
+  options.threads = 0;
+  CHECK_REFUSED(lcpbench_step_create(&options, &other), "threads must be from 1");
+  options.threads = 2;
+  options.reserved = 1;
+  CHECK_REFUSED(lcpbench_step_create(&options, &other), "reserved is 1, expected 0");
+  options.reserved = 0;
   options.size = 0;
   CHECK_REFUSED(lcpbench_step_create(&options, &other), "lcpbench_step_options_init");
   CHECK(other == NULL);

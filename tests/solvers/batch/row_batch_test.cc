@@ -13,8 +13,9 @@
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
 #include "solvers/lcp/verify.h"
-#include "solvers/rows/extended_rho.h"
+#include "solvers/rows/extended_check.h"
 #include "solvers/step/step_solver.h"
+#include "tests/solvers/io/read_lcp_file.h"
 #include "tests/solvers/step/random_step.h"
 #include "tests/support/refusal.h"
 
@@ -117,11 +118,12 @@ TEST_P(RowBatchTest, AnswersAsOneByOneInAllSizesAndForms) {
   for (const int p : {3, 6}) {
     for (const bool single : {false, true}) {
       Batch batch(p, single);
-      for (unsigned seed = 0; seed < 680; ++seed) batch.AddRandom(static_cast<int>(seed * 7 % 34), seed);
+      for (unsigned seed = 0; seed < 335; ++seed) batch.AddRandom(static_cast<int>(seed * 7 % 67), seed);
       const Answers answers = SolveBatch(GetParam(), &batch);
       ExpectAsOneByOne(answers, &batch);
-      // Two sizes of 34 are not for lanes; what passes everything on has nothing to test here.
-      EXPECT_LE(answers.left, 2 * 20 + 20) << p;
+      // Sizes of 67 that are not for lanes; what passes everything on has nothing to test here.
+      const int others = GetParam() == InstructionSet::kAvx512 ? 3 : 35;
+      EXPECT_LE(answers.left, others * 5 + 20) << p;
     }
   }
 }
@@ -138,15 +140,15 @@ TEST_P(RowBatchTest, AnswersAsOneByOneOnScenes) {
 
 TEST_P(RowBatchTest, BitsDoNotDependOnNeighbours) {
   Batch batch(3, false);
-  for (unsigned seed = 0; seed < 300; ++seed) batch.AddRandom(1 + static_cast<int>(seed * 5 % 32), seed);
+  for (unsigned seed = 0; seed < 300; ++seed) batch.AddRandom(1 + static_cast<int>(seed * 5 % 64), seed);
   StepSolver solver({.instructions = GetParam()});
   const Answers expected = SolveBatch(&solver, &batch);
   Batch turned(3, false);
-  for (unsigned seed = 300; seed > 0; --seed) turned.AddRandom(1 + static_cast<int>((seed - 1) * 5 % 32), seed - 1);
+  for (unsigned seed = 300; seed > 0; --seed) turned.AddRandom(1 + static_cast<int>((seed - 1) * 5 % 64), seed - 1);
   const Answers answers = SolveBatch(&solver, &turned);
   for (std::size_t k = 0; k < batch.size(); ++k) {
     Batch alone(3, false);
-    alone.AddRandom(1 + static_cast<int>(k * 5 % 32), static_cast<unsigned>(k));
+    alone.AddRandom(1 + static_cast<int>(k * 5 % 64), static_cast<unsigned>(k));
     const Eigen::VectorXd f = ForcesOf(expected, batch, k);
     EXPECT_TRUE(SameBits(ForcesOf(answers, turned, batch.size() - 1 - k), f)) << k;
     EXPECT_TRUE(SameBits(ForcesOf(SolveBatch(&solver, &alone), alone, 0), f)) << k;
@@ -163,15 +165,15 @@ TEST_P(RowBatchTest, DoesNotAllocateAfterReserve) {
     for (unsigned seed = 0; seed < 1000; ++seed) {
       // Those that AutoSolver's backends are asked for may allocate.
       Batch alone(p, false);
-      alone.AddRandom(1 + static_cast<int>(seed % 32), seed);
+      alone.AddRandom(1 + static_cast<int>(seed % 64), seed);
       const std::int64_t before = trial.fallbacks();
       SolveBatch(&trial, &alone);
-      if (trial.fallbacks() == before) batch.AddRandom(1 + static_cast<int>(seed % 32), seed);
+      if (trial.fallbacks() == before) batch.AddRandom(1 + static_cast<int>(seed % 64), seed);
     }
     EXPECT_GT(batch.size(), 950U);
-    for (int n = 33; n < 43; ++n) batch.AddApart(n);  // not for lanes
+    for (int n = 65; n < 75; ++n) batch.AddApart(n);  // not for lanes
     StepSolver solver({.instructions = GetParam()});
-    solver.Reserve(43, 86);
+    solver.Reserve(75, 150);
     const StepRows rows = batch.Rows();
     std::vector<double> f(batch.b.size());
     std::vector<StepAnswer> answers(batch.size());
@@ -238,14 +240,38 @@ TEST_P(RowBatchTest, ClaimsNothingWrongOfExtremeNumbers) {
   EXPECT_GT(solved, 200);
 }
 
+// Rounding of A may be all that is left of a row: then it says nothing of the row's backward error.
+TEST_P(RowBatchTest, ClaimsNothingWrongOfRowsWhoseTermsCancel) {
+  Batch batch(6, false);
+  for (const LcpRecord& record : ReadLcpFile(LCPBENCH_SOURCE_DIR "/tests/data/reports/terms-that-cancel.jsonl")) {
+    const StepArrays recorded = StepArrays::Of(record.problem);
+    std::mt19937 engine(1);
+    for (int k = 0; k < 50; ++k) {
+      StepArrays turned = recorded;
+      for (double& b : turned.b) b *= k == 0 ? 1 : 1 + std::uniform_real_distribution<double>(0, 1)(engine);
+      batch.AddProblem(turned);
+    }
+  }
+  for (const double tolerance : {1e-3, 1e-6, 1e-9, 1e-12}) {
+    StepSolver solver({.tolerance = tolerance, .instructions = GetParam()});
+    const Answers answers = SolveBatch(&solver, &batch);
+    for (std::size_t k = 0; k < batch.size(); ++k) {
+      LcpResult result;
+      result.status = answers.of[k].status == LcpStatus::kSolved ? LcpStatus::kSolved : LcpStatus::kIterationLimit;
+      result.f = ForcesOf(answers, batch, k);
+      EXPECT_FALSE(Verify(batch.Problem(k), result, tolerance).false_success) << k << " at " << tolerance;
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Machine, RowBatchTest, testing::ValuesIn(AvailableInstructionSets()),
                          [](const auto& test) { return std::string(ToString(test.param)); });
 
-TEST(RowBatch, Avx2AndAvx512GiveTheSameBits) {
+TEST(RowBatch, Avx2AndAvx512GiveTheSameBitsOfFewRows) {
   if (AvailableInstructionSets().back() != InstructionSet::kAvx512) GTEST_SKIP() << "no AVX-512 here";
   for (const int p : {3, 6}) {
     Batch batch(p, false);
-    for (unsigned seed = 0; seed < 500; ++seed) batch.AddRandom(1 + static_cast<int>(seed % 32), seed);
+    for (unsigned seed = 0; seed < 500; ++seed) batch.AddRandom(1 + static_cast<int>(seed % 12), seed);
     const Answers wide = SolveBatch(InstructionSet::kAvx512, &batch);
     const Answers narrow = SolveBatch(InstructionSet::kAvx2, &batch);
     std::int64_t different = 0;
@@ -257,6 +283,36 @@ TEST(RowBatch, Avx2AndAvx512GiveTheSameBits) {
   }
 }
 
+TEST(RowBatch, GivesTheSameBitsOnAnyNumberOfThreads) {
+  Batch batch(3, false);
+  for (unsigned seed = 0; seed < 5000; ++seed)
+    batch.AddRandom(static_cast<int>(seed * 5 % (seed % 9 == 0 ? 67 : 9)), seed);
+  StepSolver alone;
+  const Answers expected = SolveBatch(&alone, &batch);
+  EXPECT_GT(alone.left(), 0);
+  for (const int threads : {2, 3, 8}) {
+    StepSolver solver({.threads = threads});
+    for (int repeat = 0; repeat < 3; ++repeat) {
+      const Answers answers = SolveBatch(&solver, &batch);
+      EXPECT_EQ(answers.left, expected.left);
+      EXPECT_EQ(answers.f, expected.f);
+      for (std::size_t k = 0; k < batch.size(); ++k) {
+        EXPECT_EQ(answers.of[k].status, expected.of[k].status);
+        EXPECT_EQ(answers.of[k].iterations, expected.of[k].iterations);
+        EXPECT_EQ(answers.of[k].rho, expected.of[k].rho);
+      }
+    }
+    // Of several wrong rows the first is named, as on one thread.
+    Batch wrong = batch;
+    for (const std::size_t row : {std::size_t{1000}, wrong.b.size() / 2, wrong.b.size() - 1})
+      wrong.b[row] = std::nan("");
+    ExpectRefused([&] { SolveBatch(&solver, &wrong); }, "row 1000");
+    EXPECT_EQ(SolveBatch(&solver, &batch).f, expected.f);
+  }
+  ExpectRefused([] { StepSolver({.threads = 0}); }, "threads must be from 1");
+  ExpectRefused([] { StepSolver({.threads = 1025}); }, "threads must be from 1");
+}
+
 TEST(RowBatch, TakesEmptyBatchesAndProblems) {
   StepSolver solver;
   solver.SolveBatch({}, std::vector<std::int32_t>{0}, nullptr, {});
@@ -265,17 +321,18 @@ TEST(RowBatch, TakesEmptyBatchesAndProblems) {
   EXPECT_EQ(answers[1].status, LcpStatus::kSolved);
 }
 
-TEST(ExtendedRho, IsTheVerifiers) {
+TEST(PassesExtended, ByTheRhoOfTheVerifier) {
   for (const bool single : {false, true}) {
     Batch batch(6, single);
-    for (unsigned seed = 0; seed < 50; ++seed) batch.AddRandom(1 + static_cast<int>(seed % 32), seed);
+    for (unsigned seed = 0; seed < 50; ++seed) batch.AddRandom(1 + static_cast<int>(seed % 64), seed);
     const StepRows rows = batch.Rows();
     for (std::size_t k = 0; k < batch.size(); ++k) {
       const LcpProblem problem = batch.Problem(k);
       const Eigen::VectorXd f =
           Eigen::VectorXd::NullaryExpr(problem.size(), [&](Index i) { return std::sin(static_cast<double>(i) + 1); });
       const double expected = ComputeMetrics(problem, f).rho;
-      const auto found = static_cast<double>(ExtendedRho(PartOf(rows, batch.start[k], batch.start[k + 1]), f.data()));
+      double found = 0;
+      PassesExtended(PartOf(rows, batch.start[k], batch.start[k + 1]), 1, 1, f.data(), &found);
       EXPECT_NEAR(found, expected, 1e-12 * expected);
     }
   }

@@ -1,4 +1,4 @@
-#include "solvers/rows/extended_rho.h"
+#include "solvers/rows/extended_check.h"
 
 #include <numeric>
 #include <span>
@@ -7,7 +7,7 @@
 
 namespace lcpbench {
 
-long double ExtendedRho(const StepRows& rows, const double* f) {
+bool PassesExtended(const StepRows& rows, double tolerance, double row_limit, const double* f, double* rho) {
   const Index p = rows.columns_per_body;
   // Bodies in the order in which rows name them.
   std::int32_t names[2 * kMostExtendedRows];
@@ -30,10 +30,10 @@ long double ExtendedRho(const StepRows& rows, const double* f) {
   std::iota(all, all + rows.rows, 0);
   return WithNumbers(rows, [&](const auto* J, auto width) {
     const auto slot = [&](Index side) { return slots[side]; };
-    constexpr double kAnyError = 1e300;  // only rho is asked for
-    const auto size_of_gap = [](std::int32_t /*row*/) { return 0.0; };
+    const auto no_more = [](std::int32_t /*row*/) { return 0.0; };
     const std::span<const std::int32_t> part(all, static_cast<std::size_t>(rows.rows));
-    return SumRows<width>(rows, J, part, kAnyError, f, nullptr, slot, size_of_gap, velocity, size).rho();
+    return SumRows<width>(rows, J, part, row_limit, f, nullptr, slot, no_more, velocity, size)
+               .Judge(tolerance, kRoundingOfTwoBodies<long double>, rho) == ResidualSums<double>::Known::kRight;
   });
 }
 
