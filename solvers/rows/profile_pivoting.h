@@ -37,7 +37,8 @@ class ProfilePivoting {
     const Deadline* deadline;  ///< or nullptr
   };
 
-  ProfilePivoting() = default;
+  /// @throws InputError if this machine lacks the instructions
+  explicit ProfilePivoting(InstructionSet instructions = InstructionSet::kBest) : factor_(instructions) {}
   ProfilePivoting(const ProfilePivoting&) = delete;
   ProfilePivoting& operator=(const ProfilePivoting&) = delete;
 
