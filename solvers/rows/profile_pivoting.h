@@ -38,7 +38,8 @@ class ProfilePivoting {
   };
 
   /// @throws InputError if this machine lacks the instructions
-  explicit ProfilePivoting(InstructionSet instructions = InstructionSet::kBest) : factor_(instructions) {}
+  explicit ProfilePivoting(InstructionSet instructions = InstructionSet::kBest)
+      : instructions_(instructions), factor_(instructions) {}
   ProfilePivoting(const ProfilePivoting&) = delete;
   ProfilePivoting& operator=(const ProfilePivoting&) = delete;
 
@@ -66,6 +67,7 @@ class ProfilePivoting {
   void TakeBasicPoint();
   bool TimeIsUp() const { return deadline_ != nullptr && deadline_->Expired(); }
 
+  const InstructionSet instructions_;
   BodyOrder order_;
   ScaledProblem scaled_;
   ScaledRows form_;

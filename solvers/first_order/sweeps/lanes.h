@@ -103,7 +103,7 @@ class ProductSum {
       four_ += a * b;
     }
   }
-  double Total() const {
+  LCPBENCH_ALWAYS_INLINE double Total() const {
     const Lanes low = low_ + __builtin_shufflevector(eight_, eight_, 0, 1, 2, 3);
     const Lanes high = high_ + __builtin_shufflevector(eight_, eight_, 4, 5, 6, 7);
     return one_ + (Sum(four_) + (Sum(low) + Sum(high)));
