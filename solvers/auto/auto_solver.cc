@@ -142,6 +142,7 @@ AutoEngine::AutoEngine(const AutoOptions& options)
     : options_(options),
       tableau_(options.instructions),
       rows_(options.instructions, options.only),
+      band_(options.instructions),
       whole_(options.newton_factorizations, options.self_check) {
   if (options.newton_factorizations < 1) throw InputError("auto: newton_factorizations must be >= 1");
   for (const Index rows : {options.tableau_rows, options.hard_tableau_rows}) {

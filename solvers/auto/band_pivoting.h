@@ -23,6 +23,9 @@ namespace lcpbench {
 /// problem.
 class BandPivoting {
  public:
+  /// @throws InputError if this machine lacks the instructions
+  explicit BandPivoting(InstructionSet instructions = InstructionSet::kBest) : factor_(instructions) {}
+
   /// True with result->status kSolved and an f that passes in sums with a bound of their rounding, or kTimeLimit.
   /// False, with f anything, where the exchanges do not get ahead, rows depend on others, or f does not pass.
   /// @param deadline  of the solve, or nullptr for none

@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "solvers/linear_algebra/tableau_rules.h"
-#include "solvers/rows/fixed_size_bpp.h"
 #include "support/array_index.h"
 
 namespace lcpbench {
@@ -96,8 +95,7 @@ RowSolver::PartEnd RowSolver::AskFixedSizeBpp(const Request& request, Part part,
   const double tolerance = request.tolerance;
   const double row_limit = tableau::kMargin * std::sqrt(tolerance);
   double rho = 0;
-  if (!FixedSizeBpp::Solve(request.rows, part, tolerance, row_limit, request.f, request.w, &rho))
-    return PartEnd::kGaveUp;
+  if (!few_.Solve(request.rows, part, tolerance, row_limit, request.f, request.w, &rho)) return PartEnd::kGaveUp;
   ++answer->iterations;
   answer->rho = std::max(answer->rho, rho);
   return PartEnd::kSolved;

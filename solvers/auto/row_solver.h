@@ -10,6 +10,7 @@
 #include "solvers/lcp/step_rows.h"
 #include "solvers/linear_algebra/islands.h"
 #include "solvers/pivoting/row_tableau.h"
+#include "solvers/rows/fixed_size_bpp.h"
 #include "solvers/rows/profile_pivoting.h"
 
 namespace lcpbench {
@@ -30,10 +31,14 @@ struct RowAnswer {
 /// island of more than AutoFacts::kMostIslandRows. Only Reserve allocates.
 class RowSolver {
  public:
-  /// @param instructions  of the tableau. @throws InputError where the machine lacks them
+  /// @param instructions  of the kernels. @throws InputError where the machine lacks them
   /// @param only          asks no other method
   explicit RowSolver(InstructionSet instructions = InstructionSet::kBest, std::optional<AutoMethod> only = {})
-      : only_(only), rules_(AutoRulesOf(AutoStage::kRows)), tableau_(instructions) {}
+      : only_(only),
+        rules_(AutoRulesOf(AutoStage::kRows)),
+        few_(instructions),
+        profile_(instructions),
+        tableau_(instructions) {}
 
   /// Workspace for up to `max_rows` rows and `max_bodies` bodies.
   void Reserve(Index max_rows, Index max_bodies);
@@ -76,6 +81,7 @@ class RowSolver {
   AutoFacts facts_;  // of the part at hand
   Index reserved_rows_ = 0, reserved_bodies_ = 0;
   RowIslands islands_;
+  FixedSizeBpp few_;
   ProfilePivoting profile_;
   RowTableau tableau_;
   std::vector<std::int32_t> all_;  // 0, 1, 2, ...

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -14,7 +13,8 @@ inline constexpr double kRoundingOfTwoBodies = 32 * static_cast<double>(std::num
 /// rho (verify.h) of forces f with gaps w = A f + b, added up row by row; and, from the sums of absolute values that
 /// the gaps are made of, what rounding can hide of it and whether every row's backward error is small. The one coding
 /// of these in solvers/, but for the verifier, which stays apart so that it is independent, and for passes in vector
-/// registers.
+/// registers. What kernels of instruction sets call of it is inlined whatever the flags, and calls nothing that may not
+/// be: see linear_algebra/vector_register.h.
 /// @tparam Real  what is added up in
 template <typename Real>
 class ResidualSums {
@@ -24,28 +24,31 @@ class ResidualSums {
 
   ResidualSums() = default;
   /// @param row_limit  largest backward error that a row may have
-  explicit ResidualSums(double row_limit) : row_limit_(row_limit) {}
+  [[gnu::always_inline]] explicit ResidualSums(double row_limit) : row_limit_(row_limit) {}
 
   /// The natural residual of a row, in the unit of its gap; a gap that is NaN stays.
   /// @param force  A_ii f_i
-  static Real Defect(Real gap, Real force, bool is_joint) { return is_joint ? gap : std::min(gap, force); }
+  [[gnu::always_inline]] static Real Defect(Real gap, Real force, bool is_joint) {
+    return is_joint || !(force < gap) ? gap : force;
+  }
 
   /// @param d          |A_ii|; 0 counts as 1
   /// @param magnitude  (|A| |f| + |b|)_i, or a sum of more absolute values; without it only rho is known
-  void Add(Real d, Real b, Real gap, Real f, bool is_joint, Real magnitude = 0) {
+  [[gnu::always_inline]] void Add(Real d, Real b, Real gap, Real f, bool is_joint, Real magnitude = 0) {
     const Real unit = d > 0 ? d : 1;
     const Real inverse = 1 / unit;
     const Real defect = Defect(gap, unit * f, is_joint);
     defects_ += defect * (defect * inverse);
     loads_ += b * (b * inverse);
     magnitudes_ += magnitude * (magnitude * inverse);
-    meets_ &= (std::abs(defect) <= row_limit_ * magnitude) & (is_joint | (f >= 0));
+    const Real limit = row_limit_ * magnitude;
+    meets_ &= (defect <= limit) & (-defect <= limit) & (is_joint | (f >= 0));
   }
 
   /// A row's backward error is too large.
   void RefuseRow() { meets_ = false; }
   /// Rounding of a row's gap may hide that its backward error is too large.
-  void DoubtRow() { is_clear_ = false; }
+  [[gnu::always_inline]] void DoubtRow() { is_clear_ = false; }
 
   /// |D^-1/2 min(w, D f)|_2
   Real defect_norm() const { return std::sqrt(defects_); }
@@ -54,7 +57,7 @@ class ResidualSums {
   /// kRight: rho and what rounding hides of it are within the tolerance, and all rows meet their limit.
   /// @param roundings  bound of the rounding of a gap in parts of its magnitude
   /// @param rho        written
-  Known Judge(double tolerance, double roundings, double* rho) const {
+  [[gnu::always_inline]] Known Judge(double tolerance, double roundings, double* rho) const {
     const Real inverse = 1 / (loads_ > 0 ? loads_ : 1);
     const Real found = std::sqrt(defects_ * inverse);
     const Real rounding = roundings * std::sqrt(magnitudes_ * inverse);

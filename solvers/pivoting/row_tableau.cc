@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "solvers/linear_algebra/tableau_rules.h"
-#include "solvers/rows/fixed_size_bpp.h"
 #include "support/array_index.h"
 
 namespace lcpbench {
@@ -21,7 +20,7 @@ RowTableau::End RowTableau::Solve(const StepRows& rows, Part part, double tolera
   using Judgement = SmallPivoting::Answer::Judgement;
   request.row_limit = tableau::kMargin * std::sqrt(tolerance);
   // One row is a division, whatever the rule.
-  if (part.size() == 1 && FixedSizeBpp::Solve(rows, part, tolerance, request.row_limit, f, w, rho)) return End::kSolved;
+  if (part.size() == 1 && one_.Solve(rows, part, tolerance, request.row_limit, f, w, rho)) return End::kSolved;
   const SmallPivoting::Answer found = tableau_.SolveRows(rows, part, request, f, w);
   const Judgement judgement = found.Judge(tolerance);
   *rho = found.rho;

@@ -7,6 +7,7 @@
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
 #include "solvers/pivoting/small_pivoting.h"
+#include "solvers/rows/fixed_size_bpp.h"
 #include "solvers/rows/row_judge.h"
 #include "solvers/rows/two_body_copy.h"
 
@@ -29,7 +30,7 @@ class RowTableau {
   /// @throws InputError if this machine lacks the instructions
   explicit RowTableau(InstructionSet instructions = InstructionSet::kBest,
                       TableauRule rule = TableauRule::kMostViolated)
-      : tableau_(instructions, rule) {}
+      : one_(instructions), tableau_(instructions, rule) {}
 
   /// For steps of up to `max_rows` rows, of which up to SmallPivoting::kMaxRows are solved at a time.
   void Reserve(Index max_rows, Index max_bodies);
@@ -52,6 +53,7 @@ class RowTableau {
   }
 
  private:
+  FixedSizeBpp one_;
   SmallPivoting tableau_;
   RowJudge judge_;
   // Of SolveArrays.

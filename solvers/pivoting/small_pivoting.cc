@@ -16,6 +16,14 @@ constexpr Index kMostWidth = 8;
 constexpr KernelTable<TableauKernel> kKernels{
     {2, &SolveTableauSse2}, {4, &SolveTableauAvx2}, {kMostWidth, &SolveTableauAvx512}};
 
+// Up to so many rows the wider registers of AVX-512 have too much padding.
+constexpr Index kFewRows = 12;
+InstructionSet ForFewRows(InstructionSet instructions) {
+  const bool has_choice = instructions == InstructionSet::kBest;
+  return has_choice && FindInstructionSet(instructions) == InstructionSet::kAvx512 ? InstructionSet::kAvx2
+                                                                                   : instructions;
+}
+
 Index InRegisters(Index n, Index width) { return (n + width - 1) / width * width; }
 
 }  // namespace
@@ -28,7 +36,7 @@ SmallPivoting::Answer::Judgement SmallPivoting::Answer::Judge(double tolerance) 
 }
 
 SmallPivoting::SmallPivoting(InstructionSet instructions, TableauRule rule)
-    : kernel_(FindKernel(kKernels, instructions)) {
+    : of_few_rows_(FindKernel(kKernels, ForFewRows(instructions))), of_many_rows_(FindKernel(kKernels, instructions)) {
   work_.rule = rule;
   work_.is_late = [](const void* clock) { return static_cast<const Deadline*>(clock)->Expired(); };
 }
@@ -66,8 +74,9 @@ void SmallPivoting::ReserveRows(Index max_rows, Index max_bodies) {
 }
 
 void SmallPivoting::SetSize(Index n) {
+  kernel_ = n <= kFewRows ? &of_few_rows_ : &of_many_rows_;
   work_.n = static_cast<int>(n);
-  work_.stride = static_cast<int>(InRegisters(n, kernel_.width));
+  work_.stride = static_cast<int>(InRegisters(n, kernel_->width));
   work_.joint_count = 0;
   work_.is_assembled = true;
   std::fill(work_.diagonal + n, work_.diagonal + work_.stride, 1.0);

@@ -133,7 +133,9 @@ class SmallPivoting {
   template <typename Given>
   Answer SolveLoaded(const Given& given, const Request& request, double* f, double* w);
 
-  const TableauKernel& kernel_;
+  const TableauKernel& of_few_rows_;
+  const TableauKernel& of_many_rows_;
+  const TableauKernel* kernel_ = nullptr;  // of the rows that are loaded
   TableauWork work_;
   Eigen::VectorXd numbers_;       // what work_ points to
   std::vector<int> integers_;     // the same
@@ -154,7 +156,7 @@ SmallPivoting::Answer SmallPivoting::SolveLoaded(const Given& given, const Reque
   work_.row_limit = request.row_limit;
   work_.self_check = request.self_check;
   work_.clock = work_.n > kRowsWithoutClock ? request.deadline : nullptr;
-  if (!kernel_.solve(&work_)) return {kInfinity, kInfinity, false, false};
+  if (!kernel_->solve(&work_)) return {kInfinity, kInfinity, false, false};
   const double inverse_b_scale = 1 / work_.b_scale;
   for (Index i = 0; i < work_.n; ++i) f[given(i)] = work_.force[i] * (work_.scale[i] * inverse_b_scale);
   for (Index i = 0; i < work_.n && w != nullptr; ++i) w[given(i)] = work_.w[i] * (inverse_b_scale / work_.scale[i]);

@@ -1,8 +1,6 @@
 #include "solvers/rows/profile_factor.h"
 
 #include <algorithm>
-#include <array>
-#include <limits>
 #include <utility>
 
 #include "solvers/linear_algebra/tableau_rules.h"
@@ -38,8 +36,9 @@ void ProfileFactor::Reserve(Index max_rows, Index profile) {
   of_A_.Reserve(max_rows);
   of_L_.Reserve(max_rows);
   for (auto* v : {&rows_, &place_}) v->resize(At(max_rows));
-  for (auto* v : {&floor_, &y_}) v->setZero(max_rows + 2 * kRegister);
-  columns_.setZero(kPanel * (max_rows + 2 * kRegister));
+  const Index room = (max_rows / kRegister + 2) * kRegister;
+  for (auto* v : {&floor_, &y_}) v->setZero(room);
+  columns_.setZero(kProfilePanel * room);
   first_row_.resize(At(2 * max_rows) + 1);
   sides_.Reserve(max_rows, 2 * max_rows);
 }
@@ -123,113 +122,27 @@ void ProfileFactor::Pack(const unsigned char* is_active, double shift, const dou
   }
 }
 
-// The diagonal block at column j; false if a row is left out.
-bool ProfileFactor::FactorizeBlock(Index j, Panel* panel) {
-  bool is_whole = true;
-  auto& [block, inverse] = *panel;
-  for (Index r = 0; r < std::min(kPanel, m_ - j); ++r) {
-    double* const own = row_of_L(j + r) + j;
-    for (Index c = 0; c <= r; ++c) {
-      block[r][c] = own[c];
-      for (Index k = 0; k < c; ++k) block[r][c] -= own[k] * block[c][k];
-      if (c < r) own[c] = block[r][c] * inverse[c];
-    }
-    own[r] = block[r][r];
-    if (!(own[r] > floor_[j + r])) {
-      own[r] = std::numeric_limits<double>::infinity();
-      is_whole = false;
-    }
-    inverse[r] = 1 / own[r];
-  }
-  return is_whole;
+ProfileWork ProfileFactor::Work() {
+  return {m_,
+          L_.data(),
+          of_L_.begin.data(),
+          of_L_.first.data(),
+          of_L_.last_below.data(),
+          floor_.data(),
+          columns_.data(),
+          columns_.size() / kProfilePanel};
 }
 
-// The panel's columns below its block, to row `last`: into columns_ as they are, into L over their pivots.
-void ProfileFactor::DivideBelow(Index j, Index last, const Panel& panel) {
-  const Panel own = panel;  // a copy, so that it stays in registers
-  const auto& [block, inverse] = own;
-  const Index stride = columns_.size() / kPanel;
-  double* const column[kPanel] = {columns_.data(), columns_.data() + stride, columns_.data() + 2 * stride,
-                                  columns_.data() + 3 * stride};
-  for (double* const c : column) std::fill_n(c + j, kPanel, 0.0);
-  for (Index i = j + kPanel; i <= last; ++i) {
-    double v[kPanel] = {};
-    if (of_L_.first[At(i)] < j + kPanel) {
-      double* const row = row_of_L(i) + j;
-      v[0] = row[0];
-      const double f0 = v[0] * inverse[0];
-      v[1] = row[1] - f0 * block[1][0];
-      const double f1 = v[1] * inverse[1];
-      v[2] = row[2] - f0 * block[2][0] - f1 * block[2][1];
-      const double f2 = v[2] * inverse[2];
-      v[3] = row[3] - f0 * block[3][0] - f1 * block[3][1] - f2 * block[3][2];
-      row[0] = f0;
-      row[1] = f1;
-      row[2] = f2;
-      row[3] = v[3] * inverse[3];
-    }
-    for (int c = 0; c < kPanel; ++c) column[c][i] = v[c];
-  }
-}
-
-// What the panel takes from the rows below it.
-void ProfileFactor::SubtractBelow(Index j, Index last) {
-  const Index stride = columns_.size() / kPanel;
-  const double* const column = columns_.data();
-  const Index begin = (j + kPanel) / kRegister * kRegister;
-  for (Index i = j + kPanel; i <= last; ++i) {
-    if (of_L_.first[At(i)] >= j + kPanel) continue;
-    double* const own = row_of_L(i);
-    const std::array<double, kPanel> factor = {own[j], own[j + 1], own[j + 2], own[j + 3]};
-    // What lies beyond the diagonal in a register is never read as a number of the row.
-    for (Index k = begin; k <= i; k += kRegister) {
-      Register rest = *AsRegisters(own + k);
-      for (std::size_t c = 0; c < factor.size(); ++c) {
-        rest -= factor[c] * *AsRegisters(column + static_cast<Index>(c) * stride + k);
-      }
-      *AsRegisters(own + k) = rest;
-    }
-  }
-}
-
-// Panel by panel, each one subtracted from the rows below at once.
 bool ProfileFactor::Factorize(const unsigned char* is_active, double shift, const double* more) {
   Pack(is_active, shift, more);
-  bool is_whole = true;
-  Panel panel;
-  for (Index j = 0; j < m_; j += kPanel) {
-    is_whole = FactorizeBlock(j, &panel) && is_whole;
-    if (j + kPanel >= m_) break;
-    const Index last = of_L_.last_below[At(j + kPanel - 1)];
-    DivideBelow(j, last, panel);
-    SubtractBelow(j, last);
-  }
-  return is_whole;
+  return kernel_.factorize(Work());
 }
 
 void ProfileFactor::Solve(double* x) {
   double* const y = y_.data();
   for (Index a = 0; a < m_; ++a) y[a] = x[rows_[At(a)]];
-  for (Index a = 0; a < m_; ++a) {
-    const double* const row = row_of_L(a);
-    Register sum = {};
-    const Index begin = of_L_.first[At(a)] / kRegister * kRegister;
-    const Index end = a / kRegister * kRegister;
-    for (Index k = begin; k < end; k += kRegister) sum += *AsRegisters(row + k) * *AsRegisters(y + k);
-    double rest = Sum(&sum);
-    for (Index k = std::max(begin, end); k < a; ++k) rest += row[k] * y[k];
-    y[a] -= rest;
-  }
-  for (Index a = 0; a < m_; ++a) y[a] /= row_of_L(a)[a];
-  for (Index a = m_ - 1; a >= 0; --a) {
-    const double* const row = row_of_L(a);
-    const double own = y[a];
-    const Index begin = of_L_.first[At(a)] / kRegister * kRegister;
-    const Index end = a / kRegister * kRegister;
-    for (Index k = begin; k < end; k += kRegister) *AsRegisters(y + k) -= own * *AsRegisters(row + k);
-    for (Index k = std::max(begin, end); k < a; ++k) y[k] -= own * row[k];
-    x[rows_[At(a)]] = own;
-  }
+  kernel_.solve(Work(), y);
+  for (Index a = 0; a < m_; ++a) x[rows_[At(a)]] = y[a];
 }
 
 }  // namespace lcpbench

@@ -6,6 +6,7 @@
 
 #include "solvers/first_order/sweeps/scaled_rows.h"
 #include "solvers/linear_algebra/sides_of_bodies.h"
+#include "solvers/rows/kernel.h"
 
 namespace lcpbench {
 
@@ -21,6 +22,9 @@ class ProfileFactor {
   static constexpr Index kMostProfile = 256;
   /// A shift that holds a singular A_FF up and leaves little in w, in units of A_ii.
   static constexpr double kShift = 1e-9;
+
+  /// @throws InputError if this machine lacks the instructions
+  explicit ProfileFactor(InstructionSet instructions = InstructionSet::kBest) : kernel_(FindRowsKernel(instructions)) {}
 
   /// For matrices of up to `max_rows` rows, with profiles of up to `profile` numbers, rows filled up to whole
   /// registers.
@@ -61,23 +65,14 @@ class ProfileFactor {
     Index LayOut(Index n);
   };
 
-  // Columns that are subtracted from the rows below together; divides a register.
-  static constexpr Index kPanel = 4;
-  // A panel's diagonal block: L D by rows, and the inverse of D.
-  struct Panel {
-    double block[kPanel][kPanel];
-    double inverse[kPanel];
-  };
-
   double* row_of_L(Index a) { return L_.data() + of_L_.begin[static_cast<std::size_t>(a)]; }
   bool LayOutRows();
   template <Index p>
   void AssembleOf(const ScaledRows& rows);
   void Pack(const unsigned char* is_active, double shift, const double* more);
-  bool FactorizeBlock(Index j, Panel* panel);
-  void DivideBelow(Index j, Index last, const Panel& panel);
-  void SubtractBelow(Index j, Index last);
+  ProfileWork Work();
 
+  const RowsKernel& kernel_;
   Index n_ = 0, m_ = 0;  // rows of A, of F
   double cost_ = 0;
   Profile of_A_, of_L_;

@@ -43,8 +43,8 @@ void ProfilePivoting::Reserve(Index max_rows, Index max_bodies) {
   const Index most_image = ScaledRows::MostImage(2 * max_rows);
   scaled_.Reserve(max_rows);
   form_.Reserve(max_rows, 2 * max_rows);
-  in_plane_ = MakeTwoBodyRows(scaled_, 3, false, &form_);
-  in_space_ = MakeTwoBodyRows(scaled_, 6, false, &form_);
+  in_plane_ = MakeTwoBodyRows(scaled_, 3, false, &form_, instructions_);
+  in_space_ = MakeTwoBodyRows(scaled_, 6, false, &form_, instructions_);
   sweeps_.Reserve(n, most_image);
   central_path_.Reserve(max_rows);
   is_active_.resize(At(max_rows));

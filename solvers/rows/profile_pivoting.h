@@ -37,7 +37,9 @@ class ProfilePivoting {
     const Deadline* deadline;  ///< or nullptr
   };
 
-  ProfilePivoting() = default;
+  /// @throws InputError if this machine lacks the instructions
+  explicit ProfilePivoting(InstructionSet instructions = InstructionSet::kBest)
+      : instructions_(instructions), factor_(instructions) {}
   ProfilePivoting(const ProfilePivoting&) = delete;
   ProfilePivoting& operator=(const ProfilePivoting&) = delete;
 
@@ -68,6 +70,7 @@ class ProfilePivoting {
   void TakeBasicPoint();
   bool TimeIsUp() const { return deadline_ != nullptr && deadline_->Expired(); }
 
+  const InstructionSet instructions_;
   BodyOrder order_;
   ScaledProblem scaled_;
   ScaledRows form_;

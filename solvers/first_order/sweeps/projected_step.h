@@ -23,7 +23,7 @@ class ProjectedStep {
   static constexpr StepKind kKind = kind;
   static constexpr bool kSumsResidual = kHasRate || kind != StepKind::kSweep;
 
-  ProjectedStep(const ScaledProblem& scaled, double rate, const double* from, double* to)
+  LCPBENCH_ALWAYS_INLINE ProjectedStep(const ScaledProblem& scaled, double rate, const double* from, double* to)
       : from_(from), to_(to), gain_(scaled.gain.data()), floor_(scaled.floor.data()), rate_(rate) {}
 
   /// T: one row, or consecutive ones by fours or eights. Comparisons are ordered so that a NaN stays.
@@ -52,7 +52,7 @@ class ProjectedStep {
     return change;
   }
 
-  void AddTo(StepSums* sums) const {
+  LCPBENCH_ALWAYS_INLINE void AddTo(StepSums* sums) const {
     sums->residual += kSumsResidual ? residual_.Total() : change_.Total();
     sums->change += change_.Total();
     sums->energy += energy_.Total();
@@ -103,7 +103,7 @@ class LaidOutRows : public RowKernel {
   void Pass(Index begin, Index end, bool backward, double rate, const Point& from, double* to, Array* image,
             StepSums* sums) const {
     constexpr bool moves = kKind == StepKind::kSweep || kKind == StepKind::kGradient;
-    const auto with = [&](auto step) {
+    const auto with = [&](auto&& step) {
       static_cast<const Layout*>(this)->Visit(begin, end, backward, from, image, &step);
       step.AddTo(sums);
     };

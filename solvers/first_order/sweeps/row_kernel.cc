@@ -101,6 +101,18 @@ bool UsesFactors(const LcpProblem& problem, RowForm form, bool coloured) {
 
 }  // namespace
 
+RowKernel::~RowKernel() = default;
+
+void RowKernel::SetB() {}
+
+std::unique_ptr<RowKernel> MakeTwoBodyRows(const ScaledProblem& scaled, Index p, bool in_sets, ScaledRows* rows,
+                                           InstructionSet instructions) {
+  static constexpr KernelTable<decltype(&NewTwoBodyRowsSse2)> kKernels{&NewTwoBodyRowsSse2, &NewTwoBodyRowsAvx2,
+                                                                       &NewTwoBodyRowsAvx512};
+  if (in_sets) rows->FindSets();
+  return std::unique_ptr<RowKernel>(FindKernel(kKernels, instructions)(scaled, p, in_sets, rows));
+}
+
 std::vector<Index> ColouredOrder(const LcpProblem& problem, bool by_bodies) {
   return by_bodies ? OrderByBodies(problem) : OrderByEntries(problem);
 }

@@ -8,6 +8,7 @@
 #include "solvers/first_order/sweeps/lanes.h"
 #include "solvers/first_order/sweeps/scaled_rows.h"
 #include "solvers/lcp/problem.h"
+#include "solvers/linear_algebra/instruction_set.h"
 
 /// Internal to solvers/: the passes over rows that all first-order solvers are made of.
 namespace lcpbench {
@@ -36,10 +37,10 @@ struct StepSums {
 /// make it afresh.
 class RowKernel {
  public:
-  virtual ~RowKernel() = default;
+  virtual ~RowKernel();
 
   /// Takes the scaled problem's b, which has changed; to be called before any pass.
-  virtual void SetB() {}
+  virtual void SetB();
 
   /// True: image(d).image(e) = d.A e, and passes keep images. False: d.image(e) = d.A e, and they do not.
   virtual bool ImageIsRoot() const = 0;
@@ -80,7 +81,13 @@ std::unique_ptr<RowKernel> MakeFactorRows(const LcpProblem& problem, const Scale
 /// @param p        columns per body, of all rows that it will have
 /// @param in_sets  rows that follow each other and share no body are stepped many at once: found now, O(n)
 /// @param rows     not owned either; takes the scaled problem's b
-std::unique_ptr<RowKernel> MakeTwoBodyRows(const ScaledProblem& scaled, Index p, bool in_sets, ScaledRows* rows);
+/// @throws InputError if this machine lacks the instructions
+std::unique_ptr<RowKernel> MakeTwoBodyRows(const ScaledProblem& scaled, Index p, bool in_sets, ScaledRows* rows,
+                                           InstructionSet instructions = InstructionSet::kBest);
+/// The same as it is compiled for each instruction set; the caller owns it.
+RowKernel* NewTwoBodyRowsSse2(const ScaledProblem& scaled, Index p, bool in_sets, ScaledRows* rows);
+RowKernel* NewTwoBodyRowsAvx2(const ScaledProblem& scaled, Index p, bool in_sets, ScaledRows* rows);
+RowKernel* NewTwoBodyRowsAvx512(const ScaledProblem& scaled, Index p, bool in_sets, ScaledRows* rows);
 
 /// Rows per block of a coloured order. Colours span a block and not the whole problem, so that the bodies that a block
 /// works on stay in the first-level cache from colour to colour. Measured: 512 to 4096 rows are alike, 128 make the

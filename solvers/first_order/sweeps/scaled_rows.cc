@@ -11,6 +11,9 @@
 namespace lcpbench {
 namespace {
 
+// Where fewer rows than this share of all go by fours, looking for sets costs more than they save.
+constexpr double kLeastShareInFours = 0.5;
+
 void Grow(Index size, Array* array) {
   if (array->size() < size) array->resize(size);
 }
@@ -159,6 +162,30 @@ bool ScaledRows::Take(const StepRows& step, std::span<const std::int32_t> given,
     for (Index c = 0; c < p; ++c) root_mass_[k * p + c] = std::sqrt(step.inverse_mass[Index{given[At(k)]} * p + c]);
   }
   return WithNumbers(step, [&](const auto* J, auto width) { return TakeOf<width>(step, J, place, scaled); });
+}
+
+void ScaledRows::FindSets() {
+  std::vector<Index> last_set(At(image_size() / width()), -1);  // the last set with a row on the body
+  Index set = 0;
+  Index length = 0;
+  Index in_fours = 0;
+  set_end_.clear();
+  const auto close = [&](Index end) {
+    set_end_.push_back(end);
+    in_fours += length - length % kLanes;
+    length = 0;
+    ++set;
+  };
+  for (Index k = 0; k < size_; ++k) {
+    const std::array<int, 2> offsets = p_ == 3 ? Offsets<3>(row(k)) : Offsets<6>(row(k));
+    const auto last = [&](int offset) -> Index& { return last_set[At(offset / width())]; };
+    const auto taken = [&](int offset) { return !is_spare(offset) && last(offset) == set; };
+    if (taken(offsets[0]) || taken(offsets[1])) close(k);
+    for (const int offset : offsets) last(offset) = set;
+    ++length;
+  }
+  close(size_);
+  if (static_cast<double>(in_fours) < kLeastShareInFours * static_cast<double>(size_)) set_end_.clear();
 }
 
 }  // namespace lcpbench

@@ -117,12 +117,17 @@ class ScaledRows {
   double* row(Index k) { return rows_.data() + k * 2 * width(); }
   /// Where in an image the row's bodies begin; the second one may be spare.
   template <Index p>
-  static std::array<int, 2> Offsets(const double* row) {
+  LCPBENCH_ALWAYS_INLINE static std::array<int, 2> Offsets(const double* row) {
     std::array<int, 2> offsets;
     static_assert(sizeof offsets == sizeof(double));
     std::memcpy(&offsets, row + kBodyWidth<p> + p, sizeof offsets);
     return offsets;
   }
+  /// Finds the sets of consecutive rows that share no body.  O(n), allocates
+  void FindSets();
+  /// Where each of these sets ends; empty where there is little to gain by them, or they were not looked for.
+  const std::vector<Index>& set_end() const { return set_end_; }
+
   /// >= 0
   std::int32_t first_body(Index k) const { return body(k, 0); }
   /// -1: none
@@ -143,6 +148,7 @@ class ScaledRows {
   Index p_ = 3, size_ = 0, bodies_ = 0;
   Array rows_;
   Array root_mass_;  // M^-1/2, p numbers per body
+  std::vector<Index> set_end_;
 };
 
 }  // namespace lcpbench

@@ -46,7 +46,10 @@ Eigen::VectorXd GapsByEnumeration(const LcpProblem& problem) {
   return best;
 }
 
-TEST(FixedSizeBpp, FindsTheGapsThatEnumerationFinds) {
+class FixedSizeBppTest : public ::testing::TestWithParam<InstructionSet> {};
+
+TEST_P(FixedSizeBppTest, FindsTheGapsThatEnumerationFinds) {
+  const FixedSizeBpp solver(GetParam());
   constexpr double kTolerance = 1e-6;
   const double row_limit = 0.1 * std::sqrt(kTolerance);
   int solved = 0;
@@ -63,7 +66,7 @@ TEST(FixedSizeBpp, FindsTheGapsThatEnumerationFinds) {
     Eigen::VectorXd w = Eigen::VectorXd::Zero(n);
     double rho = 0;
     ++asked;
-    if (!FixedSizeBpp::Solve(rows, part, kTolerance, row_limit, f.data(), w.data(), &rho)) continue;
+    if (!solver.Solve(rows, part, kTolerance, row_limit, f.data(), w.data(), &rho)) continue;
     ++solved;
     const double size = 1 + problem.b().norm();
     EXPECT_LT((problem.DenseA() * f + problem.b() - w).norm(), 1e-12 * size) << seed;
@@ -73,6 +76,9 @@ TEST(FixedSizeBpp, FindsTheGapsThatEnumerationFinds) {
   EXPECT_GT(asked, 200);
   EXPECT_GT(solved, asked * 9 / 10);
 }
+
+INSTANTIATE_TEST_SUITE_P(EveryInstructionSet, FixedSizeBppTest, ::testing::ValuesIn(AvailableInstructionSets()),
+                         ::testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace lcpbench

@@ -139,9 +139,11 @@ TEST(ScaledRows, RefusesRowsThatMoveNothing) {
   EXPECT_TRUE(island.Load(rows, std::span<const std::int32_t>(all).first(1)));
 }
 
-TEST(ProfileFactor, SolvesAsEigenForEveryActiveSet) {
+class ProfileFactorTest : public ::testing::TestWithParam<InstructionSet> {};
+
+TEST_P(ProfileFactorTest, SolvesAsEigenForEveryActiveSet) {
   Island island;
-  ProfileFactor factor;
+  ProfileFactor factor(GetParam());
   factor.Reserve(kMostRows);
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -179,6 +181,9 @@ TEST(ProfileFactor, SolvesAsEigenForEveryActiveSet) {
   });
   EXPECT_GT(solves, 100);
 }
+
+INSTANTIATE_TEST_SUITE_P(EveryInstructionSet, ProfileFactorTest, ::testing::ValuesIn(AvailableInstructionSets()),
+                         ::testing::PrintToStringParamName());
 
 // From no force at all: the fewer the residual may be, the more steps, and the gaps end at those of the solution.
 // Whether all rows are right in the end where these many are wrong after each basic point.

@@ -100,44 +100,56 @@ LcpProblem Loose(Index p, Index n, int bilateral_every) {
                                  RowBounds::WithBilateralRows(n, bilateral), facts);
 }
 
+// Sweeps, a gradient step and residuals from f = 0, of all rows at once and row by row.
+void ExpectTheSameBits(Index n, RowWork* together, RowWork* alone) {
+  const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(b); };
+  for (const bool backward : {false, true, false}) {
+    StepSums sums;
+    StepSums sums_alone;
+    together->rows->Sweep(0, n, backward, 0.9, &together->x, &sums);
+    for (Index i = 0; i < n; ++i) {
+      const Index k = backward ? n - 1 - i : i;
+      alone->rows->Sweep(k, k + 1, backward, 0.9, &alone->x, &sums_alone);
+    }
+    EXPECT_EQ(together->x.f, alone->x.f) << n;
+    EXPECT_EQ(together->x.image, alone->x.image) << n;
+    EXPECT_TRUE(near(sums.residual, sums_alone.residual)) << n;
+    EXPECT_TRUE(near(sums.change, sums_alone.change)) << n;
+    EXPECT_TRUE(near(sums.energy, sums_alone.energy)) << n;
+  }
+  Point next = together->x;
+  together->rows->StartImage(&next.image);
+  Point next_alone = next;
+  StepSums sums;
+  together->rows->GradientStep(0, n, 0.2, together->x, &next, &sums);
+  double residual = 0;
+  for (Index k = 0; k < n; ++k) {
+    alone->rows->GradientStep(k, k + 1, 0.2, alone->x, &next_alone, &sums);
+    residual += alone->rows->ResidualSquares(k, k + 1, alone->x, nullptr);
+  }
+  EXPECT_EQ(next.f, next_alone.f) << n;
+  EXPECT_EQ(next.image, next_alone.image) << n;
+  EXPECT_TRUE(near(together->rows->ResidualSquares(0, n, together->x, nullptr), residual)) << n;
+}
+
 // The last size is one that fetches rows ahead.
 class InPlaneAndSpace : public ::testing::TestWithParam<int> {};
 
-TEST_P(InPlaneAndSpace, RowsAloneAndTogetherGiveTheSameBits) {
+TEST_P(InPlaneAndSpace, RowsAloneAndTogetherGiveTheSameBitsByEveryInstructionSet) {
   for (const Index n : {Index{37}, Index{1000}, Index{70'000}}) {
     for (const int bilateral_every : {0, 9}) {
       const LcpProblem problem = Loose(GetParam(), n, bilateral_every);
       RowWork together;
       RowWork alone;
       LayOut(problem, RowForm::kMatrixFree, true, {&together, &alone});
-      const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(b); };
-      for (const bool backward : {false, true, false}) {
-        StepSums sums;
-        StepSums sums_alone;
-        together.rows->Sweep(0, n, backward, 0.9, &together.x, &sums);
-        for (Index i = 0; i < n; ++i) {
-          const Index k = backward ? n - 1 - i : i;
-          alone.rows->Sweep(k, k + 1, backward, 0.9, &alone.x, &sums_alone);
+      for (const InstructionSet set : AvailableInstructionSets()) {
+        for (RowWork* work : {&together, &alone}) {
+          work->rows = MakeTwoBodyRows(work->scaled, GetParam(), true, &work->two_body_rows, set);
+          work->Start(problem, nullptr);
+          work->rows->StartImage(&work->x.image);
         }
-        EXPECT_EQ(together.x.f, alone.x.f) << n;
-        EXPECT_EQ(together.x.image, alone.x.image) << n;
-        EXPECT_TRUE(near(sums.residual, sums_alone.residual)) << n;
-        EXPECT_TRUE(near(sums.change, sums_alone.change)) << n;
-        EXPECT_TRUE(near(sums.energy, sums_alone.energy)) << n;
+        ExpectTheSameBits(n, &together, &alone);
       }
-      Point next = together.x;
-      together.rows->StartImage(&next.image);
-      Point next_alone = next;
-      StepSums sums;
-      together.rows->GradientStep(0, n, 0.2, together.x, &next, &sums);
-      double residual = 0;
-      for (Index k = 0; k < n; ++k) {
-        alone.rows->GradientStep(k, k + 1, 0.2, alone.x, &next_alone, &sums);
-        residual += alone.rows->ResidualSquares(k, k + 1, alone.x, nullptr);
-      }
-      EXPECT_EQ(next.f, next_alone.f) << n;
-      EXPECT_EQ(next.image, next_alone.image) << n;
-      EXPECT_TRUE(near(together.rows->ResidualSquares(0, n, together.x, nullptr), residual)) << n;
     }
   }
 }

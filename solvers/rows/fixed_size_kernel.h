@@ -1,14 +1,16 @@
-#include "solvers/rows/fixed_size_bpp.h"
+#pragma once
 
-#include <algorithm>
-#include <array>
-#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
 #include "solvers/lcp/residual_sums.h"
 #include "solvers/linear_algebra/tableau_rules.h"
+#include "solvers/rows/fixed_size_bpp.h"
+#include "solvers/rows/kernel.h"
 
+/// Internal to solvers/rows/: the kernel of FixedSizeBpp, in an unnamed namespace as vector_register.h says.
 namespace lcpbench {
 namespace {
 
@@ -18,6 +20,10 @@ constexpr int kBlockRounds = 3;
 // What the gap of a dependent row may be, in noise; and the change of a force with another below which it has none.
 constexpr double kDependentNoise = 1e4;
 constexpr double kLeastSlope = 1e-9;
+
+// Not those of the standard library, which are not inlined in every build.
+inline double Size(double x) { return __builtin_fabs(x); }
+inline double Larger(double a, double b) { return a < b ? b : a; }
 
 template <int n>
 struct Tiny {
@@ -90,7 +96,8 @@ struct Tiny {
     }
     const unsigned with_r = active | 1U << r;
     if (left > tableau::kLeastPivot * A[r][r]) return with_r;
-    double least = std::numeric_limits<double>::infinity();
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    double least = kInfinity;
     unsigned leaves = 0;
     for (int k = 0; k < n; ++k) {
       const bool may_leave = ((active & ~(joints | depends)) >> k & 1U) != 0 && y[k] * A[k][k] > kLeastSlope * A[r][r];
@@ -106,7 +113,7 @@ struct Tiny {
     unsigned set = joints;
     for (int i = 0; i < n; ++i) {
       set |= (b[i] < 0 ? 1U : 0U) << i;
-      noise = std::max(noise, tableau::kNoise * std::abs(b[i]));
+      noise = Larger(noise, tableau::kNoise * Size(b[i]));
     }
     for (int round = 0; round < kMostRounds; ++round) {
       const unsigned wrong = Try(set);
@@ -147,17 +154,17 @@ struct Tiny {
     for (int j = 0; j < n; ++j) squares += A[j][j] * f[j] * f[j];
     const double hidden = (n + tableau::kTermsBesideRows) * tableau::kRounding / (tableau::kHiddenInRow * row_limit);
     for (int i = 0; i < n; ++i) {
-      double size = std::abs(b[i]);
-      for (int j = 0; j < n; ++j) size += std::abs(A[i][j] * f[j]);
+      double size = Size(b[i]);
+      for (int j = 0; j < n; ++j) size += Size(A[i][j] * f[j]);
       sums.Add(A[i][i], b[i], w[i], f[i], (joints >> i & 1U) != 0, size);
       if (n > 1 && !(hidden * hidden * n * squares * A[i][i] <= size * size)) sums.DoubtRow();
     }
     return sums.Judge(tolerance, kRoundingOfTwoBodies<>, rho) == ResidualSums<double>::Known::kRight;
   }
 
-  void Store(std::span<const std::int32_t> part, double* all_f, double* all_w) const {
+  void Store(const std::int32_t* part, double* all_f, double* all_w) const {
     for (int i = 0; i < n; ++i) {
-      const Index row = part[static_cast<std::size_t>(i)];
+      const Index row = part[i];
       all_f[row] = f[i];
       all_w[row] = w[i];
     }
@@ -165,13 +172,13 @@ struct Tiny {
 };
 
 template <int n, int p, typename Real>
-bool SolveRows(const StepRows& all, const Real* J, std::span<const std::int32_t> part, double tolerance,
-               double row_limit, double* f, double* w, double* rho) {
+bool SolveRows(const FewRows& rows, const Real* J, double* f, double* w, double* rho) {
+  const StepRows& all = *rows.all;
   Tiny<n> tiny;
   double jacobian[n][2 * p];
   std::int32_t body[n][2];
   for (int i = 0; i < n; ++i) {
-    const Index row = part[static_cast<std::size_t>(i)];
+    const Index row = rows.part[i];
     tiny.b[i] = all.b[row];
     tiny.joints |= (all.bilateral != nullptr && all.bilateral[row] != 0 ? 1U : 0U) << i;
     double momentum[2 * p];
@@ -198,27 +205,24 @@ bool SolveRows(const StepRows& all, const Real* J, std::span<const std::int32_t>
   }
   if (!tiny.Find()) return false;
   tiny.Clip();
-  if (!tiny.Passes(tolerance, row_limit, rho)) return false;
-  tiny.Store(part, f, w);
+  if (!tiny.Passes(rows.tolerance, rows.row_limit, rho)) return false;
+  tiny.Store(rows.part, f, w);
   return true;
 }
 
-template <int p, typename Real>
-bool SolveSize(const StepRows& all, const Real* J, std::span<const std::int32_t> part, double tolerance,
-               double row_limit, double* f, double* w, double* rho) {
-  static constexpr auto kBySize = []<int... n>(std::integer_sequence<int, n...>) {
-    return std::array{&SolveRows<n + 1, p, Real>...};
-  }
-  (std::make_integer_sequence<int, FixedSizeBpp::kMostRows>{});
-  return kBySize[part.size() - 1](all, J, part, tolerance, row_limit, f, w, rho);
+template <int p, typename Real, int... n>
+bool SolveSize(const FewRows& rows, const Real* J, double* f, double* w, double* rho,
+               std::integer_sequence<int, n...> /*rows less one*/) {
+  static constexpr bool (*kBySize[])(const FewRows&, const Real*, double*, double*,
+                                     double*) = {&SolveRows<n + 1, p, Real>...};
+  return kBySize[rows.size - 1](rows, J, f, w, rho);
+}
+
+bool SolveFewRows(const FewRows& rows, double* f, double* w, double* rho) {
+  return WithNumbers(*rows.all, [&](const auto* J, auto p) {
+    return SolveSize<p>(rows, J, f, w, rho, std::make_integer_sequence<int, FixedSizeBpp::kMostRows>{});
+  });
 }
 
 }  // namespace
-
-bool FixedSizeBpp::Solve(const StepRows& all, std::span<const std::int32_t> part, double tolerance, double row_limit,
-                         double* f, double* w, double* rho) {
-  return WithNumbers(
-      all, [&](const auto* J, auto p) { return SolveSize<p>(all, J, part, tolerance, row_limit, f, w, rho); });
-}
-
 }  // namespace lcpbench

@@ -1,18 +1,18 @@
+#pragma once
+
 #include <algorithm>
 #include <array>
-#include <memory>
 #include <type_traits>
-#include <vector>
 
 #include "solvers/first_order/sweeps/lanes.h"
 #include "solvers/first_order/sweeps/projected_step.h"
 #include "solvers/first_order/sweeps/row_kernel.h"
 
+/// Internal to solvers/first_order/sweeps/: compiled for each instruction set, in an unnamed namespace as
+/// linear_algebra/vector_register.h says.
 namespace lcpbench {
 namespace {
 
-// Where fewer rows than this share of all go by fours, looking for sets costs more than they save.
-constexpr double kLeastShareInFours = 0.5;
 constexpr Index kFour = kLanes;
 constexpr Index kEight = 2 * kFour;
 constexpr std::size_t kCacheLine = 64;
@@ -30,8 +30,6 @@ template <typename Step>
 constexpr bool kMoves = Step::kKind == StepKind::kSweep || Step::kKind == StepKind::kGradient;
 template <typename Step>
 constexpr bool kStepsInPlace = Step::kKind == StepKind::kSweep;
-
-size_t At(Index i) { return static_cast<size_t>(i); }
 
 // A row in registers, with its bodies in `in`.
 template <Index p, bool kFused>
@@ -132,9 +130,7 @@ template <Index p, bool kInSets>
 class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>> {
  public:
   TwoBodyRows(const ScaledProblem& scaled, ScaledRows* rows)
-      : LaidOutRows<TwoBodyRows<p, kInSets>>(scaled), rows_(*rows) {
-    if (kInSets) FindSets();
-  }
+      : LaidOutRows<TwoBodyRows<p, kInSets>>(scaled), rows_(*rows) {}
 
   void SetB() override {
     for (Index k = 0; k < rows_.size(); ++k) rows_.row(k)[p] = this->scaled_.b[k];
@@ -143,8 +139,8 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>> {
   Index EntriesPerRow() const override { return 4 * p; }
   Index ImageSize() const override { return rows_.image_size(); }
   void StartImage(Array* image) const override {
-    image->head(ImageSize()).setZero();
-    for (Index i = p; i < ImageSize(); i += kBodyWidth<p>) (*image)[i] = 1;
+    double* const to = image->data();
+    for (Index i = 0; i < ImageSize(); ++i) to[i] = i % kBodyWidth<p> == p ? 1 : 0;
   }
   void AddToImage(Index begin, Index end, Point* x) const override {
     for (Index k = begin; k < end; ++k) {
@@ -169,30 +165,6 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>> {
 
  private:
   static constexpr Index kRow = 2 * kBodyWidth<p>;  // numbers of one
-
-  void FindSets() {
-    std::vector<Index> last_set(At(ImageSize() / kBodyWidth<p>), -1);  // the last set with a row on the body
-    Index set = 0;
-    Index length = 0;
-    Index in_fours = 0;
-    set_end_.clear();
-    const auto close = [&](Index end) {
-      set_end_.push_back(end);
-      in_fours += length - length % kFour;
-      length = 0;
-      ++set;
-    };
-    for (Index k = 0; k < rows_.size(); ++k) {
-      const Offsets offsets = ScaledRows::Offsets<p>(rows_.row(k));
-      const auto last = [&](int offset) -> Index& { return last_set[At(offset / kBodyWidth<p>)]; };
-      const auto taken = [&](int offset) { return !rows_.is_spare(offset) && last(offset) == set; };
-      if (taken(offsets[0]) || taken(offsets[1])) close(k);
-      for (const int offset : offsets) last(offset) = set;
-      ++length;
-    }
-    close(rows_.size());
-    if (static_cast<double>(in_fours) < kLeastShareInFours * static_cast<double>(rows_.size())) set_end_.clear();
-  }
 
   template <typename Step>
   LCPBENCH_ALWAYS_INLINE static void VisitOne(const double* row, Index k, const double* in, double* out, Step* step) {
@@ -244,19 +216,16 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>> {
 #ifdef __AVX512F__
     if constexpr (p == 3) {
       const auto s = [&](Index i) { return row + i * kRow; };
-      const std::array<WideRow, kEight> rows = {WideRow(s(0), in), WideRow(s(1), in), WideRow(s(2), in),
-                                                WideRow(s(3), in), WideRow(s(4), in), WideRow(s(5), in),
-                                                WideRow(s(6), in), WideRow(s(7), in)};
-      const auto halves = [&](Index i, Index j) {
-        return AddHalves(rows[At(i)].Products(s(i)), rows[At(j)].Products(s(j)));
-      };
+      const WideRow rows[kEight] = {WideRow(s(0), in), WideRow(s(1), in), WideRow(s(2), in), WideRow(s(3), in),
+                                    WideRow(s(4), in), WideRow(s(5), in), WideRow(s(6), in), WideRow(s(7), in)};
+      const auto halves = [&](Index i, Index j) { return AddHalves(rows[i].Products(s(i)), rows[j].Products(s(j))); };
       const __m512d w = AddPairs(AddNeighbours(halves(0, 2), halves(1, 3)), AddNeighbours(halves(4, 6), halves(5, 7)));
-      alignas(kCacheLine) std::array<double, kEight> value;
-      Store(value.data(), step->Take(k, WideLanes(w)));
+      alignas(kCacheLine) double value[kEight];
+      Store(value, step->Take(k, WideLanes(w)));
       if constexpr (kMoves<Step>) {
         asm("" : "+m"(value));  // broadcasts from memory are free, from registers they take a quarter of the pass
         for (Index i = 0; i < kEight; ++i) {
-          rows[At(i)].template Push<kStepsInPlace<Step>>(s(i), _mm512_set1_pd(value[At(i)]), out);
+          rows[i].template Push<kStepsInPlace<Step>>(s(i), _mm512_set1_pd(value[i]), out);
         }
       }
       return;
@@ -293,7 +262,9 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>> {
       if (from_memory) FetchAhead<kBackward, 1>(k, in);
       VisitOne(rows + k * kRow, k, in, out, &step);
     };
-    if (set_end_.empty()) {
+    const Index* const set_end = rows_.set_end().data();
+    const Index* const last_set = set_end + rows_.set_end().size();
+    if (set_end == last_set) {
       if constexpr (kBackward) {
         for (Index k = end; k-- > begin;) by_ones(k);
       } else {
@@ -302,10 +273,10 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>> {
       *step_of_all = step;
       return;
     }
-    const auto start_of = [&](size_t set) { return set == 0 ? 0 : set_end_[set - 1]; };
+    const auto start_of = [&](const Index* set) { return set == set_end ? 0 : set[-1]; };
     // Within a set the order does not matter to the result, but memory is best walked one way.
     if constexpr (kBackward) {
-      auto set = At(std::lower_bound(set_end_.begin(), set_end_.end(), end) - set_end_.begin());
+      const Index* set = std::lower_bound(set_end, last_set, end);
       for (Index to = end; to > begin; to = start_of(set--)) {
         const Index from = std::max(begin, start_of(set));
         const Index ones = from + (to - from) / kFour * kFour;
@@ -315,9 +286,9 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>> {
         for (Index k = fours - kEight; k >= from; k -= kEight) by_eights(k);
       }
     } else {
-      auto set = At(std::upper_bound(set_end_.begin(), set_end_.end(), begin) - set_end_.begin());
+      const Index* set = std::upper_bound(set_end, last_set, begin);
       for (Index k = begin; k < end; ++set) {
-        const Index to = std::min(end, set_end_[set]);
+        const Index to = std::min(end, *set);
         for (; k + kEight <= to; k += kEight) by_eights(k);
         if (k + kFour <= to) {
           by_fours(k);
@@ -330,16 +301,15 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>> {
   }
 
   ScaledRows& rows_;
-  std::vector<Index> set_end_;  // of each set of independent rows; empty where there is little to gain
 };
 
-}  // namespace
-
-std::unique_ptr<RowKernel> MakeTwoBodyRows(const ScaledProblem& scaled, Index p, bool in_sets, ScaledRows* rows) {
-  if (p == 3 && in_sets) return std::make_unique<TwoBodyRows<3, true>>(scaled, rows);
-  if (p == 3) return std::make_unique<TwoBodyRows<3, false>>(scaled, rows);
-  if (in_sets) return std::make_unique<TwoBodyRows<6, true>>(scaled, rows);
-  return std::make_unique<TwoBodyRows<6, false>>(scaled, rows);
+// The caller owns it.
+RowKernel* NewRows(const ScaledProblem& scaled, Index p, bool in_sets, ScaledRows* rows) {
+  if (p == 3 && in_sets) return new TwoBodyRows<3, true>(scaled, rows);
+  if (p == 3) return new TwoBodyRows<3, false>(scaled, rows);
+  if (in_sets) return new TwoBodyRows<6, true>(scaled, rows);
+  return new TwoBodyRows<6, false>(scaled, rows);
 }
 
+}  // namespace
 }  // namespace lcpbench
