@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "solvers/first_order/sweeps/first_order_engine.h"
+#include "solvers/first_order/first_order_engine.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -99,9 +99,20 @@ class PgsEngine final : public FirstOrderEngine {
 
   void Prepare(const LcpProblem& problem) { PrepareRows(problem); }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    TakeProblem(problem, options);
+    SolveTaken(options, result);
+  }
+  bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
+    if (!TakeArrays(arrays, options)) return false;
+    SolveTaken(options, result);
+    return result->status != LcpStatus::kNumericalFailure;
+  }
+
+ private:
+  void SolveTaken(const LcpOptions& options, LcpResult* result) {
     AdaptiveRelaxation relaxation(options_.relaxation);
     bool backward = false;
-    Run(problem, options, result, [&]() -> std::optional<double> {
+    Run(options, result, [&]() -> std::optional<double> {
       StepSums sums;
       if (!Sweep(backward, relaxation.omega(), &sums)) return {};
       if (options_.adaptive) relaxation.Observe(sums);
@@ -110,7 +121,6 @@ class PgsEngine final : public FirstOrderEngine {
     });
   }
 
- private:
   const PgsOptions options_;
 };
 

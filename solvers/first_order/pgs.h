@@ -57,7 +57,7 @@ struct PgsOptions {
 /// Unit of `iterations`: sweeps, a symmetric pair counts twice; default limit kDefaultSweeps. Warm start: initial_f,
 /// clipped at 0. Cost of a sweep: one multiply-add per entry of A, or 12 per two-body row. Memory: A, or J.
 ///
-/// Stopping (solvers/first_order/sweeps/first_order_engine.h): rho of the scaled problem at every 32nd sweep and where
+/// Stopping (solvers/first_order/first_order_engine.h): rho of the scaled problem at every 32nd sweep and where
 /// steps look small enough; kSolved only after rho and the backward error pass by the given form in extended precision.
 ///
 /// A failure leaves in f the iterate of least rho among those checked. Stagnation ends as kIterationLimit or

@@ -19,7 +19,7 @@ void Grow(Index size, Array* array) {
 
 void ScaledProblem::Reserve(Index max_rows) {
   order.reserve(At(max_rows));
-  for (Array* array : {&b, &unit, &inverse_root, &floor}) Grow(max_rows, array);
+  for (Array* array : {&b, &unit, &inverse_root, &floor, &gain}) Grow(max_rows, array);
 }
 
 void ScaledProblem::Reset(const LcpProblem& problem, std::vector<Index> new_order) {
@@ -44,6 +44,7 @@ void ScaledProblem::Take(const StepRows& rows) {
   for (Index k = 0; k < size && rows.bilateral != nullptr; ++k) {
     const bool is_joint = rows.bilateral[Given(k)] != 0;
     floor[k] = is_joint ? -std::numeric_limits<double>::infinity() : 0.0;
+    gain[k] = 1;
     mixed = mixed || is_joint;
   }
 }

@@ -7,6 +7,7 @@
 #include "solvers/first_order/sweeps/lanes.h"
 #include "solvers/first_order/sweeps/projected_step.h"
 #include "solvers/first_order/sweeps/row_kernel.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
@@ -30,8 +31,6 @@ template <typename Step>
 constexpr bool kMoves = Step::kKind == StepKind::kSweep || Step::kKind == StepKind::kGradient;
 template <typename Step>
 constexpr bool kStepsInPlace = Step::kKind == StepKind::kSweep;
-
-size_t At(Index i) { return static_cast<size_t>(i); }
 
 // A row in registers, with its bodies in `in`.
 template <Index p, bool kFused>
@@ -132,10 +131,11 @@ template <Index p, bool kInSets>
 class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>> {
  public:
   TwoBodyRows(const ScaledProblem& scaled, ScaledRows* rows)
-      : LaidOutRows<TwoBodyRows<p, kInSets>>(scaled), rows_(*rows) {
+      : LaidOutRows<TwoBodyRows<p, kInSets>>(scaled), rows_(*rows) {}
+
+  void SetRows() override {
     if (kInSets) FindSets();
   }
-
   void SetB() override {
     for (Index k = 0; k < rows_.size(); ++k) rows_.row(k)[p] = this->scaled_.b[k];
   }
@@ -171,11 +171,12 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>> {
   static constexpr Index kRow = 2 * kBodyWidth<p>;  // numbers of one
 
   void FindSets() {
-    std::vector<Index> last_set(At(ImageSize() / kBodyWidth<p>), -1);  // the last set with a row on the body
+    set_end_.clear();
+    if (rows_.size() < kFour) return;
+    last_set_.assign(At(ImageSize() / kBodyWidth<p>), -1);
     Index set = 0;
     Index length = 0;
     Index in_fours = 0;
-    set_end_.clear();
     const auto close = [&](Index end) {
       set_end_.push_back(end);
       in_fours += length - length % kFour;
@@ -184,7 +185,7 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>> {
     };
     for (Index k = 0; k < rows_.size(); ++k) {
       const Offsets offsets = ScaledRows::Offsets<p>(rows_.row(k));
-      const auto last = [&](int offset) -> Index& { return last_set[At(offset / kBodyWidth<p>)]; };
+      const auto last = [&](int offset) -> Index& { return last_set_[At(offset / kBodyWidth<p>)]; };
       const auto taken = [&](int offset) { return !rows_.is_spare(offset) && last(offset) == set; };
       if (taken(offsets[0]) || taken(offsets[1])) close(k);
       for (const int offset : offsets) last(offset) = set;
@@ -330,7 +331,8 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>> {
   }
 
   ScaledRows& rows_;
-  std::vector<Index> set_end_;  // of each set of independent rows; empty where there is little to gain
+  std::vector<Index> last_set_;  // of FindSets, by body: the last set with a row on it
+  std::vector<Index> set_end_;   // of each set of independent rows; empty where there is little to gain
 };
 
 }  // namespace

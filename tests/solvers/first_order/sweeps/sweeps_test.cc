@@ -20,7 +20,7 @@ namespace {
 void LayOut(const LcpProblem& problem, RowForm form, bool coloured, std::initializer_list<RowWork*> works) {
   for (RowWork* work : works) {
     work->Prepare(problem, form, coloured);
-    work->Start(problem, nullptr);
+    work->Start(problem.b().data(), nullptr);
   }
 }
 
