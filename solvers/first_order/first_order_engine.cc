@@ -20,6 +20,8 @@ constexpr double kNoise = 16 * std::numeric_limits<double>::epsilon();
 // A last check at the time limit costs about two sweeps: within the tenth by which a solve may overrun after so many
 // iterations.
 constexpr std::int64_t kIterationsThatPayForACheck = 30;
+// Backward errors converge with rho: no more than rounding is kept of what a row is allowed.
+constexpr double kMargin = 0.99;
 // The first iterations say little about the rate of later ones.
 constexpr std::int64_t kFirstLook = 8;
 
@@ -164,7 +166,8 @@ bool FirstOrderEngine::Claim() {
 bool FirstOrderEngine::Passes() {
   if (step_ == nullptr) return given_.Meets(tolerance_, result_->f);
   double rho = 0;
-  return judge_.Passes(*step_, {all_.data(), At(step_->rows)}, tolerance_, result_->f.data(), gaps_.data(), &rho);
+  return judge_.Passes(*step_, {all_.data(), At(step_->rows)}, tolerance_, result_->f.data(), gaps_.data(), &rho,
+                       kMargin);
 }
 
 void FirstOrderEngine::Finish() {

@@ -33,7 +33,7 @@ long double ExtendedRho(const StepRows& rows, const double* f) {
     constexpr double kAnyError = 1e300;  // only rho is asked for
     const auto size_of_gap = [](std::int32_t /*row*/) { return 0.0; };
     const std::span<const std::int32_t> part(all, static_cast<std::size_t>(rows.rows));
-    return SumRows<width>(rows, J, part, kAnyError, f, nullptr, slot, size_of_gap, velocity, size).rho();
+    return SumRows<width>(rows, J, part, kAnyError, 1, f, nullptr, slot, size_of_gap, velocity, size).rho();
   });
 }
 

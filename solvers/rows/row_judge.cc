@@ -4,7 +4,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "solvers/linear_algebra/tableau_rules.h"
 #include "solvers/rows/row_sums.h"
 
 namespace lcpbench {
@@ -65,9 +64,9 @@ double RowJudge::SizeOfGap(const StepRows& rows, const Real* J, const double* f,
 }
 
 bool RowJudge::Passes(const StepRows& rows, std::span<const std::int32_t> part, double tolerance, const double* f,
-                      double* w, double* rho) {
+                      double* w, double* rho, double margin) {
   using Known = ResidualSums<double>::Known;
-  const double row_limit = tableau::kMargin * std::sqrt(tolerance);
+  const double row_limit = margin * std::sqrt(tolerance);
   bool has_sides = false;
   const auto judge = [&](auto* velocity) {
     using Sum = std::remove_pointer_t<decltype(velocity)>;
@@ -81,7 +80,7 @@ bool RowJudge::Passes(const StepRows& rows, std::span<const std::int32_t> part, 
         return SizeOfGap<p>(rows, J, f, row);
       };
       const ResidualSums<double> sums =
-          SumRows<p>(rows, J, part, row_limit, f, w, slot, size_of_gap, velocity, size_.data());
+          SumRows<p>(rows, J, part, row_limit, margin, f, w, slot, size_of_gap, velocity, size_.data());
       ForSides(rows, part, [&](Index body, std::int32_t /*side*/) {
         for (Index c = body * p; c < (body + 1) * p; ++c) velocity[c] = size_[static_cast<std::size_t>(c)] = 0;
       });

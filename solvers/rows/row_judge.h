@@ -6,6 +6,7 @@
 
 #include "solvers/lcp/step_rows.h"
 #include "solvers/linear_algebra/sides_of_bodies.h"
+#include "solvers/linear_algebra/tableau_rules.h"
 
 namespace lcpbench {
 
@@ -18,8 +19,10 @@ class RowJudge {
   void Reserve(Index max_rows, Index max_bodies);
   /// @param part  rows that share no moving body with others; f is read and w = A f + b written there
   /// @param rho   written
+  /// @param margin  part of the backward error that a row is allowed which it may have, as summed; rounding may add the
+  ///                rest
   bool Passes(const StepRows& rows, std::span<const std::int32_t> part, double tolerance, const double* f, double* w,
-              double* rho);
+              double* rho, double margin = tableau::kMargin);
 
  private:
   template <int p, typename Real>

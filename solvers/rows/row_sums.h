@@ -5,7 +5,6 @@
 
 #include "solvers/lcp/residual_sums.h"
 #include "solvers/lcp/step_rows.h"
-#include "solvers/linear_algebra/tableau_rules.h"
 
 /// Internal to solvers/rows/.
 namespace lcpbench {
@@ -13,14 +12,15 @@ namespace lcpbench {
 /// Adds up the rows `part` at f by their given numbers. w, unless it is nullptr, becomes A f + b.
 /// @tparam Sum   what gaps are summed in
 /// @param J      rows.J or rows.J_single
+/// @param margin  row_limit is this part of what a row is allowed; rounding may add the rest
 /// @param slot   of a row's side, 2 row + (0 or 1): where the p numbers of its body begin in `velocity` and `size`;
 ///               negative: none
 /// @param size_of_gap  of a row: (|A| |f|)_row, asked only where that is not clearly large enough
 /// @param velocity, size  0 for these bodies; become M^-1 J^T f and the sums of its absolute values
 template <int p, typename Sum, typename Real, typename Slot, typename SizeOfGap>
 ResidualSums<double> SumRows(const StepRows& rows, const Real* J, std::span<const std::int32_t> part, double row_limit,
-                             const double* f, double* w, const Slot& slot, const SizeOfGap& size_of_gap, Sum* velocity,
-                             double* size) {
+                             double margin, const double* f, double* w, const Slot& slot, const SizeOfGap& size_of_gap,
+                             Sum* velocity, double* size) {
   const auto for_sides = [&](Index row, auto&& visit) {
     for (Index side = 2 * row; side < 2 * row + 2; ++side) {
       const Index at = slot(side);
@@ -37,6 +37,7 @@ ResidualSums<double> SumRows(const StepRows& rows, const Real* J, std::span<cons
       }
     });
   }
+  const double most_hidden = 1 / margin - 1;
   ResidualSums<double> sums(row_limit);
   for (const std::int32_t row : part) {
     double d = 0;
@@ -62,10 +63,10 @@ ResidualSums<double> SumRows(const StepRows& rows, const Real* J, std::span<cons
     const double least = row_limit * (b + std::max(std::abs(w_row - rows.b[row]), std::abs(d * f[row])));
     // What rounding of the terms may add to the defect of a row whose terms cancel.
     const double hidden = kRoundingOfTwoBodies<Sum> * magnitude;
-    if (!(defect <= least && hidden <= tableau::kHiddenInRow * least)) {
+    if (!(defect <= least && hidden <= most_hidden * least)) {
       const double limit = row_limit * (b + size_of_gap(row));
       if (!(defect <= limit)) sums.RefuseRow();
-      if (!(hidden <= tableau::kHiddenInRow * limit)) sums.DoubtRow();
+      if (!(hidden <= most_hidden * limit)) sums.DoubtRow();
     }
     if (w != nullptr) w[row] = w_row;
   }
