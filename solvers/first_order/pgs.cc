@@ -25,6 +25,9 @@ constexpr double kLargest = 1.9;
 constexpr double kRetreat = 0.9;
 constexpr double kLargestAdvance = 0.5;
 
+// Up to so many rows begin with an omega of at most 1: their sweeps arrive, or tell a better one, soon.
+constexpr Index kFewRows = 6;
+
 class AdaptiveRelaxation {
  public:
   explicit AdaptiveRelaxation(double first) : omega_(first) {}
@@ -110,7 +113,8 @@ class PgsEngine final : public FirstOrderEngine {
 
  private:
   void SolveTaken(const LcpOptions& options, LcpResult* result) {
-    AdaptiveRelaxation relaxation(options_.relaxation);
+    const bool is_few = options_.adaptive && rows_.scaled.size <= kFewRows;
+    AdaptiveRelaxation relaxation(is_few ? std::min(options_.relaxation, 1.0) : options_.relaxation);
     bool backward = false;
     Run(options, result, [&]() -> std::optional<double> {
       StepSums sums;

@@ -24,7 +24,8 @@ struct PgsOptions {
   RowForm form = RowForm::kAuto;  ///< assembled rows, or matrix-free
   /// Coloured sweeps converge like forward ones and take less than half the time.
   SweepOrder sweep = SweepOrder::kColoured;
-  double relaxation = 1.0;  ///< omega in (0, 2), constant or of the first sweeps; 1 is Gauss-Seidel
+  /// omega in (0, 2), constant or of the first sweeps (there at most 1 on up to six rows); 1 is Gauss-Seidel.
+  double relaxation = 1.0;
   bool adaptive = false;    ///< omega follows the measured rate of convergence: `psor`
   /// As in NncgOptions.
   bool end_when_hopeless = false;
