@@ -32,36 +32,27 @@ void Order(Index n, const Forbidden& forbidden, const Set& set, const Clear& cle
   }
 }
 
-// @param for_bodies  of (row, action): calls action(the set of a body) for the bodies of a row that can move; all sets
-//                    are empty, and will be
-template <typename ForBodies>
-void OrderByBodies(Index n, const ForBodies& for_bodies, std::vector<Index>* order) {
+// @param on_body  by body, none of a colour between calls
+void OrderByBodies(const StepRows& step, std::vector<ColourSet>* on_body, std::vector<Index>* order) {
+  const auto for_bodies = [&](Index row, const auto& action) {
+    for (Index side = 2 * row; side < 2 * row + 2; ++side) {
+      if (step.body[side] >= 0) action(&(*on_body)[At(step.body[side])]);
+    }
+  };
   const auto forbidden = [&](Index row) {
     ColourSet colours;
     for_bodies(row, [&](const ColourSet* body) { colours.Insert(*body); });
     return colours;
   };
   Order(
-      n, forbidden, [&](Index row, Index colour) { for_bodies(row, [&](ColourSet* body) { body->Insert(colour); }); },
+      step.rows, forbidden,
+      [&](Index row, Index colour) { for_bodies(row, [&](ColourSet* body) { body->Insert(colour); }); },
       [&](Index row) { for_bodies(row, [](ColourSet* body) { *body = {}; }); }, order);
 }
 
-void OrderByBodies(const LcpProblem& problem, std::vector<Index>* order) {
-  const Index width = problem.columns_per_body();
-  std::vector<ColourSet> on_body(At(problem.J().cols() / width + 1));
-  const auto for_bodies = [&](Index row, const auto& action) {
-    Index last = -1;
-    for (SparseMatrix::InnerIterator it(problem.J(), row); it; ++it) {
-      if (it.col() / width == last || it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
-      last = it.col() / width;
-      action(&on_body[At(last)]);
-    }
-  };
-  OrderByBodies(problem.size(), for_bodies, order);
-}
-
-void OrderByEntries(const LcpProblem& problem, std::vector<Index>* order) {
+std::vector<Index> OrderByEntries(const LcpProblem& problem) {
   constexpr Index kNone = -1;
+  std::vector<Index> order;
   std::vector<Index> colour_of(At(problem.size()), kNone);
   const auto forbidden = [&](Index row) {
     ColourSet colours;
@@ -72,7 +63,8 @@ void OrderByEntries(const LcpProblem& problem, std::vector<Index>* order) {
   };
   Order(
       problem.size(), forbidden, [&](Index row, Index colour) { colour_of[At(row)] = colour; },
-      [&](Index row) { colour_of[At(row)] = kNone; }, order);
+      [&](Index row) { colour_of[At(row)] = kNone; }, &order);
+  return order;
 }
 
 // Entries of A per row (as BoundEntriesOfA counts them) up to which a sweep over A is at least as fast as one over J:
@@ -89,51 +81,35 @@ bool UsesFactors(const LcpProblem& problem, RowForm form, bool coloured) {
 
 }  // namespace
 
-std::vector<Index> ColouredOrder(const LcpProblem& problem, bool by_bodies) {
-  std::vector<Index> order;
-  by_bodies ? OrderByBodies(problem, &order) : OrderByEntries(problem, &order);
-  return order;
-}
-
 RowForm ReadRowForm(SettingsReader* reader) {
   const std::string form = reader->Choice("form", "auto", {"auto", "assembled", "matrix-free"});
   if (form == "assembled") return RowForm::kAssembled;
   return form == "matrix-free" ? RowForm::kMatrixFree : RowForm::kAuto;
 }
 
-void RowWork::Prepare(const LcpProblem& problem, RowForm form, bool coloured) {
+void RowWork::Prepare(const LcpProblem& problem, RowForm form, bool coloured, const StepRows* step) {
   const bool factors = UsesFactors(problem, form, coloured);
-  scaled.Reset(problem, coloured ? ColouredOrder(problem, factors) : std::vector<Index>());
-  if (!factors) {
-    of_problem_ = MakeAssembledRows(problem, scaled);
-  } else if (problem.has_two_body_rows()) {
-    two_body_rows.Reset(problem, scaled);
-    of_problem_ = MakeTwoBodyRows(scaled, problem.columns_per_body(), true, &two_body_rows);
-  } else {
-    of_problem_ = MakeFactorRows(problem, scaled);
+  if (!factors || step == nullptr || !Take(*step, coloured)) {
+    scaled.Reset(problem, coloured && !factors ? OrderByEntries(problem) : std::vector<Index>());
+    of_problem_ = factors ? MakeFactorRows(problem, scaled) : MakeAssembledRows(problem, scaled);
+    SetRows(of_problem_.get());
   }
   x.f.setZero(scaled.size);
-  x.image.resize(of_problem_->ImageSize());
-  SetRows(of_problem_.get());
+  x.image.resize(rows->ImageSize());
+  rows->StartImage(&x.image);
 }
 
 bool RowWork::Take(const StepRows& step, bool coloured) {
-  const Index n = step.rows;
-  scaled.Reserve(n);
+  scaled.Reserve(step.rows);
   if (on_body_.size() < At(step.bodies)) {
     on_body_.resize(At(step.bodies));
     all_bodies_.resize(At(step.bodies));
     std::iota(all_bodies_.begin(), all_bodies_.end(), 0);
   }
   if (coloured) {
-    const auto for_bodies = [&](Index row, const auto& action) {
-      for (Index side = 2 * row; side < 2 * row + 2; ++side) {
-        if (step.body[side] >= 0) action(&on_body_[At(step.body[side])]);
-      }
-    };
-    OrderByBodies(n, for_bodies, &scaled.order);
+    OrderByBodies(step, &on_body_, &scaled.order);
   } else {
-    scaled.order.resize(At(n));
+    scaled.order.resize(At(step.rows));
     std::iota(scaled.order.begin(), scaled.order.end(), 0);
   }
   scaled.Take(step);
@@ -142,6 +118,8 @@ bool RowWork::Take(const StepRows& step, bool coloured) {
   std::unique_ptr<RowKernel>& of_steps = step.columns_per_body == 3 ? in_plane_ : in_space_;
   if (of_steps == nullptr) of_steps = MakeTwoBodyRows(scaled, step.columns_per_body, true, &two_body_rows);
   SetRows(of_steps.get());
+  if (x.f.size() < scaled.size) x.f.resize(scaled.size);
+  if (x.image.size() < rows->ImageSize()) x.image.resize(rows->ImageSize());
   return true;
 }
 
@@ -149,9 +127,6 @@ void RowWork::SetRows(RowKernel* kernel) {
   rows_ = kernel;
   rows = kernel;
   kernel->SetRows();
-  if (x.f.size() < scaled.size) x.f.setZero(scaled.size);
-  if (x.image.size() < kernel->ImageSize()) x.image.resize(kernel->ImageSize());
-  kernel->StartImage(&x.image);
 }
 
 void RowWork::Start(const double* given_b, const Eigen::VectorXd* initial_f) {

@@ -111,13 +111,12 @@ class ColourSet {
   std::array<std::uint64_t, At(kColourBlock / kBits)> words_{};
 };
 
-/// An order of the rows in which blocks of kColourBlock rows follow each other as given, and within a block rows of one
-/// colour stand together, in the given order; no two rows of a colour touch the same movable body (`by_bodies`; needs
-/// factors) or have A_ij != 0 (otherwise; reads SparseA, whose pattern must be symmetric). Each row takes the first
-/// colour that is free (greedy). O(nnz) and a word per 64 colours.
-std::vector<Index> ColouredOrder(const LcpProblem& problem, bool by_bodies);
-
 /// What every first-order solver works on: the scaled problem, its rows in one layout, and the iterate.
+///
+/// Rows on two bodies and assembled ones may be in a coloured order: blocks of kColourBlock rows follow each other as
+/// given, and within a block rows of one colour stand together, in the given order; no two rows of a colour touch the
+/// same movable body (assembled: have A_ij != 0; the pattern of A must be symmetric). Each row takes the first colour
+/// that is free (greedy).  O(nnz) and a word per 64 colours
 struct RowWork {
   ScaledProblem scaled;
   ScaledRows two_body_rows;  ///< of the layout that has them
@@ -125,8 +124,8 @@ struct RowWork {
   Point x;  ///< in space for as many rows as were ever met
 
   /// All but b.
-  /// @param coloured  order the rows by ColouredOrder
-  void Prepare(const LcpProblem& problem, RowForm form, bool coloured);
+  /// @param step  the same problem as rows on two bodies, read here only; nullptr: it has none
+  void Prepare(const LcpProblem& problem, RowForm form, bool coloured, const StepRows* step);
   /// All but b, of a step; allocates where it has met none as large. False if a row acts on no body that can move.
   bool Take(const StepRows& step, bool coloured);
   /// A solve with this b: f as ScaledProblem::Start, without its image.

@@ -97,25 +97,6 @@ void ScaledRows::PlaceBodies(Index k, Index first, Index second) {
   std::memcpy(row(k) + width() + p_, &offsets, sizeof offsets);
 }
 
-void ScaledRows::Reset(const LcpProblem& problem, const ScaledProblem& scaled) {
-  const SparseMatrix& J = problem.J();
-  const Index p = problem.columns_per_body();
-  LayOut(p, scaled.size, J.cols() / p);
-  rows_.head(size_ * 2 * width()).setZero();
-  for (Index k = 0; k < size_; ++k) {
-    std::array<Index, 2> body = {-1, -1};
-    for (SparseMatrix::InnerIterator it(J, scaled.Given(k)); it; ++it) {
-      const double m = problem.inverse_mass()[it.col()];
-      if (m == 0 || it.value() == 0) continue;
-      const Index block = it.col() / p;
-      const size_t side = body[0] < 0 || body[0] == block ? 0 : 1;
-      body[side] = block;
-      row(k)[width() * static_cast<Index>(side) + it.col() % p] = it.value() * std::sqrt(m) * scaled.inverse_root[k];
-    }
-    PlaceBodies(k, body[0], body[1]);
-  }
-}
-
 template <Index p, typename Real>
 bool ScaledRows::TakeOf(const StepRows& step, const Real* J, const std::int32_t* place, ScaledProblem* scaled) {
   constexpr Index kWidth = kBodyWidth<p>;
