@@ -65,14 +65,19 @@ bool FirstOrderEngine::TakeArrays(const ProblemArrays& arrays, const LcpOptions&
 
 bool FirstOrderEngine::Expired() {
   unread_ = 0;
-  return deadline_.has_value() && deadline_->Expired();
+  if (!std::isfinite(options_->time_limit_s)) return false;
+  if (!deadline_.has_value()) deadline_.emplace(*options_);
+  return deadline_->Expired();
 }
 
 // True when the solve is over already, as the three that follow.
 bool FirstOrderEngine::Begin(const LcpOptions& options, LcpResult* result) {
+  options_ = &options;
   deadline_.reset();
-  if (std::isfinite(options.time_limit_s)) deadline_.emplace(options);
   chunk_ = std::max<Index>(1, kEntriesPerClockRead / rows_.rows->EntriesPerRow());
+  // Few rows of a step are mostly done before the clock would be read: it starts then, some 20 us late.
+  const bool is_short = step_ != nullptr && 2 * rows_.scaled.size < chunk_;
+  if (!is_short && std::isfinite(options.time_limit_s)) deadline_.emplace(options);
   unread_ = 0;
   tolerance_ = options.tolerance;
   limit_ = options.max_iterations > 0 ? options.max_iterations : setup_.default_limit;
@@ -83,7 +88,7 @@ bool FirstOrderEngine::Begin(const LcpOptions& options, LcpResult* result) {
   best_.head(rows_.scaled.size) = rows_.x.f.head(rows_.scaled.size);
   result_ = result;
   if (Check()) return true;
-  if (step_ != nullptr || !Expired()) return false;  // few rows of a step are done before a clock is read
+  if (is_short || !Expired()) return false;
   result_->status = LcpStatus::kTimeLimit;
   return true;
 }

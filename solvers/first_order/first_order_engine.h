@@ -112,7 +112,8 @@ class FirstOrderEngine {
   std::int64_t unchecked_ = 0;  // iterations since the last check
   std::int64_t patience_ = 1;   // iterations between checks that the residual asks for
   double first_log_residual_ = 0;
-  std::optional<Deadline> deadline_;  // none: no limit
+  const LcpOptions* options_ = nullptr;
+  std::optional<Deadline> deadline_;  // from the first reading of the clock on
   Index chunk_ = 1;                   // rows between two readings of the clock
   Index unread_ = 0;                  // rows since the last one
   LcpResult* result_ = nullptr;
