@@ -12,7 +12,8 @@ enum class SweepOrder {
   kForward,    ///< as given
   kSymmetric,  ///< as given and backwards in turn
   kColoured,   ///< blocks of rows as given, within a block colour by colour: rows of one colour share no body
-               ///< (assembled: no entry of A), and are stepped by fours without waiting for each other
+               ///< (assembled: no entry of A), and are stepped by fours without waiting for each other; matrix-free
+               ///< rows on more than two bodies: as given
 };
 
 /// Options of PgsSolver.
@@ -63,7 +64,8 @@ struct PgsOptions {
 ///
 /// A failure leaves in f the iterate of least rho among those checked. Stagnation ends as kIterationLimit or
 /// kTimeLimit, overflow as kNumericalFailure. The clock is read about every 20 us, so also within a sweep. Solve
-/// allocates nothing once prepared.
+/// allocates nothing once prepared. SolveArrays sweeps rows on two bodies without an LcpProblem, unless `form` is
+/// assembled, and allocates only where it has met no problem as large; from few rows its clock starts some 20 us late.
 ///
 /// [Cottle, Pang, Stone, The Linear Complementarity Problem, sec. 5.3; Cryer 1971 for the relaxation and its
 /// convergence; matrix-free rows as in Tonge, Benevolenski, Voroshilov 2012.] More: docs/solvers/first_order.md.
