@@ -111,7 +111,7 @@ class LaidOutRows : public RowKernel {
       step.AddTo(sums);
     };
     const auto of_sums = [&](auto sum, auto mixed) {
-      using Sum = decltype(sum);
+      using Sum = typename decltype(sum)::type;
       if (moves && (rate != 1 || scaled_.has_idle)) {
         with(ProjectedStep<mixed, moves, kKind, Sum>(scaled_, rate, from.f.data(), to));
       } else {
@@ -122,9 +122,9 @@ class LaidOutRows : public RowKernel {
       scaled_.mixed ? of_sums(sum, std::true_type()) : of_sums(sum, std::false_type());
     };
     if constexpr (!kAlwaysOneByOne) {
-      if (!static_cast<const Layout*>(this)->OneByOne()) return of_rows(ProductSum());
+      if (!static_cast<const Layout*>(this)->OneByOne()) return of_rows(std::type_identity<ProductSum>());
     }
-    of_rows(SumOneByOne());
+    of_rows(std::type_identity<SumOneByOne>());
   }
 };
 
