@@ -12,6 +12,7 @@
 #include "model/scenes/scene.h"
 #include "solvers/first_order/sweeps/lanes.h"
 #include "solvers/first_order/sweeps/row_kernel.h"
+#include "solvers/rows/two_body_copy.h"
 
 namespace lcpbench {
 namespace {
@@ -32,8 +33,10 @@ struct Workload {
   explicit Workload(int contacts) {
     const LcpProblem problem = AssembleContactLcp(GenerateScene(kScene, contacts, kSeed)).problem;
     size = problem.size();
-    given.Prepare(problem, RowForm::kMatrixFree, false);
-    coloured.Prepare(problem, RowForm::kMatrixFree, true);
+    TwoBodyCopy copy;
+    copy.Take(problem);
+    given.Prepare(problem, RowForm::kMatrixFree, false, &copy.rows());
+    coloured.Prepare(problem, RowForm::kMatrixFree, true, &copy.rows());
     rows.setOnes(size * kRowDoubles);
     next = coloured.x;
   }

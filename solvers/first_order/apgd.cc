@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "solvers/first_order/sweeps/first_order_engine.h"
+#include "solvers/first_order/first_order_engine.h"
 
 namespace lcpbench {
 
@@ -71,7 +71,8 @@ void ApgdEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lcp
   double of_momentum = lipschitz;  // the lipschitz that momentum belongs to
   before_.f.setZero();
   before_.image.setZero();
-  Run(problem, options, result, [&]() -> std::optional<double> {
+  TakeProblem(problem, options);
+  Run(options, result, [&]() -> std::optional<double> {
     lipschitz = std::max(ApgdOptions::kDecay * lipschitz, ApgdOptions::kLeast);
     double next_momentum = 1;
     StepSums sums;

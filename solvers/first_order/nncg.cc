@@ -3,8 +3,8 @@
 #include <cmath>
 #include <optional>
 
+#include "solvers/first_order/first_order_engine.h"
 #include "solvers/first_order/sweeps/conjugate_sweeps.h"
-#include "solvers/first_order/sweeps/first_order_engine.h"
 
 namespace lcpbench {
 
@@ -25,8 +25,20 @@ class NncgEngine final : public FirstOrderEngine {
     iteration_.Reserve(rows_.scaled.size, rows_.rows->ImageSize());
   }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    TakeProblem(problem, options);
+    SolveTaken(options, result);
+  }
+  bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
+    if (!TakeArrays(arrays, options)) return false;
+    iteration_.Reserve(rows_.scaled.size, rows_.rows->ImageSize());
+    SolveTaken(options, result);
+    return result->status != LcpStatus::kNumericalFailure;
+  }
+
+ private:
+  void SolveTaken(const LcpOptions& options, LcpResult* result) {
     iteration_.Start(*rows_.rows, rows_.scaled);
-    Run(problem, options, result, [&]() -> std::optional<double> {
+    Run(options, result, [&]() -> std::optional<double> {
       iteration_.Begin(rows_.x);
       StepSums forward;
       StepSums backward;
@@ -40,7 +52,6 @@ class NncgEngine final : public FirstOrderEngine {
     });
   }
 
- private:
   ConjugateSweeps iteration_;
 };
 

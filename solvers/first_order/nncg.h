@@ -19,7 +19,7 @@ struct NncgOptions {
   /// Measured: the optimal one needs about 60 % of the iterations of the published one, and its energy never rises.
   Direction direction = Direction::kOptimal;
   RowForm form = RowForm::kAuto;  ///< assembled rows, or matrix-free
-  /// Forward and backward over the rows as given, or over the coloured order (ColouredOrder). Measured:
+  /// Forward and backward over the rows as given, or over the coloured order (RowWork). Measured:
   /// coloured takes 5 to 40 % more iterations, each in half the time.
   bool coloured = true;
   /// Ends with kIterationLimit as soon as the rate of convergence so far predicts that max_iterations will not do, for

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "solvers/first_order/sweeps/first_order_engine.h"
+#include "solvers/first_order/first_order_engine.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -24,6 +24,9 @@ constexpr double kLargest = 1.9;
 // distance to 2.
 constexpr double kRetreat = 0.9;
 constexpr double kLargestAdvance = 0.5;
+
+// Up to so many rows begin with an omega of at most 1: their sweeps arrive, or tell a better one, soon.
+constexpr Index kFewRows = 6;
 
 class AdaptiveRelaxation {
  public:
@@ -99,9 +102,21 @@ class PgsEngine final : public FirstOrderEngine {
 
   void Prepare(const LcpProblem& problem) { PrepareRows(problem); }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-    AdaptiveRelaxation relaxation(options_.relaxation);
+    TakeProblem(problem, options);
+    SolveTaken(options, result);
+  }
+  bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
+    if (!TakeArrays(arrays, options)) return false;
+    SolveTaken(options, result);
+    return result->status != LcpStatus::kNumericalFailure;
+  }
+
+ private:
+  void SolveTaken(const LcpOptions& options, LcpResult* result) {
+    const bool is_few = options_.adaptive && rows_.scaled.size <= kFewRows;
+    AdaptiveRelaxation relaxation(is_few ? std::min(options_.relaxation, 1.0) : options_.relaxation);
     bool backward = false;
-    Run(problem, options, result, [&]() -> std::optional<double> {
+    Run(options, result, [&]() -> std::optional<double> {
       StepSums sums;
       if (!Sweep(backward, relaxation.omega(), &sums)) return {};
       if (options_.adaptive) relaxation.Observe(sums);
@@ -110,7 +125,6 @@ class PgsEngine final : public FirstOrderEngine {
     });
   }
 
- private:
   const PgsOptions options_;
 };
 

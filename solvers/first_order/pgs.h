@@ -12,7 +12,8 @@ enum class SweepOrder {
   kForward,    ///< as given
   kSymmetric,  ///< as given and backwards in turn
   kColoured,   ///< blocks of rows as given, within a block colour by colour: rows of one colour share no body
-               ///< (assembled: no entry of A), and are stepped by fours without waiting for each other
+               ///< (assembled: no entry of A), and are stepped by fours without waiting for each other; matrix-free
+               ///< rows on more than two bodies: as given
 };
 
 /// Options of PgsSolver.
@@ -24,7 +25,8 @@ struct PgsOptions {
   RowForm form = RowForm::kAuto;  ///< assembled rows, or matrix-free
   /// Coloured sweeps converge like forward ones and take less than half the time.
   SweepOrder sweep = SweepOrder::kColoured;
-  double relaxation = 1.0;  ///< omega in (0, 2), constant or of the first sweeps; 1 is Gauss-Seidel
+  /// omega in (0, 2), constant or of the first sweeps (there at most 1 on up to six rows); 1 is Gauss-Seidel.
+  double relaxation = 1.0;
   bool adaptive = false;    ///< omega follows the measured rate of convergence: `psor`
   /// As in NncgOptions.
   bool end_when_hopeless = false;
@@ -57,12 +59,13 @@ struct PgsOptions {
 /// Unit of `iterations`: sweeps, a symmetric pair counts twice; default limit kDefaultSweeps. Warm start: initial_f,
 /// clipped at 0. Cost of a sweep: one multiply-add per entry of A, or 12 per two-body row. Memory: A, or J.
 ///
-/// Stopping (solvers/first_order/sweeps/first_order_engine.h): rho of the scaled problem at every 32nd sweep and where
+/// Stopping (solvers/first_order/first_order_engine.h): rho of the scaled problem at every 32nd sweep and where
 /// steps look small enough; kSolved only after rho and the backward error pass by the given form in extended precision.
 ///
 /// A failure leaves in f the iterate of least rho among those checked. Stagnation ends as kIterationLimit or
 /// kTimeLimit, overflow as kNumericalFailure. The clock is read about every 20 us, so also within a sweep. Solve
-/// allocates nothing once prepared.
+/// allocates nothing once prepared. SolveArrays sweeps rows on two bodies without an LcpProblem, unless `form` is
+/// assembled, and allocates only where it has met no problem as large; from few rows its clock starts some 20 us late.
 ///
 /// [Cottle, Pang, Stone, The Linear Complementarity Problem, sec. 5.3; Cryer 1971 for the relaxation and its
 /// convergence; matrix-free rows as in Tonge, Benevolenski, Voroshilov 2012.] More: docs/solvers/first_order.md.

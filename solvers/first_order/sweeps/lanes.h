@@ -143,6 +143,19 @@ class ProductSum {
   Kept<WideLanes> eight_{};
 };
 
+/// The same of products that are added one at a time alone.
+class SumOneByOne {
+ public:
+  template <HalfOfEight kHalf = HalfOfEight::kNone>
+  LCPBENCH_ALWAYS_INLINE void Add(double a, double b) {
+    sum_ += a * b;
+  }
+  double Total() const { return sum_; }
+
+ private:
+  double sum_ = 0;
+};
+
 /// Calls take(at) for entries by fours and the rest one by one: at(x) are those of the array x, as Lanes or double.
 template <typename Take>
 LCPBENCH_ALWAYS_INLINE void ForEntries(Eigen::Index size, const Take& take) {

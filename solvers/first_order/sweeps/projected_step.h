@@ -17,10 +17,12 @@ enum class StepKind {
 
 /// @tparam kMixed    ScaledProblem::mixed
 /// @tparam kHasRate  whether a row's rate may be other than 1; where it is 1, a sweep's steps are the residuals
-template <bool kMixed, bool kHasRate, StepKind kind>
+/// @tparam Sum       ProductSum, or SumOneByOne where rows are taken one by one
+template <bool kMixed, bool kHasRate, StepKind kind, typename Sum>
 class ProjectedStep {
  public:
   static constexpr StepKind kKind = kind;
+  static constexpr bool kOneByOne = std::is_same_v<Sum, SumOneByOne>;
   static constexpr bool kSumsResidual = kHasRate || kind != StepKind::kSweep;
 
   LCPBENCH_ALWAYS_INLINE ProjectedStep(const ScaledProblem& scaled, double rate, const double* from, double* to)
@@ -64,16 +66,17 @@ class ProjectedStep {
   const double* gain_;
   const double* floor_;
   double rate_;
-  ProductSum residual_;
-  ProductSum change_;
-  ProductSum energy_;
+  Sum residual_;
+  Sum change_;
+  Sum energy_;
 };
 
-/// The passes of a layout by its one function
+/// The passes of a layout by its functions
+///     bool OneByOne() const;         whether rows are taken one by one, always true if kAlwaysOneByOne
 ///     template <typename Step> void Visit(Index begin, Index end, bool backward, const Point& from, Array* image,
 ///                                         Step* step) const;
 /// which calls step->Take for every row, and keeps the image of where f goes (nullptr where nothing moves).
-template <typename Layout>
+template <typename Layout, bool kAlwaysOneByOne>
 class LaidOutRows : public RowKernel {
  public:
   void Sweep(Index begin, Index end, bool backward, double omega, Point* x, StepSums* sums) const final {
@@ -107,14 +110,21 @@ class LaidOutRows : public RowKernel {
       static_cast<const Layout*>(this)->Visit(begin, end, backward, from, image, &step);
       step.AddTo(sums);
     };
-    const auto of_rows = [&](auto mixed) {
+    const auto of_sums = [&](auto sum, auto mixed) {
+      using Sum = typename decltype(sum)::type;
       if (moves && (rate != 1 || scaled_.has_idle)) {
-        with(ProjectedStep<mixed, moves, kKind>(scaled_, rate, from.f.data(), to));
+        with(ProjectedStep<mixed, moves, kKind, Sum>(scaled_, rate, from.f.data(), to));
       } else {
-        with(ProjectedStep<mixed, false, kKind>(scaled_, rate, from.f.data(), to));
+        with(ProjectedStep<mixed, false, kKind, Sum>(scaled_, rate, from.f.data(), to));
       }
     };
-    scaled_.mixed ? of_rows(std::true_type()) : of_rows(std::false_type());
+    const auto of_rows = [&](auto sum) {
+      scaled_.mixed ? of_sums(sum, std::true_type()) : of_sums(sum, std::false_type());
+    };
+    if constexpr (!kAlwaysOneByOne) {
+      if (!static_cast<const Layout*>(this)->OneByOne()) return of_rows(std::type_identity<ProductSum>());
+    }
+    of_rows(std::type_identity<SumOneByOne>());
   }
 };
 

@@ -2,63 +2,41 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
-
-#include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
 
-// As many colours as a block has rows always suffice.
-class ColourSet {
- public:
-  void Insert(Index colour) { words_[At(colour / kBits)] |= std::uint64_t{1} << (colour % kBits); }
-  void Insert(const ColourSet& other) {
-    for (size_t word = 0; word < words_.size(); ++word) words_[word] |= other.words_[word];
-  }
-  Index FirstAbsent() const {
-    size_t word = 0;
-    while (words_[word] == ~std::uint64_t{0}) ++word;
-    return static_cast<Index>(word) * kBits + std::countr_one(words_[word]);
-  }
-
- private:
-  static constexpr Index kBits = 64;
-  std::array<std::uint64_t, At(kColourBlock / kBits)> words_{};
-};
-
 // Rows get the first colour that is not in forbidden(row), and set(row, colour) takes note of it; clear(row) forgets it
 // when the row's block is over.
 template <typename Forbidden, typename Set, typename Clear>
-std::vector<Index> Order(Index n, const Forbidden& forbidden, const Set& set, const Clear& clear) {
-  std::vector<Index> order(At(n));
-  std::iota(order.begin(), order.end(), 0);
-  std::vector<Index> colour(At(n));
+void Order(Index n, const Forbidden& forbidden, const Set& set, const Clear& clear, std::vector<Index>* order) {
+  order->resize(At(n));
+  std::array<Index, At(kColourBlock)> colour;
+  std::array<Index, At(kColourBlock) + 1> first;  // of each colour its first place
   for (Index begin = 0; begin < n; begin += kColourBlock) {
-    const Index end = std::min(n, begin + kColourBlock);
-    for (Index row = begin; row < end; ++row) set(row, colour[At(row)] = forbidden(row).FirstAbsent());
-    for (Index row = begin; row < end; ++row) clear(row);
-    std::sort(order.begin() + begin, order.begin() + end,
-              [&](Index a, Index b) { return colour[At(a)] != colour[At(b)] ? colour[At(a)] < colour[At(b)] : a < b; });
+    const Index size = std::min(n - begin, kColourBlock);
+    std::fill_n(first.begin(), size + 1, 0);
+    for (Index k = 0; k < size; ++k) {
+      set(begin + k, colour[At(k)] = forbidden(begin + k).FirstAbsent());
+      ++first[At(colour[At(k)]) + 1];
+    }
+    std::partial_sum(first.begin(), first.begin() + size + 1, first.begin());
+    for (Index k = 0; k < size; ++k) (*order)[At(begin + first[At(colour[At(k)])]++)] = begin + k;
+    for (Index k = 0; k < size; ++k) clear(begin + k);
   }
-  return order;
 }
 
-std::vector<Index> OrderByBodies(const LcpProblem& problem) {
-  const Index width = problem.columns_per_body();
-  std::vector<ColourSet> on_body(At(problem.J().cols() / width + 1));
+// @param on_body  by body, none of a colour between calls
+void OrderByBodies(const StepRows& step, std::vector<ColourSet>* on_body, std::vector<Index>* order) {
   const auto for_bodies = [&](Index row, const auto& action) {
-    Index last = -1;
-    for (SparseMatrix::InnerIterator it(problem.J(), row); it; ++it) {
-      if (it.col() / width == last || it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
-      last = it.col() / width;
-      action(&on_body[At(last)]);
+    for (Index side = 2 * row; side < 2 * row + 2; ++side) {
+      if (step.body[side] >= 0) action(&(*on_body)[At(step.body[side])]);
     }
   };
   const auto forbidden = [&](Index row) {
@@ -66,14 +44,15 @@ std::vector<Index> OrderByBodies(const LcpProblem& problem) {
     for_bodies(row, [&](const ColourSet* body) { colours.Insert(*body); });
     return colours;
   };
-  return Order(
-      problem.size(), forbidden,
+  Order(
+      step.rows, forbidden,
       [&](Index row, Index colour) { for_bodies(row, [&](ColourSet* body) { body->Insert(colour); }); },
-      [&](Index row) { for_bodies(row, [](ColourSet* body) { *body = {}; }); });
+      [&](Index row) { for_bodies(row, [](ColourSet* body) { *body = {}; }); }, order);
 }
 
 std::vector<Index> OrderByEntries(const LcpProblem& problem) {
   constexpr Index kNone = -1;
+  std::vector<Index> order;
   std::vector<Index> colour_of(At(problem.size()), kNone);
   const auto forbidden = [&](Index row) {
     ColourSet colours;
@@ -82,9 +61,10 @@ std::vector<Index> OrderByEntries(const LcpProblem& problem) {
     }
     return colours;
   };
-  return Order(
+  Order(
       problem.size(), forbidden, [&](Index row, Index colour) { colour_of[At(row)] = colour; },
-      [&](Index row) { colour_of[At(row)] = kNone; });
+      [&](Index row) { colour_of[At(row)] = kNone; }, &order);
+  return order;
 }
 
 // Entries of A per row (as BoundEntriesOfA counts them) up to which a sweep over A is at least as fast as one over J:
@@ -103,18 +83,15 @@ bool UsesFactors(const LcpProblem& problem, RowForm form, bool coloured) {
 
 RowKernel::~RowKernel() = default;
 
+void RowKernel::SetRows() {}
+
 void RowKernel::SetB() {}
 
 std::unique_ptr<RowKernel> MakeTwoBodyRows(const ScaledProblem& scaled, Index p, bool in_sets, ScaledRows* rows,
                                            InstructionSet instructions) {
   static constexpr KernelTable<decltype(&NewTwoBodyRowsSse2)> kKernels{&NewTwoBodyRowsSse2, &NewTwoBodyRowsAvx2,
                                                                        &NewTwoBodyRowsAvx512};
-  if (in_sets) rows->FindSets();
   return std::unique_ptr<RowKernel>(FindKernel(kKernels, instructions)(scaled, p, in_sets, rows));
-}
-
-std::vector<Index> ColouredOrder(const LcpProblem& problem, bool by_bodies) {
-  return by_bodies ? OrderByBodies(problem) : OrderByEntries(problem);
 }
 
 RowForm ReadRowForm(SettingsReader* reader) {
@@ -123,25 +100,51 @@ RowForm ReadRowForm(SettingsReader* reader) {
   return form == "matrix-free" ? RowForm::kMatrixFree : RowForm::kAuto;
 }
 
-void RowWork::Prepare(const LcpProblem& problem, RowForm form, bool coloured) {
+void RowWork::Prepare(const LcpProblem& problem, RowForm form, bool coloured, const StepRows* step) {
   const bool factors = UsesFactors(problem, form, coloured);
-  scaled.Reset(problem, coloured ? ColouredOrder(problem, factors) : std::vector<Index>());
-  if (!factors) {
-    rows = MakeAssembledRows(problem, scaled);
-  } else if (problem.has_two_body_rows()) {
-    two_body_rows.Reset(problem, scaled);
-    rows = MakeTwoBodyRows(scaled, problem.columns_per_body(), true, &two_body_rows);
-  } else {
-    rows = MakeFactorRows(problem, scaled);
+  if (!factors || step == nullptr || !Take(*step, coloured)) {
+    scaled.Reset(problem, coloured && !factors ? OrderByEntries(problem) : std::vector<Index>());
+    of_problem_ = factors ? MakeFactorRows(problem, scaled) : MakeAssembledRows(problem, scaled);
+    SetRows(of_problem_.get());
   }
   x.f.setZero(scaled.size);
   x.image.resize(rows->ImageSize());
   rows->StartImage(&x.image);
 }
 
-void RowWork::Start(const LcpProblem& problem, const Eigen::VectorXd* initial_f) {
-  scaled.SetB(problem.b().data());
-  rows->SetB();
+bool RowWork::Take(const StepRows& step, bool coloured) {
+  scaled.Reserve(step.rows);
+  if (on_body_.size() < At(step.bodies)) {
+    on_body_.resize(At(step.bodies));
+    all_bodies_.resize(At(step.bodies));
+    std::iota(all_bodies_.begin(), all_bodies_.end(), 0);
+  }
+  if (coloured) {
+    OrderByBodies(step, &on_body_, &scaled.order);
+  } else {
+    scaled.order.resize(At(step.rows));
+    std::iota(scaled.order.begin(), scaled.order.end(), 0);
+  }
+  scaled.Take(step);
+  const std::span<const std::int32_t> bodies(all_bodies_.data(), At(step.bodies));
+  if (!two_body_rows.Take(step, bodies, all_bodies_.data(), &scaled)) return false;
+  std::unique_ptr<RowKernel>& of_steps = step.columns_per_body == 3 ? in_plane_ : in_space_;
+  if (of_steps == nullptr) of_steps = MakeTwoBodyRows(scaled, step.columns_per_body, true, &two_body_rows);
+  SetRows(of_steps.get());
+  if (x.f.size() < scaled.size) x.f.resize(scaled.size);
+  if (x.image.size() < rows->ImageSize()) x.image.resize(rows->ImageSize());
+  return true;
+}
+
+void RowWork::SetRows(RowKernel* kernel) {
+  rows_ = kernel;
+  rows = kernel;
+  kernel->SetRows();
+}
+
+void RowWork::Start(const double* given_b, const Eigen::VectorXd* initial_f) {
+  scaled.SetB(given_b);
+  rows_->SetB();
   scaled.Start(initial_f == nullptr ? nullptr : initial_f->data(), &x.f);
 }
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <bit>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +12,7 @@
 #include "solvers/first_order/sweeps/scaled_rows.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/linear_algebra/instruction_set.h"
+#include "support/array_index.h"
 
 /// Internal to solvers/: the passes over rows that all first-order solvers are made of.
 namespace lcpbench {
@@ -39,6 +43,8 @@ class RowKernel {
  public:
   virtual ~RowKernel();
 
+  /// The rows have changed.
+  virtual void SetRows();
   /// Takes the scaled problem's b, which has changed; to be called before any pass.
   virtual void SetB();
 
@@ -79,7 +85,7 @@ std::unique_ptr<RowKernel> MakeAssembledRows(const LcpProblem& problem, const Sc
 std::unique_ptr<RowKernel> MakeFactorRows(const LcpProblem& problem, const ScaledProblem& scaled);
 /// Rows on at most two bodies each, of three or six columns.
 /// @param p        columns per body, of all rows that it will have
-/// @param in_sets  rows that follow each other and share no body are stepped many at once: found now, O(n)
+/// @param in_sets  rows that follow each other and share no body are stepped many at once: SetRows finds them, O(n)
 /// @param rows     not owned either; takes the scaled problem's b
 /// @throws InputError if this machine lacks the instructions
 std::unique_ptr<RowKernel> MakeTwoBodyRows(const ScaledProblem& scaled, Index p, bool in_sets, ScaledRows* rows,
@@ -94,24 +100,52 @@ RowKernel* NewTwoBodyRowsAvx512(const ScaledProblem& scaled, Index p, bool in_se
 /// sets of independent rows so small that a sweep takes a sixth longer.
 inline constexpr Index kColourBlock = 512;
 
-/// An order of the rows in which blocks of kColourBlock rows follow each other as given, and within a block rows of one
-/// colour stand together, in the given order; no two rows of a colour touch the same movable body (`by_bodies`; needs
-/// factors) or have A_ij != 0 (otherwise; reads SparseA, whose pattern must be symmetric). Each row takes the first
-/// colour that is free (greedy). O(nnz) and a word per 64 colours.
-std::vector<Index> ColouredOrder(const LcpProblem& problem, bool by_bodies);
+/// Colours of a block's rows: as many as it has rows always suffice.
+class ColourSet {
+ public:
+  void Insert(Index colour) { words_[At(colour / kBits)] |= std::uint64_t{1} << (colour % kBits); }
+  void Insert(const ColourSet& other) {
+    for (size_t word = 0; word < words_.size(); ++word) words_[word] |= other.words_[word];
+  }
+  Index FirstAbsent() const {
+    size_t word = 0;
+    while (words_[word] == ~std::uint64_t{0}) ++word;
+    return static_cast<Index>(word) * kBits + std::countr_one(words_[word]);
+  }
+
+ private:
+  static constexpr Index kBits = 64;
+  std::array<std::uint64_t, At(kColourBlock / kBits)> words_{};
+};
 
 /// What every first-order solver works on: the scaled problem, its rows in one layout, and the iterate.
+///
+/// Rows on two bodies and assembled ones may be in a coloured order: blocks of kColourBlock rows follow each other as
+/// given, and within a block rows of one colour stand together, in the given order; no two rows of a colour touch the
+/// same movable body (assembled: have A_ij != 0; the pattern of A must be symmetric). Each row takes the first colour
+/// that is free (greedy).  O(nnz) and a word per 64 colours
 struct RowWork {
   ScaledProblem scaled;
   ScaledRows two_body_rows;  ///< of the layout that has them
-  std::unique_ptr<RowKernel> rows;
-  Point x;
+  const RowKernel* rows = nullptr;
+  Point x;  ///< in space for as many rows as were ever met
 
   /// All but b.
-  /// @param coloured  order the rows by ColouredOrder
-  void Prepare(const LcpProblem& problem, RowForm form, bool coloured);
-  /// A solve of `problem`, which shares its matrix with the prepared one: f as ScaledProblem::Start, without its image.
-  void Start(const LcpProblem& problem, const Eigen::VectorXd* initial_f);
+  /// @param step  the same problem as rows on two bodies, read here only; nullptr: it has none
+  void Prepare(const LcpProblem& problem, RowForm form, bool coloured, const StepRows* step);
+  /// All but b, of a step; allocates where it has met none as large. False if a row acts on no body that can move.
+  bool Take(const StepRows& step, bool coloured);
+  /// A solve with this b: f as ScaledProblem::Start, without its image.
+  void Start(const double* given_b, const Eigen::VectorXd* initial_f);
+
+ private:
+  void SetRows(RowKernel* kernel);
+
+  std::unique_ptr<RowKernel> of_problem_, in_plane_, in_space_;
+  RowKernel* rows_ = nullptr;  // the same as `rows`
+  // Of Take, by body: its number; the colours of its rows, none between calls.
+  std::vector<std::int32_t> all_bodies_;
+  std::vector<ColourSet> on_body_;
 };
 
 /// "" if the rows can be laid out in this form, else the reason in words.

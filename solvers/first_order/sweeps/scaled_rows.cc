@@ -22,7 +22,7 @@ void Grow(Index size, Array* array) {
 
 void ScaledProblem::Reserve(Index max_rows) {
   order.reserve(At(max_rows));
-  for (Array* array : {&b, &unit, &inverse_root, &floor}) Grow(max_rows, array);
+  for (Array* array : {&b, &unit, &inverse_root, &floor, &gain}) Grow(max_rows, array);
 }
 
 void ScaledProblem::Reset(const LcpProblem& problem, std::vector<Index> new_order) {
@@ -47,6 +47,7 @@ void ScaledProblem::Take(const StepRows& rows) {
   for (Index k = 0; k < size && rows.bilateral != nullptr; ++k) {
     const bool is_joint = rows.bilateral[Given(k)] != 0;
     floor[k] = is_joint ? -std::numeric_limits<double>::infinity() : 0.0;
+    gain[k] = 1;
     mixed = mixed || is_joint;
   }
 }
@@ -99,25 +100,6 @@ void ScaledRows::PlaceBodies(Index k, Index first, Index second) {
   std::memcpy(row(k) + width() + p_, &offsets, sizeof offsets);
 }
 
-void ScaledRows::Reset(const LcpProblem& problem, const ScaledProblem& scaled) {
-  const SparseMatrix& J = problem.J();
-  const Index p = problem.columns_per_body();
-  LayOut(p, scaled.size, J.cols() / p);
-  rows_.head(size_ * 2 * width()).setZero();
-  for (Index k = 0; k < size_; ++k) {
-    std::array<Index, 2> body = {-1, -1};
-    for (SparseMatrix::InnerIterator it(J, scaled.Given(k)); it; ++it) {
-      const double m = problem.inverse_mass()[it.col()];
-      if (m == 0 || it.value() == 0) continue;
-      const Index block = it.col() / p;
-      const size_t side = body[0] < 0 || body[0] == block ? 0 : 1;
-      body[side] = block;
-      row(k)[width() * static_cast<Index>(side) + it.col() % p] = it.value() * std::sqrt(m) * scaled.inverse_root[k];
-    }
-    PlaceBodies(k, body[0], body[1]);
-  }
-}
-
 template <Index p, typename Real>
 bool ScaledRows::TakeOf(const StepRows& step, const Real* J, const std::int32_t* place, ScaledProblem* scaled) {
   constexpr Index kWidth = kBodyWidth<p>;
@@ -165,11 +147,12 @@ bool ScaledRows::Take(const StepRows& step, std::span<const std::int32_t> given,
 }
 
 void ScaledRows::FindSets() {
-  std::vector<Index> last_set(At(image_size() / width()), -1);  // the last set with a row on the body
+  set_end_.clear();
+  if (size_ < kLanes) return;
+  last_set_.assign(At(image_size() / width()), -1);
   Index set = 0;
   Index length = 0;
   Index in_fours = 0;
-  set_end_.clear();
   const auto close = [&](Index end) {
     set_end_.push_back(end);
     in_fours += length - length % kLanes;
@@ -178,7 +161,7 @@ void ScaledRows::FindSets() {
   };
   for (Index k = 0; k < size_; ++k) {
     const std::array<int, 2> offsets = p_ == 3 ? Offsets<3>(row(k)) : Offsets<6>(row(k));
-    const auto last = [&](int offset) -> Index& { return last_set[At(offset / width())]; };
+    const auto last = [&](int offset) -> Index& { return last_set_[At(offset / width())]; };
     const auto taken = [&](int offset) { return !is_spare(offset) && last(offset) == set; };
     if (taken(offsets[0]) || taken(offsets[1])) close(k);
     for (const int offset : offsets) last(offset) = set;

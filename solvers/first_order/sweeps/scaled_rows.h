@@ -24,7 +24,7 @@
 ///        StepRows: two bodies a row, in place   │
 ///           │                                   │
 ///           ├─▶ FixedSizeBpp, tableau: A in registers or dense, by the bodies that rows share
-///           └─▶ ScaledProblem + ScaledRows ◀────┘    two bodies a row, scaled: sweeps
+///           └─▶ ScaledProblem + ScaledRows           two bodies a row, scaled: sweeps
 ///                      └─▶ ProfileFactor: A~ = G G^T within its profile
 namespace lcpbench {
 
@@ -95,8 +95,6 @@ class ScaledRows {
  public:
   /// Room for steps.
   void Reserve(Index max_rows, Index max_bodies);
-  /// Rows of a problem with two-body rows, bodies as given.  O(n), allocates
-  void Reset(const LcpProblem& problem, const ScaledProblem& scaled);
   /// Rows of a step in the order of `scaled`, whose inverse_root is written; allocates up to what was reserved nothing.
   /// False if A_kk = 0 in double.  O(n)
   /// @param given  by body here, that of the step
@@ -148,6 +146,7 @@ class ScaledRows {
   Index p_ = 3, size_ = 0, bodies_ = 0;
   Array rows_;
   Array root_mass_;  // M^-1/2, p numbers per body
+  std::vector<Index> last_set_;  // of FindSets, by body: the last set with a row on it
   std::vector<Index> set_end_;
 };
 

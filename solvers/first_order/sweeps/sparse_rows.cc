@@ -46,7 +46,7 @@ void ForRows(Index begin, Index end, bool backward, const Visit& visit) {
 }
 
 // The rows of D^-1/2 A D^-1/2 without the diagonal, which is 1 (or 0). Image: A f.
-class AssembledRows final : public LaidOutRows<AssembledRows> {
+class AssembledRows final : public LaidOutRows<AssembledRows, true> {
  public:
   AssembledRows(const LcpProblem& problem, const ScaledProblem& scaled)
       : LaidOutRows(scaled), rows_(scaled.size, scaled.size), diagonal_(Array::Zero(scaled.size)) {
@@ -100,7 +100,7 @@ class AssembledRows final : public LaidOutRows<AssembledRows> {
 };
 
 // S = D^-1/2 J M^-1/2 by rows on any number of bodies. Image: S^T f.
-class FactorRows final : public LaidOutRows<FactorRows> {
+class FactorRows final : public LaidOutRows<FactorRows, true> {
  public:
   FactorRows(const LcpProblem& problem, const ScaledProblem& scaled)
       : LaidOutRows(scaled), S_(scaled.size, problem.J().cols()) {

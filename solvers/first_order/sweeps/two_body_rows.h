@@ -7,6 +7,7 @@
 #include "solvers/first_order/sweeps/lanes.h"
 #include "solvers/first_order/sweeps/projected_step.h"
 #include "solvers/first_order/sweeps/row_kernel.h"
+#include "support/array_index.h"
 
 /// Internal to solvers/first_order/sweeps/: compiled for each instruction set, in an unnamed namespace as
 /// linear_algebra/vector_register.h says.
@@ -127,14 +128,18 @@ LCPBENCH_ALWAYS_INLINE __m512d AddPairs(__m512d a, __m512d b) {
 // register, in space and where there is no AVX-512; what is left of a set by fours and one by one. All give the same
 // bits. Measured cost: docs/solvers/first_order.md. Without sets all rows go one by one, with fused operations.
 template <Index p, bool kInSets>
-class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>> {
+class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>, !kInSets> {
  public:
   TwoBodyRows(const ScaledProblem& scaled, ScaledRows* rows)
-      : LaidOutRows<TwoBodyRows<p, kInSets>>(scaled), rows_(*rows) {}
+      : LaidOutRows<TwoBodyRows<p, kInSets>, !kInSets>(scaled), rows_(*rows) {}
 
+  void SetRows() override {
+    if (kInSets) rows_.FindSets();
+  }
   void SetB() override {
     for (Index k = 0; k < rows_.size(); ++k) rows_.row(k)[p] = this->scaled_.b[k];
   }
+  bool OneByOne() const { return rows_.set_end().empty(); }
   bool ImageIsRoot() const override { return true; }
   Index EntriesPerRow() const override { return 4 * p; }
   Index ImageSize() const override { return rows_.image_size(); }
@@ -241,38 +246,33 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>> {
     // A copy, so that its sums stay in registers: nothing that `out` points to can be it.
     Step step = *step_of_all;
     const double* const rows = rows_.row(0);
-    if constexpr (!kInSets) {
-      for (Index k = begin; k < end; ++k) {
-        const Index row = kBackward ? begin + end - 1 - k : k;
-        VisitOne(rows + row * kRow, row, in, out, &step);
-      }
-      *step_of_all = step;
-      return;
-    }
     const bool from_memory = rows_.size() * kRow * Index{sizeof(double)} >= kFromMemory;
+    const auto by_ones = [&](Index k) __attribute__((always_inline)) {
+      if (kInSets && from_memory) FetchAhead<kBackward, 1>(k, in);
+      VisitOne(rows + k * kRow, k, in, out, &step);
+    };
+    if constexpr (Step::kOneByOne) {
+      for (Index k = begin; k < end; ++k) by_ones(kBackward ? begin + end - 1 - k : k);
+    } else {
+      VisitSets<kBackward>(begin, end, in, out, from_memory, by_ones, &step);
+    }
+    *step_of_all = step;
+  }
+
+  template <bool kBackward, typename ByOnes, typename Step>
+  LCPBENCH_ALWAYS_INLINE void VisitSets(Index begin, Index end, const double* in, double* out, bool from_memory,
+                                        const ByOnes& by_ones, Step* step) const {
+    const double* const rows = rows_.row(0);
     const auto by_eights = [&](Index k) __attribute__((always_inline)) {
       if (from_memory) FetchAhead<kBackward, kEight>(k, in);
-      VisitEight<kBackward>(rows + k * kRow, k, in, out, &step);
+      VisitEight<kBackward>(rows + k * kRow, k, in, out, step);
     };
     const auto by_fours = [&](Index k) __attribute__((always_inline)) {
       if (from_memory) FetchAhead<kBackward, kFour>(k, in);
-      VisitFour<HalfOfEight::kNone>(rows + k * kRow, k, in, out, &step);
-    };
-    const auto by_ones = [&](Index k) __attribute__((always_inline)) {
-      if (from_memory) FetchAhead<kBackward, 1>(k, in);
-      VisitOne(rows + k * kRow, k, in, out, &step);
+      VisitFour<HalfOfEight::kNone>(rows + k * kRow, k, in, out, step);
     };
     const Index* const set_end = rows_.set_end().data();
     const Index* const last_set = set_end + rows_.set_end().size();
-    if (set_end == last_set) {
-      if constexpr (kBackward) {
-        for (Index k = end; k-- > begin;) by_ones(k);
-      } else {
-        for (Index k = begin; k < end; ++k) by_ones(k);
-      }
-      *step_of_all = step;
-      return;
-    }
     const auto start_of = [&](const Index* set) { return set == set_end ? 0 : set[-1]; };
     // Within a set the order does not matter to the result, but memory is best walked one way.
     if constexpr (kBackward) {
@@ -297,7 +297,6 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>> {
         for (; k < to; ++k) by_ones(k);
       }
     }
-    *step_of_all = step;
   }
 
   ScaledRows& rows_;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "benchmarks/measure/allocation_count.h"
-#include "solvers/first_order/sweeps/first_order_engine.h"
+#include "solvers/first_order/first_order_engine.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
 #include "tests/solvers/exact_problems.h"
@@ -177,8 +177,48 @@ TEST_P(FirstOrder, AllocatesNothingOncePrepared) {
       solver->Solve(problem, {.tolerance = 1e-9}, &result);
       EXPECT_EQ(AllocationCount(), before) << problem.id() << " " << form;
       EXPECT_GT(result.iterations, 0);
+      if (GetParam() == "apgd" || !problem.has_two_body_rows()) continue;
+      const ProblemArrays arrays = ProblemArrays::Of(problem);
+      solver->SolveArrays(arrays, {.tolerance = 1e-9}, &result);
+      const long between = AllocationCount();
+      solver->SolveArrays(arrays, {.tolerance = 1e-9}, &result);
+      EXPECT_EQ(AllocationCount(), between) << problem.id();
     }
   }
+}
+
+TEST_P(FirstOrder, ArraysAreSolvedAsTheirProblemIs) {
+  std::vector<TestProblem> problems = GeneratedProblems();
+  for (const TestProblem& test : EasyProblems()) problems.push_back(test);
+  problems.push_back(PlantedProblem(150, 75, 1, 7, 0));
+  problems.push_back({ThreeBodyProblem(1), {}});
+  problems.push_back({InForm(problems.back().problem, MatrixForm::kSparse), {}});
+  int solved = 0;
+  for (Settings settings : Variants()) {
+    settings["form"] = "matrix-free";
+    // Colours differ where the numbers of a row on a body are all 0.
+    if (GetParam() != "apgd") settings.emplace("sweep", GetParam() == "nncg" ? "symmetric" : "forward");
+    const std::unique_ptr<LcpSolver> solver = MakeSolver(GetParam(), settings);
+    for (const TestProblem& test : problems) {
+      const Eigen::VectorXd root = test.problem.DiagonalA().cwiseSqrt();
+      for (const std::int64_t limit : {3, 5000}) {
+        SCOPED_TRACE(test.problem.id());
+        const LcpOptions options{.tolerance = 1e-6, .max_iterations = limit};
+        LcpResult of_arrays;
+        solver->SolveArrays(ProblemArrays::Of(test.problem), options, &of_arrays);
+        const LcpResult result = Solve(test.problem, options, settings);
+        EXPECT_FALSE(Verify(test.problem, of_arrays, 1e-6).false_success);
+        EXPECT_EQ(of_arrays.status, result.status);
+        solved += of_arrays.status == LcpStatus::kSolved ? 1 : 0;
+        if (limit > 3) continue;
+        // Forces compare in the scaled problem, where none has units.
+        EXPECT_EQ(of_arrays.iterations, result.iterations);
+        EXPECT_LE(root.cwiseProduct(of_arrays.f - result.f).cwiseAbs().maxCoeff(),
+                  1e-9 * root.cwiseProduct(result.f).cwiseAbs().maxCoeff());
+      }
+    }
+  }
+  EXPECT_GE(solved, 50);
 }
 
 TEST_P(FirstOrder, WarmStartAtTheSolutionTakesNoIteration) {

@@ -10,6 +10,7 @@
 
 #include "solvers/first_order/pgs.h"
 #include "solvers/first_order/sweeps/row_kernel.h"
+#include "solvers/rows/two_body_copy.h"
 #include "tests/solvers/first_order/first_order_runs.h"
 #include "tests/solvers/test_problems.h"
 
@@ -18,9 +19,11 @@ namespace {
 
 // At f = 0.
 void LayOut(const LcpProblem& problem, RowForm form, bool coloured, std::initializer_list<RowWork*> works) {
+  TwoBodyCopy copy;
+  ASSERT_TRUE(copy.Take(problem));
   for (RowWork* work : works) {
-    work->Prepare(problem, form, coloured);
-    work->Start(problem, nullptr);
+    work->Prepare(problem, form, coloured, &copy.rows());
+    work->Start(problem.b().data(), nullptr);
   }
 }
 
@@ -43,7 +46,9 @@ TEST(Sweeps, ColouredSweepsAreForwardSweepsOfPermutedRowsBitForBit) {
   for (const RowForm form : {RowForm::kAssembled, RowForm::kMatrixFree}) {
     for (const TestProblem& test : Problems()) {
       const LcpProblem& problem = test.problem;
-      const std::vector<Index> order = ColouredOrder(problem, form == RowForm::kMatrixFree);
+      RowWork work;
+      LayOut(problem, form, true, {&work});
+      const std::vector<Index>& order = work.scaled.order;
       const LcpProblem permuted = PermuteRows(problem, order);
       for (const double omega : {1.0, 1.7}) {
         const LcpResult coloured = Iterate(problem, form, SweepOrder::kColoured, 9, omega);

@@ -1,9 +1,12 @@
-#include "solvers/first_order/sweeps/first_order_engine.h"
+#include "solvers/first_order/first_order_engine.h"
 
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 #include "solvers/lcp/engine_solver.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
@@ -28,35 +31,62 @@ std::string FirstOrderEngine::WhyUnsupported(const LcpProblem& problem) const {
 }
 
 void FirstOrderEngine::PrepareRows(const LcpProblem& problem) {
-  rows_.Prepare(problem, setup_.form, setup_.coloured);
+  TwoBodyCopy copy;
+  const bool is_copied = problem.has_two_body_rows() && copy.Take(problem);
+  rows_.Prepare(problem, setup_.form, setup_.coloured, is_copied ? &copy.rows() : nullptr);
   given_.Reset(problem);
+  problem.DiagonalA();  // which given_ asks for: made now, not in a solve
   best_.setZero(problem.size());
-  candidate_.setZero(problem.size());
+}
+
+void FirstOrderEngine::TakeProblem(const LcpProblem& problem, const LcpOptions& options) {
+  rows_.Start(problem.b().data(), options.initial_f);
+  given_.SetB(problem);
+  step_ = nullptr;
+}
+
+bool FirstOrderEngine::TakeArrays(const ProblemArrays& arrays, const LcpOptions& options) {
+  if (setup_.form == RowForm::kAssembled || !copy_.Take(arrays)) return false;
+  step_ = &copy_.rows();
+  if (!rows_.Take(*step_, setup_.coloured)) return false;
+  const Index n = step_->rows;
+  if (best_.size() < n) best_.resize(n);
+  judge_.Reserve(n, step_->bodies);
+  if (all_.size() < At(n)) {
+    all_.resize(At(n));
+    gaps_.resize(At(n));
+    std::iota(all_.begin(), all_.end(), 0);
+  }
+  rows_.Start(step_->b, options.initial_f);
+  return true;
 }
 
 bool FirstOrderEngine::Expired() {
   unread_ = 0;
-  return deadline_.has_value() && deadline_->Expired();
+  if (!std::isfinite(options_->time_limit_s)) return false;
+  if (!deadline_.has_value()) deadline_.emplace(*options_);
+  return deadline_->Expired();
 }
 
 // True when the solve is over already, as the three that follow.
-bool FirstOrderEngine::Begin(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  rows_.Start(problem, options.initial_f);
+bool FirstOrderEngine::Begin(const LcpOptions& options, LcpResult* result) {
+  options_ = &options;
   deadline_.reset();
-  if (std::isfinite(options.time_limit_s)) deadline_.emplace(options);
   chunk_ = std::max<Index>(1, kEntriesPerClockRead / rows_.rows->EntriesPerRow());
+  // Few rows of a step are mostly done before the clock would be read: it starts then, some 20 us late.
+  const bool is_short = step_ != nullptr && 2 * rows_.scaled.size < chunk_;
+  if (!is_short && std::isfinite(options.time_limit_s)) deadline_.emplace(options);
   unread_ = 0;
-  given_.SetB(problem);
   tolerance_ = options.tolerance;
   limit_ = options.max_iterations > 0 ? options.max_iterations : setup_.default_limit;
   unchecked_ = 0;
   patience_ = 1;
   claimed_ = false;
   best_rho_ = std::numeric_limits<double>::infinity();
-  best_ = rows_.x.f;
+  best_.head(rows_.scaled.size) = rows_.x.f.head(rows_.scaled.size);
   result_ = result;
   if (Check()) return true;
-  if (!Expired()) return false;
+  if (is_short || !Expired()) return false;
   result_->status = LcpStatus::kTimeLimit;
   return true;
 }
@@ -69,9 +99,10 @@ bool FirstOrderEngine::Continue(double residual) {
   const bool promising = !(residual > tolerance_ * rows_.scaled.b_norm);  // NaN is to be looked at, too
   if (last || unchecked_ >= kCheckInterval || (promising && unchecked_ >= patience_)) {
     if (promising) patience_ = std::min(2 * patience_, kCheckInterval);
-    unchecked_ = 0;
     if (Check()) return true;
-    if (Expired()) {
+    // Few checks come earlier, and count as rows that the clock is read after.
+    const bool is_regular = std::exchange(unchecked_, 0) >= kCheckInterval;
+    if (is_regular && Expired()) {
       result_->status = LcpStatus::kTimeLimit;
       return true;
     }
@@ -106,6 +137,7 @@ bool FirstOrderEngine::EndOutOfTime() {
 bool FirstOrderEngine::Check() {
   const RowKernel& rows = *rows_.rows;
   const Index n = rows_.scaled.size;
+  unread_ = std::min(unread_ + 2 * n, chunk_ - 1);
   rows.MakeImage(n, &rows_.x);
   const double rho = std::sqrt(rows.ResidualSquares(0, n, rows_.x, nullptr)) / rows_.scaled.b_norm;
   if (!std::isfinite(rho)) {
@@ -115,7 +147,7 @@ bool FirstOrderEngine::Check() {
   }
   if (rho < best_rho_) {
     best_rho_ = rho;
-    best_ = rows_.x.f;
+    best_.head(rows_.scaled.size) = rows_.x.f.head(rows_.scaled.size);
   }
   if (rho > tolerance_ || !Claim()) return false;
   result_->status = LcpStatus::kSolved;
@@ -124,23 +156,27 @@ bool FirstOrderEngine::Check() {
 }
 
 bool FirstOrderEngine::Claim() {
-  const Array& f = rows_.x.f;
-  rows_.scaled.ToGiven(f, candidate_.data());
-  if (!setup_.self_check || given_.Meets(tolerance_, candidate_)) return true;
+  const ScaledProblem& scaled = rows_.scaled;
+  const auto f = rows_.x.f.head(scaled.size);
+  scaled.ToGiven(rows_.x.f, result_->f.data());
+  if (!setup_.self_check || Passes()) return true;
   // Forces that are nothing but rounding of others fail the backward error of rows where the answer is 0 = 0.
   const double largest = f.cwiseAbs().maxCoeff();
-  for (Index k = 0; k < f.size(); ++k) {
-    if (std::abs(f[k]) <= kNoise * largest) candidate_[rows_.scaled.Given(k)] = 0;
+  for (Index k = 0; k < scaled.size; ++k) {
+    if (std::abs(f[k]) <= kNoise * largest) result_->f[scaled.Given(k)] = 0;
   }
-  return given_.Meets(tolerance_, candidate_);
+  return Passes();
+}
+
+// By the given form.
+bool FirstOrderEngine::Passes() {
+  if (step_ == nullptr) return given_.Meets(tolerance_, result_->f);
+  double rho = 0;
+  return judge_.Passes(*step_, {all_.data(), At(step_->rows)}, tolerance_, result_->f.data(), gaps_.data(), &rho);
 }
 
 void FirstOrderEngine::Finish() {
-  if (claimed_) {
-    result_->f = candidate_;
-  } else {
-    rows_.scaled.ToGiven(best_, result_->f.data());
-  }
+  if (!claimed_) rows_.scaled.ToGiven(best_, result_->f.data());
 }
 
 }  // namespace lcpbench

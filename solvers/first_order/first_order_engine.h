@@ -5,10 +5,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "solvers/first_order/sweeps/row_kernel.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/solver.h"
+#include "solvers/rows/row_judge.h"
+#include "solvers/rows/two_body_copy.h"
 
 /// Internal to solvers/.
 namespace lcpbench {
@@ -18,8 +21,8 @@ namespace lcpbench {
 ///
 /// A check makes the image of f afresh, so that no rounding of earlier passes is left in it, and evaluates rho of the
 /// scaled problem: about two sweeps. Where rho meets the tolerance, rho and the backward error are evaluated by the
-/// *given* form in extended precision, and only that makes a kSolved. The iterate of least rho among those checked (the
-/// start and, but for the time limit, the last one are) is kept and returned.
+/// *given* form in extended precision (from arrays: RowJudge), and only that makes a kSolved. The iterate of least rho
+/// among those checked (the start and, but for the time limit, the last one are) is kept and returned.
 class FirstOrderEngine {
  public:
   /// Multiply-adds between two readings of the clock, about 20 us.
@@ -40,12 +43,18 @@ class FirstOrderEngine {
   explicit FirstOrderEngine(const Setup& setup) : setup_(setup) {}
 
   void PrepareRows(const LcpProblem& problem);
+  /// Before Run: b and the start, of the prepared problem or one that shares its matrix.
+  void TakeProblem(const LcpProblem& problem, const LcpOptions& options);
+  /// Before Run: rows, b and the start of a caller's arrays, without an LcpProblem; allocates where it has met no
+  /// problem as large. False where that takes other arrays, every row on at most two bodies of which one can move, or
+  /// `form` asks for other rows.
+  bool TakeArrays(const ProblemArrays& arrays, const LcpOptions& options);
 
-  /// A solve of `problem`, the prepared one or one that shares its matrix. `iterate` makes one iteration on rows_.x
-  /// and returns the norm of the natural residuals that its last pass saw, or nothing if ForAllRows returned false.
+  /// A solve of what was taken. `iterate` makes one iteration on rows_.x and returns the norm of the natural residuals
+  /// that its last pass saw, or nothing if ForAllRows returned false.
   template <typename Iterate>
-  void Run(const LcpProblem& problem, const LcpOptions& options, LcpResult* result, const Iterate& iterate) {
-    bool over = Begin(problem, options, result);
+  void Run(const LcpOptions& options, LcpResult* result, const Iterate& iterate) {
+    bool over = Begin(options, result);
     while (!over) {
       const std::optional<double> residual = iterate();
       over = residual.has_value() ? Continue(*residual) : EndOutOfTime();
@@ -77,27 +86,34 @@ class FirstOrderEngine {
   RowWork rows_;
 
  private:
-  bool Begin(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
+  bool Begin(const LcpOptions& options, LcpResult* result);
   bool Continue(double residual);
   bool EndOutOfTime();
   void Finish();
   bool Check();
   bool Claim();
+  bool Passes();
   bool IsHopeless(double residual);
   bool Expired();
 
   const Setup setup_;
-  GivenFormTest given_;
+  GivenFormTest given_;  // of a problem
+  // Of arrays; step_ is nullptr for a problem.
+  TwoBodyCopy copy_;
+  const StepRows* step_ = nullptr;
+  RowJudge judge_;
+  std::vector<std::int32_t> all_;  // 0, 1, 2, ...
+  std::vector<double> gaps_;
   Array best_;
   double best_rho_ = 0;
-  Eigen::VectorXd candidate_;  // of the given problem, on trial for the claim
-  bool claimed_ = false;
+  bool claimed_ = false;  // the result has f
   double tolerance_ = 0;
   std::int64_t limit_ = 0;
   std::int64_t unchecked_ = 0;  // iterations since the last check
   std::int64_t patience_ = 1;   // iterations between checks that the residual asks for
   double first_log_residual_ = 0;
-  std::optional<Deadline> deadline_;  // none: no limit
+  const LcpOptions* options_ = nullptr;
+  std::optional<Deadline> deadline_;  // from the first reading of the clock on
   Index chunk_ = 1;                   // rows between two readings of the clock
   Index unread_ = 0;                  // rows since the last one
   LcpResult* result_ = nullptr;
