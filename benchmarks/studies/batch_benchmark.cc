@@ -1,8 +1,10 @@
-// Times StepSolver::SolveBatch from an engine's arrays to forces: 100,000 islands of 1 to 16 rows (IslandBatch), in the
-// plane and in space, J in double and in single precision, fresh in every pass, because all together are larger than
-// the caches. Items are rows. `left`: the share of problems that lanes did not solve; `refused`: how many answers the
-// verifier refused; `floor` reads the arrays once in order and writes f once; `one_by_one` is StepSolver::Solve.
+// Times StepSolver::SolveBatch from an engine's arrays to forces: 100,000 islands (IslandBatch) of 1 to 16 rows, in the
+// plane and in space, J in double and in single precision, and of one size (rows:32) in the plane, on 1 and 2 threads;
+// fresh in every pass, because all together are larger than the caches. Items are rows. `left`: the share of problems
+// that lanes did not solve; `refused`: how many answers the verifier refused; `floor` reads the arrays once in order
+// and writes f once; `one_by_one` is StepSolver::Solve.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -25,7 +27,11 @@ namespace lcpbench {
 namespace {
 
 constexpr int kIslands = 100'000;
-constexpr int kMostIslandRows = 16;
+constexpr int kMostMixedRows = 16;
+constexpr int kMostIslandRows = 64;
+constexpr int kSizes[] = {1, 3, 6, 10, 16, 32, 64};
+// Of large islands there are fewer.
+constexpr int kMostRows = 2'000'000;
 // Seeds of each family and size.
 constexpr std::uint64_t kSceneSeeds = 40;
 // Where a number of a body in the plane is in one of six.
@@ -104,10 +110,10 @@ StepArrays RandomIsland(int p, int rows, std::uint64_t seed) {
 class IslandBatch {
  public:
   // p is 3 in the plane and 6 in space; scenes lie in a plane of it then.
-  explicit IslandBatch(int p) {
+  IslandBatch(int p, int least_rows, int most_rows) {
     arrays.columns_per_body = p;
-    std::vector<std::vector<StepArrays>> scenes(kMostIslandRows + 1);
-    for (int n = 1; n <= kMostIslandRows; ++n) {
+    std::vector<std::vector<StepArrays>> scenes(At(most_rows + 1));
+    for (int n = least_rows; n <= most_rows; ++n) {
       for (const SceneFamily& family : AllScenes()) {
         for (std::uint64_t seed = 1; seed <= kSceneSeeds; ++seed) {
           const LcpProblem problem = AssembleContactLcp(family.generate(n, seed)).problem;
@@ -118,8 +124,9 @@ class IslandBatch {
       }
     }
     std::mt19937_64 engine(1);  // NOLINT(bugprone-random-generator-seed): the same problems in every run
-    for (int k = 0; k < kIslands; ++k) {
-      const int n = 1 + static_cast<int>(engine() % kMostIslandRows);
+    const int islands = std::min(kIslands, kMostRows / most_rows);
+    for (int k = 0; k < islands; ++k) {
+      const int n = least_rows + static_cast<int>(engine() % static_cast<std::uint64_t>(most_rows - least_rows + 1));
       if (engine() % 2 == 0) {
         Add(scenes[At(n)][engine() % scenes[At(n)].size()]);
       } else {
@@ -129,7 +136,7 @@ class IslandBatch {
     first_body_.push_back(static_cast<std::int32_t>(arrays.bodies()));
     arrays.Round();
     f.resize(arrays.b.size());
-    answers.resize(kIslands);
+    answers.resize(At(islands));
   }
 
   // Problem k alone, its bodies counted from 0, of a view of all.
@@ -175,9 +182,7 @@ class IslandBatch {
 
 KeptWorkload<IslandBatch> kept_islands;
 
-void TimeRows(benchmark::State& state, IslandBatch* work, bool single, InstructionSet instructions) {
-  StepOptions options;
-  options.instructions = instructions;
+void TimeRows(benchmark::State& state, IslandBatch* work, bool single, const StepOptions& options) {
   StepSolver solver(options);
   solver.Reserve(kMostIslandRows, Index{2} * kMostIslandRows);
   const StepRows rows = work->arrays.View(single);
@@ -213,7 +218,24 @@ void ReadAllOnce(IslandBatch* work, bool single) {
   for (StepAnswer& answer : work->answers) answer.status = LcpStatus::kNotRun;
 }
 
+void RegisterSize(int n) {
+  for (const InstructionSet instructions : AvailableInstructionSets()) {
+    for (const int threads : {1, 2}) {
+      const std::string name = "rows:" + std::to_string(n) + "/" + std::string(ToString(instructions)) +
+                               "/threads:" + std::to_string(threads);
+      const auto time = [n, instructions, threads](benchmark::State& state) {
+        IslandBatch& work = kept_islands.Get("rows " + std::to_string(n), 3, n, n);
+        TimeRows(state, &work, false, {.instructions = instructions, .threads = threads});
+        state.counters["refused"] = work.CountRefused(false);
+        CountPerItem(state, work.start.back());
+      };
+      benchmark::RegisterBenchmark(name.c_str(), time)->Unit(benchmark::kMillisecond)->UseRealTime();
+    }
+  }
+}
+
 void RegisterAll() {
+  for (const int n : kSizes) RegisterSize(n);
   for (const int p : {3, 6}) {
     for (const bool single : {false, true}) {
       using RowMethod = std::function<void(benchmark::State&, IslandBatch*)>;
@@ -224,13 +246,13 @@ void RegisterAll() {
       methods.emplace_back("one_by_one", [single](auto& state, auto* work) { TimeRowsOneByOne(state, work, single); });
       for (const InstructionSet instructions : AvailableInstructionSets()) {
         methods.emplace_back(ToString(instructions), [single, instructions](auto& state, auto* work) {
-          TimeRows(state, work, single, instructions);
+          TimeRows(state, work, single, {.instructions = instructions});
         });
       }
       for (const auto& [method, run] : methods) {
         const std::string name = std::string(p == 3 ? "plane/" : "space/") + (single ? "single/" : "double/") + method;
         const auto time = [p, single, method = method, run = run](benchmark::State& state) {
-          IslandBatch& work = kept_islands.Get(std::to_string(p), p);
+          IslandBatch& work = kept_islands.Get(std::to_string(p), p, 1, kMostMixedRows);
           run(state, &work);
           if (method != "floor") state.counters["refused"] = work.CountRefused(single);
           CountPerItem(state, work.start.back());
