@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <random>
 #include <vector>
 
@@ -148,9 +149,11 @@ TEST_P(InPlaneAndSpace, RowsAloneAndTogetherGiveTheSameBitsByEveryInstructionSet
       RowWork alone;
       LayOut(problem, RowForm::kMatrixFree, true, {&together, &alone});
       for (const InstructionSet set : AvailableInstructionSets()) {
+        std::vector<std::unique_ptr<RowKernel>> kernels;
         for (RowWork* work : {&together, &alone}) {
-          work->rows = MakeTwoBodyRows(work->scaled, GetParam(), true, &work->two_body_rows, set);
-          work->Start(problem, nullptr);
+          kernels.push_back(MakeTwoBodyRows(work->scaled, GetParam(), true, &work->two_body_rows, set));
+          work->rows = kernels.back().get();
+          work->Start(problem.b().data(), nullptr);
           work->rows->StartImage(&work->x.image);
         }
         ExpectTheSameBits(n, &together, &alone);
