@@ -53,7 +53,13 @@ def short_caption(inputs: Inputs, found: Headline) -> str:
 def _where(inputs: Inputs) -> str:
     """Machine, commit and date of the first campaign that has them."""
     known = [campaign.info for campaign in inputs.campaigns if campaign.info.get("environment")]
-    return f" ({_measured(known[0], ['cpu', 'compiler'], 'one thread')})" if known else ""
+    return f" ({_measured(known[0], ['cpu', 'compiler'], *_widest(known[0]), 'one thread')})" if known else ""
+
+
+def _widest(info: dict) -> list[str]:
+    """What the machine has for vectors, which our kernels are chosen by."""
+    has = str((info.get("environment") or {}).get("instruction_sets") or "").split()
+    return [next((name for flag, name in (("avx512f", "AVX-512"), ("avx2", "AVX2")) if flag in has), "SSE2")] if has else []
 
 
 def _measured(info: dict, keys: list[str], *words: str) -> str:

@@ -63,11 +63,12 @@ def fill(text: str, page: Page) -> str:
 
 
 def _headline(page: Page) -> str:
-    """What README shows: caption, where we win, figure, and where we lose."""
-    table = shown_tables.outcomes(page.found)
+    """What README shows: caption, where we win, figure, where we lose, and a row per instruction set."""
+    table, flags = shown_tables.outcomes(page.found), shown_tables.equal_flags(page.inputs)
     return "\n".join([markdown.short_caption(page.inputs, page.found), "", *([table.markdown()] if table else []),
                       f"![{_ALT}]({page.link(FIGURE)})", "",
-                      summary.losses(page.found) if table else summary.peers(page.found)])
+                      summary.losses(page.found) if table else summary.peers(page.found),
+                      *(["", markdown.FLAG_WORDS, "", flags.markdown()] if flags else [])])
 
 
 def _streams(page: Page) -> str:
