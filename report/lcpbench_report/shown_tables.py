@@ -74,6 +74,18 @@ def equal_flags(inputs: Inputs) -> Table | None:
     return Table(["compiled for", "ours / peer", *map(size_class, sizes)], rows, "ll" + "r" * len(sizes))
 
 
+def instruction_sets(inputs: Inputs) -> Table | None:
+    """The front page's: a row per instruction set, ours over the fastest single peer that is compiled for no less."""
+    table = choice.table(inputs, "equal_flags", choice.main_tier(inputs))
+    if table.empty:
+        return None
+    sizes = choice.size_classes(inputs, table)
+    most = table[table["rival"] != PORTFOLIO].groupby(["flags", "size_class"])["ratio"].max()
+    rows = [[flags, *(times(most[flags, one]) if (flags, one) in most.index else DASH for one in sizes)]
+            for flags in FLAGS if flags in most.index.get_level_values(0)]
+    return Table(["compiled for", *map(size_class, sizes)], rows, "l" + "r" * len(sizes))
+
+
 def outcomes(found: Headline) -> Table | None:
     """The front page's: a row where we lose, one where nothing is decided, and one where we win, over size classes."""
     rows, shown = [], [key for key in _RIVALS if any(key in row.rivals for row in found.classes)]
