@@ -122,8 +122,7 @@ RowSolver::PartEnd RowSolver::AskProfilePivoting(const Request& request, Part pa
   answer->iterations += profile_.iterations();
   double rho = 0;
   bool passes = Passes(request, part, &rho);
-  for (int k = 0; k < kMoreSweeps && !passes; ++k) {
-    profile_.SweepOn(request.f);
+  for (int k = 0; k < kMoreSweeps && !passes && profile_.SweepOn(request.f); ++k) {
     passes = Passes(request, part, &rho);
   }
   for (const double rounding : kRoundingOfForces) {

@@ -143,11 +143,11 @@ bool ProfilePivoting::Pivot(int most_patience) {
       kMostRounds, most_patience, find, [&] { return ExchangeViolated(); }, n_ / kRowsPerFew);
 }
 
-double ProfilePivoting::SweepOn(double* f) {
-  if (rows_ == nullptr) return std::numeric_limits<double>::infinity();
-  for (int k = 0; k < kMoreIterations && !TimeIsUp(); ++k) Iterate();
+bool ProfilePivoting::SweepOn(double* f) {
+  if (rows_ == nullptr || TimeIsUp()) return false;
+  for (int k = 0; k < kMoreIterations; ++k) Iterate();
   scaled_.ToGiven(x_.f, f);
-  return Residual() / scaled_.b_norm;
+  return true;
 }
 
 // Pivots until no sign is violated but by rounding, and takes forces that are rounding for none: where all forces

@@ -50,8 +50,9 @@ class ProfilePivoting {
   /// Writes the entries `part` of f. Returns rho as the scaled sums have it; the caller judges f by the given rows.
   double Solve(const StepRows& all, std::span<const std::int32_t> part, const Request& request, double* f);
 
-  /// The last Solve goes on by some more iterations, which make single rows of small forces exact. Returns rho.
-  double SweepOn(double* f);
+  /// The last Solve goes on by some more iterations, which make single rows of small forces exact. False, and f as it
+  /// was, where the last Solve met no row or the time is up.
+  bool SweepOn(double* f);
 
   /// The last Solve's f made as exact as its active set allows, where single rows have too large an error. Returns rho.
   /// @param rounding  forces of at most this part of the largest one become 0

