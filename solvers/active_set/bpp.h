@@ -69,8 +69,8 @@ struct BppOptions {
 /// blocks cycle, is forgotten.
 ///
 /// From arrays, up to 128 rows of at most two moving bodies each need no LcpProblem (RowEngines), with a dense block
-/// unless `form` asks for another one. Up to six, cold and with the default options, are solved in registers by the same
-/// exchanges without a proximal loop (FixedSizeBpp), which counts as one iteration.
+/// unless `form` asks for another one. Up to six, cold and with the default options, are solved in registers by the
+/// same exchanges without a proximal loop (FixedSizeBpp), which counts as one iteration.
 ///
 /// Powers of two in A, b or single rows change no bit (ScaledVectors). Prepare analyses A: O(fill). Solve does not
 /// allocate for a prepared problem, unless it reports a failure or a ray. kIterationLimit, kTimeLimit and
