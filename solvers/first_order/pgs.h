@@ -27,7 +27,7 @@ struct PgsOptions {
   SweepOrder sweep = SweepOrder::kColoured;
   /// omega in (0, 2), constant or of the first sweeps (there at most 1 on up to six rows); 1 is Gauss-Seidel.
   double relaxation = 1.0;
-  bool adaptive = false;    ///< omega follows the measured rate of convergence: `psor`
+  bool adaptive = false;  ///< omega follows the measured rate of convergence: `psor`
   /// As in NncgOptions.
   bool end_when_hopeless = false;
   bool self_check = true;  ///< SettingsReader::SelfCheck

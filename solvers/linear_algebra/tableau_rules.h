@@ -20,8 +20,8 @@ inline constexpr double kMargin = 0.1;
 /// allowed.
 inline constexpr double kHiddenInRow = 1 / kMargin - 1;
 /// Where A is assembled from rows, rounding makes a gap, a sum over n of its entries, wrong by at most (n +
-/// kTermsBesideRows) kRounding D_ii^1/2 |D^1/2 f|_1, since |J_i| M^-1 |J_j|^T is at most (A_ii A_jj)^1/2: of a row whose
-/// terms cancel that may be all there is.
+/// kTermsBesideRows) kRounding D_ii^1/2 |D^1/2 f|_1, since |J_i| M^-1 |J_j|^T is at most (A_ii A_jj)^1/2: of a row
+/// whose terms cancel that may be all there is.
 inline constexpr double kRounding = 0x1p-51;
 inline constexpr double kTermsBesideRows = 8;
 

@@ -145,7 +145,7 @@ class ScaledRows {
 
   Index p_ = 3, size_ = 0, bodies_ = 0;
   Array rows_;
-  Array root_mass_;  // M^-1/2, p numbers per body
+  Array root_mass_;              // M^-1/2, p numbers per body
   std::vector<Index> last_set_;  // of FindSets, by body: the last set with a row on it
   std::vector<Index> set_end_;
 };
