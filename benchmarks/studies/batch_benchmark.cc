@@ -30,7 +30,7 @@ constexpr int kIslands = 100'000;
 constexpr int kMostMixedRows = 16;
 constexpr int kMostIslandRows = 64;
 constexpr int kSizes[] = {1, 3, 6, 10, 16, 32, 64};
-// Of large islands there are fewer.
+// A batch of large islands has fewer of them: no more rows than this.
 constexpr int kMostRows = 2'000'000;
 // Seeds of each family and size.
 constexpr std::uint64_t kSceneSeeds = 40;

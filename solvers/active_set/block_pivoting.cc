@@ -424,7 +424,7 @@ bool RowSink::Publish() {
   const double enough = std::min(tolerance, BlockPivoting::kProofTolerance);
   const bool is_enough = passes(enough);
   const bool meets = is_enough || (enough < tolerance && rho_ <= tolerance && passes(tolerance));
-  // Of backward errors no more is known than that they are within the judge's margin.
+  // The judge says only that backward errors are within its limit, not how large they are.
   const double tier = is_enough ? rho_ : std::max(rho_, tableau::kMargin * tableau::kMargin * tolerance);
   if (meets && tier < tier_) {
     tier_ = tier;

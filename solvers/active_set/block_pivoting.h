@@ -190,7 +190,7 @@ struct PivotingSetup {
   AnswerJudge answer;
   AnswerSink* sink = &answer;  ///< whoever judges
   BlockPivoting pivoting;
-  // Of rows.
+  // A solve that begins at rows uses these.
   DenseActiveBlock block_of_rows;
   RowSink row_answer;
   Eigen::VectorXd given_diagonal, given_b;

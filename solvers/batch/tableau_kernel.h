@@ -295,7 +295,7 @@ class TableauKernel {
     });
   }
 
-  // Of the rows seen so far of each lane, the one to exchange: q^2, |T_kk|, and what its exchange needs.
+  // Each lane keeps the best row so far to exchange: its q^2 and |T_kk|, and what the exchange needs.
   struct Candidate {
     V square = L::Set(0), size = L::Set(1), q = L::Set(0), pivot = L::Set(1);
     V y[kPending] = {};  // of the pending exchanges

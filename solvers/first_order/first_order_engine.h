@@ -98,7 +98,7 @@ class FirstOrderEngine {
 
   const Setup setup_;
   GivenFormTest given_;  // of a problem
-  // Of arrays; step_ is nullptr for a problem.
+  // A solve that begins at arrays uses these; step_ is nullptr where it begins at a problem.
   TwoBodyCopy copy_;
   const StepRows* step_ = nullptr;
   RowJudge judge_;

@@ -110,7 +110,7 @@ struct Lanes {
     return V{numbers[places[0]], numbers[places[1]]};
 #endif
   }
-  /// Of numbers from 0 to 2^31.
+  /// The numbers are from 0 to 2^31.
   static M Larger(M a, M b) {
 #if defined(__AVX512F__)
     return a > b ? a : b;
