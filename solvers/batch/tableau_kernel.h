@@ -379,7 +379,7 @@ class TableauKernel {
     for (int i = 0; i < row_count(); ++i) {
       V x = L::GatherLanes(tableau_, L::Larger(below, beside));
       below += kLaneCount;
-      beside += kLaneCount * (i + 1);
+      beside += (i + 1LL) * kLaneCount;
       for (int p = 0; p < pending; ++p) x = L::Fnma(x_[p][i], y_k[p], x);
       const Choice is_k = L::Equal(row, M{} + i);
       x = L::Select(is_k, x_k, x);
