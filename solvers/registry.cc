@@ -16,6 +16,7 @@
 #include "solvers/first_order/apgd.h"
 #include "solvers/first_order/nncg.h"
 #include "solvers/first_order/pgs.h"
+#include "solvers/friction/relaxation.h"
 #include "solvers/peers/peer_table.h"
 #include "solvers/pivoting/dantzig.h"
 #include "solvers/pivoting/lemke.h"
@@ -152,7 +153,9 @@ std::vector<SolverEntry> FirstOrderSolvers() {
        .source = "Cottle, Pang, Stone, ch. 5",
        .uses_tolerance = true,
        .why_not_guaranteed = &Never,
-       .make = &Make<PgsSolver>},
+       .make = &Make<PgsSolver>,
+       .takes_friction = true,
+       .takes_bounded = true},
       {.key = "psor",
        .method = "projected SOR, relaxation adapted to the measured rate",
        .source = "Cryer 1971; Young 1971",
@@ -160,7 +163,9 @@ std::vector<SolverEntry> FirstOrderSolvers() {
        .why_not_guaranteed = &Never,
        .make = [](const Settings& settings) -> std::unique_ptr<LcpSolver> {
          return std::make_unique<PgsSolver>(PgsOptions::AdaptiveFromSettings(settings));
-       }},
+       },
+       .takes_friction = true,
+       .takes_bounded = true},
       {.key = "nncg",
        .method = "nonsmooth conjugate gradients on symmetric Gauss-Seidel sweeps",
        .source = "Silcowitz, Niebe, Erleben 2010",
@@ -174,6 +179,16 @@ std::vector<SolverEntry> FirstOrderSolvers() {
        .why_not_guaranteed = &Never,
        .make = &Make<ApgdSolver>},
   };
+}
+
+std::vector<SolverEntry> FrictionSolvers() {
+  return {{.key = "relaxation",
+           .method = "friction relaxed to two rows a contact, solved by auto: a model of its own",
+           .source = "Anitescu 2006; Todorov 2014",
+           .uses_tolerance = true,
+           .why_not_guaranteed = &AnyPsd,
+           .make = &Make<RelaxationSolver>,
+           .takes_friction = true}};
 }
 
 // What is not in this build has no `make`, and stays in the table.
@@ -208,7 +223,7 @@ std::vector<SolverEntry> InteriorPointSolvers() {
 
 std::vector<SolverEntry> OwnSolvers() {
   std::vector<SolverEntry> own;
-  for (const auto& group : {ActiveSetSolvers(), FirstOrderSolvers(), InteriorPointSolvers()}) {
+  for (const auto& group : {ActiveSetSolvers(), FirstOrderSolvers(), InteriorPointSolvers(), FrictionSolvers()}) {
     own.insert(own.end(), group.begin(), group.end());
   }
   for (SolverEntry& entry : own) entry.available = static_cast<bool>(entry.make);

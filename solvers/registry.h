@@ -43,6 +43,9 @@ struct SolverEntry {
   /// Where settings depend on the number of rows (RegisterSolverBySize): the keys that run in the place of this one, by
   /// the rows that each is meant for.
   std::map<Index, std::string> by_rows = {};
+  /// LcpSolver::TakesFriction and TakesBounded: what problems campaigns give it.
+  bool takes_friction = false;
+  bool takes_bounded = false;  ///< see takes_friction
   /// What limits its size (SizeLimitOf).
   MethodClass method_class = MethodClass::kAnySize;
   /// A library's own options, never asked for the tier's tolerance.

@@ -42,6 +42,19 @@ void AddMatrix(const SparseMatrix& matrix, Bytes* hash) {
   }
 }
 
+void AddLaws(const RowBounds& bounds, Bytes* hash) {
+  hash->Add(static_cast<std::int64_t>(bounds.friction.size()));
+  for (const FrictionRow& row : bounds.friction) {
+    for (const std::int64_t value : {row.row, row.normal, Index{row.slip}}) hash->Add(value);
+    hash->AddAll(&row.mu, 1);
+  }
+  hash->Add(static_cast<std::int64_t>(bounds.bounded.size()));
+  for (const BoundedRow& row : bounds.bounded) {
+    hash->Add(row.row);
+    for (const double value : {row.lower, row.upper}) hash->AddAll(&value, 1);
+  }
+}
+
 }  // namespace
 
 std::string ContentHash(const LcpProblem& problem) {
@@ -68,6 +81,7 @@ std::string ContentHash(const LcpProblem& problem) {
   hash.AddAll(problem.b().data(), problem.b().size());
   hash.Add(static_cast<std::int64_t>(problem.bilateral_rows().size()));
   for (const Index row : problem.bilateral_rows()) hash.Add(row);
+  if (!problem.is_plain()) AddLaws(problem.bounds(), &hash);
   return TextHash(hash.text());
 }
 

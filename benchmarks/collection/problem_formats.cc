@@ -36,13 +36,60 @@ void WriteJsonLine(const LcpProblem& problem, const std::string& path) {
   WriteFile(path, [&](std::ostream& file) { file << FormatLcpRecord(problem) << '\n'; });
 }
 
+// Other formats than JSON lines have no friction and no bounded rows.
+template <void (*write)(const LcpProblem& problem, const std::string& path)>
+void WritePlain(const LcpProblem& problem, const std::string& path) {
+  if (!problem.friction_rows().empty()) {
+    throw InputError(path + ": problem '" + problem.id() +
+                     "' has friction rows; expected JSON lines, or --without-friction, which drops them");
+  }
+  if (!problem.is_plain()) {
+    throw InputError(path + ": problem '" + problem.id() + "' has bounded rows; expected JSON lines");
+  }
+  write(problem, path);
+}
+
+// The other rows alone.
+LcpProblem WithoutFrictionRows(const LcpProblem& problem) {
+  const Index n = problem.size();
+  RowBounds bounds;
+  std::vector<Index> kept;
+  for (Index i = 0; i < n; ++i) {
+    if (problem.kind(i) == RowKind::kFriction) continue;
+    kept.push_back(i);
+    bounds.bilateral.push_back(problem.is_bilateral(i) ? 1 : 0);
+  }
+  const auto m = static_cast<Index>(kept.size());
+  for (BoundedRow row : problem.bounded_rows()) {
+    row.row = std::ranges::lower_bound(kept, row.row) - kept.begin();
+    bounds.bounded.push_back(row);
+  }
+  SparseMatrix P(m, n);
+  for (Index k = 0; k < m; ++k) P.insert(k, kept[static_cast<std::size_t>(k)]) = 1;
+  const Eigen::VectorXd b = P * problem.b();
+  MatrixFacts facts = problem.facts();
+  facts.rank.reset();
+  facts.f_unique.reset();
+  if (problem.has_factors()) {
+    return LcpProblem::FromFactors(problem.id(), SparseMatrix(P * problem.J()), problem.inverse_mass(), b, bounds,
+                                   facts);
+  }
+  const SparseMatrix columns = P.transpose();
+  if (problem.given_form() == MatrixForm::kDense) {
+    return LcpProblem::FromDense(problem.id(), P * problem.DenseA() * columns, b, bounds, facts);
+  }
+  return LcpProblem::FromSparse(problem.id(), SparseMatrix(P * SparseMatrix(problem.SparseA() * columns)), b, bounds,
+                                facts);
+}
+
 const std::vector<ProblemFormat>& Formats() {
-  static const std::vector<ProblemFormat> formats{{"jsonl", {}, true, nullptr, WriteJsonLine},
-                                                  {"mtx", {".mtx"}, true, ReadMarket, WriteMarketProblem},
-                                                  {"hdf5", {".hdf5", ".h5"}, false, ReadFclib, WriteFclibProblem},
-                                                  {"dat", {".dat"}, true, ReadSiconos, WriteSiconosProblem},
-                                                  {"qps", {".qps", ".mps"}, true, nullptr, WriteQpsProblem},
-                                                  {"npz", {".npz"}, false, nullptr, WriteNpzProblem}};
+  static const std::vector<ProblemFormat> formats{
+      {"jsonl", {}, true, nullptr, WriteJsonLine},
+      {"mtx", {".mtx"}, true, ReadMarket, WritePlain<WriteMarketProblem>},
+      {"hdf5", {".hdf5", ".h5"}, false, ReadFclib, WritePlain<WriteFclibProblem>},
+      {"dat", {".dat"}, true, ReadSiconos, WritePlain<WriteSiconosProblem>},
+      {"qps", {".qps", ".mps"}, true, nullptr, WritePlain<WriteQpsProblem>},
+      {"npz", {".npz"}, false, nullptr, WritePlain<WriteNpzProblem>}};
   return formats;
 }
 
@@ -125,6 +172,9 @@ class Taker {
 
  private:
   void Take(LcpRecord record, const std::string& where, const std::string& line) {
+    if (options_.without_friction && !record.problem.friction_rows().empty()) {
+      record = {WithoutFrictionRows(record.problem), {}, record.category, record.symmetrized};
+    }
     const double asymmetry = options_.symmetrize ? record.problem.Asymmetry() : 0;
     if (asymmetry > options_.symmetrize.value_or(0)) {
       ++left_;

@@ -14,7 +14,9 @@ namespace lcpbench {
 /// How problems are read, where a user may choose.
 struct ReadingOptions {
   FclibTriplets fclib_triplets = FclibTriplets::kByRanges;
-  bool without_friction = false;  ///< of FCLib's and Siconos' files: reads friction coefficients as 0
+  /// Friction rows are dropped; of FCLib's and Siconos' files, which are read without them, coefficients may differ
+  /// from 0 then.
+  bool without_friction = false;
   /// A whose LcpProblem::Asymmetry() is not 0 and at most this becomes (A + A^T) / 2, dense or sparse as it was.
   std::optional<double> symmetrize;
 };

@@ -10,6 +10,7 @@
 #include "solvers/exact/bounded_reference.h"
 #include "solvers/exact/exact_lcp.h"
 #include "solvers/exact/exact_solver.h"
+#include "solvers/exact/modes/mode_search.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/solver.h"
 #include "support/input_error.h"
@@ -28,6 +29,7 @@ struct Certify {
   double time_limit_s = 3600;
   Index most_rows_of_proofs = ExactOptions{}.most_rows_of_proofs;
   Index most_exact_rows = 400;
+  std::int64_t most_modes = ModeOptions{}.most_modes;
   bool rounded = false;
   std::vector<std::string> files;
   ReadingOptions reading;
@@ -39,6 +41,10 @@ struct Certify {
         ->check(AtLeast(0));
     app.add_option("--exact-up-to", most_exact_rows,
                    "Rows up to which the answer is exact; larger problems get one in some 60 digits with proved bounds")
+        ->check(AtLeast(0));
+    app.add_option("--modes-up-to", most_modes,
+                   "Modes up to which all are tried, of problems with friction or bounded rows: 4096 are those of 6 "
+                   "contacts, 65536 of 8; above, one solution is looked for")
         ->check(AtLeast(0));
     app.add_flag("--rounded", rounded, "Only doubles, no fractions");
     AddReadingOptions(app, &reading);
@@ -53,6 +59,10 @@ struct Certify {
       }
       // A line may have fractions, which its problem rounds.
       const bool as_written = !line.empty() && !record.symmetrized;
+      if (!exact && !record.problem.is_plain()) {
+        throw InputError(where +
+                         ": expected a plain problem beyond --exact-up-to rows, found friction or bounded rows");
+      }
       std::cout << (!exact       ? Bound(record.problem)
                     : as_written ? Solve(ParseExactLcp(line, where))
                                  : Solve(ExactFrom(record.problem)))
@@ -64,6 +74,7 @@ struct Certify {
 
  private:
   Json Solve(const ExactLcp& problem) const {
+    if (!problem.is_plain()) return SolveModes(problem);
     ExactOptions options;
     options.time_limit_s = time_limit_s;
     options.most_rows_of_proofs = most_rows_of_proofs;
@@ -92,6 +103,59 @@ struct Certify {
     if (answer.status == ExactAnswer::Status::kInfeasible) Add("ray", answer.ray, &record);
     record.update({{"exact_solves", answer.pivots}, {"time_s", time_s}, {"detail", answer.detail}});
     return record;
+  }
+
+  // A problem with friction or bounded rows.
+  Json SolveModes(const ExactLcp& problem) const {
+    ModeOptions options;
+    options.most_modes = most_modes;
+    options.time_limit_s = time_limit_s;
+    const double start = SteadyNow();
+    const ModeAnswer answer = SolveByModes(problem, options);
+    const bool solved = answer.status == LcpReference::Status::kSolved;
+    const std::string fault = solved ? FindFaultOfModes(problem, answer.modes, answer.f) : "";
+    const double time_s = SteadyNow() - start;
+    Json record = {{"id", problem.id},
+                   {"n", problem.size},
+                   {"status", solved            ? "solved"
+                              : answer.complete ? "infeasible"
+                                                : "unknown"},
+                   {"certified", fault.empty() && (solved || answer.complete)},
+                   {"complete", answer.complete}};
+    if (!fault.empty()) record["fault"] = fault;
+    if (solved) {
+      record["proof"] = "modes";
+      record["modes"] = answer.modes;
+      record["f_unique"] = OrNull(answer.f_unique);
+      record["w_unique"] = OrNull(answer.w_unique);
+      Add("w", answer.w, &record);
+      Add("f", answer.f, &record);
+    }
+    if (answer.complete && solved) {
+      record["components"] = answer.components;
+      record["pieces"] = Json::array();
+      for (const ModePiece& piece : answer.pieces) {
+        record["pieces"].push_back({{"modes", piece.modes},
+                                    {"dimension", piece.dimension},
+                                    {"vertices", ExactList(piece.f.vertices)},
+                                    {"rays", ExactList(piece.f.rays)},
+                                    {"lines", ExactList(piece.f.lines)}});
+      }
+    } else if (answer.complete) {
+      record["infeasible_by"] = answer.ray.empty() ? "modes" : "normal-ray";
+      if (!answer.ray.empty()) Add("ray", answer.ray, &record);
+    }
+    record.update({{"tried", answer.tried}, {"time_s", time_s}, {"detail", answer.detail}});
+    return record;
+  }
+
+  static Json ExactList(const std::vector<RationalVector>& points) {
+    Json list = Json::array();
+    for (const RationalVector& point : points) {
+      list.push_back(Json::array());
+      for (const Rational& value : point) list.back().push_back(value.str());
+    }
+    return list;
   }
 
   // The same fields as far as they make sense, and the bounds (bounded_reference.h).

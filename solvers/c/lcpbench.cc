@@ -327,6 +327,14 @@ void Judge(const LcpProblem& problem, const LcpResult& result, double tolerance,
   verdict.energy_bound = m.energy_bound;
   verdict.energy_shift = m.energy_shift;
   verdict.answer_floor = m.answer_floor;
+  verdict.penetration = m.penetration;
+  verdict.adhesion = m.adhesion;
+  verdict.separation = m.separation;
+  verdict.cone = m.cone;
+  verdict.dissipation = m.dissipation;
+  verdict.joints = m.joints;
+  verdict.beyond_bounds = m.beyond_bounds;
+  verdict.model_rho = found.model_rho;
   CopyText(found.reason, verdict.reason);
   if (found.farkas.has_value()) {
     verdict.has_ray = 1;
@@ -493,6 +501,29 @@ lcpbench_error lcpbench_problem_from_body_factors(int64_t n, int64_t columns, in
                                                   const double* b, const uint8_t* kinds, lcpbench_problem** problem) {
   return MakeFromFactors(__func__, n, columns, columns_per_body, layout, starts, indices, values, entries, inverse_mass,
                          b, kinds, problem);
+}
+
+lcpbench_error lcpbench_problem_with_laws(const lcpbench_problem* problem, const lcpbench_friction_row* friction,
+                                          int64_t friction_count, const lcpbench_bounded_row* bounded,
+                                          int64_t bounded_count, lcpbench_problem** with_laws) {
+  return Guard(__func__, [&] {
+    RequireHandle(problem, "problem");
+    RequireHandle(with_laws, "with_laws");
+    RequireSize(friction_count, "friction_count");
+    RequireSize(bounded_count, "bounded_count");
+    if (friction_count > 0) RequireHandle(friction, "friction");
+    if (bounded_count > 0) RequireHandle(bounded, "bounded");
+    RowBounds bounds{problem->problem.bounds().bilateral};
+    for (int64_t k = 0; k < friction_count; ++k) {
+      const lcpbench_friction_row& row = friction[k];
+      if (row.slip < -1 || row.slip > 1) Refuse(Place("friction", k) + ".slip", row.slip, "-1, 0 or 1");
+      bounds.friction.push_back({row.row, row.normal, row.mu, static_cast<signed char>(row.slip)});
+    }
+    for (int64_t k = 0; k < bounded_count; ++k) {
+      bounds.bounded.push_back({bounded[k].row, bounded[k].lower, bounded[k].upper});
+    }
+    *with_laws = new lcpbench_problem{problem->problem.WithBounds(std::move(bounds))};
+  });
 }
 
 lcpbench_error lcpbench_problem_size(const lcpbench_problem* problem, int64_t* n) {

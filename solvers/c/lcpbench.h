@@ -4,7 +4,8 @@
 /// @file
 /// LCPBench's solvers and its verifier for C and for every language that calls C (Python's ctypes, Julia's ccall).
 /// Find f and w with
-///     w = A f + b,   unilateral rows: f >= 0, w >= 0, f w = 0;   bilateral rows: w = 0, f free.
+///     w = A f + b,   unilateral rows: f >= 0, w >= 0, f w = 0;   bilateral rows: w = 0, f free;
+/// and rows with friction or bounds (lcpbench_problem_with_laws).
 /// As frictionless contact: f are normal forces [N], w gap accelerations [m/s^2], positive where bodies separate,
 /// A = J M^-1 J^T [1/kg] and b the gap accelerations at zero force [m/s^2]: the sign of b is that of w.
 ///
@@ -165,6 +166,36 @@ LCPBENCH_API lcpbench_error lcpbench_problem_from_body_factors(int64_t n, int64_
                                                                int64_t entries, const double* inverse_mass,
                                                                const double* b, const uint8_t* kinds,
                                                                lcpbench_problem** problem);
+
+/// A tangent row of a contact with Coulomb friction: |f| <= mu f_normal; w > 0 needs f = -mu f_normal, w < 0 needs
+/// f = mu f_normal. f acts along the tangent on the row's first body, w is the slip.
+typedef struct lcpbench_friction_row {
+  int64_t row;       ///< in [0, n), unilateral before and listed once
+  int64_t normal;    ///< the contact's unilateral row
+  double mu;         ///< coefficient of friction, finite, >= 0
+  int32_t slip;      ///< 0; +1 or -1: the contact slides that way, f = -slip mu f_normal and w is free
+  int32_t reserved;  ///< 0
+} lcpbench_friction_row;
+
+/// lower <= f <= upper; w > 0 needs f = lower, w < 0 needs f = upper.
+typedef struct lcpbench_bounded_row {
+  int64_t row;   ///< in [0, n), unilateral before and listed once
+  double lower;  ///< may be -infinity
+  double upper;  ///< >= lower, may be infinity
+} lcpbench_bounded_row;
+
+/// The same problem with friction, sliding and bounded rows in place of unilateral ones. Solvers that do not take them
+/// answer LCPBENCH_UNSUPPORTED. O(n + entries): the matrix is copied.
+/// @param problem         not NULL; stays as it is
+/// @param friction        `friction_count` structs; NULL where that is 0
+/// @param friction_count  >= 0
+/// @param bounded         `bounded_count` structs; NULL where that is 0
+/// @param bounded_count   >= 0
+/// @param with_laws       the new problem, to be freed by lcpbench_problem_free
+LCPBENCH_API lcpbench_error lcpbench_problem_with_laws(const lcpbench_problem* problem,
+                                                       const lcpbench_friction_row* friction, int64_t friction_count,
+                                                       const lcpbench_bounded_row* bounded, int64_t bounded_count,
+                                                       lcpbench_problem** with_laws);
 
 /// How many rows a problem has.
 /// @param problem  not NULL
@@ -440,6 +471,16 @@ typedef struct lcpbench_verdict {
   char reason[256];      ///< one line: why the answer does not pass; "" where it does
   char ray_reason[256];  ///< one line: why the ray is not accepted; "" where it is, and without one
   double ray_force_min;  ///< any solution has |D^1/2 f|_1 of this or more; infinite where proved, 0 without a ray
+  /// Parts of the error over S, as rho is, of problems with friction or bounded rows; else -1 (docs/friction.md of the
+  /// sources, section 4).
+  double penetration;
+  double adhesion;       ///< see penetration
+  double separation;     ///< see penetration: force at a contact that opens
+  double cone;           ///< see penetration
+  double dissipation;    ///< see penetration: friction that does not oppose slip, or does not use its bound
+  double joints;         ///< see penetration
+  double beyond_bounds;  ///< see penetration
+  double model_rho;      ///< residual of an answer of the solver "relaxation" to its own model; else -1
 } lcpbench_verdict;
 
 /// Judges the result of a solve.  O(entries of A), from factors one pass over the entries of J M^-1 J^T.

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "solvers/exact/exact_lcp.h"
@@ -109,7 +111,37 @@ ExactLcp Frame(const LcpProblem& problem) {
   lcp.bilateral.assign(At(lcp.size), 0);
   for (const Index i : problem.bilateral_rows()) lcp.bilateral[At(i)] = 1;
   lcp.has_factors = problem.has_factors();
+  for (const FrictionRow& row : problem.friction_rows()) {
+    lcp.friction.push_back({row.row, row.normal, Rational(row.mu), row.slip});
+  }
+  const auto bound = [](double value) -> std::optional<Rational> {
+    if (std::isinf(value)) return std::nullopt;
+    return Rational(value);
+  };
+  for (const BoundedRow& row : problem.bounded_rows()) {
+    lcp.bounded.push_back({row.row, bound(row.lower), bound(row.upper)});
+  }
   return lcp;
+}
+
+// The numbers of friction and bounded rows as the record has them, in its own order of rows.
+void ReadLaws(const Json& json, ExactLcp* lcp) {
+  const auto place = [](auto& rows, const Json& row) {
+    return std::ranges::find(rows, row.get<Index>(), [](const auto& of) { return of.row; });
+  };
+  if (json.contains("friction") && !json["friction"].is_null()) {
+    const Json& friction = json["friction"];
+    for (size_t k = 0; k < friction["row"].size(); ++k) {
+      place(lcp->friction, friction["row"][k])->mu = ToRational(friction["mu"][k]);
+    }
+  }
+  if (!json.contains("bounded") || json["bounded"].is_null()) return;
+  const Json& bounded = json["bounded"];
+  for (size_t k = 0; k < bounded["row"].size(); ++k) {
+    const auto row = place(lcp->bounded, bounded["row"][k]);
+    if (row->lower) row->lower = ToRational(bounded["lower"][k]);
+    if (row->upper) row->upper = ToRational(bounded["upper"][k]);
+  }
 }
 
 }  // namespace
@@ -129,7 +161,7 @@ ExactLcp ExactFrom(const LcpProblem& problem) {
 
 bool HasFractions(std::string_view line) {
   const Json json = Json::parse(line);
-  for (const char* field : {"A", "J", "invM", "b"}) {
+  for (const char* field : {"A", "J", "invM", "b", "friction", "bounded"}) {
     if (json.contains(field) && HasStrings(json[field])) return true;
   }
   return false;
@@ -143,6 +175,7 @@ ExactLcp ParseExactLcp(std::string_view line, const std::string& where) {
   if (!HasFractions(line)) return ExactFrom(record.problem);
   ExactLcp lcp = Frame(record.problem);
   for (Index i = 0; i < lcp.size; ++i) lcp.b[At(i)] = ToRational(json["b"][At(i)]);
+  ReadLaws(json, &lcp);
   if (factors) {
     std::vector<Rational> inverse_mass;
     for (const Json& value : json["invM"]) inverse_mass.push_back(ToRational(value));

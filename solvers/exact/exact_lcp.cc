@@ -182,26 +182,6 @@ constexpr double kGuessedZero = 1e-12;
 constexpr std::int64_t kSolvesOfFirstGuess = 2;
 constexpr std::int64_t kSolvesOfNoGuess = 1;
 
-BigInteger CommonDenominator(const std::vector<Rational>& values) {
-  BigInteger common = 1;
-  for (const Rational& value : values) common = lcm(common, denominator(value));
-  return common;
-}
-
-// values times `scale`, which makes integers of them.
-IntegerMatrix Scaled(const std::vector<Rational>& values, Index rows, const BigInteger& scale) {
-  const Index columns = rows == 0 ? 1 : static_cast<Index>(values.size()) / rows;
-  IntegerMatrix scaled(rows, columns);
-  for (Index i = 0; i < rows; ++i) {
-    for (Index j = 0; j < columns; ++j) {
-      const Rational& value = values[At(i * columns + j)];
-      const BigInteger integer = numerator(value) * (scale / denominator(value));
-      fmpz_set_mpz(scaled.at(i, j), integer.backend().data());
-    }
-  }
-  return scaled;
-}
-
 // One SolveExactly. A' = a A and b' = c b are integers; f = (a / c) f', w = w' / c.
 class ExactSolve {
  public:

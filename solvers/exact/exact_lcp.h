@@ -13,14 +13,33 @@
 
 namespace lcpbench {
 
-/// w = A f + b, w >= 0, f >= 0, f.w = 0, on bilateral rows w = 0 and f free; in exact numbers.
+/// FrictionRow in exact numbers.
+struct ExactFrictionRow {
+  Index row = 0;
+  Index normal = 0;
+  Rational mu;
+  int slip = 0;
+};
+
+/// BoundedRow in exact numbers; nothing: infinite.
+struct ExactBoundedRow {
+  Index row = 0;
+  std::optional<Rational> lower, upper;
+};
+
+/// w = A f + b, w >= 0, f >= 0, f.w = 0, on bilateral rows w = 0 and f free, and friction and bounded rows; in exact
+/// numbers.
 struct ExactLcp {
   std::string id;
   Index size = 0;
   std::vector<Rational> A;  ///< size x size by rows, symmetric
   std::vector<Rational> b;
   std::vector<char> bilateral;
-  bool has_factors = false;  ///< A = J M^-1 J^T with M >= 0, hence positive semidefinite
+  bool has_factors = false;                     ///< A = J M^-1 J^T with M >= 0, hence positive semidefinite
+  std::vector<ExactFrictionRow> friction = {};  ///< ascending rows
+  std::vector<ExactBoundedRow> bounded = {};    ///< ascending rows
+
+  bool is_plain() const { return friction.empty() && bounded.empty(); }
 };
 
 /// ExactLcp holds size^2 rationals, and solving takes hours long before it fills the memory.
@@ -88,10 +107,10 @@ struct ExactOptions {
   std::function<ExactGuess(const LcpProblem& problem)> guess;
 };
 
-/// Solves for a symmetric positive semidefinite A, by exact pivots from the active set of the guess, or from one that
-/// Lemke's method finds in 60 digits where that is not right almost at once (redundant rows): blocks of all
-/// violated rows while their number falls, then the criss-cross method with least indices, which ends from any basis
-/// for sufficient matrices, PSD ones among them [den Hertog, Roos, Terlaky, The linear complementarity problem,
+/// Solves a plain problem with symmetric positive semidefinite A, by exact pivots from the active set of the guess, or
+/// from one that Lemke's method finds in 60 digits where that is not right almost at once (redundant rows): blocks of
+/// all violated rows while their number falls, then the criss-cross method with least indices, which ends from any
+/// basis for sufficient matrices, PSD ones among them [den Hertog, Roos, Terlaky, The linear complementarity problem,
 /// sufficient matrices, and the criss-cross method, Linear Algebra Appl. 187, 1993]. Systems are solved by p-adic
 /// lifting [Dixon 1982, by FLINT]: O(n^3) word operations and O(n^2) of the length of the answer, some hundred bits a
 /// row.

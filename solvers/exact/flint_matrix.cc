@@ -72,4 +72,23 @@ bool IsPositiveSemidefinite(const IntegerMatrix& A) {
   return holds;
 }
 
+BigInteger CommonDenominator(const std::vector<Rational>& values) {
+  BigInteger common = 1;
+  for (const Rational& value : values) common = lcm(common, denominator(value));
+  return common;
+}
+
+IntegerMatrix Scaled(const std::vector<Rational>& values, Index rows, const BigInteger& scale) {
+  const Index columns = rows == 0 ? 1 : static_cast<Index>(values.size()) / rows;
+  IntegerMatrix scaled(rows, columns);
+  for (Index i = 0; i < rows; ++i) {
+    for (Index j = 0; j < columns; ++j) {
+      const Rational& value = values[At(i * columns + j)];
+      const BigInteger integer = numerator(value) * (scale / denominator(value));
+      fmpz_set_mpz(scaled.at(i, j), integer.backend().data());
+    }
+  }
+  return scaled;
+}
+
 }  // namespace lcpbench

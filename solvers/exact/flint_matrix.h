@@ -119,6 +119,12 @@ inline IntegerMatrix Product(const IntegerMatrix& A, const IntegerMatrix& B) {
   return product;
 }
 
+/// The least integer that makes integers of all values.
+BigInteger CommonDenominator(const std::vector<Rational>& values);
+
+/// values times `scale`, which makes integers of them, row after row.
+IntegerMatrix Scaled(const std::vector<Rational>& values, Index rows, const BigInteger& scale);
+
 /// X = A^-1 B for a nonsingular A. Some word operations for small A, p-adic lifting [Dixon 1982] for larger ones.
 inline RationalMatrix Solve(const IntegerMatrix& A, const IntegerMatrix& B) {
   RationalMatrix X(A.rows(), B.columns());

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 
+#include "solvers/first_order/contact_sweeps.h"
 #include "solvers/first_order/first_order_engine.h"
+#include "solvers/lcp/verify.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -100,8 +103,16 @@ class PgsEngine final : public FirstOrderEngine {
     CheckRelaxation(options);
   }
 
-  void Prepare(const LcpProblem& problem) { PrepareRows(problem); }
+  static constexpr bool kTakesFriction = true;
+  static constexpr bool kTakesBounded = true;
+  std::string WhyUnsupported(const LcpProblem& problem) const {
+    if (!problem.is_plain() && !problem.IsNumericallySymmetric()) return WhyNotSymmetric(problem);
+    return FirstOrderEngine::WhyUnsupported(problem);
+  }
+
+  void Prepare(const LcpProblem& problem) { problem.is_plain() ? PrepareRows(problem) : contacts_.Prepare(problem); }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    if (!problem.is_plain()) return SweepContacts(problem, options, result);
     TakeProblem(problem, options);
     SolveTaken(options, result);
   }
@@ -125,7 +136,47 @@ class PgsEngine final : public FirstOrderEngine {
     });
   }
 
+  // Checks where the changes of a sweep are as small as rho may be, and then after twice as many sweeps as before.
+  void SweepContacts(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    const Deadline deadline(options);
+    const std::int64_t limit = options.max_iterations > 0 ? options.max_iterations : PgsOptions::kDefaultSweeps;
+    AdaptiveRelaxation relaxation(options_.adaptive ? 1.0 : options_.relaxation);
+    contacts_.Start(problem, options.initial_f);
+    Eigen::VectorXd f(problem.size());
+    double least = std::numeric_limits<double>::infinity();
+    const auto check = [&] {
+      contacts_.GetForces(&f);
+      const Metrics metrics = ComputeMetrics(problem, f);
+      if (metrics.rho < least || least == std::numeric_limits<double>::infinity()) {
+        least = metrics.rho;
+        result->f = f;
+      }
+      return PassesTier(metrics, options.tolerance);
+    };
+    std::int64_t next_check = 0;
+    while (result->iterations < limit && !deadline.Expired()) {
+      StepSums sums;
+      sums.change = contacts_.Sweep(relaxation.omega());
+      ++result->iterations;
+      if (!std::isfinite(sums.change)) {
+        result->detail = "forces leave the range of doubles";
+        return;
+      }
+      if (options_.adaptive) relaxation.Observe(sums);
+      if (std::sqrt(sums.change) > options.tolerance * contacts_.load() || result->iterations < next_check) continue;
+      next_check = 2 * result->iterations;
+      if (check() || !options_.self_check) {
+        result->status = LcpStatus::kSolved;
+        return;
+      }
+    }
+    result->status = check()              ? LcpStatus::kSolved
+                     : deadline.Expired() ? LcpStatus::kTimeLimit
+                                          : LcpStatus::kIterationLimit;
+  }
+
   const PgsOptions options_;
+  ContactSweeps contacts_;
 };
 
 template class EngineSolver<PgsOptions, PgsEngine>;

@@ -67,6 +67,10 @@ struct PgsOptions {
 /// allocates nothing once prepared. SolveArrays sweeps rows on two bodies without an LcpProblem, unless `form` is
 /// assembled, and allocates only where it has met no problem as large; from few rows its clock starts some 20 us late.
 ///
+/// Friction, sliding and bounded rows are taken, for symmetric A (contact_sweeps.h): a contact at a time, its normal
+/// and friction row solved together, in the given order whatever `sweep` and `form`. Then nothing is guaranteed, cycles
+/// among it; what is claimed passes the verifier's own measures.
+///
 /// [Cottle, Pang, Stone, The Linear Complementarity Problem, sec. 5.3; Cryer 1971 for the relaxation and its
 /// convergence; matrix-free rows as in Tonge, Benevolenski, Voroshilov 2012.] More: docs/solvers/first_order.md.
 using PgsSolver = EngineSolver<PgsOptions, class PgsEngine>;

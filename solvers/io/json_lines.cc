@@ -146,8 +146,47 @@ std::vector<Index> ParseBilateral(const JsonField& record, std::size_t n) {
   return rows;
 }
 
+// The three or four lists of `friction`.
+std::vector<FrictionRow> ParseFriction(const JsonField& field, std::size_t n) {
+  const JsonField row = field["row"], normal = field["normal"], mu = field["mu"];
+  const std::size_t count = row.Size();
+  normal.Size(count);
+  mu.Size(count);
+  const bool has_slip = field.Knows("slip");
+  if (has_slip) field["slip"].Size(count);
+  std::vector<FrictionRow> rows;
+  for (std::size_t k = 0; k < count; ++k) {
+    FrictionRow friction{row.Item(k).IndexBelow(n), normal.Item(k).IndexBelow(n), ParseNumber(mu.Item(k))};
+    if (has_slip) {
+      const JsonField slip = field["slip"].Item(k);
+      const double sign = slip.Number();
+      if (sign != 0 && sign != 1 && sign != -1) slip.Mismatch("-1, 0 or 1");
+      friction.slip = static_cast<signed char>(sign);
+    }
+    rows.push_back(friction);
+  }
+  return rows;
+}
+
+std::vector<BoundedRow> ParseBounded(const JsonField& field, std::size_t n) {
+  const JsonField row = field["row"], lower = field["lower"], upper = field["upper"];
+  const std::size_t count = row.Size();
+  lower.Size(count);
+  upper.Size(count);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::vector<BoundedRow> rows;
+  for (std::size_t k = 0; k < count; ++k) {
+    const JsonField low = lower.Item(k), high = upper.Item(k);
+    rows.push_back({row.Item(k).IndexBelow(n), low.IsNull() ? -kInfinity : ParseNumber(low),
+                    high.IsNull() ? kInfinity : ParseNumber(high)});
+  }
+  return rows;
+}
+
 // What a record says of the answer; null stands for what is not known.
-void ParseReference(const JsonField& record, std::size_t n, MatrixFacts* facts, LcpReference* reference) {
+// @param is_plain  w is unique where A is positive semidefinite; else a record has to say so
+void ParseReference(const JsonField& record, std::size_t n, bool is_plain, MatrixFacts* facts,
+                    LcpReference* reference) {
   if (record.Knows("rank_A")) facts->rank = record["rank_A"].IndexBelow(n + 1);
   if (record.Knows("columns_per_body")) {
     facts->columns_per_body = static_cast<int>(record["columns_per_body"].IndexBelow(7));
@@ -158,10 +197,12 @@ void ParseReference(const JsonField& record, std::size_t n, MatrixFacts* facts, 
   const bool solved = status == "solved";
   if (solved) reference->status = LcpReference::Status::kSolved;
   if (status == "infeasible") reference->status = LcpReference::Status::kInfeasible;
+  if (record.Knows("solvable")) reference->solvable = record["solvable"].Boolean();
+  const bool w_is_unique = record.Knows("w_unique") ? record["w_unique"].Boolean() : is_plain;
   for (const char* key : {"w", "f_minnorm"}) {
     if (!record.Knows(key)) continue;
     record[key].Size(n);
-    if (!solved) continue;  // a failed solver's may have anything in them
+    if (!solved || !w_is_unique) continue;  // a failed solver's may have anything in them
     Eigen::VectorXd vector = ParseVector(record[key], n);
     if (key == std::string_view("w")) {
       reference->w = std::move(vector);
@@ -172,18 +213,21 @@ void ParseReference(const JsonField& record, std::size_t n, MatrixFacts* facts, 
 }
 
 constexpr const char* kKnownMembers[] = {
-    "id",       "n",      "A",    "J",     "invM",     "b",           "bilateral", "joint",
-    "contacts", "status", "w",    "f",     "rank_A",   "f_minnorm",   "f_unique",  "columns_per_body",
-    "category", "family", "base", "floor", "previous", "symmetrized", "licence",   "provenance",
-    "motion"};
+    "id",       "n",        "A",       "J",     "invM",     "b",           "bilateral", "joint",
+    "contacts", "status",   "w",       "f",     "rank_A",   "f_minnorm",   "f_unique",  "columns_per_body",
+    "category", "family",   "base",    "floor", "previous", "symmetrized", "licence",   "provenance",
+    "motion",   "friction", "bounded", "modes", "pieces",   "complete",    "f_exact",   "w_exact",
+    "w_unique", "solvable"};
 
 // What other tools use these for, which a problem does not have.
 constexpr std::pair<const char*, const char*> kForeignMembers[] = {
-    {"lo", "bounds of f"},        {"hi", "bounds of f"},        {"lower", "bounds of f"},
-    {"upper", "bounds of f"},     {"l", "bounds of f"},         {"u", "bounds of f"},
-    {"lb", "bounds of f"},        {"ub", "bounds of f"},        {"mu", "friction"},
-    {"friction", "friction"},     {"G", "constraints"},         {"h", "constraints"},
-    {"P", "a quadratic program"}, {"q", "a quadratic program"}, {"M", "a mass matrix, or A of an LCP"}};
+    {"lo", "bounds of f"},        {"hi", "bounds of f"},
+    {"lower", "bounds of f"},     {"upper", "bounds of f"},
+    {"l", "bounds of f"},         {"u", "bounds of f"},
+    {"lb", "bounds of f"},        {"ub", "bounds of f"},
+    {"mu", "friction"},           {"G", "constraints"},
+    {"h", "constraints"},         {"P", "a quadratic program"},
+    {"q", "a quadratic program"}, {"M", "a mass matrix, or A of an LCP"}};
 
 // `h` of recorded contact problems.
 bool IsTimeStep(const JsonField& record, std::string_view name) { return name == "h" && record.Has("contacts"); }
@@ -193,7 +237,7 @@ std::vector<std::string> UnknownMembers(const JsonField& record) {
   for (const auto& [name, meaning] : kForeignMembers) {
     if (!record.Has(name) || IsTimeStep(record, name)) continue;
     record[name].Fail(std::string("a problem has no such member; other tools use it for ") + meaning +
-                      "; expected w = A f + b by A (or J and invM), b and bilateral");
+                      "; expected w = A f + b by A (or J and invM), b, bilateral, friction and bounded");
   }
   std::vector<std::string> unknown;
   for (const auto& [name, value] : record.Members()) {
@@ -228,6 +272,26 @@ Json ToJson(const SparseMatrix& matrix) {
   return {{"shape", {matrix.rows(), matrix.cols()}}, {"row", row}, {"col", col}, {"val", val}};
 }
 
+void AddLaws(const LcpProblem& problem, nlohmann::ordered_json* record) {
+  nlohmann::ordered_json friction, bounded;
+  bool slides = false;
+  for (const FrictionRow& row : problem.friction_rows()) {
+    friction["row"].push_back(row.row);
+    friction["normal"].push_back(row.normal);
+    friction["mu"].push_back(row.mu);
+    friction["slip"].push_back(static_cast<int>(row.slip));
+    slides = slides || row.slip != 0;
+  }
+  for (const BoundedRow& row : problem.bounded_rows()) {
+    bounded["row"].push_back(row.row);
+    bounded["lower"].push_back(nlohmann::ordered_json(ToJson(row.lower)));
+    bounded["upper"].push_back(nlohmann::ordered_json(ToJson(row.upper)));
+  }
+  if (!slides && !friction.is_null()) friction.erase("slip");
+  if (!friction.is_null()) (*record)["friction"] = std::move(friction);
+  if (!bounded.is_null()) (*record)["bounded"] = std::move(bounded);
+}
+
 }  // namespace
 
 LcpRecord ParseLcpRecord(std::string_view line, const std::string& where) {
@@ -243,7 +307,10 @@ LcpRecord ParseLcpRecord(std::string_view line, const std::string& where) {
 
   MatrixFacts facts;
   LcpReference reference;
-  ParseReference(record, rows, &facts, &reference);
+  RowBounds bounds = RowBounds::WithBilateralRows(n, ParseBilateral(record, rows));
+  if (record.Knows("friction")) bounds.friction = ParseFriction(record["friction"], rows);
+  if (record.Knows("bounded")) bounds.bounded = ParseBounded(record["bounded"], rows);
+  ParseReference(record, rows, bounds.is_plain(), &facts, &reference);
   const std::string category = record.Knows("category") ? record["category"].String() : "";
   std::optional<double> symmetrized;
   if (record.Knows("symmetrized")) {
@@ -251,9 +318,7 @@ LcpRecord ParseLcpRecord(std::string_view line, const std::string& where) {
     if (*symmetrized < 0) record["symmetrized"].Mismatch("a number >= 0");
   }
 
-  const std::vector<Index> bilateral = ParseBilateral(record, rows);
   const auto problem = [&]() -> LcpProblem {
-    RowBounds bounds = RowBounds::WithBilateralRows(n, bilateral);
     if (record.Has("J")) {
       Eigen::VectorXd inverse_mass = ParseVector(record["invM"]);
       ParsedMatrix J = ParseMatrix(record["J"], n, inverse_mass.size());
@@ -287,6 +352,7 @@ std::string FormatLcpRecord(const LcpProblem& problem, bool with_matrix, std::op
   if (with_matrix || !problem.has_factors()) record["A"] = ToJson(problem.SparseA());
   record["b"] = ToJson(problem.b());
   record["bilateral"] = problem.bilateral_rows();
+  AddLaws(problem, &record);
   if (symmetrized) record["symmetrized"] = *symmetrized;
   return record.dump();
 }
@@ -323,6 +389,10 @@ std::string FormatSolveRecord(const LcpRecord& of, std::string_view solver, cons
   judgement["false_success"] = verdict.false_success;
   judgement["false_infeasible"] = verdict.false_infeasible;
   judgement["reason"] = verdict.reason;
+  if (result.model == FrictionModel::kRelaxation) {
+    judgement["model"] = "relaxation";
+    judgement["model_rho"] = ToJson(verdict.model_rho);
+  }
   if (verdict.farkas.has_value()) {
     const FarkasVerdict& farkas = *verdict.farkas;
     judgement["farkas"] = {{"accepted", farkas.accepted},

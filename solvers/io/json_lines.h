@@ -30,10 +30,13 @@ struct LcpRecord {
 ///   b          n numbers
 ///   bilateral  row indices, 0-based, default none (or `joint`: n booleans; or contacts[i].joint); where several
 ///              of them are given, they must agree
-///   status, w, f_minnorm, f_unique, rank_A, category  optional, what is known of the answer; null: not known
+///   friction   {"row", "normal", "mu", "slip"}, lists of equal length, slip optional: FrictionRow
+///   bounded    {"row", "lower", "upper"}, lists of equal length, null for infinite: BoundedRow
+///   status, w, f_minnorm, f_unique, rank_A, category  optional, what is known of the answer; null: not known. Where
+///              there are friction or bounded rows also w_unique and solvable; w is read only where w_unique is true
 ///   symmetrized  optional, see LcpRecord
-/// Members that other tools use for what our problems cannot express are refused by name: bounds other than f >= 0,
-/// friction, the matrices of programs and of motion (not h beside contacts, a time step). Other members are ignored
+/// Members that other tools use for what is spelled otherwise here, or not expressed, are refused by name: bounds,
+/// mu, the matrices of programs and of motion (not h beside contacts, a time step). Other members are ignored
 /// (LcpRecord::unknown_members), and so are family, base, licence and provenance of the collection, previous, floor and
 /// motion of sequences, and f. A key that stands twice in an object is refused. A matrix is a list of rows, a flat
 /// row-major list, or {"shape":[r,c],"row":[...],"col":[...],"val":[...]} with 0-based indices (equal positions add
@@ -42,7 +45,7 @@ struct LcpRecord {
 /// @throws InputError naming where, the field, what was expected and what was found
 LcpRecord ParseLcpRecord(std::string_view line, const std::string& where);
 
-/// One line that ParseLcpRecord reads back bit for bit: the given form, b, bilateral rows.
+/// One line that ParseLcpRecord reads back bit for bit: the given form, b, kinds of rows.
 /// @param with_matrix  also writes A (as coordinates) where the problem is given by factors
 /// @param symmetrized  of LcpRecord
 /// @param id           instead of the problem's

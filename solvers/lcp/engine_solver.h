@@ -24,6 +24,8 @@ namespace lcpbench {
 ///     void Prepare(const LcpProblem&);                                 LcpSolver::DoPrepare
 ///     void Solve(const LcpProblem&, const LcpOptions&, LcpResult*);    LcpSolver::DoSolve
 ///     bool SolveArrays(const ProblemArrays&, const LcpOptions&, LcpResult*);   optional: LcpSolver::DoSolveArrays
+///     static constexpr bool kTakesFriction, kTakesBounded;             optional: LcpSolver::TakesFriction,
+///     TakesBounded
 /// none of them virtual. No engine sees extreme numbers: such a problem is brought into range first (RangeScaling), and
 /// what is claimed of it judged by the verifier. A solver that offers more than LcpSolver derives from this class.
 template <typename SolverOptions, typename SolverEngine>
@@ -37,6 +39,8 @@ class EngineSolver : public LcpSolver {
   ~EngineSolver() override;
 
   std::string WhyUnsupported(const LcpProblem& problem) const override;  ///< the engine's
+  bool TakesFriction() const override;                                   ///< the engine's
+  bool TakesBounded() const override;                                    ///< the engine's
   void Reserve(Index max_rows) override;                                 ///< the engine's
 
  protected:
@@ -69,6 +73,18 @@ template <typename Options, typename Engine>
 std::string EngineSolver<Options, Engine>::WhyUnsupported(const LcpProblem& problem) const {
   if constexpr (requires { engine_->WhyUnsupported(problem); }) return engine_->WhyUnsupported(problem);
   return {};
+}
+
+template <typename Options, typename Engine>
+bool EngineSolver<Options, Engine>::TakesFriction() const {
+  if constexpr (requires { Engine::kTakesFriction; }) return Engine::kTakesFriction;
+  return false;
+}
+
+template <typename Options, typename Engine>
+bool EngineSolver<Options, Engine>::TakesBounded() const {
+  if constexpr (requires { Engine::kTakesBounded; }) return Engine::kTakesBounded;
+  return false;
 }
 
 template <typename Options, typename Engine>

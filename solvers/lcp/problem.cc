@@ -67,6 +67,46 @@ void RequireCompressedRows(const ProblemArrays& arrays) {
   if (!why.empty()) Reject(arrays.id, why);
 }
 
+// Sorts friction and bounded rows, and requires that they are of one kind, and their numbers in range.
+// @param n  the problem's rows
+void RequireRowKinds(const std::string& id, Index n, RowBounds* bounds) {
+  std::ranges::sort(bounds->friction, {}, &FrictionRow::row);
+  std::ranges::sort(bounds->bounded, {}, &BoundedRow::row);
+  std::vector<RowKind> kinds(static_cast<size_t>(n), RowKind::kUnilateral);
+  for (size_t i = 0; i < bounds->bilateral.size(); ++i) {
+    if (bounds->bilateral[i] != 0) kinds[i] = RowKind::kBilateral;
+  }
+  const auto take = [&](const char* what, Index row, RowKind kind) {
+    const std::string place = std::string(what) + ": row " + std::to_string(row);
+    if (row < 0 || row >= n) Reject(id, place + " is outside [0, " + std::to_string(n) + ")");
+    const RowKind before = std::exchange(kinds[static_cast<size_t>(row)], kind);
+    if (before == kind) Reject(id, place + " is listed twice");
+    if (before != RowKind::kUnilateral) {
+      Reject(id, place + " is a " + (before == RowKind::kBilateral ? "bilateral" : "friction") + " row already");
+    }
+  };
+  for (const FrictionRow& row : bounds->friction) take("friction", row.row, RowKind::kFriction);
+  for (const BoundedRow& row : bounds->bounded) take("bounded", row.row, RowKind::kBounded);
+  for (const FrictionRow& row : bounds->friction) {
+    const std::string place = "friction: row " + std::to_string(row.row) + ": ";
+    if (row.normal < 0 || row.normal >= n || kinds[static_cast<size_t>(row.normal)] != RowKind::kUnilateral) {
+      Reject(id, place + "normal is " + std::to_string(row.normal) + ", expected a unilateral row");
+    }
+    if (!std::isfinite(row.mu) || row.mu < 0) {
+      Reject(id, place + "mu is " + std::to_string(row.mu) + ", expected a finite number >= 0");
+    }
+    if (row.slip < -1 || row.slip > 1) {
+      Reject(id, place + "slip is " + std::to_string(row.slip) + ", expected -1, 0 or 1");
+    }
+  }
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const BoundedRow& row : bounds->bounded) {
+    if (row.lower <= row.upper && row.lower < kInfinity && row.upper > -kInfinity) continue;
+    Reject(id, "bounded: row " + std::to_string(row.row) + ": lower is " + std::to_string(row.lower) + " and upper " +
+                   std::to_string(row.upper) + ", expected a number between them");
+  }
+}
+
 // Whether a quarter of J's entries or more are stored: products of whole rows then cost less than lists do. Below 32
 // rows lists stay in the caches.
 constexpr Index kLeastDenseRows = 32;
@@ -426,7 +466,9 @@ std::shared_ptr<LcpProblem::Storage> LcpProblem::MakeStorage(std::string id, Mat
   for (Index i = 0; i < kinds; ++i) {
     if (bounds.bilateral[static_cast<size_t>(i)] != 0) matrix.bilateral.push_back(i);
   }
-  if (!matrix.bilateral.empty()) matrix.bounds = std::move(bounds);
+  if (!bounds.is_plain()) RequireRowKinds(matrix.id, matrix.rows, &bounds);
+  if (matrix.bilateral.empty()) bounds.bilateral.clear();
+  matrix.bounds = std::move(bounds);
   storage->b = std::move(b);
   storage->has_extreme_b = beyond.least || beyond.most;
   return storage;
@@ -481,6 +523,8 @@ ProblemArrays ProblemArrays::Of(const LcpProblem& problem) {
   }
   arrays.b.assign(problem.b().begin(), problem.b().end());
   arrays.bilateral = matrix.bounds.bilateral;
+  arrays.friction = matrix.bounds.friction;
+  arrays.bounded = matrix.bounds.bounded;
   arrays.facts = problem.facts();
   return arrays;
 }
@@ -496,7 +540,7 @@ LcpProblem LcpProblem::FromArrays(const ProblemArrays& arrays) {
     Reject(arrays.id, "A must have " + std::to_string(n) + "^2 values, found " + std::to_string(count));
   }
   const auto storage = MakeStorage(arrays.id, arrays.form, Eigen::Map<const Eigen::VectorXd>(arrays.b.data(), n),
-                                   {arrays.bilateral}, arrays.facts);
+                                   {arrays.bilateral, arrays.friction, arrays.bounded}, arrays.facts);
   Matrix& matrix = storage->matrix;
   const bool has_factors = arrays.form == MatrixForm::kFactors;
   matrix.RequireFiniteValues(has_factors ? "J" : "A", arrays.value.data(), count);
@@ -527,9 +571,11 @@ LcpProblem LcpProblem::WithB(Eigen::VectorXd b) const {
   return other;
 }
 
-LcpProblem LcpProblem::CopyOfGivenForm() const {
+LcpProblem LcpProblem::CopyOfGivenForm() const { return WithBounds(bounds()); }
+
+LcpProblem LcpProblem::WithBounds(RowBounds bounds) const {
   const Matrix& given = *matrix_;
-  const auto storage = MakeStorage(given.id, given.form, b(), given.bounds, given.facts);
+  const auto storage = MakeStorage(given.id, given.form, b(), std::move(bounds), given.facts);
   storage->matrix.dense = given.dense;
   storage->matrix.given_sparse = given.given_sparse;
   storage->matrix.inverse_mass = given.inverse_mass;
@@ -675,6 +721,15 @@ bool LcpProblem::is_bilateral(Index row) const {
   const std::vector<unsigned char>& kinds = matrix_->bounds.bilateral;
   return !kinds.empty() && kinds[static_cast<size_t>(row)] != 0;
 }
+
+RowKind LcpProblem::kind(Index row) const {
+  if (is_bilateral(row)) return RowKind::kBilateral;
+  const RowBounds& bounds = matrix_->bounds;
+  if (std::ranges::binary_search(bounds.friction, row, {}, &FrictionRow::row)) return RowKind::kFriction;
+  if (std::ranges::binary_search(bounds.bounded, row, {}, &BoundedRow::row)) return RowKind::kBounded;
+  return RowKind::kUnilateral;
+}
+
 const std::vector<Index>& LcpProblem::bilateral_rows() const { return matrix_->bilateral; }
 const RowBounds& LcpProblem::bounds() const { return matrix_->bounds; }
 

@@ -17,9 +17,37 @@ using Index = Eigen::Index;
 /// The form in which a problem was given; the other forms are derived from it, with rounding.
 enum class MatrixForm { kDense, kSparse, kFactors };
 
-/// Bounds on f: [0, inf) on a unilateral row (contact), (-inf, inf) on a bilateral one (joint).
+/// The law of a row (docs/friction.md section 1).
+enum class RowKind : unsigned char { kUnilateral, kBilateral, kFriction, kBounded };
+
+/// A tangent row of a contact with Coulomb friction: |f| <= mu f_normal; w > 0 needs f = -mu f_normal, w < 0 needs
+/// f = mu f_normal. With slip = s, which is +-1, the contact slides in a known direction (acceleration level only): f =
+/// -s mu f_normal, and w is free.
+struct FrictionRow {
+  Index row = 0;         ///< of the tangent
+  Index normal = 0;      ///< the contact's unilateral row
+  double mu = 0;         ///< coefficient of friction, finite, >= 0; changes with the scales of the two rows
+  signed char slip = 0;  ///< 0: a friction row; +-1: a sliding row
+  bool operator==(const FrictionRow&) const = default;  ///< exact
+};
+
+/// lower <= f <= upper; w > 0 needs f = lower, w < 0 needs f = upper.
+struct BoundedRow {
+  Index row = 0;                                       ///< which
+  double lower = 0;                                    ///< may be -infinity
+  double upper = 0;                                    ///< >= lower, may be +infinity
+  bool operator==(const BoundedRow&) const = default;  ///< exact
+};
+
+/// What f may be: [0, inf) on a unilateral row (contact), any number on a bilateral one (joint), and the laws above on
+/// friction and bounded rows. By default every row is unilateral.
 struct RowBounds {
-  std::vector<unsigned char> bilateral;  ///< n; 1: the row is bilateral. Empty: every row is unilateral
+  std::vector<unsigned char> bilateral = {};  ///< n; 1: the row is bilateral. Empty: none is
+  std::vector<FrictionRow> friction = {};     ///< friction and sliding rows, in any order; ascending in LcpProblem
+  std::vector<BoundedRow> bounded = {};       ///< in any order; ascending in LcpProblem
+
+  /// Unilateral and bilateral rows only.
+  bool is_plain() const { return friction.empty() && bounded.empty(); }
 
   /// n rows, bilateral where listed and unilateral elsewhere.
   /// @throws InputError if an index is outside [0, n) or listed twice
@@ -58,7 +86,9 @@ struct ProblemArrays {
   std::vector<double> value;
   std::vector<double> inverse_mass;      ///< of kFactors, a number per column of J, >= 0
   std::vector<double> b;                 ///< n
-  std::vector<unsigned char> bilateral;  ///< n; 1: w = 0 and f free (a joint). Empty: every row is unilateral
+  std::vector<unsigned char> bilateral;  ///< n; 1: w = 0 and f free (a joint). Empty: no row is
+  std::vector<FrictionRow> friction;     ///< as RowBounds
+  std::vector<BoundedRow> bounded;       ///< as RowBounds
   MatrixFacts facts;                     ///< what the caller has proved about A
 
   /// The arrays of a problem's given form.
@@ -66,7 +96,8 @@ struct ProblemArrays {
 };
 
 /// Find f and w with
-///     w = A f + b,   unilateral rows: f >= 0, w >= 0, f w = 0;   bilateral rows: w = 0, f free.
+///     w = A f + b,   unilateral rows: f >= 0, w >= 0, f w = 0;   bilateral rows: w = 0, f free;
+/// friction, sliding and bounded rows as FrictionRow and BoundedRow say. A problem without these is *plain*.
 /// [Baraff 1994, sec. 4; Cottle, Pang, Stone, The Linear Complementarity Problem]
 ///
 /// As frictionless contact: f are normal forces [N], w gap accelerations [m/s^2], A = J M^-1 J^T [1/kg] the Delassus
@@ -79,7 +110,9 @@ struct ProblemArrays {
 ///
 /// Immutable; copies share storage; safe to read from several threads. n = 0 is valid.
 /// All constructors throw InputError, naming the argument, on a shape that does not fit, NaN or infinity, a negative
-/// inverse mass, or a row whose A_ii = J_i M^-1 J_i^T is beyond the range of doubles.
+/// inverse mass, a row whose A_ii = J_i M^-1 J_i^T is beyond the range of doubles, a row outside [0, n) or of two
+/// kinds, a friction row whose normal row is not unilateral or whose mu is negative or not finite, or bounds without a
+/// number between them.
 class LcpProblem {
  public:
   /// @param id  a name for files and error texts
@@ -98,6 +131,8 @@ class LcpProblem {
   /// The same matrix and bounds with another b: whatever has been derived of A is shared with this problem.
   /// @param b  n, finite
   LcpProblem WithB(Eigen::VectorXd b) const;
+  /// The same matrix and b with other kinds of rows; the given form is copied.
+  LcpProblem WithBounds(RowBounds bounds) const;
   /// True for problems with the same matrix and bounds in one storage: copies, and those that WithB made.
   bool SharesMatrixWith(const LcpProblem& other) const { return matrix_ == other.matrix_; }
 
@@ -153,6 +188,14 @@ class LcpProblem {
   bool is_bilateral(Index row) const;
   /// Ascending.
   const std::vector<Index>& bilateral_rows() const;
+  /// The law of a row; O(1) where the problem is plain, else O(log n). Sliding rows are of kind kFriction.
+  RowKind kind(Index row) const;
+  /// By ascending row.
+  const std::vector<FrictionRow>& friction_rows() const { return bounds().friction; }
+  /// By ascending row.
+  const std::vector<BoundedRow>& bounded_rows() const { return bounds().bounded; }
+  /// Without friction, sliding and bounded rows: the problem that all solvers take.
+  bool is_plain() const { return bounds().is_plain(); }
 
   /// The same given problem without its derived forms, so that forming them can be timed again.
   LcpProblem CopyOfGivenForm() const;
@@ -190,18 +233,20 @@ void AssembleDenseA(const LcpProblem& problem, double* A, Index stride);
 Index BoundEntriesOfA(const LcpProblem& problem);
 
 /// What is known of the answer from outside (exact arithmetic, say). Kept apart from the problem, so that no solver can
-/// read it. w is unique for PSD A even when f is not.
+/// read it. w is unique for PSD A even when f is not, but not where there is friction.
 struct LcpReference {
   /// Whether there is a solution.
   enum class Status { kUnknown, kSolved, kInfeasible };
   Status status = Status::kUnknown;  ///< of the problem, not of a solve
-  std::optional<Eigen::VectorXd> w;  ///< n, of every solution
+  std::optional<Eigen::VectorXd> w;  ///< n, of every solution; only where w is unique
   /// Only where f is unique.
   std::optional<Eigen::VectorXd> f;
   /// The problem's rounding floor (verify.h): that of an answer known from elsewhere than the judged solver.
   /// Verdicts are then relative to max(tier, floor), see PassesTier; what is not a finite number >= 0 counts as
   /// unknown.
   std::optional<double> floor = std::nullopt;
+  /// A solution is known to exist (docs/friction.md section 2, fact 1), though none may be known.
+  bool solvable = false;
 };
 
 }  // namespace lcpbench

@@ -95,6 +95,22 @@ LcpProblem Scaled(const LcpProblem& problem, const std::vector<int>& row) {
   return LcpProblem::FromFactors(problem.id(), given, std::move(inverse_mass), b, problem.bounds(), problem.facts());
 }
 
+// Of f~ = t S^-1 f, with t = 2^unit.
+RowBounds ScaledBounds(RowBounds bounds, const std::vector<int>& rows, int unit) {
+  const auto at = [&rows](Index row) { return rows[static_cast<size_t>(row)]; };
+  for (FrictionRow& row : bounds.friction) {
+    row.mu = std::min(std::ldexp(row.mu, at(row.normal) - at(row.row)), std::numeric_limits<double>::max());
+  }
+  for (BoundedRow& row : bounds.bounded) {
+    row.lower = std::ldexp(row.lower, unit - at(row.row));
+    row.upper = std::ldexp(row.upper, unit - at(row.row));
+    // A finite bound beyond doubles is none.
+    if (row.lower == std::numeric_limits<double>::infinity()) row.lower = std::numeric_limits<double>::max();
+    if (row.upper == -std::numeric_limits<double>::infinity()) row.upper = std::numeric_limits<double>::lowest();
+  }
+  return bounds;
+}
+
 }  // namespace
 
 RangeScaling::RangeScaling(const LcpProblem& problem) : row_(RowExponents(problem)), matrix_(problem) {
@@ -118,7 +134,9 @@ RangeScaling::Load RangeScaling::Scale(const LcpProblem& problem) const {
     if (row == kNone) row = b[i] == 0 ? 0 : -ExponentOf(b[i]) - unit;
     b[i] = std::ldexp(b[i], row + unit);
   }
-  return {matrix_.WithB(std::move(b)), std::move(rows), unit};
+  LcpProblem scaled = matrix_.WithB(std::move(b));
+  if (!problem.is_plain()) scaled = scaled.WithBounds(ScaledBounds(problem.bounds(), rows, unit));
+  return {std::move(scaled), std::move(rows), unit};
 }
 
 std::optional<Eigen::VectorXd> RangeScaling::ScaledStart(const LcpOptions& options, const Load& load) {

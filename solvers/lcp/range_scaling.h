@@ -12,8 +12,8 @@ namespace lcpbench {
 /// Brings a problem whose numbers are extreme (LcpProblem::has_extreme_matrix, has_extreme_b) into the range in which
 /// doubles can be squared: A~ = S A S, b~ = t S b, f = S f~ / t, with powers of two. The largest |J_ik| m_k^1/2 of each
 /// row becomes about 1 (A_ii in the other forms), and so does the largest |b~_i|, and that of every row of zeros, whose
-/// b says only whether there is an answer. Nothing is rounded but what is 2^-1000 of the largest number of its row, or
-/// of b~.
+/// b says only whether there is an answer. Coefficients of friction and bounds go along. Nothing is rounded but what is
+/// 2^-1000 of the largest number of its row, or of b~.
 class RangeScaling {
  public:
   /// Scales the matrix, without b. A matrix in range is taken as it is.  O(nnz of the given form)

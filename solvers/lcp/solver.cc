@@ -40,6 +40,7 @@ void CheckOptions(Index rows, const LcpOptions& options) {
 
 void StartResult(Index rows, LcpResult* result) {
   result->f.setZero(rows);
+  result->model = FrictionModel::kCoulomb;
   result->iterations = 0;
   result->detail.clear();
   result->own_solve_s = -1;
@@ -73,10 +74,16 @@ double Deadline::Remaining() const { return std::max(0.0, limit_ - Elapsed()); }
 std::string LcpSolver::WhyUnsupported(const LcpProblem& /*problem*/) const { return {}; }
 void LcpSolver::Reserve(Index /*max_rows*/) {}
 
+std::string LcpSolver::WhyRefused(const LcpProblem& problem) const {
+  if (!problem.friction_rows().empty() && !TakesFriction()) return "friction rows";
+  if (!problem.bounded_rows().empty() && !TakesBounded()) return "bounded rows";
+  return WhyUnsupported(problem);
+}
+
 void LcpSolver::Prepare(const LcpProblem& problem) {
   if (prepared_.has_value() && prepared_->SharesMatrixWith(problem)) return;
   prepared_.reset();
-  if (problem.size() == 0 || !WhyUnsupported(problem).empty()) return;
+  if (problem.size() == 0 || !WhyRefused(problem).empty()) return;
   const InSequence::Scope sequence(in_sequence_);
   DoPrepare(problem);
   prepared_ = problem;
@@ -94,7 +101,7 @@ void LcpSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
     Prepare(problem);
     if (!prepared_.has_value()) {
       result->status = LcpStatus::kUnsupported;
-      result->detail = WhyUnsupported(problem);
+      result->detail = WhyRefused(problem);
       return;
     }
     const InSequence::Scope sequence(in_sequence_);
@@ -125,7 +132,8 @@ void LcpSolver::SolveArrays(const ProblemArrays& arrays, const LcpOptions& optio
     result->status = LcpStatus::kNumericalFailure;
     prepared_.reset();  // DoSolveArrays may use what was prepared for other arrays
     try {
-      if (DoSolveArrays(arrays, options, result)) return;
+      const bool is_plain = arrays.friction.empty() && arrays.bounded.empty();
+      if (is_plain && DoSolveArrays(arrays, options, result)) return;
     } catch (const InputError&) {
       throw;
     } catch (const MemoryRefusal& refusal) {

@@ -51,11 +51,18 @@ struct LcpOptions {
   double (*now)() = &SteadyNow;
 };
 
+/// The law of contact with friction that an answer claims to obey.
+enum class FrictionModel {
+  kCoulomb,     ///< the problem's own
+  kRelaxation,  ///< f in the friction cones, w in their duals, f.w = 0: slip separates [docs/friction.md section 1]
+};
+
 /// A solver's answer. `f` always has n finite-or-not entries: the best iterate, also when not solved; zeros when the
 /// solver had none.
 struct LcpResult {
-  LcpStatus status = LcpStatus::kNotRun;  ///< the solver's claim
-  Eigen::VectorXd f;                      ///< n
+  LcpStatus status = LcpStatus::kNotRun;          ///< the solver's claim
+  Eigen::VectorXd f;                              ///< n
+  FrictionModel model = FrictionModel::kCoulomb;  ///< what `status` is a claim about
   /// Pivots, sweeps or Newton steps, as the solver's header defines them; -1 before a solve.
   std::int64_t iterations = -1;
   /// The reason in words, with an external library's own code where there is one. Empty when there is nothing to say.
@@ -110,6 +117,14 @@ class LcpSolver {
 
   /// "" if the solver takes this problem, else the reason in words (reported as kUnsupported).
   virtual std::string WhyUnsupported(const LcpProblem& problem) const;
+
+  /// WhyUnsupported, or the kind of rows that the solver does not take. What Solve asks.
+  std::string WhyRefused(const LcpProblem& problem) const;
+
+  /// Whether it takes problems with friction and sliding rows; the others refuse them as kUnsupported.
+  virtual bool TakesFriction() const { return false; }
+  /// Whether it takes problems with bounded rows; the others refuse them as kUnsupported.
+  virtual bool TakesBounded() const { return false; }
 
   /// Allocates workspace for problems of up to `max_rows` rows, so that a dense solver's later Solve does not allocate.
   virtual void Reserve(Index max_rows);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "solvers/lcp/exact_sum.h"
+#include "solvers/lcp/law_metrics.h"
 
 namespace lcpbench {
 namespace {
@@ -16,7 +17,6 @@ namespace {
 
 // 64-bit significand on x86-64: 2^11 times finer than the double arithmetic of the solvers that are judged.
 using Extended = long double;
-using ExtendedVector = Eigen::Matrix<Extended, Eigen::Dynamic, 1>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -163,19 +163,26 @@ std::string Number(double value) {
   return text;
 }
 
-void MarkUseless(Index n, Metrics* m) {
-  m->w = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::quiet_NaN());
+void MarkUseless(const LcpProblem& problem, Metrics* m) {
+  m->w = Eigen::VectorXd::Constant(problem.size(), std::numeric_limits<double>::quiet_NaN());
   m->rho = m->backward_error = m->natural_residual = m->natural_residual_siconos = kInfinity;
   m->fischer_burmeister = m->primal_infeasibility = m->dual_infeasibility = m->complementarity = kInfinity;
   m->gap = m->gap_rel = m->energy_bound = m->energy_shift = kInfinity;
+  if (!problem.is_plain()) {
+    m->penetration = m->adhesion = m->separation = m->cone = m->dissipation = m->joints = m->beyond_bounds = kInfinity;
+    m->friction_power = m->created = m->energy = kInfinity;
+  }
 }
 
 // Where entries of A cancel (perpendicular normals, say) the terms of w do not: a defect within the rounding of its own
 // evaluation cannot be told from 0, and must not be divided by a scale that is 0 as well. Nor can one below the
 // smallest normal double: no force could be given finely enough to do better.
+Extended RoundingOf(Extended b, Extended summed) {
+  return std::max<Extended>(kRounding * (summed + std::abs(b)), std::numeric_limits<double>::min());
+}
+
 Extended BackwardError(Extended defect, Extended b, Extended magnitude, Extended summed) {
-  const Extended rounding = std::max<Extended>(kRounding * (summed + std::abs(b)), std::numeric_limits<double>::min());
-  return defect <= rounding ? 0 : defect / (magnitude + std::abs(b));
+  return defect <= RoundingOf(b, summed) ? 0 : defect / (magnitude + std::abs(b));
 }
 
 Extended FischerBurmeister(Extended p, Extended q) {
@@ -200,7 +207,7 @@ Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, cons
   }
   m.answer_floor = RoundingFloor(problem, f);
   if (f.size() != n || !f.allFinite()) {
-    MarkUseless(n, &m);
+    MarkUseless(problem, &m);
     return m;
   }
   const Eigen::VectorXd& b = problem.b();
@@ -208,6 +215,9 @@ Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, cons
   const ExtendedVector D = ScalingDiagonal(diagonal);
   const Products Af = Multiply(problem, f);
 
+  const auto is_other = [&problem, plain = problem.is_plain()](Index i) {
+    return !plain && problem.kind(i) >= RowKind::kFriction;
+  };
   Extended r_squared = 0, b_squared = 0, b_scaled_squared = 0, siconos_squared = 0, merit = 0;
   Extended backward = 0, natural = 0, primal = 0, dual = 0, complementarity = 0;
   Extended f_w = 0, f_Af = 0, b_f = 0, energy = 0, shift_squared = 0;
@@ -218,13 +228,14 @@ Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, cons
     const Extended fi = f[i];
     const Extended wi = Af.product[i] + b[i];
     m.w[i] = static_cast<double>(wi);
+    b_squared += static_cast<Extended>(b[i]) * b[i];
+    if (is_other(i)) continue;
 
     const Extended p = root * fi;
     const Extended q = wi / root;
     const Extended residual = bilateral ? q : std::min(p, q);
     r_squared += residual * residual;
     b_scaled_squared += (b[i] / root) * (b[i] / root);
-    b_squared += static_cast<Extended>(b[i]) * b[i];
 
     const Extended defect = std::abs(bilateral ? wi : std::min(diagonal[i] * fi, wi));
     RaiseTo(BackwardError(defect, b[i], Af.magnitude[i], Af.summed[i]), &backward);
@@ -263,7 +274,12 @@ Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, cons
   m.complementarity = static_cast<double>(complementarity);
   m.gap = static_cast<double>(std::abs(f_w));
   m.gap_rel = Ratio(std::abs(f_w), std::abs(f_Af) + std::abs(b_f));
-  if (problem.facts().symmetric && problem.facts().positive_semidefinite) {
+  if (!problem.is_plain()) {
+    ExtendedVector rounding(n);
+    for (Index i = 0; i < n; ++i) rounding[i] = RoundingOf(b[i], Af.summed[i]);
+    static_cast<LawMetrics&>(m) =
+        MeasureLaws({problem, f, Af.product + b.cast<Extended>(), diagonal, Af.magnitude, rounding});
+  } else if (problem.facts().symmetric && problem.facts().positive_semidefinite) {
     m.energy_bound = static_cast<double>(energy);
     m.energy_shift = static_cast<double>(std::sqrt(shift_squared));
   }
@@ -343,6 +359,24 @@ double NullResidualOfMatrix(const ColumnSums& sums, const ExtendedVector& D, con
   return Ratio(largest, largest_summed);
 }
 
+// Whether every f that the rows allow, with its w, has y.w >= 0: why not, "" where so.
+std::string WhyNotInCone(const LcpProblem& problem, const Eigen::VectorXd& y) {
+  for (const FrictionRow& row : problem.friction_rows()) {
+    if (y[row.row] != 0) return "y is not 0 on friction row " + std::to_string(row.row);
+  }
+  for (const BoundedRow& row : problem.bounded_rows()) {
+    if ((y[row.row] > 0 && std::isfinite(row.upper)) || (y[row.row] < 0 && std::isfinite(row.lower))) {
+      return "y is not 0 on bounded row " + std::to_string(row.row) + ", where f is bounded on that side";
+    }
+  }
+  for (Index i = 0; i < y.size(); ++i) {
+    if (y[i] < 0 && problem.kind(i) == RowKind::kUnilateral) {
+      return "y is negative on unilateral row " + std::to_string(i);
+    }
+  }
+  return {};
+}
+
 Extended ExactProduct(const Eigen::VectorXd& b, const Eigen::VectorXd& y) {
   ExactSum sum;
   for (Index i = 0; i < b.size(); ++i) sum.Add(b[i], y[i]);
@@ -364,11 +398,8 @@ FarkasVerdict VerifyFarkasRay(const LcpProblem& problem, const Eigen::VectorXd& 
   }
   const Extended b_dot_y = ExactProduct(problem.b(), y);
   verdict.b_dot_y = static_cast<double>(b_dot_y);
-  for (Index i = 0; i < n; ++i) {
-    if (problem.is_bilateral(i) || !(y[i] < 0)) continue;
-    verdict.reason = "y is negative on unilateral row " + std::to_string(i);
-    return verdict;
-  }
+  verdict.reason = WhyNotInCone(problem, y);
+  if (!verdict.reason.empty()) return verdict;
   if (!(b_dot_y < 0)) {
     verdict.reason = "b.y = " + Number(verdict.b_dot_y) + " is not negative";
     return verdict;
@@ -417,13 +448,17 @@ Verdict Verify(const LcpProblem& problem, const LcpResult& result, double tolera
       break;
     }
   }
-  verdict.false_success = result.status == LcpStatus::kSolved && !verdict.passes;
+  const bool is_relaxed = result.model == FrictionModel::kRelaxation;
+  if (is_relaxed) verdict.model_rho = RelaxationResidual(problem, result.f, m.w);
+  const bool holds = is_relaxed ? verdict.model_rho <= EffectiveTier(m, tolerance) : verdict.passes;
+  verdict.false_success = result.status == LcpStatus::kSolved && !holds;
   if (result.farkas_ray.has_value()) verdict.farkas = VerifyFarkasRay(problem, *result.farkas_ray);
-  const bool known_solvable = reference != nullptr && reference->status == LcpReference::Status::kSolved;
+  const bool known_solvable =
+      reference != nullptr && (reference->status == LcpReference::Status::kSolved || reference->solvable);
   // At a loose tier a point of a problem that is infeasible by less than the tier passes; the ray decides then.
   const bool has_ray = verdict.farkas.has_value() && verdict.farkas->accepted;
-  verdict.false_infeasible =
-      result.status == LcpStatus::kInfeasible && (known_solvable || (verdict.passes && !has_ray));
+  verdict.false_infeasible = result.status == LcpStatus::kInfeasible &&
+                             (known_solvable || (!has_ray && (verdict.passes || !problem.is_plain())));
   if (!verdict.passes) {
     const double tier = EffectiveTier(m, tolerance);
     const std::string whose = tier > tolerance ? " (rounding floor)" : "";
@@ -462,6 +497,16 @@ constexpr std::array kMetrics{
     MetricEntry{"energy_bound", &Metrics::energy_bound,
                 "f_C.max(w_C, 0) >= |f - f~|_A^2 for the problem with b~ = b + (w~ - w)"},
     MetricEntry{"energy_shift", &Metrics::energy_shift, "|D^-1/2 (b~ - b)|_2, by which energy_bound is off"},
+    MetricEntry{"penetration", &Metrics::penetration, "|(-D^-1/2 w)_+|_2 / S on unilateral rows"},
+    MetricEntry{"adhesion", &Metrics::adhesion, "|(-D^1/2 f)_+|_2 / S on unilateral rows"},
+    MetricEntry{"separation", &Metrics::separation, "|min(D^1/2 f, D^-1/2 w)_+|_2 / S on unilateral rows"},
+    MetricEntry{"cone", &Metrics::cone, "what D^1/2 f exceeds the friction cone by, over S"},
+    MetricEntry{"dissipation", &Metrics::dissipation, "residual of friction rows with f clipped to the cone, over S"},
+    MetricEntry{"joints", &Metrics::joints, "|D^-1/2 w|_2 / S on bilateral rows, and the residual of sliding rows"},
+    MetricEntry{"beyond_bounds", &Metrics::beyond_bounds, "residual of bounded rows over S"},
+    MetricEntry{"friction_power", &Metrics::friction_power, "sum f_t w_t / S^2 over friction rows"},
+    MetricEntry{"created", &Metrics::created, "sum (f_t w_t)_+ / S^2 over friction rows"},
+    MetricEntry{"energy", &Metrics::energy, "(b.f + f.A f / 2) / S^2, <= 0 for every solution with friction"},
     MetricEntry{"w_error", &Metrics::w_error, "max_i |w_i - w*_i| / (1 + |b|_inf), where w* is known"},
     MetricEntry{"f_error", &Metrics::f_error, "max_i |f_i - f*_i| / (1 + |f*|_inf), where f* is known and unique"},
     MetricEntry{"floor", &Metrics::floor,
@@ -508,9 +553,14 @@ double RoundingFloor(const LcpProblem& problem, const Eigen::VectorXd& f) {
   if (f.size() == 0) return 0;
   const Eigen::VectorXd root =
       problem.DiagonalA().unaryExpr([](double d) { return d == 0 ? 1 : std::sqrt(std::abs(d)); });
-  const double change = kUnitRoundoff * NormInRange(Magnitude(problem, f).cwiseQuotient(root));
-  const double b = NormInRange(problem.b().cwiseQuotient(root));
-  return b == 0 ? change : change / b;
+  Eigen::VectorXd moved = Magnitude(problem, f).cwiseQuotient(root);
+  for (const FrictionRow& row : problem.friction_rows()) {
+    moved[row.row] += row.mu * root[row.row] * std::abs(f[row.normal]);
+  }
+  const double change = kUnitRoundoff * NormInRange(moved);
+  const double load = problem.is_plain() ? NormInRange(problem.b().cwiseQuotient(root))
+                                         : static_cast<double>(LoadScale(problem, root.cast<Extended>()));
+  return load == 0 ? change : change / load;
 }
 
 }  // namespace lcpbench

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "solvers/lcp/law_metrics.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 
@@ -13,18 +14,13 @@ namespace lcpbench {
 
 /// Independent measures of how well f answers a problem. w = A f + b is recomputed here from the *given* form in
 /// extended precision (x87 long double, 64-bit significand); nothing is taken from a solver but f. D = diag A with 1
-/// where A_ii = 0 (absolute value where it is negative). C = unilateral rows, B = bilateral rows.
+/// where A_ii = 0 (absolute value where it is negative). C = unilateral rows, B = bilateral rows. On friction, sliding
+/// and bounded rows rho and backward_error are those of docs/friction.md section 4, relative to the S there; the
+/// measures of the literature leave these rows out.
 /// Any measure is NaN or infinite when f is: then no tier passes.
-struct Metrics {
+struct Metrics : LawMetrics {
   Eigen::VectorXd w;  ///< A f + b, rounded to double
 
-  /// PRIMARY.  rho = |r|_2 / |D^-1/2 b|_2 with r_i = min(D_ii^1/2 f_i, D_ii^-1/2 w_i) on C, D_ii^-1/2 w_i on B;
-  /// |r|_2 itself when b = 0. Independent of units and of row scaling. [docs/model.md section 8]
-  double rho = -1;
-  /// max over rows of |min(A_ii f_i, w_i)| / (|A||f| + |b|)_i on C, |w_i| / (...) on B; 0/0 = 0, and a
-  /// defect within the rounding of its own evaluation counts as 0. Componentwise, so that
-  /// one bad row among many, or one huge b, cannot hide another row. [Oettli, Prager 1964 in the LCP's variables]
-  double backward_error = -1;
   /// max |min(f_i, w_i)| on C, |w_i| on B: absolute, mixes units; for comparison with the literature.
   double natural_residual = -1;
   /// |f - max(0, f - w)|_2 / |b|_2 (w on B), as Siconos' lcp_compute_error; absolute when b = 0.
@@ -98,12 +94,18 @@ inline constexpr double kLargestFloor = 1e-3;
 /// reference knows the problem's rounding floor, T' = max(T, min(floor, kLargestFloor)): below it not even the rounded
 /// exact solution can be expected to be.
 struct Verdict {
-  double requested = 0;           ///< the tolerance asked for
-  bool passes = false;            ///< at `requested`
-  bool at_floor = false;          ///< passes thanks to the problem's floor only: without it, it would not
-  double best_tier = 0;           ///< smallest of kTiers that passes; 0 when none does
-  bool false_success = false;     ///< claimed kSolved and does not pass
-  bool false_infeasible = false;  ///< claimed kInfeasible, but a solution is known, or f passes and no ray is accepted
+  double requested = 0;   ///< the tolerance asked for
+  bool passes = false;    ///< at `requested`
+  bool at_floor = false;  ///< passes thanks to the problem's floor only: without it, it would not
+  double best_tier = 0;   ///< smallest of kTiers that passes; 0 when none does
+  /// Claimed kSolved and does not pass; of an answer of another model: does not solve that, model_rho > T'.
+  bool false_success = false;
+  /// Of an answer of the relaxation, the residual of that model, |D^1/2 f - projection of D^1/2 f - D^-1/2 w on the
+  /// scaled cones| / S; else -1. `passes` is about Coulomb's law whatever the model.
+  double model_rho = -1;
+  /// Claimed kInfeasible, but a solution is known (or known to exist), or f passes and no ray is accepted; where there
+  /// are friction, sliding or bounded rows also where no ray is accepted.
+  bool false_infeasible = false;
   std::optional<FarkasVerdict> farkas;  ///< when the result carries a ray
   std::string reason;                   ///< one line: why it does not pass; empty when it does
   Metrics metrics;                      ///< what the judgement rests on
@@ -139,6 +141,9 @@ std::span<const MetricEntry> AllMetrics();
 /// acts on nothing). Even the rounded exact solution has rho up to the floor, and no tier below it can be demanded of a
 /// solver that returns doubles. [Oettli, Prager 1964; Higham, Accuracy and Stability of Numerical Algorithms, 2002,
 /// sec. 3.5, 7.1]
+///
+/// Where there are friction, sliding or bounded rows, over S (docs/friction.md section 4) in place of |D^-1/2 b|_2, and
+/// with u mu (A_tt / A_nn)^1/2 |A_nn^1/2 f_n| more on friction rows.
 ///
 /// From factors |A| |f| is bounded by |J| M^-1 (|J|^T |f|), so that A is never formed.
 ///

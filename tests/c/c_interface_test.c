@@ -539,7 +539,46 @@ static void ThreadsShareAProblemAndKeepTheirErrors(void) {
   lcpbench_problem_free(problem);
 }
 
+/* A block on the ground, pushed: sticks for mu = 1 (f_t = -1), slips for mu = 1/2 (w_t = 1/2). */
+static void FrictionIsSolvedAndJudged(void) {
+  const double A[4] = {1, 0, 0, 1};
+  const double b[2] = {-1, 1};
+  lcpbench_problem* plain = Dense(2, A, b, NULL, LCPBENCH_SYMMETRIC | LCPBENCH_POSITIVE_SEMIDEFINITE);
+  lcpbench_problem* problem = NULL;
+  lcpbench_friction_row row = {1, 0, 1, 0, 0};
+  double w[2];
+  Answer answer;
+  CHECK_OK(lcpbench_problem_with_laws(plain, &row, 1, NULL, 0, &problem));
+  answer = Solve("pgs", problem, NULL, w);
+  CHECK(answer.status == LCPBENCH_SOLVED && answer.verdict.passes == 1);
+  CHECK(fabs(answer.f[0] - 1) < 1e-9 && fabs(answer.f[1] + 1) < 1e-9 && fabs(w[1]) < 1e-9);
+  Free(&answer);
+  answer = Solve("dantzig", problem, NULL, w);
+  CHECK(answer.status == LCPBENCH_UNSUPPORTED);
+  Free(&answer);
+  lcpbench_problem_free(problem);
+
+  row.mu = 0.5;
+  CHECK_OK(lcpbench_problem_with_laws(plain, &row, 1, NULL, 0, &problem));
+  answer = Solve("pgs", problem, NULL, w);
+  CHECK(answer.status == LCPBENCH_SOLVED && answer.verdict.passes == 1);
+  CHECK(fabs(answer.f[1] + 0.5) < 1e-9 && fabs(w[1] - 0.5) < 1e-9);
+  Free(&answer);
+  answer = Solve("relaxation", problem, NULL, w); /* slip separates */
+  CHECK(answer.status == LCPBENCH_SOLVED && answer.verdict.passes == 0 && answer.verdict.false_success == 0);
+  CHECK(answer.verdict.model_rho >= 0 && answer.verdict.model_rho < 1e-9 && answer.verdict.separation > 1e-3);
+  Free(&answer);
+  lcpbench_problem_free(problem);
+
+  row.mu = -1;
+  problem = NULL;
+  CHECK(lcpbench_problem_with_laws(plain, &row, 1, NULL, 0, &problem) == LCPBENCH_INVALID_ARGUMENT && problem == NULL);
+  CHECK(strstr(lcpbench_last_error(), "mu is -1") != NULL);
+  lcpbench_problem_free(plain);
+}
+
 int main(void) {
+  FrictionIsSolvedAndJudged();
   CHECK(lcpbench_last_error()[0] == '\0');
   CHECK(strcmp(lcpbench_version(), LCPBENCH_EXPECTED_VERSION) == 0);
   SolvesAKnownProblem();

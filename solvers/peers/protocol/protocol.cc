@@ -171,6 +171,33 @@ void Fields(Io& io, Like<Hello> auto& hello) {
   io.Text("licence", hello.licence);
 }
 
+// The first version with friction, sliding and bounded rows, and with the model of an answer.
+constexpr std::uint32_t kFirstWithLaws = 5;
+
+template <typename Io>
+void Fields(Io& io, Like<FrictionRow> auto& row) {
+  io.Value("row", row.row);
+  io.Value("normal row", row.normal);
+  io.Value("mu", row.mu);
+  io.Value("slip", row.slip);
+}
+
+template <typename Io>
+void Fields(Io& io, Like<BoundedRow> auto& row) {
+  io.Value("row", row.row);
+  io.Value("lower", row.lower);
+  io.Value("upper", row.upper);
+}
+
+// @param bytes  of one row
+template <typename Io, typename Rows>
+void LawRows(Io& io, const char* field, Rows& rows, std::size_t bytes) {
+  auto count = static_cast<Index>(rows.size());
+  io.Size(field, count, bytes);
+  if constexpr (Io::kReads) rows.resize(static_cast<std::size_t>(count));
+  for (auto& row : rows) Fields(io, row);
+}
+
 template <typename Io, Like<ProblemArrays> Problem>
 void Fields(Io& io, Problem& problem, std::uint32_t version) {
   io.Size("n", problem.rows, sizeof(double) + 1);
@@ -196,6 +223,12 @@ void Fields(Io& io, Problem& problem, std::uint32_t version) {
     if (std::none_of(problem.bilateral.begin(), problem.bilateral.end(), is_set)) problem.bilateral.clear();
   } else {
     io.Numbers("bilateral", problem.bilateral.empty() ? std::vector<unsigned char>(n, 0) : problem.bilateral, n);
+  }
+  if (version >= kFirstWithLaws) {
+    LawRows(io, "friction rows", problem.friction, sizeof(std::int64_t) * 2 + sizeof(double) + 1);
+    LawRows(io, "bounded rows", problem.bounded, sizeof(std::int64_t) + 2 * sizeof(double));
+  } else if (!problem.friction.empty() || !problem.bounded.empty()) {
+    Fail("workers of versions before " + std::to_string(kFirstWithLaws) + " take no friction and no bounded rows");
   }
   if (problem.form == MatrixForm::kDense) {
     if (n > 0xFFFFFFFFU) Fail("n is too large for a dense matrix");
@@ -252,6 +285,7 @@ void Fields(Io& io, Like<LcpResult> auto& result, Index rows, std::uint32_t vers
   io.Text("detail", result.detail);
   io.Numbers("f", result.f, static_cast<std::uint64_t>(rows));
   io.Optional("ray", result.farkas_ray, rows);
+  if (version >= kFirstWithLaws) io.Choice("model", result.model, FrictionModel::kRelaxation);
 }
 
 template <typename Io>

@@ -19,7 +19,7 @@ namespace lcpbench {
 // docs/protocol.md describes every message of all versions.
 
 /// The version of workers written here.
-inline constexpr std::uint32_t kProtocolVersion = 4;
+inline constexpr std::uint32_t kProtocolVersion = 5;
 /// A frame that claims more is refused before anything is allocated.
 inline constexpr std::uint64_t kLargestPayload = std::uint64_t{1} << 36U;
 
@@ -45,7 +45,7 @@ enum class WantedForm : std::uint8_t { kDense = 0, kSparse = 1, kAsGiven = 2 };
 
 /// What a worker says of itself.
 struct Hello {
-  std::uint32_t version = kProtocolVersion;  ///< of the protocol: 1 to 4
+  std::uint32_t version = kProtocolVersion;  ///< of the protocol: 1 to 5
   WantedForm form = WantedForm::kAsGiven;    ///< of the problems it gets; version 1 only
   std::string name;                          ///< of the method
   std::string library_version;               ///< of the library behind it
@@ -76,7 +76,7 @@ Bytes EncodeRefusal(const std::string& why);
 std::string DecodeRefusal(const Bytes& payload);
 /// kHello.
 Bytes Encode(const Hello& hello);
-/// kProblem. @param version  the worker's, here and below
+/// kProblem. @param version  the worker's, here and below; std::runtime_error for friction and bounded rows before 5
 Bytes Encode(const ProblemArrays& problem, std::uint32_t version = kProtocolVersion);
 /// kOtherB.
 Bytes Encode(const Eigen::VectorXd& b);

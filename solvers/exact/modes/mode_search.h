@@ -1,0 +1,12 @@
+#pragma once
+
+#include "solvers/exact/modes/mode_answer.h"
+
+namespace lcpbench {
+
+/// All solutions, where there are no more modes than options.most_modes: linear systems in rationals, mode by mode,
+/// polyhedra of the singular ones by their vertices. Above, one solution: the modes of the guess, then Lemke's path
+/// along the modes (mode_path.h).
+ModeAnswer SolveByModes(const ExactLcp& problem, const ModeOptions& options);
+
+}  // namespace lcpbench

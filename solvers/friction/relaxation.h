@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+
+#include "solvers/lcp/engine_solver.h"
+
+namespace lcpbench {
+
+/// Options of RelaxationSolver: none.
+struct RelaxationOptions {
+  /// @throws InputError for any setting
+  static RelaxationOptions FromSettings(const Settings& settings);
+};
+
+/// Contact with friction relaxed to a problem without: f in the friction cones, w in their duals, f.w = 0. In the plane
+/// that is exactly the LCP of two unilateral rows a contact, J_n +- mu J_t, with forces a+ and a-: f_n = a+ + a-, f_t =
+/// mu (a+ - a-); `auto` solves it. [docs/friction.md section 1; Anitescu 2006; Todorov 2014]
+///
+/// A model of its own (LcpResult::model): a contact that slips also opens, w_n = mu |w_t|. Where no contact with a
+/// force slips its answer obeys Coulomb's law. A contact with mu = 0 keeps its one row.
+///
+/// Takes friction rows, one a contact, and plain rows; symmetric positive semidefinite A, as `auto`. Refuses sliding
+/// and bounded rows, and several friction rows a contact. Status, iterations, ray and guarantees are those of `auto` on
+/// the relaxed problem; a ray of that is not one of the given problem, so that kInfeasible becomes kNumericalFailure.
+/// Cost: the product of the rows, O(nnz), and one solve.
+using RelaxationSolver = EngineSolver<RelaxationOptions, class RelaxationEngine>;
+extern template class EngineSolver<RelaxationOptions, RelaxationEngine>;
+
+}  // namespace lcpbench

@@ -1,0 +1,135 @@
+// Solvers that take friction, on the records of the oracle: docs/friction.md section 11.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "solvers/lcp/verify.h"
+#include "solvers/registry.h"
+#include "tests/solvers/friction/friction_records.h"
+
+namespace lcpbench {
+namespace {
+
+LcpResult SolveWith(LcpSolver* solver, const LcpProblem& problem, double tolerance, std::int64_t iterations = 2000) {
+  LcpOptions options;
+  options.tolerance = tolerance;
+  options.max_iterations = iterations;
+  options.time_limit_s = 5;
+  LcpResult result;
+  solver->Solve(problem, options, &result);
+  return result;
+}
+
+class FrictionSolvers : public ::testing::TestWithParam<std::string> {
+ protected:
+  const std::unique_ptr<LcpSolver> solver_ = MakeSolver(GetParam());
+};
+
+TEST(FrictionSolver, OthersRefuseByName) {
+  for (const SolverEntry& entry : AllSolvers()) {
+    if (!entry.available || entry.origin != SolverOrigin::kOwn) continue;
+    const std::unique_ptr<LcpSolver> solver = MakeSolver(entry.key);
+    EXPECT_EQ(solver->TakesFriction(), entry.takes_friction) << entry.key;
+    EXPECT_EQ(solver->TakesBounded(), entry.takes_bounded) << entry.key;
+    for (const FrictionRecord& record : FrictionRecords()) {
+      const bool has_friction = !record.problem().friction_rows().empty();
+      const bool has_bounds = !record.problem().bounded_rows().empty();
+      if ((!has_friction || entry.takes_friction) && (!has_bounds || entry.takes_bounded)) continue;
+      const LcpResult result = SolveWith(solver.get(), record.problem(), 1e-6);
+      EXPECT_EQ(result.status, LcpStatus::kUnsupported) << entry.key;
+      EXPECT_EQ(result.detail, has_friction && !entry.takes_friction ? "friction rows" : "bounded rows") << entry.key;
+      LcpResult of_arrays;
+      solver->SolveArrays(ProblemArrays::Of(record.problem()), {}, &of_arrays);
+      EXPECT_EQ(of_arrays.status, LcpStatus::kUnsupported) << entry.key;
+    }
+  }
+}
+
+// A solver may fail, but must not claim what does not hold.
+TEST_P(FrictionSolvers, ClaimNothingFalse) {
+  for (const FrictionRecord& record : FrictionRecords()) {
+    for (const double tolerance : kTiers) {
+      const LcpResult result = SolveWith(solver_.get(), record.problem(), tolerance);
+      const Verdict verdict = Verify(record.problem(), result, tolerance, &record.parsed.reference);
+      EXPECT_FALSE(verdict.false_success) << record.problem().id() << " " << verdict.reason;
+      EXPECT_FALSE(verdict.false_infeasible) << record.problem().id();
+      if (!record.is_solved() && result.model == FrictionModel::kCoulomb) {
+        EXPECT_NE(result.status, LcpStatus::kSolved) << record.problem().id();
+      }
+    }
+  }
+}
+
+TEST_P(FrictionSolvers, SameAnswersFromEveryForm) {
+  for (const FrictionRecord& record : FrictionRecords()) {
+    const LcpProblem& problem = record.problem();
+    if (!record.is_solved() || !problem.has_factors() || record.json.value("w_unique", false) == false) continue;
+    const LcpResult by_factors = SolveWith(solver_.get(), problem, 1e-9);
+    const LcpResult by_matrix = SolveWith(solver_.get(), InForm(problem, MatrixForm::kDense), 1e-9);
+    if (by_factors.status != LcpStatus::kSolved || by_matrix.status != LcpStatus::kSolved) continue;
+    const Metrics one = ComputeMetrics(problem, by_factors.f);
+    const Metrics other = ComputeMetrics(problem, by_matrix.f);
+    EXPECT_LE((one.w - other.w).cwiseAbs().maxCoeff(), 1e-6 * (1 + problem.b().cwiseAbs().maxCoeff())) << problem.id();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, FrictionSolvers, ::testing::Values("pgs", "psor", "relaxation"),
+                         [](const auto& test) { return test.param; });
+
+TEST(FrictionSolver, SweepsSolveMostRecords) {
+  for (const char* key : {"pgs", "psor"}) {
+    const std::unique_ptr<LcpSolver> solver = MakeSolver(key);
+    int right = 0, solvable = 0;
+    for (const FrictionRecord& record : FrictionRecords()) {
+      if (!record.is_solved()) continue;
+      ++solvable;
+      const LcpResult result = SolveWith(solver.get(), record.problem(), 1e-9, 20'000);
+      if (result.status != LcpStatus::kSolved) continue;
+      ++right;
+      if (record.parsed.reference.w) {
+        EXPECT_LE((ComputeMetrics(record.problem(), result.f).w - *record.parsed.reference.w).cwiseAbs().maxCoeff(),
+                  1e-6 * (1 + record.problem().b().cwiseAbs().maxCoeff()))
+            << key << " " << record.problem().id();
+      }
+    }
+    EXPECT_GE(right, 9 * solvable / 10) << key;
+  }
+}
+
+// Its w is unique: that of the record's `relaxation`, which another program has.
+TEST(FrictionSolver, TheRelaxationIsThatOfTheRecords) {
+  const std::unique_ptr<LcpSolver> solver = MakeSolver("relaxation");
+  int compared = 0;
+  for (const FrictionRecord& record : FrictionRecords()) {
+    if (!record.json.contains("models") || !record.json["models"].contains("relaxation")) continue;
+    const LcpResult result = SolveWith(solver.get(), record.problem(), 1e-9, 0);
+    ASSERT_EQ(result.status, LcpStatus::kSolved) << record.problem().id() << " " << result.detail;
+    EXPECT_EQ(result.model, FrictionModel::kRelaxation);
+    const Verdict verdict = Verify(record.problem(), result, 1e-9);
+    EXPECT_LE(verdict.model_rho, 1e-9) << record.problem().id();
+    const Eigen::VectorXd w = ToVector(record.json["models"]["relaxation"]["w_exact"]);
+    EXPECT_LE((verdict.metrics.w - w).cwiseAbs().maxCoeff(), 1e-7 * (1 + record.problem().b().cwiseAbs().maxCoeff()))
+        << record.problem().id();
+    ++compared;
+  }
+  EXPECT_GE(compared, 55);
+}
+
+// With mu = 0 friction does nothing: the normal forces are those of the problem without friction rows.
+TEST(FrictionSolver, WithoutFrictionCoefficientsThereIsNone) {
+  for (const char* key : {"pgs", "psor", "relaxation"}) {
+    const std::unique_ptr<LcpSolver> solver = MakeSolver(key);
+    for (const FrictionRecord& record : FrictionRecords()) {
+      RowBounds bounds = record.problem().bounds();
+      if (bounds.friction.empty() || !bounds.bounded.empty()) continue;
+      for (FrictionRow& row : bounds.friction) row.mu = 0;
+      const LcpResult result = SolveWith(solver.get(), record.problem().WithBounds(bounds), 1e-9, 20'000);
+      if (result.status != LcpStatus::kSolved) continue;
+      for (const FrictionRow& row : bounds.friction) EXPECT_EQ(result.f[row.row], 0) << key;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench

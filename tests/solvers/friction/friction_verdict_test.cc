@@ -1,0 +1,397 @@
+// The verdict of problems with friction, sliding and bounded rows: docs/friction.md sections 4 and 11.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "solvers/lcp/law_metrics.h"
+#include "solvers/lcp/range_scaling.h"
+#include "solvers/lcp/verify.h"
+#include "tests/solvers/friction/friction_records.h"
+
+namespace lcpbench {
+namespace {
+
+LcpReference WithFloorOf(const LcpProblem& problem, const Eigen::VectorXd& f) {
+  LcpReference reference;
+  reference.floor = RoundingFloor(problem, f);
+  return reference;
+}
+
+TEST(FrictionVerdict, ExactAnswersPassEveryTier) {
+  int judged = 0;
+  for (const FrictionRecord& record : FrictionRecords()) {
+    for (const Eigen::VectorXd& f : KnownSolutions(record)) {
+      SCOPED_TRACE(record.problem().id());
+      const LcpReference reference = WithFloorOf(record.problem(), f);
+      const Metrics m = ComputeMetrics(record.problem(), f, &reference);
+      for (const double tier : kTiers) EXPECT_TRUE(PassesTier(m, tier)) << m.rho << " " << m.backward_error;
+      ++judged;
+    }
+  }
+  EXPECT_GE(judged, 250);
+}
+
+// f times -1, f = 0, and without tangential forces; answers of other models.
+TEST(FrictionVerdict, WrongAnswersPassNoTier) {
+  int refused = 0;
+  for (const FrictionRecord& record : FrictionRecords()) {
+    if (!record.is_solved() || !record.json.contains("f_exact")) continue;
+    SCOPED_TRACE(record.problem().id());
+    const Eigen::VectorXd right = ToVector(record.json["f_exact"]);
+    Eigen::VectorXd without_friction = right;
+    for (const FrictionRow& row : record.problem().friction_rows()) without_friction[row.row] = 0;
+    std::vector<Eigen::VectorXd> wrong = {-right, 0 * right, without_friction};
+    if (record.json.contains("models")) {
+      for (const auto& [name, model] : record.json["models"].items()) wrong.push_back(ToVector(model["f_exact"]));
+    }
+    const LcpReference reference = WithFloorOf(record.problem(), right);
+    for (const Eigen::VectorXd& f : wrong) {
+      const Metrics m = ComputeMetrics(record.problem(), f, &reference);
+      if (m.rho <= 1e-3) continue;
+      ++refused;
+      for (const double tier : kTiers) EXPECT_FALSE(PassesTier(m, tier));
+    }
+  }
+  EXPECT_GE(refused, 200);
+}
+
+// Records have them computed from the definitions in doubles, by another program.
+TEST(FrictionVerdict, RhoAndPartsOfOtherModelsAreThoseOfTheRecords) {
+  int compared = 0;
+  for (const FrictionRecord& record : FrictionRecords()) {
+    if (!record.json.contains("models")) continue;
+    for (const auto& [name, model] : record.json["models"].items()) {
+      SCOPED_TRACE(record.problem().id() + " " + name);
+      const Metrics m = ComputeMetrics(record.problem(), ToVector(model["f_exact"]));
+      EXPECT_NEAR(m.rho, model["rho"].get<double>(), 1e-9);
+      const nlohmann::json& parts = model["parts"];
+      for (const auto& [key, part] : {std::pair{"penetration", m.penetration},
+                                      {"adhesion", m.adhesion},
+                                      {"separation", m.separation},
+                                      {"cone", m.cone},
+                                      {"dissipation", m.dissipation},
+                                      {"joints", m.joints}}) {
+        EXPECT_NEAR(part, parts[key].get<double>(), 1e-9) << key;
+      }
+      ++compared;
+    }
+  }
+  EXPECT_GE(compared, 110);
+}
+
+// Forces near and far from every known solution.
+template <typename Visit>
+void ForEachDisturbed(const Visit& visit) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (const FrictionRecord& record : FrictionRecords()) {
+    for (const Eigen::VectorXd& solution : KnownSolutions(record)) {
+      for (const double size : {1e-8, 1e-3, 1.0}) {
+        Eigen::VectorXd f = solution;
+        for (double& x : f) x += size * normal(random) * (1 + std::abs(x));
+        visit(record.problem(), f);
+      }
+    }
+  }
+}
+
+TEST(FrictionVerdict, PartsMakeUpRho) {
+  ForEachDisturbed([](const LcpProblem& problem, const Eigen::VectorXd& f) {
+    const Metrics m = ComputeMetrics(problem, f);
+    double squares = 0;
+    for (const double part :
+         {m.penetration, m.adhesion, m.separation, m.cone, m.dissipation, m.joints, m.beyond_bounds}) {
+      squares += part * part;
+    }
+    const double rho = m.rho * m.rho;
+    EXPECT_LE(rho / 2, squares * (1 + 1e-12)) << problem.id();
+    EXPECT_LE(squares, 2 * rho * (1 + 1e-12)) << problem.id();
+  });
+}
+
+// b.f + f.A f / 2 <= 0 and f_t w_t = -mu f_n |w_t| for every solution.
+TEST(FrictionVerdict, SolutionsLoseEnergy) {
+  int judged = 0;
+  for (const FrictionRecord& record : FrictionRecords()) {
+    const LcpProblem& problem = record.problem();
+    for (const Eigen::VectorXd& f : KnownSolutions(record)) {
+      const Metrics m = ComputeMetrics(problem, f);
+      if (m.energy == -1) continue;
+      SCOPED_TRACE(problem.id());
+      // Powers are rounded by the terms of w; where loads are small beside these, S is too.
+      const Eigen::VectorXd terms = problem.DenseA().cwiseAbs() * f.cwiseAbs() + problem.b().cwiseAbs();
+      const ExtendedVector root =
+          problem.DenseA().diagonal().unaryExpr([](double d) { return d == 0 ? 1 : std::sqrt(d); }).cast<long double>();
+      const long double S = LoadScale(problem, root);
+      const double rounding = 1e-14 * f.cwiseAbs().dot(terms) / (S == 0 ? 1 : static_cast<double>(S * S));
+      EXPECT_LE(m.energy, rounding);
+      EXPECT_LE(m.created, rounding);
+      double power = 0, scale = 0;
+      for (const FrictionRow& row : problem.friction_rows()) {
+        power -= row.mu * f[row.normal] * std::abs(m.w[row.row]);
+        scale += row.mu * std::abs(f[row.normal]) * problem.b().cwiseAbs().maxCoeff();
+      }
+      double by_rows = 0;
+      for (const FrictionRow& row : problem.friction_rows()) by_rows += f[row.row] * m.w[row.row];
+      EXPECT_NEAR(by_rows, power, 1e-9 * (scale + std::abs(power)));
+      ++judged;
+    }
+  }
+  EXPECT_GE(judged, 200);
+}
+
+// The problem and f with row i in a unit `row`[i] times smaller and masses `mass` times larger.
+LcpProblem InOtherUnits(const LcpProblem& problem, const Eigen::VectorXd& row, double mass) {
+  RowBounds bounds = problem.bounds();
+  for (FrictionRow& friction : bounds.friction) friction.mu *= row[friction.normal] / row[friction.row];
+  for (BoundedRow& bounded : bounds.bounded) {
+    bounded.lower *= mass / row[bounded.row];
+    bounded.upper *= mass / row[bounded.row];
+  }
+  if (!problem.has_factors()) {
+    const Eigen::MatrixXd A = row.asDiagonal() * problem.DenseA() * row.asDiagonal();
+    return LcpProblem::FromDense("units", A / mass, row.cwiseProduct(problem.b()), bounds);
+  }
+  const SparseMatrix J = row.asDiagonal() * problem.J();
+  return LcpProblem::FromFactors("units", J, problem.inverse_mass() / mass, row.cwiseProduct(problem.b()), bounds);
+}
+
+TEST(FrictionVerdict, UnitsDoNotMatter) {
+  std::mt19937 random(7);
+  ForEachDisturbed([&random](const LcpProblem& problem, const Eigen::VectorXd& f) {
+    Eigen::VectorXd row(f.size());
+    for (double& x : row) x = std::ldexp(1.0, static_cast<int>(random() % 9) - 4);
+    const double mass = 64;
+    // Rows whose A_ii is 0 have the unit that they are given in, and rho is absolute where b is 0.
+    if ((problem.DiagonalA().array() == 0).any() || problem.b().isZero(0)) return;
+    const Metrics before = ComputeMetrics(problem, f);
+    const Metrics after = ComputeMetrics(InOtherUnits(problem, row, mass), mass * f.cwiseQuotient(row));
+    EXPECT_NEAR(after.rho, before.rho, 1e-12 * before.rho) << problem.id();
+    EXPECT_NEAR(after.backward_error, before.backward_error, 1e-12 * before.backward_error) << problem.id();
+    EXPECT_NEAR(after.dissipation, before.dissipation, 1e-12 * before.dissipation) << problem.id();
+    EXPECT_NEAR(after.energy, before.energy, 1e-12 * std::abs(before.energy)) << problem.id();
+  });
+}
+
+// Tangents turned round: the same contact seen in a mirror, or with its bodies swapped.
+TEST(FrictionVerdict, MirrorAndOrderDoNotMatter) {
+  std::mt19937 random(9);
+  ForEachDisturbed([&random](const LcpProblem& problem, const Eigen::VectorXd& f) {
+    const Index n = problem.size();
+    Eigen::PermutationMatrix<Eigen::Dynamic> order(n);
+    order.setIdentity();
+    std::shuffle(order.indices().begin(), order.indices().end(), random);
+    RowBounds bounds;
+    bounds.bilateral.assign(static_cast<size_t>(n), 0);
+    for (const Index i : problem.bilateral_rows()) bounds.bilateral[static_cast<size_t>(order.indices()[i])] = 1;
+    Eigen::VectorXd sign = Eigen::VectorXd::Ones(n);
+    for (FrictionRow row : problem.friction_rows()) {
+      sign[row.row] = -1;
+      row.slip = static_cast<signed char>(-row.slip);
+      row.row = order.indices()[row.row];
+      row.normal = order.indices()[row.normal];
+      bounds.friction.push_back(row);
+    }
+    for (BoundedRow row : problem.bounded_rows()) {
+      row.row = order.indices()[row.row];
+      bounds.bounded.push_back(row);
+    }
+    const Eigen::MatrixXd A = sign.asDiagonal() * problem.DenseA() * sign.asDiagonal();
+    const LcpProblem turned =
+        LcpProblem::FromDense("turned", order * A * order.transpose(), order * sign.cwiseProduct(problem.b()), bounds);
+    const LcpProblem same = LcpProblem::FromDense("same", problem.DenseA(), problem.b(), problem.bounds());
+    const Metrics before = ComputeMetrics(same, f);
+    const Metrics after = ComputeMetrics(turned, order * sign.cwiseProduct(f));
+    // Sums in another order round otherwise.
+    EXPECT_NEAR(after.rho, before.rho, 1e-12 * before.rho + 1e-17) << problem.id();
+    EXPECT_NEAR(after.backward_error, before.backward_error, 1e-12 * before.backward_error + 1e-17) << problem.id();
+    EXPECT_NEAR(after.cone, before.cone, 1e-12 * before.cone + 1e-17) << problem.id();
+  });
+}
+
+// A problem without friction rows but with empty laws is plain; with a bounded row [0, inf) it is not, and a solution
+// of one is a solution of the other.
+TEST(FrictionVerdict, UnilateralAndBoundedRowsHaveTheSameSolutions) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (int round = 0; round < 200; ++round) {
+    const Index n = 1 + round % 6;
+    Eigen::MatrixXd root(n, n);
+    for (double& x : root.reshaped()) x = normal(random);
+    const Eigen::MatrixXd A = root * root.transpose() + Eigen::MatrixXd::Identity(n, n);
+    Eigen::VectorXd f = Eigen::VectorXd::Zero(n), w = f;
+    for (Index i = 0; i < n; ++i) (random() % 2 == 0 ? f : w)[i] = std::abs(normal(random));
+    const LcpProblem plain = LcpProblem::FromDense("plain", A, w - A * f);
+    RowBounds bounds;
+    for (Index i = 0; i < n; ++i) bounds.bounded.push_back({i, 0, std::numeric_limits<double>::infinity()});
+    const LcpProblem bounded = plain.WithBounds(bounds);
+    for (const double disturbance : {0.0, 1e-2, 1.0}) {
+      Eigen::VectorXd g = f;
+      for (double& x : g) x += disturbance * normal(random);
+      // S is |D^-1/2 b| for both: bounds that are infinite do not limit what counts of b.
+      EXPECT_NEAR(ComputeMetrics(bounded, g).rho, ComputeMetrics(plain, g).rho, 1e-14);
+    }
+  }
+}
+
+TEST(FrictionVerdict, RaysProveOnlyWhereFrictionIsNotInThem) {
+  int proofs = 0;
+  for (const FrictionRecord& record : FrictionRecords()) {
+    SCOPED_TRACE(record.problem().id());
+    if (record.json.contains("ray_exact")) {
+      const Eigen::VectorXd ray = ToVector(record.json["ray_exact"]);
+      EXPECT_TRUE(VerifyFarkasRay(record.problem(), ray).accepted) << VerifyFarkasRay(record.problem(), ray).reason;
+      for (const FrictionRow& row : record.problem().friction_rows()) {
+        Eigen::VectorXd other = ray;
+        other[row.row] = 0.5;
+        EXPECT_FALSE(VerifyFarkasRay(record.problem(), other).accepted);
+      }
+      ++proofs;
+    }
+    // Where Lemke's path ends: as a rule it proves nothing.
+    if (record.json.contains("lemke_ray") && !record.json.contains("ray_exact")) {
+      EXPECT_FALSE(VerifyFarkasRay(record.problem(), ToVector(record.json["lemke_ray"])).accepted);
+    }
+  }
+  EXPECT_GE(proofs, 1);
+  for (const char* id : {"ce06-bounded-ray", "ce07-bounded-ray-friction", "ce12-joint-drift"}) {
+    const auto& all = FrictionRecords();
+    const auto found = std::ranges::find_if(all, [id](const FrictionRecord& r) { return r.problem().id() == id; });
+    ASSERT_NE(found, all.end());
+    Eigen::VectorXd y = Eigen::VectorXd::Ones(found->problem().size());
+    for (const FrictionRow& row : found->problem().friction_rows()) y[row.row] = 0;
+    EXPECT_TRUE(VerifyFarkasRay(found->problem(), y).proved) << id;
+  }
+}
+
+TEST(FrictionVerdict, InfeasibleNeedsARay) {
+  for (const FrictionRecord& record : FrictionRecords()) {
+    LcpResult claim;
+    claim.status = LcpStatus::kInfeasible;
+    claim.f = Eigen::VectorXd::Zero(record.problem().size());
+    EXPECT_TRUE(Verify(record.problem(), claim, 1e-6, &record.parsed.reference).false_infeasible)
+        << record.problem().id();
+    if (!record.json.contains("ray_exact")) continue;
+    claim.farkas_ray = ToVector(record.json["ray_exact"]);
+    EXPECT_FALSE(Verify(record.problem(), claim, 1e-6, &record.parsed.reference).false_infeasible);
+    LcpReference solvable = record.parsed.reference;
+    solvable.solvable = true;
+    EXPECT_TRUE(Verify(record.problem(), claim, 1e-6, &solvable).false_infeasible);
+  }
+}
+
+// Two contacts in place of one, each with half of the force.
+TEST(FrictionVerdict, ASplitContactKeepsItsAnswer) {
+  for (const FrictionRecord& record : FrictionRecords()) {
+    const LcpProblem& problem = record.problem();
+    if (!problem.has_factors() || problem.friction_rows().empty()) continue;
+    const FrictionRow row = problem.friction_rows().front();
+    const Index n = problem.size();
+    Eigen::MatrixXd J(n + 2, problem.J().cols());
+    J << Eigen::MatrixXd(problem.J()), Eigen::MatrixXd(problem.J()).row(row.normal),
+        Eigen::MatrixXd(problem.J()).row(row.row);
+    Eigen::VectorXd b(n + 2);
+    b << problem.b(), problem.b()[row.normal], problem.b()[row.row];
+    RowBounds bounds = problem.bounds();
+    if (!bounds.bilateral.empty()) bounds.bilateral.resize(static_cast<size_t>(n) + 2, 0);
+    bounds.friction.push_back({n + 1, n, row.mu, row.slip});
+    // Several tangents a contact: the others stay with the first.
+    if (std::ranges::count(problem.friction_rows(), row.normal, &FrictionRow::normal) > 1) continue;
+    const LcpProblem split =
+        LcpProblem::FromFactors("split", J.sparseView(1.0, 0.0), problem.inverse_mass(), b, bounds);
+    for (const Eigen::VectorXd& f : KnownSolutions(record)) {
+      Eigen::VectorXd halves(n + 2);
+      halves << f, f[row.normal] / 2, f[row.row] / 2;
+      halves[row.normal] /= 2;
+      halves[row.row] /= 2;
+      const LcpReference reference = WithFloorOf(split, halves);
+      EXPECT_TRUE(PassesTier(ComputeMetrics(split, halves, &reference), 1e-9)) << problem.id();
+    }
+  }
+}
+
+TEST(FrictionRows, AreCheckedAndNamed) {
+  const LcpProblem plain = LcpProblem::FromDense("p", Eigen::Matrix4d::Identity(), Eigen::Vector4d::Ones());
+  const auto refusal = [&plain](RowBounds bounds) -> std::string {
+    try {
+      plain.WithBounds(std::move(bounds));
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "taken";
+  };
+  const double nan = std::nan("");
+  const double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(refusal({.friction = {{1, 0, 0.5}, {3, 2, 0}}}), "taken");
+  EXPECT_EQ(refusal({.friction = {{3, 0, 0.5, 1}, {1, 0, 0.5}}, .bounded = {{2, -infinity, infinity}}}), "taken");
+  const std::pair<RowBounds, const char*> wrong[] = {
+      {{.friction = {{1, 0, -0.5}}}, "friction: row 1: mu is -0.5"},
+      {{.friction = {{1, 0, nan}}}, "friction: row 1: mu is"},
+      {{.friction = {{1, 0, infinity}}}, "friction: row 1: mu is inf"},
+      {{.friction = {{1, 4, 1}}}, "friction: row 1: normal is 4"},
+      {{.friction = {{1, -1, 1}}}, "friction: row 1: normal is -1"},
+      {{.bilateral = {1, 0, 0, 0}, .friction = {{1, 0, 1}}}, "friction: row 1: normal is 0, expected a unilateral row"},
+      {{.friction = {{1, 1, 1}}}, "friction: row 1: normal is 1, expected a unilateral row"},
+      {{.friction = {{1, 0, 1}, {1, 2, 1}}}, "friction: row 1 is listed twice"},
+      {{.friction = {{7, 0, 1}}}, "friction: row 7 is outside [0, 4)"},
+      {{.bilateral = {0, 1, 0, 0}, .friction = {{1, 0, 1}}}, "friction: row 1 is a bilateral row already"},
+      {{.friction = {{1, 0, 1, 2}}}, "friction: row 1: slip is 2"},
+      {{.friction = {{1, 0, 1}}, .bounded = {{1, 0, 1}}}, "bounded: row 1 is a friction row already"},
+      {{.bounded = {{1, 2, 1}}}, "bounded: row 1: lower is 2"},
+      {{.bounded = {{1, nan, 1}}}, "bounded: row 1: lower is"},
+      {{.bounded = {{1, infinity, infinity}}}, "bounded: row 1: lower is inf"},
+      {{.bounded = {{1, -infinity, -infinity}}}, "bounded: row 1: lower is -inf"},
+  };
+  for (const auto& [bounds, text] : wrong) EXPECT_NE(refusal(bounds).find(text), std::string::npos) << refusal(bounds);
+}
+
+TEST(FrictionRows, FilesReturnTheSameProblem) {
+  for (const FrictionRecord& record : FrictionRecords()) {
+    const LcpRecord again = ParseLcpRecord(FormatLcpRecord(record.problem()), "again");
+    EXPECT_EQ(again.problem.friction_rows(), record.problem().friction_rows());
+    EXPECT_EQ(again.problem.bounded_rows(), record.problem().bounded_rows());
+    EXPECT_EQ(again.problem.bilateral_rows(), record.problem().bilateral_rows());
+    EXPECT_EQ(again.problem.b(), record.problem().b());
+    const LcpProblem by_arrays = LcpProblem::FromArrays(ProblemArrays::Of(record.problem()));
+    EXPECT_EQ(by_arrays.friction_rows(), record.problem().friction_rows());
+    EXPECT_EQ(by_arrays.bounded_rows(), record.problem().bounded_rows());
+  }
+}
+
+// Rows and loads of any magnitude: what solves the scaled problem solves the given one.
+TEST(FrictionRows, ScalingOfRangeTakesLawsAlong) {
+  std::mt19937 random(11);
+  int solved = 0;
+  for (const FrictionRecord& record : FrictionRecords()) {
+    const std::vector<Eigen::VectorXd> solutions = KnownSolutions(record);
+    if (solutions.empty() || (record.problem().DiagonalA().array() == 0).any()) continue;
+    Eigen::VectorXd row(record.problem().size());
+    for (double& x : row) x = std::ldexp(1.0, static_cast<int>(random() % 200) - 100);
+    const double mass = std::ldexp(1.0, 220);
+    const LcpProblem extreme = InOtherUnits(record.problem(), row, mass);
+    const RangeScaling scaling(extreme);
+    LcpResult result;
+    LcpOptions options;
+    scaling.SolveScaled(
+        extreme, options, &result, [&](const LcpProblem& scaled, const LcpOptions& /*options*/, LcpResult* found) {
+          // f~ = f D^1/2 D~^-1/2 times one unit: b~ says which.
+          Index largest = 0;
+          extreme.b().cwiseAbs().maxCoeff(&largest);
+          const Eigen::VectorXd f = mass * solutions.front().cwiseQuotient(row);
+          const Eigen::VectorXd s = (scaled.DiagonalA().array() / extreme.DiagonalA().array()).sqrt().matrix();
+          const double unit = extreme.b()[largest] == 0 ? 1 : scaled.b()[largest] / (extreme.b()[largest] * s[largest]);
+          found->f = unit * f.cwiseQuotient(s);
+          found->status = LcpStatus::kSolved;
+          const LcpReference reference = WithFloorOf(scaled, found->f);
+          EXPECT_TRUE(PassesTier(ComputeMetrics(scaled, found->f, &reference), 1e-9)) << record.problem().id();
+        });
+    solved += result.status == LcpStatus::kSolved ? 1 : 0;
+  }
+  EXPECT_GE(solved, 80);
+}
+
+}  // namespace
+}  // namespace lcpbench

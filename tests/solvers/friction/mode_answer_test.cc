@@ -1,0 +1,297 @@
+// All solutions of problems with friction, in rationals: docs/friction.md section 7.
+#include "solvers/exact/modes/mode_search.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+#include <string>
+
+#include "solvers/exact/modes/polyhedron.h"
+#include "tests/solvers/friction/friction_records.h"
+
+namespace lcpbench {
+namespace {
+
+RationalVector ToRationals(const nlohmann::json& numbers) {
+  RationalVector vector;
+  for (const nlohmann::json& number : numbers) {
+    vector.push_back(number.is_string() ? Rational(number.get<std::string>()) : Rational(number.get<double>()));
+  }
+  return vector;
+}
+
+// Directions have any length.
+RationalVector OfUnitLength(RationalVector direction, bool has_sign) {
+  Rational sum = 0;
+  for (const Rational& value : direction) sum += abs(value);
+  const auto first = std::ranges::find_if(direction, [](const Rational& value) { return value != 0; });
+  if (!has_sign && first != direction.end() && *first < 0) sum = -sum;
+  for (Rational& value : direction) value /= sum;
+  return direction;
+}
+
+using PointSet = std::set<RationalVector>;
+struct PieceSets {
+  PointSet vertices, rays;
+  auto operator<=>(const PieceSets&) const = default;
+};
+
+TEST(ModeAnswer, HasThePiecesOfEveryRecord) {
+  int solved = 0, infeasible = 0;
+  for (const FrictionRecord& record : FrictionRecords()) {
+    if (!record.json.contains("pieces") && record.is_solved()) continue;
+    SCOPED_TRACE(record.problem().id());
+    const ExactLcp problem = ParseExactLcp(record.line, "record");
+    ModeOptions options;
+    options.most_modes = 65536;
+
+    const ModeAnswer answer = SolveByModes(problem, options);
+    ASSERT_TRUE(answer.complete);
+    EXPECT_EQ(answer.status == LcpReference::Status::kSolved, record.is_solved());
+    if (!record.is_solved()) {
+      ++infeasible;
+      if (record.json.contains("infeasible_by")) {
+        EXPECT_EQ(!answer.ray.empty(), record.json["infeasible_by"] == "normal-ray");
+      }
+      continue;
+    }
+    ++solved;
+    std::set<PieceSets> found, known;
+    for (const ModePiece& piece : answer.pieces) {
+      PieceSets sets;
+      sets.vertices.insert(piece.f.vertices.begin(), piece.f.vertices.end());
+      for (const RationalVector& ray : piece.f.rays) sets.rays.insert(OfUnitLength(ray, true));
+      EXPECT_TRUE(piece.f.lines.empty() || !record.json["pieces"].empty());
+      found.insert(sets);
+      for (const RationalVector& f : piece.f.vertices) EXPECT_EQ(FindFaultOfModes(problem, piece.modes, f), "");
+    }
+    bool has_lines = false;
+    for (const nlohmann::json& piece : record.json["pieces"]) {
+      PieceSets sets;
+      for (const nlohmann::json& vertex : piece["vertices"]) sets.vertices.insert(ToRationals(vertex));
+      for (const nlohmann::json& ray : piece["rays"]) sets.rays.insert(OfUnitLength(ToRationals(ray), true));
+      has_lines = has_lines || !piece["lines"].empty();
+      known.insert(sets);
+    }
+    EXPECT_EQ(answer.pieces.size(), record.json["pieces"].size());
+    // With lines a vertex is any point of a face.
+    if (!has_lines) {
+      EXPECT_TRUE(found == known);
+    }
+    if (record.json.contains("components")) {
+      EXPECT_EQ(answer.components, record.json["components"].get<Index>());
+    }
+    if (record.json.contains("f_unique")) {
+      EXPECT_EQ(answer.f_unique, record.json["f_unique"].get<bool>());
+    }
+    if (record.json.contains("w_unique")) {
+      EXPECT_EQ(answer.w_unique, record.json["w_unique"].get<bool>());
+    }
+  }
+  EXPECT_GE(solved, 90);
+  EXPECT_GE(infeasible, 8);
+}
+
+// Without enumeration: one solution by the path, from nothing, and from the modes of a rounded one.
+TEST(ModeAnswer, ThePathEndsInASolution) {
+  int solved = 0, rays = 0, from_guess = 0;
+  for (const FrictionRecord& record : FrictionRecords()) {
+    const auto& rows = record.problem().friction_rows();
+    const bool takes =
+        record.problem().bounded_rows().empty() && std::ranges::all_of(rows, [&](const FrictionRow& row) {
+          return row.slip == 0 && std::ranges::count(rows, row.normal, &FrictionRow::normal) == 1;
+        });
+    if (!takes) continue;
+    SCOPED_TRACE(record.problem().id());
+    const ExactLcp problem = ParseExactLcp(record.line, "record");
+    ModeOptions options;
+    options.most_modes = 0;
+    ModeAnswer answer = SolveByModes(problem, options);
+    EXPECT_FALSE(answer.complete);
+    if (answer.status == LcpReference::Status::kSolved) {
+      EXPECT_TRUE(record.is_solved());
+      EXPECT_EQ(FindFaultOfModes(problem, answer.modes, answer.f), "");
+      ++solved;
+    } else {
+      ++rays;
+      EXPECT_FALSE(answer.detail.empty());
+    }
+    if (!record.is_solved() || !record.json.contains("f_exact")) continue;
+    options.guess = ToVector(record.json["f_exact"]);
+    answer = SolveByModes(problem, options);
+    from_guess += answer.tried == 0 ? 1 : 0;
+  }
+  EXPECT_GE(solved, 85);
+  EXPECT_LE(rays, 8);
+  EXPECT_GE(from_guess, 40);
+}
+
+// Small integers: J of `contacts` contacts, rows n, t in turn; on few coordinates rows depend on each other.
+ExactLcp RandomProblem(Index contacts, int coordinates, std::mt19937* random, std::string* line) {
+  const auto number = [random](int most) { return static_cast<int>((*random)() % (2 * most + 1)) - most; };
+  nlohmann::json record;
+  const Index n = 2 * contacts;
+  for (Index i = 0; i < n; ++i) {
+    for (int k = 0; k < coordinates; ++k) record["J"][At(i)].push_back(number(3));
+  }
+  for (int k = 0; k < coordinates; ++k) record["invM"].push_back(1 + (*random)() % 3);
+  // Level of velocities, b = J v + (c, 0), now and then with c < 0.
+  std::vector<int> v;
+  for (int k = 0; k < coordinates; ++k) v.push_back(number(6));
+  for (Index i = 0; i < n; ++i) {
+    int b = i % 2 == 0 && (*random)() % 2 == 0 ? number(12) : 0;
+    for (size_t k = 0; k < v.size(); ++k) b += record["J"][At(i)][k].get<int>() * v[k];
+    record["b"].push_back(b);
+    if (i % 2 == 0) continue;
+    record["friction"]["row"].push_back(i);
+    record["friction"]["normal"].push_back(i - 1);
+    record["friction"]["mu"].push_back(std::to_string((*random)() % 8) + "/4");
+  }
+  *line = record.dump();
+  return ParseExactLcp(*line, "random");
+}
+
+// Another algorithm: every complementary basis of the LCP of four rows a contact (p, beta+, beta-, sigma).
+std::vector<RationalVector> BasicSolutions(const ExactLcp& problem) {
+  const Index contacts = problem.size / 2, m = 4 * contacts;
+  std::vector<RationalVector> M(At(m), RationalVector(At(m)));
+  RationalVector q(At(m));
+  const auto a = [&](Index i, Index j) -> const Rational& { return problem.A[At(i * problem.size + j)]; };
+  for (Index i = 0; i < contacts; ++i) {
+    q[At(4 * i)] = problem.b[At(2 * i)];
+    q[At(4 * i + 1)] = problem.b[At(2 * i + 1)];
+    q[At(4 * i + 2)] = -problem.b[At(2 * i + 1)];
+    for (Index j = 0; j < contacts; ++j) {
+      const int sign[3] = {1, 1, -1};
+      for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) {
+          M[At(4 * i + r)][At(4 * j + c)] = sign[r] * sign[c] * a(2 * i + (r > 0 ? 1 : 0), 2 * j + (c > 0 ? 1 : 0));
+        }
+      }
+    }
+    M[At(4 * i + 1)][At(4 * i + 3)] = M[At(4 * i + 2)][At(4 * i + 3)] = 1;
+    M[At(4 * i + 3)][At(4 * i)] = problem.friction[At(i)].mu;
+    M[At(4 * i + 3)][At(4 * i + 1)] = M[At(4 * i + 3)][At(4 * i + 2)] = -1;
+  }
+  std::vector<RationalVector> solutions;
+  for (std::uint64_t basis = 0; basis < std::uint64_t{1} << static_cast<unsigned>(m); ++basis) {
+    std::vector<Index> in;
+    for (Index i = 0; i < m; ++i) {
+      if ((basis >> static_cast<unsigned>(i) & 1U) != 0) in.push_back(i);
+    }
+    // Gauss elimination of M_BB z = -q_B.
+    const size_t size = in.size();
+    std::vector<RationalVector> rows;
+    for (const Index i : in) {
+      rows.emplace_back();
+      for (const Index j : in) rows.back().push_back(M[At(i)][At(j)]);
+      rows.back().push_back(-q[At(i)]);
+    }
+    bool is_singular = false;
+    for (size_t k = 0; k < size && !is_singular; ++k) {
+      size_t p = k;
+      while (p < size && rows[p][k] == 0) ++p;
+      is_singular = p == size;
+      if (is_singular) break;
+      std::swap(rows[p], rows[k]);
+      for (size_t i = 0; i < size; ++i) {
+        if (i == k || rows[i][k] == 0) continue;
+        const Rational factor = rows[i][k] / rows[k][k];
+        for (size_t j = k; j <= size; ++j) rows[i][j] -= factor * rows[k][j];
+      }
+    }
+    if (is_singular) continue;
+    RationalVector z(At(m));
+    bool is_solution = true;
+    for (size_t k = 0; k < size && is_solution; ++k) {
+      z[At(in[k])] = rows[k][size] / rows[k][k];
+      is_solution = z[At(in[k])] >= 0;
+    }
+    for (Index i = 0; i < m && is_solution; ++i) {
+      Rational w = q[At(i)];
+      for (Index j = 0; j < m; ++j) {
+        if (z[At(j)] != 0) w += M[At(i)][At(j)] * z[At(j)];
+      }
+      is_solution = w >= 0;
+    }
+    if (!is_solution) continue;
+    RationalVector f;
+    for (Index i = 0; i < contacts; ++i) {
+      f.push_back(z[At(4 * i)]);
+      f.push_back(z[At(4 * i + 1)] - z[At(4 * i + 2)]);
+    }
+    solutions.push_back(std::move(f));
+  }
+  return solutions;
+}
+
+TEST(ModeAnswer, AgreesWithAllComplementaryBases) {
+  std::mt19937 random(17);
+  const std::pair<Index, int> counts[] = {{1, 1200}, {2, 770}, {3, 30}};
+  int without = 0, several = 0;
+  for (const auto& [contacts, count] : counts) {
+    for (int round = 0; round < count; ++round) {
+      std::string line;
+      const int coordinates = round % 3 == 0 ? 6 : 1 + round % 3;
+      const ExactLcp problem = RandomProblem(contacts, coordinates, &random, &line);
+      SCOPED_TRACE(line);
+      const ModeAnswer answer = SolveByModes(problem, {});
+      ASSERT_TRUE(answer.complete);
+      const std::vector<RationalVector> basic = BasicSolutions(problem);
+      EXPECT_EQ(answer.status == LcpReference::Status::kSolved, !basic.empty());
+      without += basic.empty() ? 1 : 0;
+      several += answer.pieces.size() > 1 ? 1 : 0;
+      // A basic solution lies in a piece, and a vertex is one where rows are independent.
+      PointSet vertices;
+      bool has_lines = false;
+      for (const ModePiece& piece : answer.pieces) {
+        vertices.insert(piece.f.vertices.begin(), piece.f.vertices.end());
+        has_lines = has_lines || !piece.f.lines.empty();
+      }
+      const PointSet basic_set(basic.begin(), basic.end());
+      for (const RationalVector& f : basic) {
+        EXPECT_TRUE(std::ranges::any_of(
+            answer.pieces, [&](const ModePiece& piece) { return FindFaultOfModes(problem, piece.modes, f).empty(); }));
+      }
+      if (has_lines) continue;
+      if (coordinates == 6) {
+        for (const RationalVector& f : vertices) EXPECT_TRUE(basic_set.contains(f));
+      }
+      // And the path finds one of them.
+      ModeOptions path;
+      path.most_modes = 0;
+      const ModeAnswer one = SolveByModes(problem, path);
+      if (one.status == LcpReference::Status::kSolved) {
+        EXPECT_EQ(FindFaultOfModes(problem, one.modes, one.f), "");
+      }
+    }
+  }
+  EXPECT_GE(without, 5);
+  EXPECT_GE(several, 20);
+}
+
+TEST(Polyhedron, OfKnownShapes) {
+  // The cube [0, 1]^3 has 8 vertices; without its upper faces it is an octant.
+  std::vector<Halfspace> octant, cube;
+  for (size_t k = 0; k < 3; ++k) {
+    RationalVector normal(3);
+    normal[k] = 1;
+    octant.push_back({normal, 0});
+    normal[k] = -1;
+    cube.push_back({normal, 1});
+  }
+  EXPECT_EQ(Intersect(3, octant).vertices.size(), 1U);
+  EXPECT_EQ(Intersect(3, octant).rays.size(), 3U);
+  cube.insert(cube.end(), octant.begin(), octant.end());
+  EXPECT_EQ(Intersect(3, cube).vertices.size(), 8U);
+  EXPECT_TRUE(Intersect(3, cube).rays.empty());
+  // A slab has lines; two half-lines that do not meet are empty.
+  EXPECT_EQ(Intersect(3, {cube[0], octant[0]}).lines.size(), 2U);
+  EXPECT_TRUE(Intersect(1, {{{Rational(1)}, Rational(-1)}, {{Rational(-1)}, Rational(0)}}).is_empty());
+  EXPECT_EQ(Intersect(0, {}).vertices.size(), 1U);
+}
+
+}  // namespace
+}  // namespace lcpbench
