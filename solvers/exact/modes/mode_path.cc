@@ -294,8 +294,8 @@ ModeAnswer SolveAlongModes(const ExactLcp& problem, const ModeOptions& options) 
     answer.status = LcpReference::Status::kSolved;
     answer.w = GapsOf(problem, answer.f);
   };
-  if (options.guess.size() == problem.size && options.guess.allFinite() &&
-      TakeModes(problem, ModesOf(problem, options.guess), &answer)) {
+  for (const std::string& modes : options.guesses) {
+    if (!TakeModes(problem, modes, &answer)) continue;
     finish();
     return answer;
   }
@@ -306,7 +306,7 @@ ModeAnswer SolveAlongModes(const ExactLcp& problem, const ModeOptions& options) 
   }
   if (!takes) {
     answer.detail =
-        "the modes of the guess are not right, and the path takes one friction row a contact, no sliding "
+        "no guess has the modes of a solution, and the path takes one friction row a contact, no sliding "
         "and no bounded rows";
     return answer;
   }

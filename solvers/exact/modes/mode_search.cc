@@ -6,6 +6,7 @@
 
 #include "solvers/exact/flint_matrix.h"
 #include "solvers/exact/modes/mode_path.h"
+#include "solvers/exact/modes/mode_proof.h"
 #include "solvers/exact/modes/mode_system.h"
 
 namespace lcpbench {
@@ -89,6 +90,7 @@ class ModeSearch {
       : problem_(problem),
         deadline_(LcpOptions{.time_limit_s = options.time_limit_s, .now = options.now}),
         system_(problem),
+        rounded_(problem),
         groups_(GroupsOf(problem)) {}
 
   bool IsSmall(std::int64_t most) const { return CountModes(groups_, most) <= most; }
@@ -131,6 +133,7 @@ class ModeSearch {
   }
 
   void Try(const std::string& modes) {
+    if (rounded_.Enclose(modes).signs == ModeEnclosure::Signs::kViolated) return;
     std::vector<Law> laws = LawsOf(problem_, modes);
     std::optional<ModeSpace> space = system_.SpaceOf(modes, laws);
     if (!space) return;
@@ -257,6 +260,7 @@ class ModeSearch {
   const ExactLcp& problem_;
   Deadline deadline_;
   ModeSystem system_;
+  RoundedModes rounded_;
   std::vector<ModeGroup> groups_;
   std::vector<Found> pieces_;
   ModeAnswer answer_;
