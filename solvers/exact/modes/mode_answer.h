@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -45,8 +46,8 @@ struct ModeOptions {
   std::int64_t most_modes = 4096;
   double time_limit_s = 3600;    ///< looked at between modes
   double (*now)() = &SteadyNow;  ///< the clock of the time limit
-  /// Above most_modes: modes that are tried first, in turn; not trusted.
-  std::vector<std::string> guesses = {};
+  /// Called above most_modes: modes that are tried first, in turn; not trusted.
+  std::function<std::vector<std::string>()> guesses = {};
 };
 
 /// What is wrong with f as a solution in these modes, from the definitions alone; "" where it is one.

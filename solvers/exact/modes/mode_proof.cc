@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "solvers/exact/dyadic_lcp.h"
@@ -249,7 +250,7 @@ namespace {
 
 // Not below the exact value.
 double RoundUp(const Rational& value) {
-  return std::nextafter(RoundToNearest(value), std::numeric_limits<double>::infinity());
+  return value == 0 ? 0 : std::nextafter(RoundToNearest(value), std::numeric_limits<double>::infinity());
 }
 
 // f with f_n >= 0, f_t = 0 where f_n or mu is 0, and bounds.
@@ -327,31 +328,29 @@ ModeProof ProveNearby(const LcpProblem& problem, const Eigen::VectorXd& start) {
   return proof;
 }
 
-ModeProof ProveModes(const LcpProblem& problem, const std::vector<Eigen::VectorXd>& starts) {
+bool ModeProof::IsBetterThan(const ModeProof& other) const {
+  if (proof != other.proof) return proof == Proof::kModes;
+  return std::max(b_shift, mu_shift) < std::max(other.b_shift, other.mu_shift);
+}
+
+ModeProof ProveModes(const LcpProblem& problem, const Eigen::VectorXd& start) {
   const RoundedModes rounded(problem);
-  std::vector<Eigen::VectorXd> tried;
-  for (const Eigen::VectorXd& start : starts) {
-    if (start.size() != problem.size() || !start.allFinite()) continue;
-    tried.push_back(start);
-    std::string before;
-    for (int step = 0; step < kMostSteps; ++step) {
-      const std::string modes = ModesOf(problem, tried.back());
-      if (modes == before) break;
-      before = modes;
-      ModeEnclosure enclosure = rounded.Enclose(modes);
-      if (enclosure.signs == ModeEnclosure::Signs::kStrict) {
-        return {ModeProof::Proof::kModes, modes, std::move(enclosure.f), enclosure.error};
-      }
-      if (enclosure.f.size() != problem.size()) break;
-      tried.push_back(std::move(enclosure.f));
+  const bool is_start = start.size() == problem.size() && start.allFinite();
+  Eigen::VectorXd f = is_start ? start : Eigen::VectorXd::Zero(problem.size());
+  ModeProof best = ProveNearby(problem, f);
+  std::string before;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const std::string modes = ModesOf(problem, f);
+    if (modes == before) break;
+    before = modes;
+    ModeEnclosure enclosure = rounded.Enclose(modes);
+    if (enclosure.f.size() != problem.size()) break;
+    f = std::move(enclosure.f);
+    if (enclosure.signs == ModeEnclosure::Signs::kStrict) {
+      return {ModeProof::Proof::kModes, modes, std::move(f), enclosure.error};
     }
-  }
-  ModeProof best;
-  best.b_shift = best.mu_shift = std::numeric_limits<double>::infinity();
-  best.f.setZero(problem.size());
-  for (const Eigen::VectorXd& f : tried) {
-    ModeProof proof = ProveNearby(problem, f);
-    if (std::max(proof.b_shift, proof.mu_shift) < std::max(best.b_shift, best.mu_shift)) best = std::move(proof);
+    ModeProof nearby = ProveNearby(problem, f);
+    if (nearby.IsBetterThan(best)) best = std::move(nearby);
   }
   return best;
 }

@@ -84,14 +84,16 @@ struct ModeProof {
   /// Of kNearbyProblem, evaluated without rounding, then rounded up: |D^-1/2 (b~ - b)|_2, D = diag A with 1 where that
   /// is 0, and the largest |mu~ - mu| / mu. Infinite where f has signs that no mu~ makes right.
   double b_shift = 0, mu_shift = 0;
+
+  /// More is proved, or of a problem that is nearer.
+  bool IsBetterThan(const ModeProof& other) const;
 };
 const char* ToString(ModeProof::Proof proof);
 
-/// From each start, steps of Newton's method along modes in doubles, until the modes repeat or are proved; where none
-/// are, the f of the least shift. Starts are not trusted.
-/// @param starts  at least one; n finite numbers each
-/// O(n^3) a step; a second for 1000 rows
-ModeProof ProveModes(const LcpProblem& problem, const std::vector<Eigen::VectorXd>& starts);
+/// Newton's method along modes in doubles from these forces, until modes are proved or repeat: then the f of the least
+/// shift.  O(n^3) a step, a second for 1000 rows
+/// @param start  n finite numbers, not trusted; from 0 where it is anything else
+ModeProof ProveModes(const LcpProblem& problem, const Eigen::VectorXd& start);
 
 /// b~ and mu~ of ModeProof::kNearbyProblem for these forces, which are clipped to f_n >= 0 and bounds first.
 ModeProof ProveNearby(const LcpProblem& problem, const Eigen::VectorXd& f);

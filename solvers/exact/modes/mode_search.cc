@@ -134,9 +134,9 @@ class ModeSearch {
 
   void Try(const std::string& modes) {
     if (rounded_.Enclose(modes).signs == ModeEnclosure::Signs::kViolated) return;
-    std::vector<Law> laws = LawsOf(problem_, modes);
-    std::optional<ModeSpace> space = system_.SpaceOf(modes, laws);
+    std::optional<ModeSpace> space = system_.SpaceOf(modes);
     if (!space) return;
+    std::vector<Law> laws = LawsOf(problem_, modes);
     const Polyhedron points = PointsOf(*space, laws);
     if (points.is_empty()) return;
     Polyhedron f;
@@ -234,7 +234,7 @@ class ModeSearch {
       if (modes[At(i)] == 'C') signs.push_back({{{i, false, 1}}, 0, false});
       signs.push_back({{{i, true, 1}}, 0, true});
     }
-    const std::optional<ModeSpace> space = ModeSystem(rays).SpaceOf(modes, {});
+    const std::optional<ModeSpace> space = ModeSystem(rays).SpaceOf(modes);
     if (!space) return {};
     const Polyhedron points = PointsOf(*space, signs);
     std::vector<RationalVector> directions = points.rays;

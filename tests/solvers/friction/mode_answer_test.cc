@@ -119,7 +119,9 @@ TEST(ModeAnswer, ThePathEndsInASolution) {
       EXPECT_FALSE(answer.detail.empty());
     }
     if (!record.is_solved() || !record.json.contains("f_exact")) continue;
-    options.guesses = {ModesOf(record.problem(), ToVector(record.json["f_exact"]))};
+    options.guesses = [&] {
+      return std::vector<std::string>{ModesOf(record.problem(), ToVector(record.json["f_exact"]))};
+    };
     answer = SolveByModes(problem, options);
     from_guess += answer.tried == 0 ? 1 : 0;
   }
