@@ -202,7 +202,7 @@ struct Certify {
     for (const auto& [name, values] : {std::pair{"w", w}, std::pair{"f", proof.f}}) {
       record[name] = std::vector<double>(values.begin(), values.end());
     }
-    record["time_s"] = time_s;
+    record.update({{"time_s", time_s}, {"detail", ""}});
     return record;
   }
 
