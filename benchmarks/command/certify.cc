@@ -1,6 +1,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "benchmarks/collection/problem_formats.h"
@@ -59,22 +60,19 @@ struct Certify {
       }
       // A line may have fractions, which its problem rounds.
       const bool as_written = !line.empty() && !record.symmetrized;
-      if (!exact && !record.problem.is_plain()) {
-        throw InputError(where +
-                         ": expected a plain problem beyond --exact-up-to rows, found friction or bounded rows");
-      }
-      std::cout << (!exact       ? Bound(record.problem)
-                    : as_written ? Solve(ParseExactLcp(line, where))
-                                 : Solve(ExactFrom(record.problem)))
-                       .dump()
-                << std::endl;
+      const LcpProblem& problem = record.problem;
+      const auto solve = [&] {
+        const ExactLcp given = as_written ? ParseExactLcp(line, where) : ExactFrom(problem);
+        return problem.is_plain() ? Solve(given) : SolveModes(given, problem);
+      };
+      const Json answer = exact ? solve() : problem.is_plain() ? Bound(problem) : BoundModes(problem);
+      std::cout << answer.dump() << std::endl;
     };
     return ForEachProblem(files, reading, certify);
   }
 
  private:
   Json Solve(const ExactLcp& problem) const {
-    if (!problem.is_plain()) return SolveModes(problem);
     ExactOptions options;
     options.time_limit_s = time_limit_s;
     options.most_rows_of_proofs = most_rows_of_proofs;
@@ -106,10 +104,11 @@ struct Certify {
   }
 
   // A problem with friction or bounded rows.
-  Json SolveModes(const ExactLcp& problem) const {
+  Json SolveModes(const ExactLcp& problem, const LcpProblem& rounded_problem) const {
     ModeOptions options;
     options.most_modes = most_modes;
     options.time_limit_s = time_limit_s;
+    options.guesses = [&] { return GuessModes(rounded_problem).modes; };
     const double start = SteadyNow();
     const ModeAnswer answer = SolveByModes(problem, options);
     const bool solved = answer.status == LcpReference::Status::kSolved;
@@ -184,6 +183,26 @@ struct Certify {
                    {"refinements", reference.refinements},
                    {"time_s", time_s},
                    {"detail", reference.detail}});
+    return record;
+  }
+
+  // The same of a problem with friction or bounded rows (mode_proof.h).
+  Json BoundModes(const LcpProblem& problem) const {
+    const double start = SteadyNow();
+    const ModeProof proof = GuessModes(problem).proof;
+    const double time_s = SteadyNow() - start;
+    const bool certified = proof.proof == ModeProof::Proof::kModes;
+    Eigen::VectorXd w;
+    problem.ComputeW(proof.f, &w);
+    Json record = {{"id", problem.id()},       {"n", problem.size()},
+                   {"status", "bounded"},      {"certified", certified},
+                   {"complete", false},        {"proof", ToString(proof.proof)},
+                   {"modes", proof.modes},     {"f_bound", certified ? Json(proof.f_bound) : Json(nullptr)},
+                   {"b_shift", proof.b_shift}, {"mu_shift", proof.mu_shift}};
+    for (const auto& [name, values] : {std::pair{"w", w}, std::pair{"f", proof.f}}) {
+      record[name] = std::vector<double>(values.begin(), values.end());
+    }
+    record.update({{"time_s", time_s}, {"detail", ""}});
     return record;
   }
 

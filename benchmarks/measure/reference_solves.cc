@@ -4,7 +4,9 @@
 #include <array>
 #include <memory>
 #include <string_view>
+#include <utility>
 
+#include "solvers/exact/modes/mode_answer.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 
@@ -15,6 +17,7 @@ constexpr double kTolerance = 1e-12;
 constexpr double kTimeLimit = 30;
 // By expected cost. The answers of an interior point, of pivoting and of descent from 0 lie apart where f is not
 // unique: their floors differ by up to 50 on redundant packings.
+constexpr std::array<const char*, 3> kModeSolvers = {"auto", "relaxation", "pgs"};
 constexpr std::array<std::string_view, 4> kReferenceSolvers = {"auto", "suitesparse", "nncg", "dantzig"};
 
 LcpResult SolveBy(const char* key, const LcpProblem& problem) {
@@ -43,6 +46,25 @@ ExactGuess GuessBySolvers(const LcpProblem& problem) {
 }
 
 LcpResult SolveNearly(const LcpProblem& problem) { return SolveBy("auto", problem); }
+
+ModeGuess GuessModes(const LcpProblem& problem) {
+  ModeGuess guess;
+  guess.proof = ProveNearby(problem, Eigen::VectorXd::Zero(problem.size()));
+  for (const char* key : kModeSolvers) {
+    const SolverEntry& entry = FindSolver(key);
+    if (!problem.friction_rows().empty() && !entry.takes_friction) continue;
+    if (!problem.bounded_rows().empty() && !entry.takes_bounded) continue;
+    const LcpResult result = SolveBy(key, problem);
+    if (result.f.size() != problem.size() || !result.f.allFinite()) continue;
+    ModeProof proof = ProveModes(problem, result.f);
+    const bool is_proved = proof.proof == ModeProof::Proof::kModes;
+    guess.modes.insert(is_proved ? guess.modes.begin() : guess.modes.end(), proof.modes);
+    guess.modes.push_back(ModesOf(problem, result.f));
+    if (proof.IsBetterThan(guess.proof)) guess.proof = std::move(proof);
+    if (is_proved) break;
+  }
+  return guess;
+}
 
 std::optional<double> FindReferenceFloor(const LcpProblem& problem, double tolerance, double time_limit_s) {
   std::optional<double> least;

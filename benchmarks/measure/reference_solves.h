@@ -1,8 +1,11 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "solvers/exact/exact_lcp.h"
+#include "solvers/exact/modes/mode_proof.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 
@@ -13,6 +16,15 @@ ExactGuess GuessBySolvers(const LcpProblem& problem);
 
 /// Where RefineReference starts: the answer of `auto`.
 LcpResult SolveNearly(const LcpProblem& problem);
+
+/// What is known in doubles of a problem with friction, sliding or bounded rows.
+struct ModeGuess {
+  ModeProof proof;                 ///< the best one
+  std::vector<std::string> modes;  ///< that may have a solution, the most likely ones first
+};
+
+/// From the answers of solvers that take the rows, one after the other, until modes are proved.
+ModeGuess GuessModes(const LcpProblem& problem);
 
 /// The floor that all verdicts on one problem are relative to, found without any of the judged answers: where f is not
 /// unique, a solver that returns a huge self-stress must not loosen its own verdict.

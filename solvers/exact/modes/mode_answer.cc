@@ -1,7 +1,5 @@
 #include "solvers/exact/modes/mode_answer.h"
 
-#include <algorithm>
-#include <boost/multiprecision/mpfr.hpp>
 #include <cmath>
 
 #include "solvers/exact/modes/mode_system.h"
@@ -21,51 +19,25 @@ std::string FindFaultOfModes(const ExactLcp& problem, const std::string& modes, 
   return {};
 }
 
-std::string ModesOf(const ExactLcp& problem, const Eigen::VectorXd& f) {
-  const Index n = problem.size;
-  std::vector<double> force(At(n)), gap(At(n));  // D^1/2 f, D^-1/2 w
-  for (Index i = 0; i < n; ++i) {
-    const double diagonal = problem.A[At(i * n + i)].convert_to<double>();
-    const double root = diagonal > 0 ? std::sqrt(diagonal) : 1;
-    Rational w = problem.b[At(i)];
-    for (Index j = 0; j < n; ++j) {
-      if (f[j] != 0) w += problem.A[At(i * n + j)] * Rational(f[j]);
-    }
-    force[At(i)] = root * f[i];
-    gap[At(i)] = w.convert_to<double>() / root;
-  }
+std::string ModesOf(const LcpProblem& problem, const Eigen::VectorXd& f) {
+  const Index n = problem.size();
+  Eigen::VectorXd w, root(n);
+  problem.ComputeW(f, &w);
+  for (Index i = 0; i < n; ++i) root[i] = problem.DiagonalA()[i] > 0 ? std::sqrt(problem.DiagonalA()[i]) : 1;
+  const Eigen::VectorXd trial = root.cwiseProduct(f) - w.cwiseQuotient(root);
   std::string modes(At(n), 'O');
   for (Index i = 0; i < n; ++i) {
-    if (problem.bilateral[At(i)] != 0) {
-      modes[At(i)] = 'B';
-    } else if (force[At(i)] > gap[At(i)]) {
-      modes[At(i)] = 'C';
-    }
+    if (trial[i] > 0) modes[At(i)] = 'C';
+    if (problem.is_bilateral(i)) modes[At(i)] = 'B';
   }
-  for (const ExactFrictionRow& row : problem.friction) {
-    const double root_ratio =
-        std::sqrt((problem.A[At(row.row * n + row.row)] + 0).convert_to<double>() /
-                  std::max(problem.A[At(row.normal * n + row.normal)].convert_to<double>(), 1e-300));
-    const double most =
-        row.mu.convert_to<double>() * (root_ratio > 0 ? root_ratio : 1) * (force[At(row.normal)] - gap[At(row.normal)]);
-    const double trial = force[At(row.row)] - gap[At(row.row)];
-    char& mode = modes[At(row.row)];
-    if (modes[At(row.normal)] == 'O') {
-      mode = 'o';
-    } else if (row.slip != 0) {
-      mode = 'k';
-    } else {
-      mode = trial > most ? '-' : trial < -most ? '+' : 'S';
-    }
+  for (const FrictionRow& row : problem.friction_rows()) {
+    const double most = row.mu * root[row.row] / root[row.normal] * trial[row.normal];
+    const char slip = trial[row.row] > most ? '-' : trial[row.row] < -most ? '+' : 'S';
+    modes[At(row.row)] = modes[At(row.normal)] == 'O' ? 'o' : row.slip != 0 ? 'k' : slip;
   }
-  for (const ExactBoundedRow& row : problem.bounded) {
-    const double diagonal = problem.A[At(row.row * n + row.row)].convert_to<double>();
-    const double root = diagonal > 0 ? std::sqrt(diagonal) : 1;
-    const double trial = (force[At(row.row)] - gap[At(row.row)]) / root;
-    char& mode = modes[At(row.row)];
-    mode = 'S';
-    if (row.lower && trial < row.lower->convert_to<double>()) mode = '+';
-    if (row.upper && trial > row.upper->convert_to<double>()) mode = '-';
+  for (const BoundedRow& row : problem.bounded_rows()) {
+    const double force = trial[row.row] / root[row.row];
+    modes[At(row.row)] = force < row.lower ? '+' : force > row.upper ? '-' : 'S';
   }
   return modes;
 }

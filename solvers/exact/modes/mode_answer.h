@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -45,14 +46,14 @@ struct ModeOptions {
   std::int64_t most_modes = 4096;
   double time_limit_s = 3600;    ///< looked at between modes
   double (*now)() = &SteadyNow;  ///< the clock of the time limit
-  /// Above most_modes: forces whose modes are tried first; n numbers, not trusted. Empty: none.
-  Eigen::VectorXd guess = {};
+  /// Called above most_modes: modes that are tried first, in turn; not trusted.
+  std::function<std::vector<std::string>()> guesses = {};
 };
 
 /// What is wrong with f as a solution in these modes, from the definitions alone; "" where it is one.
 std::string FindFaultOfModes(const ExactLcp& problem, const std::string& modes, const RationalVector& f);
 
 /// The modes of forces in doubles: by the signs of D^1/2 f - D^-1/2 w, clipped to the cone [Alart, Curnier 1991].
-std::string ModesOf(const ExactLcp& problem, const Eigen::VectorXd& f);
+std::string ModesOf(const LcpProblem& problem, const Eigen::VectorXd& f);
 
 }  // namespace lcpbench

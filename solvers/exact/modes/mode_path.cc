@@ -12,6 +12,8 @@ namespace {
 
 constexpr int kSeeds = 8;
 constexpr Index kMostStepsPerContact = 60;
+// From here on p-adic lifting is faster than what FLINT chooses.
+constexpr Index kLeastLiftedRows = 20;
 
 // A linear function of f and w: what is positive inside a cell and 0 on a wall.
 struct Wall {
@@ -173,7 +175,8 @@ class ModePath {
     Assign(matrix.at(m, m), wall.terms.empty() ? Rational(1) : ValueOf(value, none, d_, true));
     Assign(right.at(m, 0), wall.terms.empty() ? Rational(0) : -ValueOf(value, none, problem_.b, true));
     fmpq_one(right.at(m, 1));
-    if (fmpq_mat_solve(solution.get(), matrix.get(), right.get()) == 0) return std::nullopt;
+    const auto solve = m < kLeastLiftedRows ? &fmpq_mat_solve : &fmpq_mat_solve_dixon;
+    if (solve(solution.get(), matrix.get(), right.get()) == 0) return std::nullopt;
     Line line{none, none, problem_.b, none, ToRational(solution.at(m, 0)), ToRational(solution.at(m, 1))};
     for (Index j = 0; j < m; ++j) {
       const Rational at = ToRational(solution.at(j, 0)), step = ToRational(solution.at(j, 1));
@@ -278,7 +281,7 @@ class ModePath {
 
 // Takes the modes of a guess where they have a solution.
 bool TakeModes(const ExactLcp& problem, const std::string& modes, ModeAnswer* answer) {
-  const std::optional<ModeSpace> space = ModeSystem(problem).SpaceOf(modes, LawsOf(problem, modes));
+  const std::optional<ModeSpace> space = ModeSystem(problem).SpaceOf(modes);
   if (!space || !space->f_directions.empty()) return false;
   if (!FindFaultOfModes(problem, modes, space->f).empty()) return false;
   answer->f = space->f;
@@ -294,8 +297,8 @@ ModeAnswer SolveAlongModes(const ExactLcp& problem, const ModeOptions& options) 
     answer.status = LcpReference::Status::kSolved;
     answer.w = GapsOf(problem, answer.f);
   };
-  if (options.guess.size() == problem.size && options.guess.allFinite() &&
-      TakeModes(problem, ModesOf(problem, options.guess), &answer)) {
+  for (const std::string& modes : options.guesses ? options.guesses() : std::vector<std::string>{}) {
+    if (!TakeModes(problem, modes, &answer)) continue;
     finish();
     return answer;
   }
@@ -306,7 +309,7 @@ ModeAnswer SolveAlongModes(const ExactLcp& problem, const ModeOptions& options) 
   }
   if (!takes) {
     answer.detail =
-        "the modes of the guess are not right, and the path takes one friction row a contact, no sliding "
+        "no guess has the modes of a solution, and the path takes one friction row a contact, no sliding "
         "and no bounded rows";
     return answer;
   }

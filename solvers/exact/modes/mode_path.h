@@ -4,7 +4,7 @@
 
 namespace lcpbench {
 
-/// One solution of a problem with many contacts: that of the modes of options.guess, where these are right, else the
+/// One solution of a problem with many contacts: that of one of options.guesses, where these are right, else the
 /// end of Lemke's path along the modes [docs/friction.md section 5; Lemke 1965; Eaves 1976], without rounding.
 ///
 /// P(z): w = A f + b + z d, with d in the interior of the cone dual to the friction cones and 0 on joints. For large z

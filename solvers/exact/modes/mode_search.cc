@@ -6,6 +6,7 @@
 
 #include "solvers/exact/flint_matrix.h"
 #include "solvers/exact/modes/mode_path.h"
+#include "solvers/exact/modes/mode_proof.h"
 #include "solvers/exact/modes/mode_system.h"
 
 namespace lcpbench {
@@ -89,6 +90,7 @@ class ModeSearch {
       : problem_(problem),
         deadline_(LcpOptions{.time_limit_s = options.time_limit_s, .now = options.now}),
         system_(problem),
+        rounded_(problem),
         groups_(GroupsOf(problem)) {}
 
   bool IsSmall(std::int64_t most) const { return CountModes(groups_, most) <= most; }
@@ -131,9 +133,10 @@ class ModeSearch {
   }
 
   void Try(const std::string& modes) {
-    std::vector<Law> laws = LawsOf(problem_, modes);
-    std::optional<ModeSpace> space = system_.SpaceOf(modes, laws);
+    if (rounded_.Enclose(modes).signs == ModeEnclosure::Signs::kViolated) return;
+    std::optional<ModeSpace> space = system_.SpaceOf(modes);
     if (!space) return;
+    std::vector<Law> laws = LawsOf(problem_, modes);
     const Polyhedron points = PointsOf(*space, laws);
     if (points.is_empty()) return;
     Polyhedron f;
@@ -231,7 +234,7 @@ class ModeSearch {
       if (modes[At(i)] == 'C') signs.push_back({{{i, false, 1}}, 0, false});
       signs.push_back({{{i, true, 1}}, 0, true});
     }
-    const std::optional<ModeSpace> space = ModeSystem(rays).SpaceOf(modes, {});
+    const std::optional<ModeSpace> space = ModeSystem(rays).SpaceOf(modes);
     if (!space) return {};
     const Polyhedron points = PointsOf(*space, signs);
     std::vector<RationalVector> directions = points.rays;
@@ -257,6 +260,7 @@ class ModeSearch {
   const ExactLcp& problem_;
   Deadline deadline_;
   ModeSystem system_;
+  RoundedModes rounded_;
   std::vector<ModeGroup> groups_;
   std::vector<Found> pieces_;
   ModeAnswer answer_;

@@ -90,15 +90,6 @@ void AddTimes(const Rational& factor, const Unknown& unknown, RationalVector* f)
   for (const auto& [row, part] : unknown.followers) (*f)[At(row)] += factor * part;
 }
 
-// Whether a law that is about forces alone does not hold.
-bool Breaks(const Law& law, const RationalVector& f) {
-  for (const LawTerm& term : law.terms) {
-    if (term.is_gap) return false;
-  }
-  const Rational value = ValueOf(law, f, f);
-  return law.is_equation ? value != 0 : value < 0;
-}
-
 }  // namespace
 
 std::vector<Law> LawsOf(const ExactLcp& problem, const std::string& modes) {
@@ -144,7 +135,7 @@ ModeSystem::ModeSystem(const ExactLcp& problem)
       b_(Scaled(problem.b, problem.size, load_unit_)) {}
 
 // K y = -r of integers: columns of K are in units of their own, so that coefficients of friction are integers, too.
-std::optional<ModeSpace> ModeSystem::SpaceOf(const std::string& modes, const std::vector<Law>& laws) const {
+std::optional<ModeSpace> ModeSystem::SpaceOf(const std::string& modes) const {
   const std::vector<Unknown> unknowns = UnknownsOf(problem_, modes);
   const RationalVector fixed = FixedForces(problem_, modes);
   const auto m = static_cast<Index>(unknowns.size());
@@ -191,11 +182,6 @@ std::optional<ModeSpace> ModeSystem::SpaceOf(const std::string& modes, const std
   space.f = fixed;
   const Rational force_unit(matrix_unit_, load_unit);
   for (Index i = 0; i < rank; ++i) AddTimes(unknown_of(i, m) * force_unit, unknowns[At(pivots[At(i)])], &space.f);
-  if (rank == m) {
-    for (const Law& law : laws) {
-      if (Breaks(law, space.f)) return std::nullopt;
-    }
-  }
   space.w = GapsOf(problem_, space.f);
   for (const Index free : OtherRows(m, pivots)) {
     RationalVector direction(At(problem_.size));

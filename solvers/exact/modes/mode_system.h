@@ -44,9 +44,9 @@ class ModeSystem {
  public:
   explicit ModeSystem(const ExactLcp& problem);
 
-  /// Nothing where no forces meet the equations, or where they meet one point only, whose forces break one of `laws`
-  /// that is about forces alone: as most modes do.  O(m^3) operations on integers for m equations of gaps
-  std::optional<ModeSpace> SpaceOf(const std::string& modes, const std::vector<Law>& laws) const;
+  /// Nothing where no forces meet the equations.  O(m^3) operations on integers for m equations of gaps; many of
+  /// them modulo primes or by p-adic lifting [FLINT]
+  std::optional<ModeSpace> SpaceOf(const std::string& modes) const;
 
  private:
   const ExactLcp& problem_;

@@ -311,6 +311,37 @@ TEST_F(Command, CertifyAnswersInFractions) {
   EXPECT_EQ(rounded["w"], Json({0.0, 0.0}));
 }
 
+// A block that slides: f_n = 2, f_t = -1. By all modes, by those of solvers' answers, and by a proof in doubles.
+TEST_F(Command, CertifyProvesModesOfFriction) {
+  const std::string block =
+      R"({"id":"p","A":[[1,0],[0,1]],"b":[-2,3],"friction":{"row":[1],"normal":[0],"mu":["1/2"]}})";
+  const std::string same = R"({"id":"p","A":[[1,0],[0,1]],"b":[-2,3],"friction":{"row":[1],"normal":[0],"mu":[0.5]}})";
+  const Json all = Json::parse(Succeed("certify -", block).out);
+  EXPECT_EQ(all["complete"], true);
+  EXPECT_EQ(all["pieces"][0]["vertices"][0], Json({"2", "-1"}));
+  EXPECT_EQ(all["f_unique"], true);
+  const Json one = Json::parse(Succeed("certify --modes-up-to 0 -", block).out);
+  EXPECT_EQ(one["complete"], false);
+  EXPECT_EQ(one["tried"], 0);
+  const Json bounded = Json::parse(Succeed("certify --exact-up-to 0 -", same).out);
+  EXPECT_EQ(bounded["status"], "bounded");
+  EXPECT_LT(bounded["f_bound"], 1e-12);
+  for (const Json& answer : {all, one, bounded}) {
+    EXPECT_EQ(answer["certified"], true);
+    EXPECT_EQ(answer["proof"], "modes");
+    EXPECT_EQ(answer["modes"], "C+");
+    EXPECT_NEAR(answer["f"][1], -1, 1e-12);
+  }
+  // Two rows that carry the same load: doubles prove a problem nearby only.
+  const Json nearby =
+      Json::parse(Succeed("certify --exact-up-to 0 -", R"({"id":"p","J":[[1],[1],[0]],"invM":[1],"b":[-2,-2,0],)"
+                                                       R"("friction":{"row":[2],"normal":[0],"mu":[0.5]}})")
+                      .out);
+  EXPECT_EQ(nearby["certified"], false);
+  EXPECT_EQ(nearby["proof"], "nearby problem");
+  EXPECT_LT(nearby["b_shift"], 1e-12);
+}
+
 TEST_F(Command, CertifyTakesEveryFormatThatSolveDoes) {
   const std::string problem = Run("generate disc-pile --size 12 --seed 3").out;
   const Json expected = Json::parse(Succeed("certify -", problem).out);

@@ -1,13 +1,18 @@
-// All solutions of problems with friction, in rationals: docs/friction.md section 7.
+// All solutions of problems with friction, in rationals, and proofs in doubles: docs/friction.md section 7.
 #include "solvers/exact/modes/mode_search.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "solvers/exact/modes/mode_proof.h"
+#include "solvers/exact/modes/mode_system.h"
 #include "solvers/exact/modes/polyhedron.h"
 #include "tests/solvers/friction/friction_records.h"
 
@@ -119,7 +124,9 @@ TEST(ModeAnswer, ThePathEndsInASolution) {
       EXPECT_FALSE(answer.detail.empty());
     }
     if (!record.is_solved() || !record.json.contains("f_exact")) continue;
-    options.guess = ToVector(record.json["f_exact"]);
+    options.guesses = [&] {
+      return std::vector<std::string>{ModesOf(record.problem(), ToVector(record.json["f_exact"]))};
+    };
     answer = SolveByModes(problem, options);
     from_guess += answer.tried == 0 ? 1 : 0;
   }
@@ -270,6 +277,236 @@ TEST(ModeAnswer, AgreesWithAllComplementaryBases) {
   }
   EXPECT_GE(without, 5);
   EXPECT_GE(several, 20);
+}
+
+// Row k is `second` times row `first` of another problem, in pairs n, t.
+using Rows = std::vector<std::pair<Index, int>>;
+
+ExactLcp Rearranged(const ExactLcp& problem, const Rows& rows) {
+  ExactLcp result{problem.id, static_cast<Index>(rows.size()), {}, {}, std::vector<char>(rows.size(), 0)};
+  for (const auto& [i, sign] : rows) {
+    for (const auto& [j, other] : rows) result.A.push_back(sign * other * problem.A[At(i * problem.size + j)]);
+    result.b.push_back(sign * problem.b[At(i)]);
+  }
+  for (Index k = 1; k < result.size; k += 2) {
+    result.friction.push_back({k, k - 1, problem.friction[At(rows[At(k)].first / 2)].mu, 0});
+  }
+  return result;
+}
+
+RationalVector Rearranged(const RationalVector& f, const Rows& rows) {
+  RationalVector result;
+  for (const auto& [i, sign] : rows) result.push_back(sign * f[At(i)]);
+  return result;
+}
+
+std::set<PieceSets> Rearranged(const ModeAnswer& answer, const Rows& rows) {
+  std::set<PieceSets> all;
+  for (const ModePiece& piece : answer.pieces) {
+    PieceSets sets;
+    for (const RationalVector& f : piece.f.vertices) sets.vertices.insert(Rearranged(f, rows));
+    for (const RationalVector& ray : piece.f.rays) sets.rays.insert(OfUnitLength(Rearranged(ray, rows), true));
+    all.insert(sets);
+  }
+  return all;
+}
+
+bool IsSolution(const ExactLcp& problem, const ModeAnswer& answer, const RationalVector& f) {
+  return std::ranges::any_of(answer.pieces,
+                             [&](const ModePiece& piece) { return FindFaultOfModes(problem, piece.modes, f).empty(); });
+}
+
+TEST(ModeAnswer, FollowsOrderMirrorAndSplitting) {
+  std::mt19937 random(23);
+  int compared = 0;
+  for (int round = 0; round < 150; ++round) {
+    const Index contacts = 1 + round % 3;
+    std::string line;
+    const ExactLcp problem = RandomProblem(contacts, 2 + round % 4, &random, &line);
+    SCOPED_TRACE(line);
+    const ModeAnswer answer = SolveByModes(problem, {});
+    std::vector<Index> order = AllRows(contacts);
+    std::ranges::shuffle(order, random);
+    Rows same, ordered, mirrored;
+    for (Index k = 0; k < contacts; ++k) {
+      for (const Index row : {2 * k, 2 * k + 1}) {
+        same.emplace_back(row, 1);
+        ordered.emplace_back(2 * order[At(k)] + row % 2, 1);
+        mirrored.emplace_back(row, row % 2 == 0 ? 1 : -1);
+      }
+    }
+    const bool has_lines = std::ranges::any_of(answer.pieces, [](const ModePiece& p) { return !p.f.lines.empty(); });
+    for (const Rows& rows : {ordered, mirrored}) {
+      const ModeAnswer other = SolveByModes(Rearranged(problem, rows), {});
+      EXPECT_EQ(other.pieces.size(), answer.pieces.size());
+      EXPECT_EQ(other.components, answer.components);
+      EXPECT_EQ(other.f_unique, answer.f_unique);
+      EXPECT_EQ(other.w_unique, answer.w_unique);
+      EXPECT_EQ(other.ray.empty(), answer.ray.empty());
+      if (has_lines) continue;
+      EXPECT_TRUE(Rearranged(other, same) == Rearranged(answer, rows));
+      ++compared;
+    }
+    // Twice the first contact: forces of both add up.
+    Rows split = same;
+    split.insert(split.end(), same.begin(), same.begin() + 2);
+    const ExactLcp twice = Rearranged(problem, split);
+    const ModeAnswer other = SolveByModes(twice, {});
+    EXPECT_EQ(other.components, answer.components);
+    EXPECT_EQ(other.w_unique, answer.w_unique);
+    const auto n = At(problem.size);
+    for (const ModePiece& piece : other.pieces) {
+      for (RationalVector f : piece.f.vertices) {
+        f[0] += f[n];
+        f[1] += f[n + 1];
+        f.resize(n);
+        EXPECT_TRUE(IsSolution(problem, answer, f));
+      }
+    }
+    for (const ModePiece& piece : answer.pieces) {
+      for (const RationalVector& f : piece.f.vertices) {
+        RationalVector halves = Rearranged(f, split);
+        for (const size_t i : {size_t{0}, size_t{1}, n, n + 1}) halves[i] /= 2;
+        EXPECT_TRUE(IsSolution(twice, other, halves));
+      }
+    }
+  }
+  EXPECT_GE(compared, 200);
+}
+
+// A problem of doubles near to a random one of integers, where much is 0: J and b move by their last bits, or more.
+LcpProblem NearlyDegenerate(int round, std::mt19937* random) {
+  std::string line;
+  RandomProblem(1 + round % 3, 1 + round % 5, random, &line);
+  const LcpProblem problem = ParseLcpRecord(line, "random").problem;
+  const double size = std::ldexp(1.0, -30 - 3 * (round % 8));
+  const auto change = [&] { return round % 4 == 0 ? 0.0 : size * (static_cast<int>((*random)() % 7) - 3); };
+  SparseMatrix J = problem.J();
+  Eigen::VectorXd b = problem.b();
+  for (double& value : J.coeffs()) value += change();
+  for (double& value : b) value += change();
+  return LcpProblem::FromFactors("nearly degenerate", J, problem.inverse_mass(), b, problem.bounds());
+}
+
+Rational SquaredDistance(const ExactLcp& problem, const Eigen::VectorXd& f, const RationalVector& exact) {
+  Rational largest = 0;
+  for (Index i = 0; i < problem.size; ++i) {
+    const Rational difference = Rational(f[i]) - exact[At(i)];
+    largest = std::max(largest, Rational(difference * difference * problem.A[At(i * problem.size + i)]));
+  }
+  return largest;
+}
+
+TEST(ModeProof, WhatDoublesProveOfAModeIsSo) {
+  std::mt19937 random(31);
+  int strict = 0, violated = 0, unknown = 0;
+  for (int round = 0; round < 400; ++round) {
+    const LcpProblem problem = NearlyDegenerate(round, &random);
+    const ExactLcp exact = ExactFrom(problem);
+    const ModeSystem system(exact);
+    const RoundedModes of_doubles(problem), of_fractions(exact);
+    const Index contacts = problem.size() / 2;
+    for (int code = 0; code < 1 << (2 * contacts); ++code) {
+      std::string modes;
+      for (Index k = 0; k < contacts; ++k) modes += std::vector{"Oo", "CS", "C+", "C-"}[At(code >> (2 * k) & 3)];
+      SCOPED_TRACE(modes + " " + std::to_string(round));
+      const std::optional<ModeSpace> space = system.SpaceOf(modes);
+      for (const RoundedModes* rounded : {&of_doubles, &of_fractions}) {
+        const ModeEnclosure enclosure = rounded->Enclose(modes);
+        if (std::isfinite(enclosure.error)) {
+          ASSERT_TRUE(space && space->f_directions.empty());
+          const Rational error(enclosure.error);
+          EXPECT_LE(SquaredDistance(exact, enclosure.f, space->f), error * error);
+        }
+        if (enclosure.signs == ModeEnclosure::Signs::kUnknown) {
+          ++unknown;
+          continue;
+        }
+        const bool is_right = FindFaultOfModes(exact, modes, space->f).empty();
+        EXPECT_EQ(is_right, enclosure.signs == ModeEnclosure::Signs::kStrict);
+        ++(is_right ? strict : violated);
+      }
+    }
+  }
+  EXPECT_GE(strict, 150);
+  EXPECT_GE(violated, 5000);
+  EXPECT_GE(unknown, 500);
+}
+
+// Signs and coefficients that the proof says are those of f, put into the problem: f then solves it.
+void ExpectNearby(const LcpProblem& problem, const ModeProof& proof) {
+  ExactLcp nearby = ExactFrom(problem);
+  RationalVector f;
+  for (const double force : proof.f) f.emplace_back(force);
+  RationalVector w = GapsOf(nearby, f);
+  const RationalVector given = nearby.b;
+  Rational mu_shift = 0, b_shift = 0;
+  for (ExactFrictionRow& row : nearby.friction) {
+    const char mode = proof.modes[At(row.row)];
+    const Rational ratio = f[At(row.normal)] == 0 ? row.mu : Rational(abs(f[At(row.row)]) / f[At(row.normal)]);
+    if (mode == 'o' || row.mu == 0 || (mode == 'S' && ratio <= row.mu)) continue;
+    mu_shift = std::max(mu_shift, Rational(abs(Rational(ratio - row.mu)) / row.mu));
+    row.mu = ratio;
+  }
+  for (Index i = 0; i < problem.size(); ++i) {
+    const char mode = proof.modes[At(i)];
+    const bool keeps = mode == 'o' || ((mode == 'O' || mode == '+') && w[At(i)] > 0) || (mode == '-' && w[At(i)] < 0);
+    if (keeps) continue;
+    nearby.b[At(i)] -= w[At(i)];
+    const Rational& diagonal = nearby.A[At(i * nearby.size + i)];
+    b_shift += w[At(i)] * w[At(i)] / (diagonal == 0 ? Rational(1) : diagonal);
+  }
+  EXPECT_EQ(FindFaultOfModes(nearby, proof.modes, f), "");
+  EXPECT_LE(mu_shift, Rational(proof.mu_shift));
+  EXPECT_LE(b_shift, Rational(proof.b_shift) * Rational(proof.b_shift));
+  EXPECT_LE(Rational(proof.b_shift) * Rational(proof.b_shift), b_shift * Rational(1 + 1e-12));
+}
+
+TEST(ModeProof, NeverAcceptsAWrongAnswer) {
+  std::mt19937 random(37);
+  int proved = 0, nearby = 0;
+  for (int round = 0; round < 400; ++round) {
+    SCOPED_TRACE(round);
+    const LcpProblem problem = NearlyDegenerate(round, &random);
+    const ExactLcp exact = ExactFrom(problem);
+    Eigen::VectorXd start(problem.size());
+    for (double& force : start) force = round % 5 == 0 ? 0 : static_cast<int>(random() % 21) - 10;
+    ExpectNearby(problem, ProveNearby(problem, start));
+    const ModeProof proof = ProveModes(problem, start);
+    if (proof.proof == ModeProof::Proof::kNearbyProblem) {
+      ++nearby;
+      ExpectNearby(problem, proof);
+      continue;
+    }
+    ++proved;
+    const std::optional<ModeSpace> space = ModeSystem(exact).SpaceOf(proof.modes);
+    ASSERT_TRUE(space);
+    EXPECT_EQ(FindFaultOfModes(exact, proof.modes, space->f), "");
+    EXPECT_LE(SquaredDistance(exact, proof.f, space->f), Rational(proof.f_bound) * Rational(proof.f_bound));
+  }
+  EXPECT_GE(proved, 100);
+  EXPECT_GE(nearby, 50);
+}
+
+// Right answers, rounded, solve problems that are as near as rounding; forces that are wrong by a thousandth do not.
+TEST(ModeProof, NearbyIsNearForRightAnswersOnly) {
+  int compared = 0;
+  for (const FrictionRecord& record : FrictionRecords()) {
+    if (!record.is_solved() || !record.json.contains("f_exact")) continue;
+    SCOPED_TRACE(record.problem().id());
+    const LcpProblem& problem = record.problem();
+    const Eigen::VectorXd f = ToVector(record.json["f_exact"]);
+    const double size = problem.b().norm() + f.norm() * problem.DenseA().norm();
+    const ModeProof right = ProveNearby(problem, f);
+    EXPECT_LE(right.b_shift, 1e-14 * size * size);
+    EXPECT_LE(right.mu_shift, 1e-14);
+    if (record.json.value("w_unique", false) && record.json.value("f_unique", false) && f.norm() > 0) {
+      const ModeProof wrong = ProveNearby(problem, 1.001 * f);
+      EXPECT_GE(std::max(wrong.b_shift, wrong.mu_shift), 1e-9);
+      ++compared;
+    }
+  }
+  EXPECT_GE(compared, 30);
 }
 
 TEST(Polyhedron, OfKnownShapes) {
