@@ -118,7 +118,7 @@ TEST_F(FrictionCommand, ACampaignCountsByTheRulesAndReportsThemApart) {
   Succeed("report " + Path("c") + " -o " + Path("report/index.html"));
   const std::string page = ReadFile(folder_ / "report/index.html");
   EXPECT_NE(page.find("<h2>Friction</h2>"), std::string::npos);
-  const std::string summary = ReadFile(folder_ / "report/summary.md");
+  const std::string summary = ReadFile(folder_ / "report" / "summary.md");
   EXPECT_NE(summary.find("## Friction"), std::string::npos);
   EXPECT_NE(summary.find("`dantzig`"), std::string::npos);
 }
