@@ -140,5 +140,17 @@ TEST_F(FrictionCommand, SolveNamesWhatIsRefusedAndJudgesARelaxedAnswerTwice) {
   EXPECT_GT(judged["relaxation"], 10);
 }
 
+TEST_F(FrictionCommand, OnlyWhoTakesTheRowsRaces) {
+  Write("first.jsonl", Lines(ReadFile(kOracle)).front());
+  const Json race = Json::parse(Succeed("recommend --json --rounds 1 --budget 60 " + Path("first.jsonl")).out);
+  for (const Json& ranked : race["ranked"]) EXPECT_TRUE(FindSolver(ranked["solver"].get<std::string>()).takes_friction);
+  EXPECT_FALSE(race["ranked"].empty());
+  for (const Json& left : race["not_tried"]) {
+    const SolverEntry& solver = FindSolver(left["solver"].get<std::string>());
+    const bool is_asked = solver.origin == SolverOrigin::kOwn && solver.available;
+    EXPECT_EQ(left["reason"] == "friction rows", is_asked && !solver.takes_friction) << left;
+  }
+}
+
 }  // namespace
 }  // namespace lcpbench
