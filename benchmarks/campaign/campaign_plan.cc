@@ -97,10 +97,11 @@ void KeepMostOfSides(const CampaignPlan& plan, const std::vector<Manifest>& mani
 }
 
 void SetWeights(const std::vector<Manifest>& manifests, std::vector<PlannedProblem>* problems) {
-  const auto base = [](const PlannedProblem& problem) {
-    return std::pair(problem.size_class, std::string_view(problem.entry->base));
+  // A variant that is in no mean takes nothing from those that are.
+  const auto base = [&manifests](const PlannedProblem& problem) {
+    return std::tuple(problem.size_class, IsInMeans(problem, manifests), std::string_view(problem.entry->base));
   };
-  std::map<std::pair<const SizeClass*, std::string_view>, double> sharing;
+  std::map<std::tuple<const SizeClass*, bool, std::string_view>, double> sharing;
   for (const PlannedProblem& problem : *problems) sharing[base(problem)] += 1;
   std::map<const SizeClass*, std::map<Side, double>> weights;
   for (PlannedProblem& problem : *problems) {
