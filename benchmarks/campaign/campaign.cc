@@ -121,8 +121,14 @@ class Campaign {
     if (!task.excluded.empty()) return journal_.WriteExcluded(task);
     std::vector<Judged> judged;
     for (std::size_t place = 0; place < task.count(); ++place) {
+      const ProblemProperties& properties = ProblemOf(task, place).entry->properties;
       Judged one;
-      one.excluded = SizeRefusal(FindSolver(task.solver), ProblemOf(task, place).entry->properties.rows);
+      one.not_taken = NotTaken(FindSolver(task.solver), properties);
+      if (!one.not_taken.empty()) {
+        judged.push_back(std::move(one));
+        continue;
+      }
+      one.excluded = SizeRefusal(FindSolver(task.solver), properties.rows);
       if (one.excluded.empty()) one.excluded = RuleFor(task, place);
       if (one.excluded.empty()) {
         one.reply =
@@ -174,6 +180,7 @@ class Campaign {
         double weight = 0;
         double right = 0;
         for (std::size_t place = 0; place < task.count(); ++place) {
+          if (!NotTaken(FindSolver(task.solver), ProblemOf(task, place).entry->properties).empty()) continue;
           const double own = ProblemOf(task, place).weight;
           const bool fails = found->unverified.contains(place) || found->changed.contains(place);
           times.emplace_back(fails ? std::numeric_limits<double>::infinity() : found->quickest_s[place], own);

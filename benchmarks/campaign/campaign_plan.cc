@@ -13,7 +13,6 @@
 #include "benchmarks/collection/plan.h"
 #include "benchmarks/collection/turns.h"
 #include "model/scenes/random.h"
-#include "solvers/registry.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -63,8 +62,11 @@ void AddByTier(Task task, const CampaignPlan& plan, std::vector<Task>* tasks) {
 // What a problem's size class is made of: scenes of ours (placed or in motion) and engines' recordings; and, apart from
 // these, what is in no mean.
 using Side = std::tuple<Index, bool, bool>;
+bool IsInMeans(const PlannedProblem& problem, const std::vector<Manifest>& manifests) {
+  return IsInMeans(manifests[problem.manifest].name, *problem.entry);
+}
 Side SideOf(const PlannedProblem& problem, const std::vector<Manifest>& manifests) {
-  return {problem.size_class->least, IsInMeans(manifests[problem.manifest].name), problem.entry->origin == "recorded"};
+  return {problem.size_class->least, IsInMeans(problem, manifests), problem.entry->origin == "recorded"};
 }
 
 // Takes turns by sides, within these by origins, families and bases; fill-ups come after all others of their class.
@@ -95,20 +97,21 @@ void KeepMostOfSides(const CampaignPlan& plan, const std::vector<Manifest>& mani
 }
 
 void SetWeights(const std::vector<Manifest>& manifests, std::vector<PlannedProblem>* problems) {
-  const auto base = [](const PlannedProblem& problem) {
-    return std::pair(problem.size_class, std::string_view(problem.entry->base));
+  // A variant that is in no mean takes nothing from those that are.
+  const auto base = [&manifests](const PlannedProblem& problem) {
+    return std::tuple(problem.size_class, IsInMeans(problem, manifests), std::string_view(problem.entry->base));
   };
-  std::map<std::pair<const SizeClass*, std::string_view>, double> sharing;
+  std::map<std::tuple<const SizeClass*, bool, std::string_view>, double> sharing;
   for (const PlannedProblem& problem : *problems) sharing[base(problem)] += 1;
   std::map<const SizeClass*, std::map<Side, double>> weights;
   for (PlannedProblem& problem : *problems) {
     problem.weight = 1 / sharing[base(problem)];
-    if (IsInMeans(manifests[problem.manifest].name)) {
+    if (IsInMeans(problem, manifests)) {
       weights[problem.size_class][SideOf(problem, manifests)] += problem.weight;
     }
   }
   for (PlannedProblem& problem : *problems) {
-    if (!IsInMeans(manifests[problem.manifest].name)) continue;
+    if (!IsInMeans(problem, manifests)) continue;
     const std::map<Side, double>& by_side = weights[problem.size_class];
     double sum = 0;
     for (const auto& [side, weight] : by_side) sum += weight;
@@ -168,7 +171,14 @@ void RequireValid(const CampaignPlan& plan) {
   }
 }
 
-bool IsInMeans(const std::string& manifest) { return manifest != kNonsymmetricTier && manifest != kLiteratureTier; }
+bool IsInMeans(const std::string& manifest, const ManifestEntry& entry) {
+  return manifest != kNonsymmetricTier && manifest != kLiteratureTier && entry.properties.is_plain();
+}
+
+std::string NotTaken(const SolverEntry& solver, const ProblemProperties& problem) {
+  if (problem.friction > 0 && !solver.takes_friction) return "friction rows";
+  return problem.bounded > 0 && !solver.takes_bounded ? "bounded rows" : "";
+}
 
 std::vector<PlannedProblem> PlanProblems(const CampaignPlan& plan, const std::vector<Manifest>& manifests) {
   const std::regex filter(plan.filter);

@@ -9,6 +9,7 @@
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/properties.h"
 #include "solvers/lcp/fresh_pass.h"
+#include "solvers/registry.h"
 #include "support/process_watch.h"
 
 namespace lcpbench {
@@ -89,8 +90,13 @@ struct PlannedProblem {
   double weight = 1;  ///< what it counts in medians, shares and intervals
 };
 
-/// Whether problems of that manifest are in means: all but those of kNonsymmetricTier and kLiteratureTier.
-bool IsInMeans(const std::string& manifest);
+/// Whether a problem is in means: not those of kNonsymmetricTier and kLiteratureTier, and not those with friction or
+/// bounded rows, which most solvers do not take: what they do there is compared apart.
+bool IsInMeans(const std::string& manifest, const ManifestEntry& entry);
+
+/// "" where the solver takes such rows (SolverEntry::takes_friction, takes_bounded), else the kind that it does not
+/// take.
+std::string NotTaken(const SolverEntry& solver, const ProblemProperties& problem);
 
 /// The campaign's problems by size class, within a class those of the collection before those that fill it up, and
 /// both by turns: of own scenes (placed or in motion) and engines' recordings, of origins, of families and of bases, of

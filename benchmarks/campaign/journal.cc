@@ -42,14 +42,17 @@ Json FieldAt(const Judged& judged, std::size_t k, const char* name) {
 // Null where the answer was called solved and is verified, with nothing more to say.
 Json ExceptionOf(std::size_t at, const Judged& judged, std::size_t k) {
   const bool is_excluded = !judged.excluded.empty();
+  const bool is_refused = !judged.not_taken.empty();
   Json exception = {{"at", at}};
-  if (is_excluded || judged.reply.records.empty()) {
+  if (is_excluded || is_refused || judged.reply.records.empty()) {
     LcpResult none;
-    none.detail = judged.reply.detail;
+    none.detail = is_refused ? judged.not_taken : judged.reply.detail;
     Verdict verdict;
-    verdict.reason = is_excluded ? judged.excluded : judged.reply.detail;
+    verdict.reason = is_excluded ? judged.excluded : none.detail;
     for (const auto& field : ExceptionFields()) exception[field.name] = field.value({none, verdict});
-    exception["claim"] = is_excluded ? "excluded" : judged.reply.outcome;
+    exception["claim"] = is_excluded  ? "excluded"
+                         : is_refused ? ToString(LcpStatus::kUnsupported)
+                                      : judged.reply.outcome;
     return exception;
   }
   for (const auto& field : ExceptionFields()) exception[field.name] = FieldAt(judged, k, field.name);
@@ -231,15 +234,16 @@ void Journal::WriteJudged(const Task& task, const std::vector<Judged>& judged) {
     for (const auto& field : ColumnFields()) column(field.name);
     Json peak = nullptr;
     Json exceptions = Json::array();
-    bool is_version_1 = false;
     for (std::size_t at = 0; at < judged.size(); ++at) {
       const Json bytes = FieldAt(judged[at], k, "peak_bytes");
       if (bytes.is_number() && (peak.is_null() || bytes > peak)) peak = bytes;
-      is_version_1 = is_version_1 || FieldAt(judged[at], k, "formed_on_host_s").is_number();
       Json exception = ExceptionOf(at, judged[at], k);
       if (!exception.is_null()) exceptions.push_back(std::move(exception));
     }
-    if (is_version_1) column("formed_on_host_s");
+    for (const auto& field : RareColumnFields()) {
+      const auto is_known = [&](const Judged& one) { return FieldAt(one, k, field.name).is_number(); };
+      if (std::any_of(judged.begin(), judged.end(), is_known)) column(field.name);
+    }
     (*line)["peak_bytes"] = peak;
     (*line)["exceptions"] = std::move(exceptions);
     for (std::size_t at = 0; at < judged.size(); ++at) AddRetry(judged[at].reply, at, line);

@@ -37,7 +37,8 @@ LineKey KeyOfLine(const nlohmann::json& line);
 /// A problem's judgement within a task, or the rule by which it was not tried.
 struct Judged {
   JudgeReply reply;
-  std::string excluded;
+  std::string excluded;   ///< the rule by which it was not run, "" for none
+  std::string not_taken;  ///< the kind of rows for which the solver was not asked (NotTaken), "" for none
 };
 
 /// A timed pass, how often it was run again because the machine disturbed it, and whether it still did.

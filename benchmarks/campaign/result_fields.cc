@@ -113,10 +113,22 @@ constexpr FieldOf<Answer> kExceptions[] = {
     {"detail", [](const Answer& of) { return Json(of.result.detail); }},
 };
 
-constexpr FieldOf<Answer> kOfTheLine[] = {
-    {"peak_bytes", OfAnswer<&Answer::peak_bytes>},
+constexpr FieldOf<Answer> kRareColumns[] = {
     {"formed_on_host_s", SecondsOf<&Answer::formed_on_host_s>},
+    {"model_rho", [](const Answer& of) { return KnownNumber(of.verdict.model_rho); }},
+    {"penetration", Metric<&Metrics::penetration>},
+    {"adhesion", Metric<&Metrics::adhesion>},
+    {"separation", Metric<&Metrics::separation>},
+    {"cone", Metric<&Metrics::cone>},
+    {"dissipation", Metric<&Metrics::dissipation>},
+    {"joints", Metric<&Metrics::joints>},
+    {"beyond_bounds", Metric<&Metrics::beyond_bounds>},
+    {"friction_power", Metric<&Metrics::friction_power>},
+    {"created", Metric<&Metrics::created>},
+    {"energy", Metric<&Metrics::energy>},
 };
+
+constexpr FieldOf<Answer> kOfTheLine[] = {{"peak_bytes", OfAnswer<&Answer::peak_bytes>}};
 
 constexpr TimeField kTimes[] = {
     {"fresh_s", PassKind::kFresh, &PassEntry::seconds},     {"problem_s", PassKind::kParts, &PassEntry::problem_s},
@@ -147,6 +159,8 @@ constexpr FieldOf<Described> kProblem[] = {
     {"size_class", [](const Described& of) { return Json(of.planned.size_class->key); }},
     {"rows", [](const Described& of) { return Json(of.problem.size()); }},
     {"bilateral", [](const Described& of) { return Json(of.problem.bilateral_rows().size()); }},
+    {"friction", [](const Described& of) { return Json(of.planned.entry->properties.friction); }},
+    {"bounded", [](const Described& of) { return Json(of.planned.entry->properties.bounded); }},
     {"redundancy", Property<&ProblemProperties::redundancy>},
     {"condition", [](const Described& of) { return OrNull(of.planned.entry->properties.condition.value); }},
     {"mass_ratio", Property<&ProblemProperties::mass_ratio>},
@@ -156,7 +170,8 @@ constexpr FieldOf<Described> kProblem[] = {
        return answer ? Json(answer->fraction_active) : Json(nullptr);
      }},
     {"reference", [](const Described& of) { return Json(of.planned.entry->reference.kind); }},
-    {"counts", [](const Described& of) { return Json(IsInMeans(of.set)); }},
+    {"reference_status", [](const Described& of) { return Json(of.planned.entry->reference.status); }},
+    {"counts", [](const Described& of) { return Json(IsInMeans(of.set, *of.planned.entry)); }},
     {"oracle_s", [](const Described& of) { return OrNull(of.oracle_s); }},
     {"floor", [](const Described& of) { return OrNull(of.floor); }},
 };
@@ -324,6 +339,7 @@ Json ResultJsonSchema() {
 
 std::span<const FieldOf<LineSource>> LineFields() { return kLine; }
 std::span<const FieldOf<MeasuredAnswer>> ColumnFields() { return kColumns; }
+std::span<const FieldOf<MeasuredAnswer>> RareColumnFields() { return kRareColumns; }
 std::span<const FieldOf<MeasuredAnswer>> ExceptionFields() { return kExceptions; }
 std::span<const TimeField> TimeFields() { return kTimes; }
 std::span<const FieldOf<PassSource>> PassFields() { return kPass; }
@@ -331,7 +347,8 @@ std::span<const FieldOf<DescribedProblem>> ProblemFields() { return kProblem; }
 
 nlohmann::json DescribeAnswer(const MeasuredAnswer& answer) {
   nlohmann::json record;
-  for (const auto fields : {ColumnFields(), ExceptionFields(), std::span<const FieldOf<Answer>>(kOfTheLine)}) {
+  for (const auto fields :
+       {ColumnFields(), RareColumnFields(), ExceptionFields(), std::span<const FieldOf<Answer>>(kOfTheLine)}) {
     for (const FieldOf<Answer>& field : fields) record[field.name] = field.value(answer);
   }
   return record;

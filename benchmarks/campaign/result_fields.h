@@ -51,9 +51,11 @@ struct MeasuredAnswer {
 };
 /// The lists of a judge line, each with an entry for every problem that had its turn.
 std::span<const FieldOf<MeasuredAnswer>> ColumnFields();
+/// Further lists, which a judge line has only where one of their entries is known.
+std::span<const FieldOf<MeasuredAnswer>> RareColumnFields();
 /// The fields of an entry of a judge line's `exceptions`, besides `at`.
 std::span<const FieldOf<MeasuredAnswer>> ExceptionFields();
-/// Both, and what only the whole line has: what a worker tells of one problem at one tier.
+/// All of these, and what only the whole line has: what a worker tells of one problem at one tier.
 nlohmann::json DescribeAnswer(const MeasuredAnswer& answer);
 
 /// The times of a pass, a list each over the problems of the task.

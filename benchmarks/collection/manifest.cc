@@ -301,6 +301,8 @@ void SourceMembers(Reader& reader, ManifestEntry& entry) {
 void Members(auto& archive, Is<ProblemProperties> auto& p) {
   archive.Must("rows", p.rows);
   archive.May("bilateral", p.bilateral);
+  archive.Some("friction", p.friction);
+  archive.Some("bounded", p.bounded);
   archive.May("bodies", p.bodies);
   archive.May("nonzeros_A", p.nonzeros_A);
   archive.May("nonzeros_J", p.nonzeros_J);

@@ -139,6 +139,8 @@ ProblemProperties MeasureProperties(const LcpProblem& problem) {
   ProblemProperties measured;
   measured.rows = problem.size();
   measured.bilateral = static_cast<Index>(problem.bilateral_rows().size());
+  measured.friction = std::ssize(problem.friction_rows());
+  measured.bounded = std::ssize(problem.bounded_rows());
   measured.nonzeros_A = problem.SparseA().nonZeros();
   if (problem.has_factors()) {
     measured.nonzeros_J = problem.J().nonZeros();
@@ -169,7 +171,7 @@ AnswerProperties MeasureAnswer(const LcpProblem& problem, const Eigen::VectorXd&
   Index active = 0;
   Index unilateral = 0;
   for (Index i = 0; i < problem.size(); ++i) {
-    if (problem.is_bilateral(i)) continue;
+    if (problem.kind(i) != RowKind::kUnilateral) continue;
     ++unilateral;
     const double root = problem.DiagonalA()[i] > 0 ? std::sqrt(problem.DiagonalA()[i]) : 1;
     if (std::abs(w[i]) / root > negligible) continue;

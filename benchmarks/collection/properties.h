@@ -55,7 +55,9 @@ struct Measured {
 struct ProblemProperties {
   Index rows = 0;
   Index bilateral = 0;
-  Index bodies = 0;  ///< that can move and that a row touches; 0 without factors
+  Index friction = 0;  ///< rows with friction, sliding ones among them
+  Index bounded = 0;   ///< rows between two bounds
+  Index bodies = 0;    ///< that can move and that a row touches; 0 without factors
   Index nonzeros_A = 0;
   std::optional<Index> nonzeros_J;
   Measured<Index> rank;
@@ -66,6 +68,8 @@ struct ProblemProperties {
   std::optional<double> redundancy;  ///< 1 - rank / rows, where the rank is known
   std::optional<double> mass_ratio;  ///< largest mass of those bodies by the smallest; factors only
   std::map<std::string, int> kinds;  ///< constraints by kind (CountKinds); empty where no scene is known
+
+  bool is_plain() const { return friction == 0 && bounded == 0; }
 };
 
 /// Up to this many rows conditions are by all singular values, and ranks without factors are measured.

@@ -14,6 +14,7 @@
 #include "solvers/exact/bounded_reference.h"
 #include "solvers/exact/enumeration.h"
 #include "solvers/exact/exact_lcp.h"
+#include "solvers/exact/modes/mode_search.h"
 #include "solvers/io/gzip_file.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
@@ -78,7 +79,7 @@ void WriteSolved(const LcpProblem& problem, const Eigen::VectorXd& f, const Eige
   reference.f_unique = f_unique;
   // f + w > 0 everywhere is the property itself; where it fails, only a unique f says that no other f has it.
   const bool is_strict = examined->entry.answer->degenerate == 0;
-  if (is_strict || f_unique.value_or(false)) reference.strictly_complementary = is_strict;
+  if (problem.is_plain() && (is_strict || f_unique.value_or(false))) reference.strictly_complementary = is_strict;
   Json line = LineOf(problem, reference);
   line["f_unique"] = f_unique ? Json(*f_unique) : Json(nullptr);
   if (w_unique) line["w_unique"] = *w_unique;
@@ -97,8 +98,36 @@ void WriteInfeasible(const LcpProblem& problem, const std::optional<Eigen::Vecto
   examined->reference_line = line.dump();
 }
 
+// Of a problem with friction or bounded rows. w is that of every solution only where all modes say so.
+bool CertifyModes(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
+  ModeOptions modes;
+  modes.time_limit_s = options.time_limit_s;
+  const ExactLcp exact = ExactFrom(problem);
+  const ModeAnswer answer = SolveByModes(exact, modes);
+  ReferenceSummary& reference = examined->entry.reference;
+  switch (answer.status) {
+    case LcpReference::Status::kSolved:
+      if (!FindFaultOfModes(exact, answer.modes, answer.f).empty()) return false;
+      WriteSolved(problem, ToDoubles(answer.f), ToDoubles(answer.w), answer.f_unique, answer.w_unique.value_or(false),
+                  "f", examined);
+      reference.detail = "modes " + answer.modes;
+      return true;
+    case LcpReference::Status::kInfeasible: {
+      std::optional<Eigen::VectorXd> ray;
+      if (!answer.ray.empty()) ray = ToDoubles(answer.ray);
+      WriteInfeasible(problem, ray, examined);
+      reference.detail = ray ? "by a ray of normal forces" : "by all modes";
+      return true;
+    }
+    case LcpReference::Status::kUnknown:
+      reference.detail = answer.detail;
+  }
+  return false;
+}
+
 // True where one is known; then it is written into `examined`.
 bool Certify(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
+  if (!problem.is_plain()) return CertifyModes(problem, options, examined);
   ExactOptions exact_options;
   exact_options.time_limit_s = options.time_limit_s;
   exact_options.guess = GuessBySolvers;
@@ -293,22 +322,24 @@ Examined Examine(const LcpProblem& problem, const ExamineOptions& options,
   }
   const bool is_symmetric = problem.Asymmetry() == 0;
   if (is_symmetric && problem.size() <= options.exact_up_to && Certify(problem, options, &examined)) {
-    if (examined.entry.reference.status == "infeasible") LookNearby(problem, options, &examined);
+    const bool is_infeasible = examined.entry.reference.status == "infeasible";
+    if (is_infeasible && problem.is_plain()) LookNearby(problem, options, &examined);
     return examined;
   }
-  if (!problem.facts().positive_semidefinite && problem.size() <= kMostGuessedRows) {
+  if (!problem.facts().positive_semidefinite && problem.is_plain() && problem.size() <= kMostGuessedRows) {
     Enumerate(problem, options, &examined);
     if (examined.entry.reference.kind == "certified" || !is_symmetric) return examined;
   }
   const std::optional<Eigen::VectorXd> f = Solve(problem, options);
   if (!f.has_value()) {
     examined.entry.reference.detail = "not solved to 1e-9";
-  } else if (problem.size() <= options.bounded_up_to && problem.facts().positive_semidefinite) {
+  } else if (problem.size() <= options.bounded_up_to && problem.facts().positive_semidefinite && problem.is_plain()) {
     Write(problem, Bound(problem, *f, options), &examined);
   } else {
     examined.entry.reference.detail = problem.size() > options.bounded_up_to
                                           ? "none above " + std::to_string(options.bounded_up_to) + " rows"
-                                          : "A is not known to be positive semidefinite";
+                                      : problem.is_plain() ? "A is not known to be positive semidefinite"
+                                                           : "no proof with friction or bounded rows was found";
     constexpr double kNegligible = 1e-8;
     examined.entry.answer = MeasureAnswer(problem, *f, ComputeMetrics(problem, *f).w, kNegligible * LoadScale(problem));
   }

@@ -20,13 +20,20 @@ void PrintRow(std::string_view key, const std::string& text) {
   std::cout << key << std::string(key.size() < kKeyWidth ? kKeyWidth - key.size() : 1, ' ') << text << '\n';
 }
 
+// The kinds of rows that it takes besides unilateral and bilateral ones.
+std::string TakenRows(const SolverEntry& entry) {
+  if (!entry.takes_friction && !entry.takes_bounded) return "";
+  return std::string(" (takes ") + (entry.takes_friction ? "friction" : "") +
+         (entry.takes_friction && entry.takes_bounded ? ", " : "") + (entry.takes_bounded ? "bounded rows" : "") + ")";
+}
+
 // Paper or library, version and licence; a peer's worker knows the version of its library.
 void PrintSolvers() {
   for (const SolverEntry& entry : AllSolvers()) {
     const bool own = entry.origin == SolverOrigin::kOwn;
     const std::string version = own ? std::string(", LCPBench ") + kVersion : " " + WorkerVersion(entry.key);
     PrintRow(entry.key, entry.method + " [" + entry.source + (entry.available ? version : "") + ", " + entry.licence +
-                            "]" + (entry.available ? "" : " (not in this build)"));
+                            "]" + TakenRows(entry) + (entry.available ? "" : " (not in this build)"));
   }
 }
 

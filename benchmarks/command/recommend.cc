@@ -142,7 +142,7 @@ struct Recommend {
     if (entry.origin != SolverOrigin::kOwn) return "";
     const auto solver = entry.make({});
     for (const SequenceStep& step : problems) {
-      if (std::string why = solver->WhyUnsupported(step.problem); !why.empty()) return why;
+      if (std::string why = solver->WhyRefused(step.problem); !why.empty()) return why;
     }
     return "";
   }

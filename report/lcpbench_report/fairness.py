@@ -170,7 +170,11 @@ def _judging(inputs: Inputs) -> _Lines:
 
 
 def _problems(inputs: Inputs) -> _Lines:
-    if apart := sum(not about["counts"] for about in inputs.problems.values()):
+    laws = sum(about["friction"] > 0 or about["bounded"] > 0 for about in inputs.problems.values())
+    if laws:
+        yield ("Friction", f"{formats.plural(laws, 'problem')} with friction or bounded rows are shown in a section of their own alone: solvers "
+               "that do not take such rows would stand beside others that do.")
+    if apart := sum(not about["counts"] for about in inputs.problems.values()) - laws:
         yield ("Problems apart", f"{formats.plural(apart, 'problem')} (most of them meant to break something) are shown, but "
                "are in no mean, profile or count.")
     if "deadline" in inputs.analysis:
@@ -180,5 +184,5 @@ def _problems(inputs: Inputs) -> _Lines:
     recorded = {about["family"].split()[0] for about in inputs.problems.values() if about["origin"] == "recorded"}
     foreign = (f" Of the scenes of {formats.words(sorted(recorded))}, in the plane or in space, contacts and joints were "
                "recorded as these engines met them, without friction and softness." if recorded else "")
-    yield ("Scope", f"Scenes of our own are synthetic and planar.{foreign} All contacts are frictionless; solvers were called one at a time. ρ is our measure: a "
+    yield ("Scope", f"Scenes of our own are synthetic and planar.{foreign} All contacts {'of other problems ' * bool(laws)}are frictionless; solvers were called one at a time. ρ is our measure: a "
            "library that stops on a criterion of its own may do more work than a tier needs.")

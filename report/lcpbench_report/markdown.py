@@ -23,6 +23,14 @@ FLAG_WORDS = ("At equal flags: Debian compiles peers for any x86-64, and ours ar
               "compiled for less, or peers for the machine.")
 LITERATURE_WORDS = "Published problems, which count in nothing else: share verified, and time over that of the fastest right solver."
 
+FRICTION_WORDS = ("Problems with friction, sliding or bounded rows. They are in no other table and in no mean, for most solvers do not take "
+                  "such rows and refuse them by name. Right: share verified against Coulomb's law, of the problems that the solver "
+                  "takes and that are not known to have no solution; ✗ with the number of false successes and of false claims of "
+                  "infeasibility, on all it takes. A relaxed answer that solves its own model and not Coulomb's law is not right, "
+                  "and no false success. Median time: at the main tier, of the same problems; what is not verified is infinite.")
+FRICTION_ERROR_WORDS = ("Of wrong answers at the strictest tier. ρ: median against Coulomb's law, and against the solver's own "
+                        "model where it has one. Parts: mean share of the sum of squares (docs/friction.md section 4).")
+
 ORIGIN_WORDS = ("Share of the problems that is verified, and median time over that of the fastest right solver of each problem, "
          "at the main tier; ✗: fails on half. Own scenes and motions are this project's; engines' problems were recorded from "
          "scenes of their own; literature is what others published. In parentheses: problems.")
@@ -118,6 +126,8 @@ def render(inputs: Inputs, lines: list[str], changes: str = "") -> str:
             parts += ["## Times", "", full_headline(inputs, found)]
         parts += _part("By origin of the problems", shown_tables.origins(inputs), ORIGIN_WORDS)
         parts += _part("Literature", shown_tables.literature(inputs), LITERATURE_WORDS)
+        parts += _part("Friction", shown_tables.friction(inputs), f"{FRICTION_WORDS} {shown_tables.not_taking_friction(inputs)}".strip())
+        parts += _part("Errors of answers with friction", shown_tables.friction_errors(inputs), FRICTION_ERROR_WORDS)
         parts += _part("Ablations", shown_tables.ablation(inputs, all_only=True), ABLATION_WORDS)
         parts += _part("Verified and false", shown_tables.coverage(inputs), "Share of the problems that are verified; ✗ with the "
                        "number of false successes: answers that a solver called solved and that are not; ↓ with the number of "

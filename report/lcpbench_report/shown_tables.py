@@ -13,8 +13,9 @@ from .headline_table import Entry, Headline, Rival, headline, verdicts
 from .inputs import PATHOLOGICAL, Inputs
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_ASKED, VERIFIED, within_rounding
 from .statistics.class_times import ALL, RATIO
+from .statistics.friction import refusers
 from .statistics.groups import COUNTED
-from .statistics.load import ORIGINS
+from .statistics.load import ERROR_PARTS, ORIGINS
 from .statistics.rivals import FASTEST, FLAGS, PORTFOLIO
 from .table import Table
 from .table import code as key
@@ -275,6 +276,57 @@ def _by_origin(inputs: Inputs, table: pd.DataFrame, least: int) -> Table | None:
                   inputs.in_order(table["solver"])])
 
 
+# ----- friction
+
+def friction(inputs: Inputs) -> Table | None:
+    """Problems with friction or bounded rows: a row per set and solver that takes some, a column per tier."""
+    found = _friction(inputs)
+    tiers = [tier for tier in choice.shown_tiers(inputs) if len(found) and (found["tier"] == tier).any()]
+    of_sets = _where_several(found)
+    rows = []
+    for (of_set, solver), own in found.groupby(["set", "solver"], sort=False):
+        by = own.set_index("tier")
+        words = [" · ".join([share_of(of["right_share"]), *[f"✗ {int(of['false_successes'] + of['false_infeasible'])}"]
+                             * bool(of["false_successes"] + of["false_infeasible"])]) if of["solvable"] else DASH
+                 for of in map(by.loc.__getitem__, tiers)]
+        main = by.loc[choice.nearest(tiers)]
+        rows.append([*of_sets(of_set), key(solver), f"{int(main['taken'])} of {int(main['problems'])}", *words,
+                     seconds(main["median_s"]) if math.isfinite(main["median_s"]) else "✗"])
+    return _table([*of_sets("problems"), "solver", "takes", *(f"right at {power(tier)}" for tier in tiers), "median time"], rows,
+                  "l" * len(of_sets("problems")) + "l" + "r" * (len(tiers) + 2))
+
+
+def friction_errors(inputs: Inputs) -> Table | None:
+    """What the wrong answers at the strictest tier are made of: a row per set and solver that has some."""
+    found = _friction(inputs)
+    found = found[(found["tier"] == min(inputs.tiers, default=0)) & found["rho"].notna()]
+    # What rounding makes has no column.
+    parts = [part for part in ERROR_PARTS if len(found) and (found[f"{part}_share"] >= 0.005).any()]
+    of_sets = _where_several(found)
+    rows = [[*of_sets(of["set"]), key(of["solver"]), int(of["wrong"]), residual(of["rho"]), residual(of["model_rho"]),
+             *(share_of(of[f"{part}_share"]) for part in parts)] for of in found.to_dict("records")]
+    return _table([*of_sets("problems"), "solver", "wrong", "ρ", "ρ of its own model", *(part.replace("_", " ") for part in parts)],
+                  rows, "l" * len(of_sets("problems")) + "l" + "r" * (len(parts) + 3))
+
+
+def _where_several(found: pd.DataFrame) -> Callable[[str], list[str]]:
+    """A cell of the column of sets, which is there where there are several."""
+    return lambda cell: [cell] * (found["set"].nunique() > 1)
+
+
+def _friction(inputs: Inputs) -> pd.DataFrame:
+    """Rows of the analysis' table, of solvers that take something, as the registry has them."""
+    found = inputs.analysis.get("friction", pd.DataFrame(columns=["set", "tier", "solver", "taken", "rho"]))
+    order = {solver: place for place, solver in enumerate(inputs.keys)}
+    return found[found["taken"] > 0].sort_values("solver", key=lambda keys: keys.map(order), kind="stable")
+
+
+def not_taking_friction(inputs: Inputs) -> str:
+    """Who takes no such problem, in words; "" where everybody takes some."""
+    found = refusers(inputs.cells) if len(inputs.cells) else []
+    return f"Not taken by {formats.words([key(solver) for solver in inputs.in_order(found)])}." if found else ""
+
+
 # ----- sequences and motion
 
 def sequences(inputs: Inputs, detailed: bool = False) -> Table | None:
@@ -337,5 +389,6 @@ def settings(inputs: Inputs) -> Table:
 PAPERS: dict[str, Callable[[Inputs], Table | None]] = {
     "headline": lambda inputs: by_solver(headline(inputs)) if len(inputs.cells) and headline(inputs).solvers else None,
     "front": lambda inputs: front(headline(inputs)) if len(inputs.cells) else None,
-    "coverage": coverage, "origins": origins, "literature": literature, "equal-flags": equal_flags, "sequences": sequences,
+    "coverage": coverage, "origins": origins, "literature": literature, "equal-flags": equal_flags, "friction": friction,
+    "friction-errors": friction_errors, "sequences": sequences,
 }

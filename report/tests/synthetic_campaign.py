@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from lcpbench_report.statistics.load import LAWS
+
 TIERS = (1e-3, 1e-6, 1e-9)
 SIZES = (10, 20, 50, 100, 200, 500)
 CLASSES = (("1", 1, 1, 1000), ("2-3", 2, 3, 1000), ("4-6", 4, 6, 1000), ("7-12", 7, 12, 1000), ("13-30", 13, 30, 1000),
@@ -176,6 +178,7 @@ def _task_lines(solver: str, size: str, tier: float, task: list[dict]) -> list[d
     if task[0]["excluded"]:
         return [judge]
     judge |= {"attempted": len(task), **{key: [cell[key] for cell in task] for key in JUDGED},
+              **{key: [cell.get(key) for cell in task] for key in LAWS if any(key in cell for cell in task)},
               "exceptions": [{"at": at} | {key: cell[key] for key in ("claim", *FLAGS, "reason", "detail")}
                              for at, cell in enumerate(task) if not _is_plain(cell)],
               "peak_bytes": None}

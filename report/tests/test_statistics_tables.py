@@ -60,7 +60,7 @@ class Tables(SharedFolderCase):
     def test_all_is_written_without_a_word(self):
         self.assertEqual((self.status, self.error), (0, ""))
         for name, table in self.tables.items():
-            self.assertEqual(table.empty, name in ("ablation", "rank_correlation", "rivals", "equal_flags"), name)
+            self.assertEqual(table.empty, name in ("ablation", "rank_correlation", "rivals", "equal_flags", "friction"), name)
         line = (self.folder / FOLDER / "cells.csv").read_text(encoding="utf-8").splitlines()[1]
         self.assertEqual(("true" in line.split(","), "True" in line), (True, False))  # booleans are words
 

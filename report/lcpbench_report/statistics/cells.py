@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from .launches import launch_table
-from .load import AGAIN, DEFAULT, FRESH, JUDGED, METRICS, OUT, PART_TIMES, PARTS, TASK_BUDGET, Campaign, Task
+from .load import AGAIN, DEFAULT, FRESH, JUDGED, LAWS, METRICS, OUT, PART_TIMES, PARTS, TASK_BUDGET, Campaign, Task
 from .steps import NOT_ASKED, UNSUPPORTED
 
 VERIFIED = "verified"
@@ -25,12 +25,13 @@ FAILED = "failed:"  # and the solver's claim
 CHANGED = FAILED + "changed"  # verified by itself, and not in a timed pass
 KEY = ["problem", "solver", "tier"]
 
-_ABOUT = ("set", "counts", "base", "weight", "origin", "fill", "family", "problem", "rows", "size_class", "reference")
+_ABOUT = ("set", "counts", "base", "weight", "origin", "fill", "family", "problem", "rows", "friction", "bounded",
+          "size_class", "reference", "reference_status")
 FLAGS = ("passes", "at_floor", "below_floor", "false_success", "false_infeasible", "proved_infeasible",
           "infeasible_within_rounding")
 _TIMES = ("fresh_s", *PART_TIMES, "again_s")
 COLUMNS = [*_ABOUT, "solver", "tier", "verdict", "asked", "excluded", "claim", *FLAGS, "best_tier", "iterations",
-           *METRICS, "timed", "disturbed", *_TIMES, "first_s", "factor_share", "time_s", "time_limit_s",
+           *METRICS, *LAWS, "timed", "disturbed", *_TIMES, "first_s", "factor_share", "time_s", "time_limit_s",
            "oracle_s", "oracle_ratio", "peak_bytes"]
 
 
@@ -103,7 +104,7 @@ def _about(campaign: Campaign, tasks: list[Task]) -> dict[str, np.ndarray]:
 
 
 def _judged(tasks: list[Task], places: list[slice], total: int) -> dict[str, np.ndarray]:
-    columns: dict[str, np.ndarray] = {key: np.full(total, math.nan) for key in JUDGED}
+    columns: dict[str, np.ndarray] = {key: np.full(total, math.nan) for key in (*JUDGED, *LAWS)}
     columns |= {key: np.zeros(total, dtype=bool) for key in FLAGS}
     columns |= {key: np.full(total, "", dtype=object) for key in ("excluded", "claim")}
     for task, place in zip(tasks, places):

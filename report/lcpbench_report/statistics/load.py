@@ -40,6 +40,12 @@ LITERATURE = "literature"  # counts in nothing, also in campaigns that were stor
 METRICS = ("rho", "backward_error", "w_error", "f_error")
 # Arrays of a judge line, a number for every problem that had its turn.
 JUDGED = (*METRICS, "best_tier", "iterations", "first_s", "factor_share")
+# Arrays that a judge line has only where problems have friction or bounded rows: parts of the error, and more.
+ERROR_PARTS = ("penetration", "adhesion", "separation", "cone", "dissipation", "joints", "beyond_bounds")
+LAWS = ("model_rho", *ERROR_PARTS, "friction_power", "created", "energy")
+INFEASIBLE = "infeasible"
+# What problems of stored campaigns lack -> what it was.
+_LATER = {"friction": 0, "bounded": 0, "reference_status": ""}
 OUT = "excluded"  # the claim of a problem of a task that a rule excludes: its `reason`
 PART_TIMES = ("problem_s", "prepare_s", "convert_s", "solve_s")
 
@@ -64,7 +70,7 @@ class Task:
     count: int
     excluded: str = ""  # the rule, where it was not run
     attempted: int = 0  # so many of its problems had their turn
-    judged: dict[str, np.ndarray] = field(default_factory=dict)  # JUDGED -> of the attempted ones, NaN: not known
+    judged: dict[str, np.ndarray] = field(default_factory=dict)  # JUDGED, some LAWS -> of the attempted ones, NaN: not known
     exceptions: list[dict] = field(default_factory=list)  # what is not plainly solved and verified, by `at`
     peak_bytes: float = math.nan
     passes: dict[str, dict[int, TimedPass]] = field(default_factory=dict)  # kind -> number of the launch -> pass
@@ -162,7 +168,7 @@ def _read_problems(path: Path, info: dict, note: Callable[[str], None]) -> dict[
             raise ReportError(place, f"key 'rows' is {record['rows']}", f"a number of size class {own['key']}")
         if record["problem"] in problems:
             raise ReportError(place, f"problem {record['problem']!r} is there twice", "a line per problem")
-        problems[record["problem"]] = record | {"counts": record["counts"] and record["origin"] != LITERATURE}
+        problems[record["problem"]] = _LATER | record | {"counts": record["counts"] and record["origin"] != LITERATURE}
     return problems
 
 
@@ -210,7 +216,7 @@ def _judged(place: str, record: dict, task: Task) -> Task:
     task.attempted = int(record["attempted"])
     if task.attempted > task.count:
         raise ReportError(place, f"key 'attempted' is {task.attempted}", f"{task.count}, the key 'count', at most")
-    for key in JUDGED:
+    for key in (*JUDGED, *(key for key in LAWS if key in record)):
         task.judged[key] = check_numbers(place, record, "judge", key, task.attempted)
     there = f"{place}: exceptions"
     check_places(there, [check_fields(there, one, {"at": "count"})["at"] for one in record["exceptions"]], task.attempted)

@@ -8,7 +8,7 @@ of the class) and goes on with
     kind      a character per problem: '0' is kinds[0], '1' the next one, and on as in Unicode
     time      per problem the median of its fresh times, or of what has none the time of the solve that was judged
     again     the same with another b
-    rho, w_error  per problem
+    rho, w_error  per problem; where there are friction or bounded rows also model_rho and the parts of the error
     peak_bytes, launches  of the class: what launches.py has of it; all launches together are number 0
 
 Times t are whole numbers k >= 0, t = 1 ns 1.005^k, and -1 is infinite; residuals have two digits, m 10^e as 100 e + m with
@@ -28,10 +28,11 @@ from .cells import CHANGED, FLAGS, Measured
 from .fields import check_fields, check_tier, check_word
 from .jsonl import read_lines
 from .launches import KEY, MEDIANS, OF_LAUNCH, TOGETHER
-from .load import Campaign, Task
+from .load import ERROR_PARTS, Campaign, Task
 
 FILE = "records.jsonl"
 _UNIT, _STEP = 1e-9, math.log(1.005)
+_LAWS = ("model_rho", *ERROR_PARTS)
 _FIRST = ord("0")  # the character of kinds[0]
 # Member of `kinds` -> its value where it is left out, and what it has to be.
 _KIND = {"claim": ("solved", "text"), "excluded": ("", "text"), **{flag: (flag == "passes", "boolean") for flag in FLAGS},
@@ -51,7 +52,7 @@ def lines(campaign: Campaign, measured: Measured) -> Iterator[dict]:
     timed = cells["passes"] & (cells["timed"] > 0)
     cells["time"] = times_to_steps(cells["fresh_s"].where(timed, cells["first_s"]))
     cells["again"] = times_to_steps(cells["again_s"])
-    for name in ("rho", "w_error"):
+    for name in ("rho", "w_error", *_LAWS):
         cells[name] = residuals_to_codes(cells[name])
     launches = dict(tuple(measured.launches.groupby(KEY, sort=False)))
     for key, own in cells.groupby(KEY, sort=False):
@@ -69,6 +70,7 @@ def _cells(own: pd.DataFrame) -> dict:
     return {"first": int(own["place"].iloc[0]), "count": len(own),
             "kinds": [{name: value for (name, (usual, _)), value in zip(_KIND.items(), of) if value != usual} for of in kinds],
             "kind": text, **{name: own[name].tolist() for name in ("time", "again", "rho", "w_error")},
+            **{name: own[name].tolist() for name in _LAWS if own[name].notna().any()},
             "peak_bytes": None if math.isnan(peak) else int(peak)}
 
 
@@ -141,6 +143,7 @@ def _columns(place: str, record: dict, count: int) -> dict[str, np.ndarray]:
     timed = columns["passes"] & (columns["timed"] > 0)
     columns |= {"fresh_s": np.where(timed, _times(steps), math.nan), "first_s": np.where(timed, math.nan, _times(steps)),
                 "again_s": _times(again), "rho": _residuals(rho), "w_error": _residuals(w_error)}
+    columns |= {name: _residuals(_numbers(place, record, name, count)) for name in _LAWS if name in record}
     return columns
 
 

@@ -11,6 +11,7 @@ from ..files import replaced
 from .cells import Measured, measured
 from .class_times import ablation_table, class_table
 from .coverage import coverage_table
+from .friction import friction_table
 from .latency import deadline_table, latency_by_solver_table
 from .launches import Levels
 from .load import Campaign
@@ -24,7 +25,7 @@ FOLDER = "analysis"
 # Name -> function of the table of cells; and of it and of launches.
 _OF_CELLS: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
     "cells": lambda cells: cells, "coverage": coverage_table, "scaling": scaling_table, "delivered": delivered_table,
-    "rank_correlation": rank_table,
+    "rank_correlation": rank_table, "friction": friction_table,
 }
 _OF_BOTH: dict[str, Callable[[pd.DataFrame, Levels], pd.DataFrame]] = {
     "class_times": class_table, "pairwise": pairwise_table, "means": mean_table, "origins": origin_table,

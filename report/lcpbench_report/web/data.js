@@ -13,7 +13,7 @@ const EXPLORED_SETS = PROBLEMS.sets.map((name) => name !== "pathological");
 const VERDICTS = {
   v: "verified", b: "below the tier, which it was not asked for", h: "verified alone, not in a timed pass", r: "infeasible, proved without rounding", o: "infeasible within rounding", f: "false success", q: "false claim of infeasibility", i: "iteration limit", t: "time limit",
   n: "numerical failure", u: "not asked: not taken as it is given", c: "crashed", k: "killed at the limit", m: "out of memory",
-  p: "claims infeasible, no accepted ray", w: "solved, but not accepted", e: "other failure", x: "excluded by rule",
+  p: "claims infeasible, no accepted ray", w: "solves its own model, and not Coulomb's law", e: "other failure", x: "excluded by rule",
   ".": "not run",
 };
 

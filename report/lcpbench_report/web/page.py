@@ -37,6 +37,7 @@ def render(inputs: Inputs, pictures: Sequence[gallery.Picture] = ()) -> str:
         # JSON that may stand inside a <script>
         "data": Markup(json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")),
         "title": ", ".join(inputs.names), "summary": summary.summary_lines(inputs), "has": has,
+        "friction_words": [markdown.FRICTION_WORDS, shown_tables.not_taking_friction(inputs), markdown.FRICTION_ERROR_WORDS],
         "tables": _tables(inputs), "motions": shown_tables.motions(inputs), "environments": _environments(inputs),
         "commit": str(inputs.campaigns[0].info.get("environment", {}).get("git_commit", "unknown"))[:12],
         "limitations": limitations(inputs), "notes": inputs.notes, **_headline(inputs),
@@ -65,9 +66,9 @@ def _curves(inputs: Inputs) -> list[dict]:
 
 
 def _headline(inputs: Inputs) -> dict:
-    if inputs.cells.empty:
+    found = None if inputs.cells.empty else headline(inputs)
+    if not found or not found.classes:  # none where no problem counts
         return {"headline": None}
-    found = headline(inputs)
     with canvas.look():
         figure = front.by_class(inputs, found)
         drawn = figure and gallery.address(canvas.svg(figure))
@@ -84,6 +85,7 @@ def _tables(inputs: Inputs) -> dict[str, Markup | None]:
     found = {"choices": (shown_tables.choices(inputs, detailed=True), "choose by-size"),
              "deadlines": (shown_tables.within_deadlines(inputs), "choose"),
              "warm": (shown_tables.sequences(inputs, detailed=True), ""),
+             "friction": (shown_tables.friction(inputs), ""), "friction_errors": (shown_tables.friction_errors(inputs), ""),
              "ablation": (shown_tables.ablation(inputs), ""), "origins": (shown_tables.origins(inputs), ""),
              "literature": (shown_tables.literature(inputs), ""),
              "settings": (shown_tables.settings(inputs), "")}
