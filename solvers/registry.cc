@@ -440,6 +440,7 @@ void RegisterExternalSolver(const std::string& key, const std::vector<std::strin
   entry.why_not_guaranteed = &NotOurs;
   entry.origin = SolverOrigin::kExternal;
   entry.licence = "unknown";
+  entry.takes_friction = entry.takes_bounded = true;  // its worker says what it refuses
   constexpr std::string_view kBaseline = "-baseline";
   if (key.ends_with(kBaseline)) {
     const std::string_view base = std::string_view(key).substr(0, key.size() - kBaseline.size());
@@ -449,6 +450,8 @@ void RegisterExternalSolver(const std::string& key, const std::vector<std::strin
     if (found != AllSolvers().end()) {
       entry.method = found->method + ", of another build";
       entry.uses_tolerance = found->uses_tolerance;
+      entry.takes_friction = found->takes_friction;
+      entry.takes_bounded = found->takes_bounded;
       entry.method_class = found->method_class;
       entry.base = found->key;
       entry.ablation = "baseline";

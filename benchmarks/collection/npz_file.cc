@@ -94,7 +94,13 @@ void WriteNpzProblem(const LcpProblem& problem, const std::string& path) {
   }
   const Eigen::MatrixXd& P = problem.DenseA();
   Eigen::VectorXd lower = Eigen::VectorXd::Zero(n);
-  for (const Index row : problem.bilateral_rows()) lower[row] = -std::numeric_limits<double>::infinity();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Eigen::VectorXd upper = Eigen::VectorXd::Constant(n, kInfinity);
+  for (const Index row : problem.bilateral_rows()) lower[row] = -kInfinity;
+  for (const BoundedRow& row : problem.bounded_rows()) {
+    lower[row.row] = row.lower;
+    upper[row.row] = row.upper;
+  }
   const std::string numbers = "<f8", size = std::to_string(n);
   const std::string none = Array("|O", "", "\x80\x03N.");
   Archive archive;
@@ -102,7 +108,7 @@ void WriteNpzProblem(const LcpProblem& problem, const std::string& path) {
   archive.Add("q.npy", Array(numbers, size + ",", BytesOf(problem.b().data(), n)));
   for (const char* name : {"G", "h", "A", "b"}) archive.Add(std::string(name) + ".npy", none);
   archive.Add("lb.npy", Array(numbers, size + ",", BytesOf(lower.data(), n)));
-  archive.Add("ub.npy", none);
+  archive.Add("ub.npy", problem.bounded_rows().empty() ? none : Array(numbers, size + ",", BytesOf(upper.data(), n)));
   WriteTextFile(path, std::move(archive).Finish());
 }
 

@@ -16,6 +16,7 @@
 #include "solvers/io/qps_text.h"
 #include "solvers/io/siconos_text.h"
 #include "solvers/io/text_words.h"
+#include "solvers/linear_algebra/islands.h"
 #include "support/exit_status.h"
 #include "support/input_error.h"
 #include "support/json_field.h"
@@ -26,44 +27,25 @@ namespace {
 
 LcpProblem ReadMarket(const std::string& path, const ReadingOptions&) { return ReadMarketProblem(path).problem; }
 LcpProblem ReadFclib(const std::string& path, const ReadingOptions& options) {
-  return ReadFclibProblem(path, {options.fclib_triplets, options.without_friction}).problem;
+  return ReadFclibProblem(path, {options.fclib_triplets, options.tangents()}).problem;
 }
 LcpProblem ReadSiconos(const std::string& path, const ReadingOptions& options) {
-  return ReadSiconosProblem(path, options.without_friction);
+  return ReadSiconosProblem(path, options.tangents());
 }
 
 void WriteJsonLine(const LcpProblem& problem, const std::string& path) {
   WriteFile(path, [&](std::ostream& file) { file << FormatLcpRecord(problem) << '\n'; });
 }
 
-// Other formats than JSON lines have no friction and no bounded rows.
-template <void (*write)(const LcpProblem& problem, const std::string& path)>
-void WritePlain(const LcpProblem& problem, const std::string& path) {
-  if (!problem.friction_rows().empty()) {
-    throw InputError(path + ": problem '" + problem.id() +
-                     "' has friction rows; expected JSON lines, or --without-friction, which drops them");
-  }
-  if (!problem.is_plain()) {
-    throw InputError(path + ": problem '" + problem.id() + "' has bounded rows; expected JSON lines");
-  }
-  write(problem, path);
-}
-
 // The other rows alone.
 LcpProblem WithoutFrictionRows(const LcpProblem& problem) {
   const Index n = problem.size();
-  RowBounds bounds;
   std::vector<Index> kept;
   for (Index i = 0; i < n; ++i) {
-    if (problem.kind(i) == RowKind::kFriction) continue;
-    kept.push_back(i);
-    bounds.bilateral.push_back(problem.is_bilateral(i) ? 1 : 0);
+    if (problem.kind(i) != RowKind::kFriction) kept.push_back(i);
   }
   const auto m = static_cast<Index>(kept.size());
-  for (BoundedRow row : problem.bounded_rows()) {
-    row.row = std::ranges::lower_bound(kept, row.row) - kept.begin();
-    bounds.bounded.push_back(row);
-  }
+  const RowBounds bounds = BoundsOfRows(problem, kept);
   SparseMatrix P(m, n);
   for (Index k = 0; k < m; ++k) P.insert(k, kept[static_cast<std::size_t>(k)]) = 1;
   const Eigen::VectorXd b = P * problem.b();
@@ -83,13 +65,12 @@ LcpProblem WithoutFrictionRows(const LcpProblem& problem) {
 }
 
 const std::vector<ProblemFormat>& Formats() {
-  static const std::vector<ProblemFormat> formats{
-      {"jsonl", {}, true, nullptr, WriteJsonLine},
-      {"mtx", {".mtx"}, true, ReadMarket, WritePlain<WriteMarketProblem>},
-      {"hdf5", {".hdf5", ".h5"}, false, ReadFclib, WritePlain<WriteFclibProblem>},
-      {"dat", {".dat"}, true, ReadSiconos, WritePlain<WriteSiconosProblem>},
-      {"qps", {".qps", ".mps"}, true, nullptr, WritePlain<WriteQpsProblem>},
-      {"npz", {".npz"}, false, nullptr, WritePlain<WriteNpzProblem>}};
+  static const std::vector<ProblemFormat> formats{{"jsonl", {}, true, nullptr, WriteJsonLine},
+                                                  {"mtx", {".mtx"}, true, ReadMarket, WriteMarketProblem},
+                                                  {"hdf5", {".hdf5", ".h5"}, false, ReadFclib, WriteFclibProblem},
+                                                  {"dat", {".dat"}, true, ReadSiconos, WriteSiconosProblem},
+                                                  {"qps", {".qps", ".mps"}, true, nullptr, WriteQpsProblem},
+                                                  {"npz", {".npz"}, false, nullptr, WriteNpzProblem}};
   return formats;
 }
 

@@ -14,11 +14,17 @@ namespace lcpbench {
 /// How problems are read, where a user may choose.
 struct ReadingOptions {
   FclibTriplets fclib_triplets = FclibTriplets::kByRanges;
-  /// Friction rows are dropped; of FCLib's and Siconos' files, which are read without them, coefficients may differ
-  /// from 0 then.
+  /// Friction rows are dropped, in all formats.
   bool without_friction = false;
+  /// Of FCLib's and Siconos' contacts in space both tangents are read (TangentRows::kBox).
+  bool box_friction = false;
   /// A whose LcpProblem::Asymmetry() is not 0 and at most this becomes (A + A^T) / 2, dense or sparse as it was.
   std::optional<double> symmetrize;
+
+  /// Of these formats' contacts.
+  TangentRows tangents() const {
+    return without_friction ? TangentRows::kNone : box_friction ? TangentRows::kBox : TangentRows::kOne;
+  }
 };
 
 /// A file format of problems: json_lines.h, matrix_market.h, fclib_file.h, siconos_text.h, qps_text.h or npz_file.h.

@@ -388,7 +388,7 @@ bool RecordingReader::Next(RecordedStep* step) {
 std::vector<RecordedProblem> IslandsOf(const RecordedProblem& whole, Index least_rows) {
   Islands islands;
   islands.Reserve(whole.problem.size());
-  islands.FindByColumns(whole.problem.J(), whole.problem.inverse_mass());
+  islands.FindByColumns(whole.problem.J(), whole.problem.inverse_mass(), whole.problem.friction_rows());
   std::vector<RecordedProblem> found;
   for (Index k = 0; k < islands.count(); ++k) {
     const std::span<const Index> rows = islands.rows(k);

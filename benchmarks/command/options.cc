@@ -143,7 +143,11 @@ void AddReadingOptions(CLI::App& command, ReadingOptions* reading) {
           "what the ranges of the indices allow; refused where both fit]")
       ->check(CLI::IsMember({"rows-first", "columns-first"}));
   command.add_flag("--without-friction", reading->without_friction,
-                   "Read the normal rows of FCLib's and Siconos' problems with friction, and ignore the friction");
+                   "Read problems without their friction rows, of FCLib's and Siconos' contacts the normal rows alone");
+  command.add_flag(
+      "--box-friction", reading->box_friction,
+      "Bound the force of each tangent of FCLib's and Siconos' contacts in space, whose friction is that of "
+      "a disc");
   command
       .add_option("--symmetrize", reading->symmetrize,
                   "Where A is symmetric but for this (0 to 1, relative to the diagonal), take (A + A^T) / 2; the "

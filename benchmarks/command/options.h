@@ -28,7 +28,7 @@ void AddTimeLimitOption(CLI::App& command, double* time_limit_s);
 /// --cpu; refuses a processor that this process may not use.
 void AddCpuOption(CLI::App& command, int* cpu);
 
-/// --fclib-triplets, --without-friction and --symmetrize: choices of readers.
+/// --fclib-triplets, --without-friction, --box-friction and --symmetrize: choices of readers.
 void AddReadingOptions(CLI::App& command, ReadingOptions* reading);
 
 /// A scene, and what overrides its own way of moving.

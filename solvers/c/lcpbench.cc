@@ -43,7 +43,10 @@ struct lcpbench_result {
 
 struct lcpbench_step {
   lcpbench::StepSolver solver;
-  std::vector<lcpbench::StepAnswer> answers;  // of a batch; kept, so that the next one allocates none
+  // Kept, so that the next call allocates none.
+  std::vector<lcpbench::StepAnswer> answers;  // of a batch
+  std::vector<lcpbench::FrictionRow> friction;
+  std::vector<lcpbench::BoundedRow> bounded;
 };
 
 namespace lcpbench {
@@ -424,8 +427,28 @@ lcpbench_step_rows StepRowsDefaults() {
   return defaults;
 }
 
+// What only this interface knows of; rows and numbers are the problem's to check.
+void ReadFriction(const lcpbench_friction_row* given, int64_t count, std::vector<FrictionRow>* friction) {
+  RequireSize(count, "friction_count");
+  if (count > 0) RequireNotNull(given, "friction", "friction rows");
+  friction->clear();
+  for (int64_t k = 0; k < count; ++k) {
+    const lcpbench_friction_row& row = given[k];
+    if (row.slip < -1 || row.slip > 1) Refuse(Place("friction", k) + ".slip", row.slip, "-1, 0 or 1");
+    if (row.reserved != 0) Refuse(Place("friction", k) + ".reserved", row.reserved, "0");
+    friction->push_back({row.row, row.normal, row.mu, static_cast<signed char>(row.slip)});
+  }
+}
+void ReadBounded(const lcpbench_bounded_row* given, int64_t count, std::vector<BoundedRow>* bounded) {
+  RequireSize(count, "bounded_count");
+  if (count > 0) RequireNotNull(given, "bounded", "bounded rows");
+  bounded->clear();
+  for (int64_t k = 0; k < count; ++k) bounded->push_back({given[k].row, given[k].lower, given[k].upper});
+}
+
 // What only this interface knows of; the arrays are the step solver's to check.
-StepRows ReadStepRows(const lcpbench_step_rows* given) {
+// @param step  for what is read
+StepRows ReadStepRows(const lcpbench_step_rows* given, lcpbench_step* step) {
   RequireNotNull(given, "rows", "the arrays of a step");
   const lcpbench_step_rows read =
       CopyIn(given, StepRowsDefaults(), kFirstStepRows, "rows", "lcpbench_step_rows (call lcpbench_step_rows_init)");
@@ -436,6 +459,10 @@ StepRows ReadStepRows(const lcpbench_step_rows* given) {
   rows.columns_per_body = read.columns_per_body;
   rows.rows = read.rows;
   rows.bodies = read.bodies;
+  ReadFriction(read.friction, read.friction_count, &step->friction);
+  ReadBounded(read.bounded, read.bounded_count, &step->bounded);
+  rows.friction = step->friction;
+  rows.bounded = step->bounded;
   if (read.rows == 0) return rows;
   if (read.J != nullptr && read.J_single != nullptr) {
     throw InputError("rows.J and rows.J_single are both given, expected one of them");
@@ -507,21 +534,11 @@ lcpbench_error lcpbench_problem_with_laws(const lcpbench_problem* problem, const
                                           int64_t friction_count, const lcpbench_bounded_row* bounded,
                                           int64_t bounded_count, lcpbench_problem** with_laws) {
   return Guard(__func__, [&] {
-    RequireHandle(problem, "problem");
+    Require(problem);
     RequireHandle(with_laws, "with_laws");
-    RequireSize(friction_count, "friction_count");
-    RequireSize(bounded_count, "bounded_count");
-    if (friction_count > 0) RequireHandle(friction, "friction");
-    if (bounded_count > 0) RequireHandle(bounded, "bounded");
     RowBounds bounds{problem->problem.bounds().bilateral};
-    for (int64_t k = 0; k < friction_count; ++k) {
-      const lcpbench_friction_row& row = friction[k];
-      if (row.slip < -1 || row.slip > 1) Refuse(Place("friction", k) + ".slip", row.slip, "-1, 0 or 1");
-      bounds.friction.push_back({row.row, row.normal, row.mu, static_cast<signed char>(row.slip)});
-    }
-    for (int64_t k = 0; k < bounded_count; ++k) {
-      bounds.bounded.push_back({bounded[k].row, bounded[k].lower, bounded[k].upper});
-    }
+    ReadFriction(friction, friction_count, &bounds.friction);
+    ReadBounded(bounded, bounded_count, &bounds.bounded);
     *with_laws = new lcpbench_problem{problem->problem.WithBounds(std::move(bounds))};
   });
 }
@@ -729,7 +746,7 @@ lcpbench_error lcpbench_step_create(const lcpbench_step_options* options, lcpben
       given.threads = read.threads;
       if (read.reserved != 0) Refuse("options.reserved", read.reserved, "0");
     }
-    *step = new lcpbench_step{StepSolver(given), {}};
+    *step = new lcpbench_step{StepSolver(given), {}, {}, {}};
   });
 }
 
@@ -746,7 +763,7 @@ lcpbench_error lcpbench_step_solve(lcpbench_step* step, const lcpbench_step_rows
                                    double* f, double* w, lcpbench_step_answer* answer, size_t size) {
   return Guard(__func__, [&] {
     Require(step);
-    const StepRows read = ReadStepRows(rows);
+    const StepRows read = ReadStepRows(rows, step);
     RequireOutput(answer, "answer");
     RequireStructSize(size, kFirstStepAnswer, "lcpbench_step_answer");
     if (read.rows > 0) RequireOutput(f, "f");
@@ -759,7 +776,7 @@ lcpbench_error lcpbench_step_solve_batch(lcpbench_step* step, const lcpbench_ste
                                          int64_t count, double* f, lcpbench_step_answer* answers, size_t size) {
   return Guard(__func__, [&] {
     Require(step);
-    const StepRows read = ReadStepRows(rows);
+    const StepRows read = ReadStepRows(rows, step);
     RequireSize(count, "count");
     RequireNotNull(starts, "starts", "one number for every problem and one more");
     const std::span<const int> begins(starts, static_cast<std::size_t>(count) + 1);

@@ -371,6 +371,10 @@ typedef struct lcpbench_step_rows {
   const double* b;             ///< n numbers, finite: J M^-1 (external forces) plus the velocity-product terms
   const uint8_t* kinds;        ///< n bytes, LCPBENCH_UNILATERAL or LCPBENCH_BILATERAL; NULL: every row is unilateral
   const double* inverse_mass;  ///< p numbers a body, finite, >= 0; 0 for what cannot move
+  const lcpbench_friction_row* friction;  ///< `friction_count` structs, as in lcpbench_problem_with_laws; NULL: none
+  int64_t friction_count;                 ///< >= 0; default 0
+  const lcpbench_bounded_row* bounded;    ///< `bounded_count` structs; NULL: none
+  int64_t bounded_count;                  ///< >= 0; default 0
 } lcpbench_step_rows;
 
 /// Writes the defaults: no rows, no bodies, bodies in the plane, all arrays NULL.
@@ -404,7 +408,8 @@ LCPBENCH_API lcpbench_error lcpbench_step_create(const lcpbench_step_options* op
 /// @param max_rows,max_bodies  in [0, 2^31)
 LCPBENCH_API lcpbench_error lcpbench_step_reserve(lcpbench_step* step, int64_t max_rows, int64_t max_bodies);
 
-/// Solves. A solve that fails is LCPBENCH_OK with a status that says so.
+/// Solves. A solve that fails is LCPBENCH_OK with a status that says so; LCPBENCH_UNSUPPORTED: friction or bounded
+/// rows.
 /// @param step       not NULL
 /// @param rows       the arrays of this step
 /// @param initial_f  warm start: n numbers, finite, 0 for new rows, in another array than f; NULL: a cold start
@@ -419,7 +424,7 @@ LCPBENCH_API lcpbench_error lcpbench_step_solve(lcpbench_step* step, const lcpbe
 /// Solves many problems, from cold starts. Problem k has the rows starts[k] .. starts[k + 1] - 1 of `rows`; bodies that
 /// can move belong to one problem each.
 /// @param step     not NULL
-/// @param rows     the arrays of all problems, one after the other
+/// @param rows     the arrays of all problems, one after the other, without friction and bounded rows
 /// @param starts   count + 1 numbers that do not fall, the first 0 and the last rows->rows
 /// @param count    problems, >= 0
 /// @param f        rows->rows numbers, written: the forces

@@ -137,15 +137,20 @@ void RequireIndex(const File& file, const std::string& name, int index, int end)
   file.Reject(name, "indices from 0 to " + std::to_string(end - 1), std::to_string(index));
 }
 
-// One entry in every `row_step` rows and `column_step` columns: of contacts the normal ones.
-std::vector<Entry> EveryNth(const std::vector<Entry>& entries, int row_step, int column_step, bool swapped) {
-  std::vector<Entry> kept;
+// New places of rows, or columns; -1: left out. nullptr: they stay.
+using Places = const std::vector<int>*;
+
+std::vector<Entry> Placed(const std::vector<Entry>& entries, Places rows, Places columns, bool swapped) {
+  const auto place = [](Places places, int index) {
+    return places == nullptr ? index : (*places)[static_cast<size_t>(index)];
+  };
+  std::vector<Entry> placed;
   for (const Entry& entry : entries) {
-    const int row = swapped ? entry.col() : entry.row(), column = swapped ? entry.row() : entry.col();
-    if (row % row_step != 0 || column % column_step != 0) continue;
-    kept.emplace_back(row / row_step, column / column_step, entry.value());
+    const int row = place(rows, swapped ? entry.col() : entry.row());
+    const int column = place(columns, swapped ? entry.row() : entry.col());
+    if (row >= 0 && column >= 0) placed.emplace_back(row, column, entry.value());
   }
-  return kept;
+  return placed;
 }
 
 // By place, without those that are 0.
@@ -181,11 +186,11 @@ class Matrices {
     return matrix;
   }
 
-  // What the problem needs of the matrices that have been read, see EveryNth; all of them are to be read before.
-  std::vector<Entry> Entries(const Matrix& matrix, int row_step = 1, int column_step = 1) const {
-    std::vector<Entry> by_rows = EveryNth(matrix.entries, row_step, column_step, false);
+  // What the problem needs of the matrices that have been read, see Placed; all of them are to be read before.
+  std::vector<Entry> Entries(const Matrix& matrix, Places rows = nullptr, Places columns = nullptr) const {
+    std::vector<Entry> by_rows = Placed(matrix.entries, rows, columns, false);
     if (!matrix.is_ambiguous || triplets_ == FclibTriplets::kRowsFirst) return by_rows;
-    std::vector<Entry> by_columns = EveryNth(matrix.entries, row_step, column_step, true);
+    std::vector<Entry> by_columns = Placed(matrix.entries, rows, columns, true);
     if (triplets_ == FclibTriplets::kColumnsFirst) return by_columns;
     if (Summed(by_rows) == Summed(by_columns)) return by_rows;
     file_.Reject(
@@ -256,7 +261,7 @@ SparseMatrix ToSparse(Index rows, Index columns, const std::vector<Entry>& entri
   return sparse;
 }
 
-// For every contact, and then every bilateral row, its row in the problem.
+// For every row of contacts that is read, and then every bilateral row, its row in the problem.
 std::vector<int> ReadRowOrder(const File& file, int n) {
   std::vector<int> rows(static_cast<size_t>(n));
   std::iota(rows.begin(), rows.end(), 0);
@@ -272,46 +277,58 @@ std::vector<int> ReadRowOrder(const File& file, int n) {
 
 // Contacts and bilateral rows of a file, and the rows of our problem that they are.
 struct Rows {
-  int dimension = kLeastDimension;
-  std::vector<int> of_contacts, of_bilateral;
+  int count = 0;                               // in the problem
+  std::vector<int> of_contacts, of_bilateral;  // -1: a tangent that is not read
+  std::vector<FrictionRow> friction;
 
-  Index size() const { return static_cast<Index>(of_contacts.size() + of_bilateral.size()); }
-  RowBounds Bounds() const { return RowBounds::WithBilateralRows(size(), {of_bilateral.begin(), of_bilateral.end()}); }
-  // Merges normal entries and those of bilateral rows, by the rows of the problem.
+  RowBounds Bounds() const {
+    RowBounds bounds = RowBounds::WithBilateralRows(count, {of_bilateral.begin(), of_bilateral.end()});
+    bounds.friction = friction;
+    return bounds;
+  }
+  // Merges entries of contacts and those of bilateral rows, by the rows of the problem.
   Eigen::VectorXd Merge(const std::vector<double>& contacts, const std::vector<double>& bilateral) const {
-    Eigen::VectorXd merged(size());
-    const auto step = static_cast<size_t>(dimension);
-    for (size_t k = 0; k < of_contacts.size(); ++k) merged[of_contacts[k]] = contacts[step * k];
+    Eigen::VectorXd merged(count);
+    for (size_t k = 0; k < of_contacts.size(); ++k) {
+      if (of_contacts[k] >= 0) merged[of_contacts[k]] = contacts[k];
+    }
     for (size_t k = 0; k < of_bilateral.size(); ++k) merged[of_bilateral[k]] = bilateral[k];
     return merged;
   }
 };
 
 // By the columns of two matrices: spacedim for every contact, one for every bilateral row.
-Rows ReadRows(const File& file, int dimension, const Matrix& of_contacts, const Matrix& of_bilateral) {
+// @param mu  the dataset of friction coefficients
+Rows ReadRows(const File& file, TangentRows tangents, int dimension, const char* mu, const Matrix& of_contacts,
+              const Matrix& of_bilateral) {
   if (of_contacts.columns % dimension != 0) {
     file.Reject(of_contacts.name, std::to_string(dimension) + " rows for every contact",
                 std::to_string(of_contacts.columns));
   }
-  const int contacts = of_contacts.columns / dimension, bilateral = of_bilateral.columns;
-  if (bilateral > kMost - contacts) {
+  ContactRows contacts =
+      RowsOfContacts(dimension, file.Reals(mu, of_contacts.columns / dimension), tangents,
+                     [&](const std::string& expected, const std::string& found) { file.Reject(mu, expected, found); });
+  const int bilateral = of_bilateral.columns;
+  if (bilateral > kMost - contacts.count) {
     file.Reject(of_bilateral.name, "at most " + std::to_string(kMost) + " rows", std::to_string(bilateral) + " more");
   }
-  const std::vector<int> rows = ReadRowOrder(file, contacts + bilateral);
-  return {dimension, {rows.begin(), rows.begin() + contacts}, {rows.begin() + contacts, rows.end()}};
-}
-
-void RequireNoFriction(const File& file, const char* name, int contacts, bool without_friction) {
-  for (const double mu : file.Reals(name, contacts)) {
-    if (mu == 0 || without_friction) continue;
-    file.Reject(name, "friction coefficients 0, or `lcpbench convert --without-friction`, which passes over them",
-                std::to_string(mu));
+  Rows rows;
+  rows.count = contacts.count + bilateral;
+  const std::vector<int> order = ReadRowOrder(file, rows.count);
+  const auto place = [&](Index row) { return row < 0 ? -1 : order[static_cast<size_t>(row)]; };
+  for (const int row : contacts.row) rows.of_contacts.push_back(place(row));
+  rows.of_bilateral.assign(order.begin() + contacts.count, order.end());
+  for (FrictionRow row : contacts.friction) {
+    row.row = place(row.row);
+    row.normal = place(row.normal);
+    rows.friction.push_back(row);
   }
+  return rows;
 }
 
 LcpProblem WithFactors(const File& file, const Rows& rows, Matrices* matrices, const std::string& id,
                        Eigen::VectorXd b) {
-  const Index n = rows.size();
+  const Index n = rows.count;
   const Matrix J = matrices->Read(kJ);
   const std::vector<double>& inverse_mass = file.Reals(kInverseMass);
   RequireShape(file, kJ, J, static_cast<int>(n), static_cast<int>(std::min<size_t>(inverse_mass.size(), kMost)));
@@ -330,7 +347,6 @@ std::pair<LcpProblem, Rows> ReadLocal(const File& file, const FclibOptions& opti
                 std::to_string(W.rows) + " x " + std::to_string(W.columns) + " entries");
   }
   const std::vector<double>& q = file.Reals(kQ, W.rows);
-  RequireNoFriction(file, kMu, W.rows / dimension, options.without_friction);
   Matrix V, R;
   std::vector<double> s;
   const std::string m = "/m";
@@ -341,24 +357,22 @@ std::pair<LcpProblem, Rows> ReadLocal(const File& file, const FclibOptions& opti
     V = matrices.Read(kV);
     RequireShape(file, kV, V, W.rows, R.rows);
   }
-  Rows rows = ReadRows(file, dimension, W, R);
+  Rows rows = ReadRows(file, options.tangents, dimension, kMu, W, R);
   Eigen::VectorXd b = rows.Merge(q, s);
   if (file.Has(kJ + m) || file.Has(kInverseMass)) {
     return {WithFactors(file, rows, &matrices, id, std::move(b)), std::move(rows)};
   }
   std::vector<Entry> entries;
-  const auto add = [&](const std::vector<Entry>& part, const std::vector<int>& row_of,
-                       const std::vector<int>& column_of, bool mirrored) {
+  const auto add = [&](const std::vector<Entry>& part, bool mirrored) {
     for (const Entry& entry : part) {
-      const int row = row_of[static_cast<size_t>(entry.row())], column = column_of[static_cast<size_t>(entry.col())];
-      entries.emplace_back(row, column, entry.value());
-      if (mirrored) entries.emplace_back(column, row, entry.value());
+      entries.push_back(entry);
+      if (mirrored) entries.emplace_back(entry.col(), entry.row(), entry.value());
     }
   };
-  add(matrices.Entries(W, dimension, dimension), rows.of_contacts, rows.of_contacts, false);
-  add(matrices.Entries(V, dimension), rows.of_contacts, rows.of_bilateral, true);
-  add(matrices.Entries(R), rows.of_bilateral, rows.of_bilateral, false);
-  return {LcpProblem::FromSparse(id, ToSparse(rows.size(), rows.size(), entries), std::move(b), rows.Bounds()),
+  add(matrices.Entries(W, &rows.of_contacts, &rows.of_contacts), false);
+  add(matrices.Entries(V, &rows.of_contacts, &rows.of_bilateral), true);
+  add(matrices.Entries(R, &rows.of_bilateral, &rows.of_bilateral), false);
+  return {LcpProblem::FromSparse(id, ToSparse(rows.count, rows.count, entries), std::move(b), rows.Bounds()),
           std::move(rows)};
 }
 
@@ -388,7 +402,6 @@ std::pair<LcpProblem, Rows> ReadGlobal(const File& file, const FclibOptions& opt
   RequireShape(file, kM, M, H.rows, H.rows);
   const std::vector<double>& f = file.Reals(kLoads, H.rows);
   const std::vector<double>& w = file.Reals(kVelocities, H.columns);
-  RequireNoFriction(file, kGlobalMu, H.columns / dimension, options.without_friction);
   Matrix G;
   std::vector<double> of_bilateral;
   if (file.Has(kG + std::string("/m"))) {
@@ -396,16 +409,14 @@ std::pair<LcpProblem, Rows> ReadGlobal(const File& file, const FclibOptions& opt
     RequireShape(file, kG, G, H.rows, G.columns);
     of_bilateral = file.Reals(kGlobalB, G.columns);
   }
-  Rows rows = ReadRows(file, dimension, H, G);
+  Rows rows = ReadRows(file, options.tangents, dimension, kGlobalMu, H, G);
   std::vector<Entry> entries;
-  const auto add = [&](const std::vector<Entry>& part, const std::vector<int>& row_of) {
-    for (const Entry& entry : part) {
-      entries.emplace_back(row_of[static_cast<size_t>(entry.col())], entry.row(), entry.value());
-    }
+  const auto add = [&](const std::vector<Entry>& part) {
+    for (const Entry& entry : part) entries.emplace_back(entry.col(), entry.row(), entry.value());
   };
-  add(matrices.Entries(H, 1, dimension), rows.of_contacts);
-  add(matrices.Entries(G), rows.of_bilateral);
-  const SparseMatrix J = ToSparse(rows.size(), H.rows, entries);
+  add(matrices.Entries(H, nullptr, &rows.of_contacts));
+  add(matrices.Entries(G, nullptr, &rows.of_bilateral));
+  const SparseMatrix J = ToSparse(rows.count, H.rows, entries);
   Eigen::VectorXd inverse_mass = InverseOfDiagonal(file, M, matrices.Entries(M));
   const Eigen::VectorXd velocities = inverse_mass.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(f.data(), H.rows));
   Eigen::VectorXd b = J * velocities + rows.Merge(w, of_bilateral);
@@ -415,7 +426,7 @@ std::pair<LcpProblem, Rows> ReadGlobal(const File& file, const FclibOptions& opt
 // None where the file has no normal forces, or lists that were created and never written.
 std::optional<Eigen::VectorXd> ReadForces(const File& file, const Rows& rows) {
   const auto is_unwritten = [&](const char* name, size_t count) { return count > 0 && file.Reals(name).empty(); };
-  const size_t normal = rows.of_contacts.size() * static_cast<size_t>(rows.dimension);
+  const size_t normal = rows.of_contacts.size();
   const size_t bilateral = rows.of_bilateral.size();
   if (!file.Has(kNormalForces) || is_unwritten(kNormalForces, normal)) return std::nullopt;
   const std::vector<double>& r = file.Reals(kNormalForces, static_cast<std::int64_t>(normal));
@@ -445,13 +456,10 @@ struct Blocks {
   ByColumns W, V, R;
 };
 
-// @param place  of every row among those of its kind
-Blocks Divide(const LcpProblem& problem, const std::vector<int>& place) {
+// @param place  of every row among those of contacts, or of bilateral ones
+Blocks Divide(const LcpProblem& problem, const std::vector<int>& place, Index contact_rows) {
   const auto bilateral = static_cast<Index>(problem.bilateral_rows().size());
-  const Index contact_rows = kLeastDimension * (problem.size() - bilateral);
-  const auto index_of = [&](Index row) {
-    return (problem.is_bilateral(row) ? 1 : kLeastDimension) * place[static_cast<size_t>(row)];
-  };
+  const auto index_of = [&](Index row) { return place[static_cast<size_t>(row)]; };
   std::vector<Entry> entries[2][2];  // by whether the row and the column are bilateral
   const SparseMatrix& A = problem.SparseA();
   for (Index i = 0; i < A.rows(); ++i) {
@@ -471,6 +479,25 @@ Blocks Divide(const LcpProblem& problem, const std::vector<int>& place) {
   throw InputError("problem '" + problem.id() +
                    "': expected the same entries between contacts and bilateral rows in both triangles of A, as FCLib "
                    "keeps one of them, found others");
+}
+
+// By row, the friction row of a contact; nullptr where there is none.
+std::vector<const FrictionRow*> FrictionOfContacts(const LcpProblem& problem) {
+  const auto refuse = [&](const std::string& what) {
+    throw InputError(
+        "problem '" + problem.id() + "' has " + what +
+        ", which FCLib has no place for; expected JSON lines, or --without-friction, which drops friction");
+  };
+  if (!problem.bounded_rows().empty()) refuse("bounded rows");
+  std::vector<const FrictionRow*> friction(static_cast<size_t>(problem.size()), nullptr);
+  for (const FrictionRow& row : problem.friction_rows()) {
+    if (row.slip != 0) refuse("sliding rows");
+    if (row.mu == 0) refuse("friction rows of mu = 0");
+    if (std::exchange(friction[static_cast<size_t>(row.normal)], &row) != nullptr) {
+      refuse("several friction rows of a contact");
+    }
+  }
+  return friction;
 }
 
 }  // namespace
@@ -495,26 +522,27 @@ void WriteFclibProblem(const LcpProblem& problem, const std::string& path) {
     throw InputError("problem '" + problem.id() + "': expected at most " + std::to_string(kMost / kLeastDimension) +
                      " rows, found " + std::to_string(n));
   }
-  // Contacts first; and where a row stands among those of its kind.
+  const std::vector<const FrictionRow*> friction = FrictionOfContacts(problem);
+  // Contacts first; and where a row stands among those of contacts, or of bilateral ones.
   std::vector<int> rows, place(static_cast<size_t>(n));
-  for (const bool bilateral : {false, true}) {
-    const size_t before = rows.size();
-    for (Index row = 0; row < n; ++row) {
-      if (problem.is_bilateral(row) != bilateral) continue;
-      place[static_cast<size_t>(row)] = static_cast<int>(rows.size() - before);
-      rows.push_back(static_cast<int>(row));
+  std::vector<double> mu, q, s;
+  for (Index row = 0; row < n; ++row) {
+    if (problem.kind(row) != RowKind::kUnilateral) continue;
+    const FrictionRow* const tangent = friction[static_cast<size_t>(row)];
+    mu.push_back(tangent == nullptr ? 0.0 : tangent->mu);
+    for (const Index of_contact : {row, tangent == nullptr ? Index{-1} : tangent->row}) {
+      q.push_back(of_contact < 0 ? 0.0 : problem.b()[of_contact]);
+      if (of_contact < 0) continue;
+      place[static_cast<size_t>(of_contact)] = static_cast<int>(q.size() - 1);
+      rows.push_back(static_cast<int>(of_contact));
     }
   }
-  const Blocks blocks = Divide(problem, place);
-  std::vector<double> q(static_cast<size_t>(blocks.W.rows()), 0.0), s;
-  for (size_t k = 0; k < rows.size(); ++k) {
-    const double b = problem.b()[rows[k]];
-    if (kLeastDimension * k < q.size()) {
-      q[kLeastDimension * k] = b;
-    } else {
-      s.push_back(b);
-    }
+  for (const Index row : problem.bilateral_rows()) {
+    place[static_cast<size_t>(row)] = static_cast<int>(s.size());
+    rows.push_back(static_cast<int>(row));
+    s.push_back(problem.b()[row]);
   }
+  const Blocks blocks = Divide(problem, place, static_cast<Index>(q.size()));
 
   Hdf5Datasets file{{kDimension, std::vector{kLeastDimension}}};
   AddMatrix(blocks.W, kW, &file);
@@ -523,11 +551,13 @@ void WriteFclibProblem(const LcpProblem& problem, const std::string& path) {
     AddMatrix(blocks.R, kR, &file);
     file.emplace_back(kS, std::move(s));
   }
-  file.emplace_back(kMu, std::vector<double>(q.size() / kLeastDimension, 0.0));
+  file.emplace_back(kMu, std::move(mu));
   file.emplace_back(kQ, std::move(q));
   file.emplace_back("/fclib_local/info/title", problem.id());
-  file.emplace_back("/fclib_local/info/description",
-                    std::string("frictionless: a linear complementarity problem in the normal rows"));
+  file.emplace_back(
+      "/fclib_local/info/description",
+      std::string(problem.is_plain() ? "frictionless: a linear complementarity problem in the normal rows"
+                                     : "Coulomb friction in the plane: a contact's normal, then its tangent"));
   file.emplace_back(kId, problem.id());
   file.emplace_back(kRowOrder, std::move(rows));
   if (problem.has_factors()) {

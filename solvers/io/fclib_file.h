@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "solvers/io/contact_rows.h"
 #include "solvers/lcp/problem.h"
 
 namespace lcpbench {
@@ -11,19 +12,21 @@ namespace lcpbench {
 //
 //   u = W r + V l + q,   V^T r + R l + s = 0,   every contact's u and r in the cones of its friction coefficient mu,
 //
-// u, r of spacedim (2 or 3) rows per contact, the first of them normal. With mu = 0 the cones say that r is normal and
-// 0 <= r_N, u_N, r_N u_N = 0: our problem. Contacts are its unilateral rows, l the forces of its bilateral ones:
-// R = A_BB, V = A_CB, s = b_B, W and q hold A_CC and b_C in their normal rows and columns. Global problems (group
+// u, r of spacedim (2 or 3) rows per contact, the first of them normal. Contacts are our unilateral rows and, where mu
+// is not 0, friction rows; l are the forces of bilateral rows: R = A_BB, V = A_CB, s = b_B, W and q hold A_CC and b_C.
+// With mu = 0 the cones say that r is normal and 0 <= r_N, u_N, r_N u_N = 0. Global problems (group
 // fclib_global) are read where M is diagonal, and not written:
 //
 //   M v = H r + G l + f, u = H^T v + w, G^T v + b = 0:   J = (H G)^T, inverse masses 1 / M, b = J M^-1 f + (w, b).
 //
-// Tangential columns act on nothing where r_T = 0, and tangential rows give nothing but u_T, which nothing asks for.
-// So tangential entries are written as none, and passed over by the reader, which loses nothing of the forces.
+// Where r_T = 0, tangential columns act on nothing, and tangential rows give nothing but u_T, which nothing asks for.
+// So tangential entries of contacts of mu = 0 are written as none, and passed over by the reader, which loses nothing
+// of the forces.
 //
 // The group lcpbench beside it, which fclib passes over, keeps what the format has no place for: the problem's id, for
-// every contact and then every bilateral row its row in the problem (row_order), and where there are factors J and
-// inverse_mass, which then win over W, V and R. Matrices are {nzmax, m, n, nz, p, i, x} as in fclib.h.
+// every contact (its normal, then its tangent) and then every bilateral row its row in the problem (row_order), and
+// where there are factors J and inverse_mass, which then win over W, V and R. Matrices are {nzmax, m, n, nz, p, i, x}
+// as in fclib.h.
 
 /// What the list p of triplets has. fclib.h says their rows, Siconos writes their columns.
 enum class FclibTriplets {
@@ -37,14 +40,14 @@ enum class FclibTriplets {
 /// How a file is read where the format leaves it open.
 struct FclibOptions {
   FclibTriplets triplets = FclibTriplets::kByRanges;  ///< what p is
-  /// Reads mu as 0: the normal rows of a problem with friction.
-  bool without_friction = false;
+  TangentRows tangents = TangentRows::kOne;           ///< what is read of problems with friction
 };
 
 /// What such a file holds.
 struct FclibProblem {
-  LcpProblem problem;  ///< without friction
-  /// From the group solution: normal forces and l, none where one of them was never written. Judged by nobody.
+  LcpProblem problem;  ///< without bounded and sliding rows
+  /// From the group solution: r of the rows that were read and l, none where one of them was never written. Judged by
+  /// nobody.
   std::optional<Eigen::VectorXd> f;
 };
 
@@ -53,13 +56,15 @@ struct FclibProblem {
 /// in proportion to the file, whatever it promises.
 /// @throws InputError naming file, dataset, what was expected and what was found: no such file, a dataset missing or of
 /// another type, sizes that are negative or do not fit each other, a matrix W or R that is not square, indices outside,
-/// what is not finite, mu != 0, an invalid row order, triplets that can be read both ways, M that is not diagonal
+/// what is not finite, mu < 0, or > 0 of contacts with two tangents (TangentRows), an invalid row order, triplets that
+/// can be read both ways, M that is not diagonal
 FclibProblem ReadFclibProblem(const std::string& path, const FclibOptions& options = {});
 
 /// spacedim 2, matrices in compressed columns with all stored entries. Read back bit for bit; a dense problem as a
 /// sparse one. Not for several threads at once.
-/// @throws InputError for bounds that are neither unilateral nor bilateral, where A_BC is not A_CB^T bit for bit, where
-/// the product of factors overflows, for more rows than the format counts, and where the file cannot be written
+/// @throws InputError for bounded and sliding rows, several friction rows of a contact or such of mu = 0, where A_BC is
+/// not A_CB^T bit for bit, where the product of factors overflows, for more rows than the format counts, and where the
+/// file cannot be written
 void WriteFclibProblem(const LcpProblem& problem, const std::string& path);
 
 }  // namespace lcpbench

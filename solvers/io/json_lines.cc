@@ -307,7 +307,8 @@ LcpRecord ParseLcpRecord(std::string_view line, const std::string& where) {
 
   MatrixFacts facts;
   LcpReference reference;
-  RowBounds bounds = RowBounds::WithBilateralRows(n, ParseBilateral(record, rows));
+  const std::vector<Index> bilateral = ParseBilateral(record, rows);
+  RowBounds bounds;
   if (record.Knows("friction")) bounds.friction = ParseFriction(record["friction"], rows);
   if (record.Knows("bounded")) bounds.bounded = ParseBounded(record["bounded"], rows);
   ParseReference(record, rows, bounds.is_plain(), &facts, &reference);
@@ -319,6 +320,7 @@ LcpRecord ParseLcpRecord(std::string_view line, const std::string& where) {
   }
 
   const auto problem = [&]() -> LcpProblem {
+    bounds.bilateral = RowBounds::WithBilateralRows(n, bilateral).bilateral;
     if (record.Has("J")) {
       Eigen::VectorXd inverse_mass = ParseVector(record["invM"]);
       ParsedMatrix J = ParseMatrix(record["J"], n, inverse_mass.size());

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "solvers/io/contact_rows.h"
 #include "solvers/io/file_ending.h"
 #include "solvers/io/gzip_file.h"
 #include "solvers/io/same_bits.h"
@@ -220,6 +221,7 @@ MarketProblem ReadMarketProblem(const std::string& path) {
 }
 
 void WriteMarketProblem(const LcpProblem& problem, const std::string& path) {
+  RequireNoFriction(problem, false);
   std::vector<std::unique_ptr<TextOrGzipOutput>> written;
   std::set<std::string> parts;
   const auto write = [&](const char* part, const auto& format, const auto& content) {

@@ -55,7 +55,8 @@ MarketProblem ReadMarketProblem(const std::string& path);
 
 /// Writes all files but name_x.mtx; J, invM and bilateral rows where the problem has them, and removes what an earlier
 /// problem of this name left. The old files stay until all new ones are written beside them; a process that is killed
-/// in between leaves a problem without b, which ReadMarketProblem refuses. @throws as TextOutput
+/// in between leaves a problem without b, which ReadMarketProblem refuses. @throws InputError for friction and bounded
+/// rows, and as TextOutput
 void WriteMarketProblem(const LcpProblem& problem, const std::string& path);
 
 }  // namespace lcpbench

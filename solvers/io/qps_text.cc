@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
+#include "solvers/io/contact_rows.h"
 #include "solvers/io/text_words.h"
 #include "support/input_error.h"
 
@@ -19,6 +21,7 @@ std::string OneWord(std::string id) {
 }  // namespace
 
 void RequireQp(const LcpProblem& problem) {
+  RequireNoFriction(problem, true);
   if (problem.Asymmetry() == 0) return;
   throw InputError("problem '" + problem.id() +
                    "': expected a symmetric A, as that of a QP is, found an asymmetry of " +
@@ -34,8 +37,19 @@ void WriteQpsText(const LcpProblem& problem, std::ostream& output) {
     output << ' ' << column(i) << " obj " << RoundTripDigits(problem.b()[i]) << '\n';
   }
   output << "RHS\n";
-  if (!problem.bilateral_rows().empty()) output << "BOUNDS\n";
+  if (!problem.bilateral_rows().empty() || !problem.bounded_rows().empty()) output << "BOUNDS\n";
   for (const Index row : problem.bilateral_rows()) output << " FR bounds " << column(row) << '\n';
+  for (const BoundedRow& row : problem.bounded_rows()) {
+    const auto bound = [&](const char* kind) -> std::ostream& {
+      return output << ' ' << kind << " bounds " << column(row.row);
+    };
+    if (std::isfinite(row.lower)) {
+      bound("LO") << ' ' << RoundTripDigits(row.lower) << '\n';
+    } else {
+      bound("MI") << '\n';
+    }
+    if (std::isfinite(row.upper)) bound("UP") << ' ' << RoundTripDigits(row.upper) << '\n';
+  }
   output << "QUADOBJ\n";
   for (Index i = 0; i < problem.size(); ++i) {
     for (SparseMatrix::InnerIterator it(A, i); it; ++it) {

@@ -43,7 +43,8 @@ struct StoredMatrix {
 struct MixedProblem {
   StoredMatrix M;
   std::vector<double> q;
-  std::vector<Block> equations;   // ascending
+  std::vector<Block> equations;  // ascending
+  std::vector<FrictionRow> friction;
   std::int64_t most_answers = 0;  // numbers that may follow: z of all rows, w of the complementarity rows
 
   Index size() const { return M.rows; }
@@ -53,6 +54,7 @@ struct MixedProblem {
     for (const Block& block : equations) {
       std::fill(bounds.bilateral.begin() + block.begin, bounds.bilateral.begin() + block.end, 1);
     }
+    bounds.friction = friction;
     return bounds;
   }
 };
@@ -339,29 +341,32 @@ MixedProblem ReadMixed(TextWords* words, bool has_M, bool has_parts, std::int64_
   return problem;
 }
 
-// Reads W, q and mu, without friction: normal rows and columns, the first of every contact.
+// Reads W, q and mu: of every contact its normal row and its tangents, as RowsOfContacts has them.
 MixedProblem ReadContacts(TextWords* words, std::int64_t dimension, std::int64_t contacts, std::int64_t storage,
-                          bool without_friction) {
+                          TangentRows tangents) {
   const std::int64_t rows = dimension * contacts;
   words->IntegerOfAnyLine(rows, rows, "a number of columns");
   const StoredMatrix W = ReadMatrix(words, storage, rows, rows);
   const std::vector<double> q = words->NumbersOfAnyLine(rows, "q");
-  for (const double mu : words->NumbersOfAnyLine(contacts, "friction coefficients")) {
-    if (mu == 0 || without_friction) continue;
-    words->Reject("friction coefficients 0, or `lcpbench convert --without-friction`, which passes over them",
-                  RoundTripDigits(mu));
-  }
+  ContactRows read =
+      RowsOfContacts(static_cast<int>(dimension), words->NumbersOfAnyLine(contacts, "friction coefficients"), tangents,
+                     [&](const std::string& expected, const std::string& found) { words->Reject(expected, found); });
   MixedProblem problem;
-  problem.M.rows = problem.M.columns = contacts;
-  problem.M.is_dense = W.is_dense;
-  const auto normal = Eigen::seqN(Index{0}, W.is_dense ? contacts : 0, dimension);
-  problem.M.dense = W.dense(normal, normal);
-  for (const auto& entry : W.entries) {
-    if (entry.row() % dimension != 0 || entry.col() % dimension != 0) continue;
-    problem.M.entries.emplace_back(entry.row() / static_cast<int>(dimension), entry.col() / static_cast<int>(dimension),
-                                   entry.value());
+  std::vector<Index> kept;
+  for (std::size_t row = 0; row < read.row.size(); ++row) {
+    if (read.row[row] < 0) continue;
+    kept.push_back(static_cast<Index>(row));
+    problem.q.push_back(q[row]);
   }
-  for (std::int64_t row = 0; row < rows; row += dimension) problem.q.push_back(q[static_cast<size_t>(row)]);
+  problem.M.rows = problem.M.columns = read.count;
+  problem.M.is_dense = W.is_dense;
+  if (W.is_dense) problem.M.dense = W.dense(kept, kept);
+  for (const auto& entry : W.entries) {
+    const int row = read.row[static_cast<std::size_t>(entry.row())];
+    const int column = read.row[static_cast<std::size_t>(entry.col())];
+    if (row >= 0 && column >= 0) problem.M.entries.emplace_back(row, column, entry.value());
+  }
+  problem.friction = std::move(read.friction);
   problem.most_answers = 1;
   return problem;
 }
@@ -382,7 +387,7 @@ bool IsMixed(TextWords* words, const std::array<std::int64_t, 4>& head) {
   return may_be_mixed && (!may_be_lcp || (head[0] == 1 && words->PeekOfAnyLine() == "0"));
 }
 
-MixedProblem Read(TextWords* words, bool without_friction) {
+MixedProblem Read(TextWords* words, TangentRows tangents) {
   std::array<std::int64_t, 4> head{};
   for (std::int64_t& number : head) number = words->IntegerOfAnyLine(0, kMost, "a size, a storage or a flag");
   MixedProblem problem;
@@ -391,7 +396,7 @@ MixedProblem Read(TextWords* words, bool without_friction) {
     problem.most_answers = head[2] + 2 * head[3];
     return problem;
   }
-  if (IsOfContacts(head)) return ReadContacts(words, head[0], head[1], head[2], without_friction);
+  if (IsOfContacts(head)) return ReadContacts(words, head[0], head[1], head[2], tangents);
   const std::int64_t n = head[0];
   if (head[2] != n || head[3] != n) {
     words->Reject("a matrix of " + std::to_string(n) + " x " + std::to_string(n) + " entries",
@@ -443,9 +448,9 @@ void WriteBlocks(const LcpProblem& problem, std::ostream& output) {
 
 }  // namespace
 
-LcpProblem ReadSiconosText(std::istream& input, const std::string& name, const std::string& id, bool without_friction) {
+LcpProblem ReadSiconosText(std::istream& input, const std::string& name, const std::string& id, TangentRows tangents) {
   TextWords words(input, name);
-  MixedProblem read = Read(&words, without_friction);
+  MixedProblem read = Read(&words, tangents);
   RequireEnd(&words, read.most_answers);
   Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(read.q.data(), read.size());
   try {
@@ -456,12 +461,13 @@ LcpProblem ReadSiconosText(std::istream& input, const std::string& name, const s
   }
 }
 
-LcpProblem ReadSiconosProblem(const std::string& path, bool without_friction) {
+LcpProblem ReadSiconosProblem(const std::string& path, TangentRows tangents) {
   TextInput file(path);
-  return ReadSiconosText(file, path, IdOfFile(path), without_friction);
+  return ReadSiconosText(file, path, IdOfFile(path), tangents);
 }
 
 void WriteSiconosText(const LcpProblem& problem, std::ostream& output) {
+  RequireNoFriction(problem, false);
   if (problem.has_factors()) {
     const SparseMatrix& A = problem.SparseA();
     if (!Eigen::Map<const Eigen::VectorXd>(A.valuePtr(), A.nonZeros()).allFinite()) {

@@ -16,6 +16,7 @@
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/lcp/number_range.h"
 #include "support/input_error.h"
+#include "support/number_text.h"
 
 namespace lcpbench {
 namespace {
@@ -93,7 +94,7 @@ void RequireRowKinds(const std::string& id, Index n, RowBounds* bounds) {
       Reject(id, place + "normal is " + std::to_string(row.normal) + ", expected a unilateral row");
     }
     if (!std::isfinite(row.mu) || row.mu < 0) {
-      Reject(id, place + "mu is " + std::to_string(row.mu) + ", expected a finite number >= 0");
+      Reject(id, place + "mu is " + NumberText(row.mu) + ", expected a finite number >= 0");
     }
     if (row.slip < -1 || row.slip > 1) {
       Reject(id, place + "slip is " + std::to_string(row.slip) + ", expected -1, 0 or 1");
@@ -102,8 +103,8 @@ void RequireRowKinds(const std::string& id, Index n, RowBounds* bounds) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (const BoundedRow& row : bounds->bounded) {
     if (row.lower <= row.upper && row.lower < kInfinity && row.upper > -kInfinity) continue;
-    Reject(id, "bounded: row " + std::to_string(row.row) + ": lower is " + std::to_string(row.lower) + " and upper " +
-                   std::to_string(row.upper) + ", expected a number between them");
+    Reject(id, "bounded: row " + std::to_string(row.row) + ": lower is " + NumberText(row.lower) + " and upper " +
+                   NumberText(row.upper) + ", expected a number between them");
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <type_traits>
 
 #include "solvers/lcp/problem.h"
@@ -8,9 +9,10 @@
 namespace lcpbench {
 
 /// One problem as an engine's arrays hold it, read in place: rows that act on at most two bodies.
-///     w = A f + b,   A = J M^-1 J^T,   unilateral rows: 0 <= f _|_ w >= 0,   bilateral rows: w = 0, f free
-/// as LcpProblem, with its units. p = columns_per_body numbers a body: 3 in the plane (x, y, rotation), 6 in space in
-/// principal axes (three translations, three rotations about the principal axes), so that M^-1 is diagonal.
+///     w = A f + b,   A = J M^-1 J^T,   unilateral rows: 0 <= f _|_ w >= 0,   bilateral rows: w = 0, f free,
+/// friction and bounded rows as FrictionRow and BoundedRow say: as LcpProblem, with its units. p = columns_per_body
+/// numbers a body: 3 in the plane (x, y, rotation), 6 in space in principal axes (three translations, three rotations
+/// about the principal axes), so that M^-1 is diagonal.
 ///
 /// Nothing is owned or copied; the arrays must not change during a call. Rows that act on more than two bodies are for
 /// LcpProblem.
@@ -24,6 +26,8 @@ struct StepRows {
   const double* b = nullptr;                 ///< n
   const unsigned char* bilateral = nullptr;  ///< n, 1: a joint; nullptr: every row is unilateral
   const double* inverse_mass = nullptr;      ///< p bodies, >= 0; 0: cannot move
+  std::span<const FrictionRow> friction = {};  ///< as RowBounds; for StepSolver::Solve and RowIslands, as `bounded`
+  std::span<const BoundedRow> bounded = {};    ///< as RowBounds
 };
 
 /// visit(J, p) with the J of the step, in its precision, and its p as a constant: std::integral_constant<int, p>.
@@ -43,7 +47,7 @@ bool HasDiagonalInRange(const StepRows& rows);
 /// A, as AssembleDenseA of problem.h: into n rows of `stride` >= n numbers each, padding zero. By bodies that rows
 /// share.  O(n^2)
 void AssembleDenseA(const StepRows& rows, double* A, Index stride);
-/// The rows first to last - 1 alone.
+/// The rows first to last - 1 of plain rows alone.
 StepRows PartOf(const StepRows& rows, std::int64_t first, std::int64_t last);
 
 }  // namespace lcpbench

@@ -89,7 +89,13 @@ void BasicIslands<Row>::Reserve(Index max_rows, Index max_bodies) {
 }
 
 template <typename Row>
-void BasicIslands<Row>::Find(const SparseMatrix& A, const std::vector<char>& keep) {
+void BasicIslands<Row>::Join(std::span<const FrictionRow> friction) {
+  for (const FrictionRow& row : friction) joined_.Join(row.row, row.normal);
+}
+
+template <typename Row>
+void BasicIslands<Row>::Find(const SparseMatrix& A, const std::vector<char>& keep,
+                             std::span<const FrictionRow> friction) {
   const Index n = A.rows();
   joined_.Reset(n);
   for (Index i = 0; i < n; ++i) {
@@ -98,11 +104,13 @@ void BasicIslands<Row>::Find(const SparseMatrix& A, const std::vector<char>& kee
       if (it.value() != 0 && keep[At(it.col())] != 0) joined_.Join(it.col(), i);
     }
   }
+  Join(friction);
   Collect(n, &keep);
 }
 
 template <typename Row>
-void BasicIslands<Row>::FindByColumns(const SparseMatrix& J, const Eigen::VectorXd& inverse_mass) {
+void BasicIslands<Row>::FindByColumns(const SparseMatrix& J, const Eigen::VectorXd& inverse_mass,
+                                      std::span<const FrictionRow> friction) {
   const Index n = J.rows();
   joined_.Reset(n);
   std::vector<Index> last_row(At(J.cols()), -1);
@@ -114,6 +122,7 @@ void BasicIslands<Row>::FindByColumns(const SparseMatrix& J, const Eigen::Vector
       last = i;
     }
   }
+  Join(friction);
   Collect(n, nullptr);
 }
 
@@ -137,6 +146,7 @@ void BasicIslands<Row>::Find(const StepRows& rows) {
   for (Index side = 0; side < sides; ++side) {
     if (rows.body[side] >= 0) last_row_[At(rows.body[side])] = -1;
   }
+  Join(rows.friction);
   Collect(rows.rows, nullptr);
 }
 
@@ -191,16 +201,30 @@ std::pair<int, int> BodiesOfRow(const LcpProblem& problem, Index row) {
   return bodies;
 }
 
+RowBounds BoundsOfRows(const LcpProblem& problem, std::span<const Index> rows) {
+  RowBounds bounds;
+  const auto place = [&](Index row) { return std::ranges::lower_bound(rows, row) - rows.begin(); };
+  for (const Index row : rows) bounds.bilateral.push_back(problem.is_bilateral(row) ? 1 : 0);
+  for (FrictionRow row : problem.friction_rows()) {
+    if (!std::ranges::binary_search(rows, row.row)) continue;
+    row.row = place(row.row);
+    row.normal = place(row.normal);
+    bounds.friction.push_back(row);
+  }
+  for (BoundedRow row : problem.bounded_rows()) {
+    if (!std::ranges::binary_search(rows, row.row)) continue;
+    row.row = place(row.row);
+    bounds.bounded.push_back(row);
+  }
+  return bounds;
+}
+
 LcpProblem Subproblem(const LcpProblem& problem, std::span<const Index> rows) {
   const auto m = static_cast<Index>(rows.size());
   Eigen::VectorXd b(m);
-  std::vector<Index> bilateral;
-  for (Index k = 0; k < m; ++k) {
-    b[k] = problem.b()[rows[At(k)]];
-    if (problem.is_bilateral(rows[At(k)])) bilateral.push_back(k);
-  }
+  for (Index k = 0; k < m; ++k) b[k] = problem.b()[rows[At(k)]];
   const std::string id = problem.id() + " (" + std::to_string(m) + " rows)";
-  RowBounds bounds = RowBounds::WithBilateralRows(m, bilateral);
+  RowBounds bounds = BoundsOfRows(problem, rows);
   MatrixFacts facts;
   facts.symmetric = problem.facts().symmetric;
   facts.positive_semidefinite = problem.facts().positive_semidefinite;

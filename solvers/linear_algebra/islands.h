@@ -10,8 +10,9 @@
 
 namespace lcpbench {
 
-/// Finds rows of an LCP that cannot carry force, by looking at single entries, so that leaving them out is exact for
-/// symmetric PSD A: f_i = 0 together with any solution of the rest is a solution of the whole. Row i is unilateral and
+/// Finds rows of a plain LCP that cannot carry force, by looking at single entries, so that leaving them out is exact
+/// for symmetric PSD A: f_i = 0 together with any solution of the rest is a solution of the whole. Row i is unilateral
+/// and
 ///   - has b_i >= 0 and no A_ij < 0, and no A_ij != 0 with a bilateral j, over the rows j that are left: w_i >= 0
 ///     whatever they do; or
 ///   - is the same as a row j that is left (A_ij = A_ii = A_jj, which for PSD A means equal rows), and b_i >= b_j:
@@ -48,7 +49,8 @@ class DisjointSets {
   Index sets_ = 0;
 };
 
-/// The parts of an LCP that no entry of A connects: each may be solved by itself. In the order of their first rows.
+/// The parts of an LCP that no entry of A connects, and no law: a friction row is in the island of its normal row. Each
+/// may be solved by itself. In the order of their first rows.
 /// @tparam Row  what rows are named by
 template <typename Row>
 class BasicIslands {
@@ -56,10 +58,12 @@ class BasicIslands {
   /// Finding allocates nothing up to there, but where it says so.
   void Reserve(Index max_rows, Index max_bodies = 0);
   /// Islands among the rows with keep[i] != 0.  O(nnz A)
-  void Find(const SparseMatrix& A, const std::vector<char>& keep);
+  /// @param friction  of the problem, here and below; both rows of each are kept
+  void Find(const SparseMatrix& A, const std::vector<char>& keep, std::span<const FrictionRow> friction = {});
   /// Islands among all rows of a problem by factors, A not formed: rows that share a column of J which can move belong
   /// together, even where products of J cancel.  O(nnz J), allocates one number per column.
-  void FindByColumns(const SparseMatrix& J, const Eigen::VectorXd& inverse_mass);
+  void FindByColumns(const SparseMatrix& J, const Eigen::VectorXd& inverse_mass,
+                     std::span<const FrictionRow> friction = {});
   /// The same by the bodies of a step's rows: bodies that no row names are not looked at.  O(n)
   void Find(const StepRows& rows);
 
@@ -75,6 +79,7 @@ class BasicIslands {
   Index largest() const { return largest_; }
 
  private:
+  void Join(std::span<const FrictionRow> friction);
   void Collect(Index n, const std::vector<char>* keep);
 
   DisjointSets joined_;
@@ -91,8 +96,12 @@ extern template class BasicIslands<std::int32_t>;
 /// The movable bodies of a row with at most two, by their place among the bodies that J has columns for; -1 for none.
 std::pair<int, int> BodiesOfRow(const LcpProblem& problem, Index row);
 
+/// The kinds of some rows, by their places among these.
+/// @param rows  ascending, with the normal row of every friction row
+RowBounds BoundsOfRows(const LcpProblem& problem, std::span<const Index> rows);
+
 /// The LCP of some rows alone: in the given form, with the bodies that they touch.
-/// @param rows  ascending
+/// @param rows  as BoundsOfRows
 LcpProblem Subproblem(const LcpProblem& problem, std::span<const Index> rows);
 
 }  // namespace lcpbench

@@ -54,8 +54,12 @@ ProblemArrays ToArrays(const StepRows& rows) {
   arrays.b.assign(rows.b, rows.b + rows.rows);
   if (rows.bilateral != nullptr) arrays.bilateral.assign(rows.bilateral, rows.bilateral + rows.rows);
   arrays.inverse_mass.assign(rows.inverse_mass, rows.inverse_mass + arrays.columns);
+  arrays.friction.assign(rows.friction.begin(), rows.friction.end());
+  arrays.bounded.assign(rows.bounded.begin(), rows.bounded.end());
   return arrays;
 }
+
+bool IsPlain(const StepRows& rows) { return rows.friction.empty() && rows.bounded.empty(); }
 
 // Rows with the bodies alone that they name: what solves one problem must not look at a whole world, and what other
 // bodies have does not count.
@@ -124,13 +128,13 @@ struct StepSolver::Implementation {
   // @param has_own_bodies  rows come from own_bodies
   StepAnswer Solve(StepRows of, bool has_own_bodies, const double* start, double* f, double* w) {
     bool is_in_range = CheckRows(of, start);
-    if (of.rows == 0) return {LcpStatus::kSolved, 0, 0};
+    if (of.rows == 0 && IsPlain(of)) return {LcpStatus::kSolved, 0, 0};
     if (!is_in_range && !has_own_bodies) {  // the check may have met other bodies
       of = own_bodies.Take(of);
       has_own_bodies = true;
       is_in_range = CheckRows(of, start);
     }
-    if (is_in_range) {
+    if (is_in_range && IsPlain(of)) {
       rows.Reserve(of.rows, of.bodies);
       if (w == nullptr && unwanted_w.size() < of.rows) unwanted_w.resize(of.rows);
       std::optional<Deadline> limit;
@@ -162,6 +166,7 @@ struct StepSolver::Implementation {
       problem.ComputeW(result.f, &gaps);
       std::copy_n(gaps.data(), of.rows, w);
     }
+    if (result.status == LcpStatus::kUnsupported) return {result.status, 0};
     // In double the squares of large numbers overflow, and their ratio is NaN.
     StepAnswer answer{result.status, result.iterations,
                       static_cast<double>(Residual<long double>(problem).Rho(result.f))};
@@ -247,6 +252,10 @@ void StepSolver::SolveBatch(const StepRows& rows, std::span<const std::int32_t> 
   }
   for (std::size_t k = 0; k < answers.size(); ++k) {
     if (start[k + 1] < start[k]) throw InputError("start must ascend, entry " + std::to_string(k + 1) + " does not");
+  }
+  if (!IsPlain(rows)) {
+    throw InputError(std::string("step rows: batches take no ") + (rows.friction.empty() ? "bounded" : "friction") +
+                     " rows, expected a Solve for each problem");
   }
   // Arrays, and what the first row has; lanes look at the rest as they read it.
   CheckRows(rows.rows > 0 ? PartOf(rows, 0, 1) : rows, nullptr);

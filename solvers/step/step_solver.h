@@ -42,7 +42,10 @@ struct StepAnswer {
 /// asked, whose factorizations allocate. Method, guaranteed class (every A = J M^-1 J^T) and checks are those of
 /// RowSolver and AutoSolver; kSolved is claimed only for an f that passed.
 ///
-/// The input is checked in the same call: NaN, infinity, negative masses, and bodies out of range are refused. Bodies
+/// Steps with friction or bounded rows are for AutoSolver: kUnsupported where it does not take them.
+///
+/// The input is checked in the same call: NaN, infinity, negative masses, bodies out of range, and friction and bounded
+/// rows that LcpProblem refuses are refused. Bodies
 /// that no row names do not count: their inverse masses may be anything, in Solve and in SolveBatch.
 /// One object serves one thread at a time. The same rows and start give the same bits, whatever came before.
 class StepSolver {
@@ -70,7 +73,8 @@ class StepSolver {
   /// @param f        rows.rows numbers, written
   /// @param answers  one per problem, written
   /// With options.threads > 1 it allocates what threads need.
-  /// @throws InputError as Solve, and for `start`; then f and answers may be written in part
+  /// @throws InputError as Solve, for `start`, and for friction and bounded rows, which lanes do not take; then f and
+  /// answers may be written in part
   void SolveBatch(const StepRows& rows, std::span<const std::int32_t> start, double* f, std::span<StepAnswer> answers);
 
   /// How many solves went to AutoSolver since the construction: those that allocate.

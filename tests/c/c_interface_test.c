@@ -573,15 +573,22 @@ static void FrictionIsSolvedAndJudged(void) {
   row.mu = -1;
   problem = NULL;
   CHECK(lcpbench_problem_with_laws(plain, &row, 1, NULL, 0, &problem) == LCPBENCH_INVALID_ARGUMENT && problem == NULL);
-  CHECK(strstr(lcpbench_last_error(), "mu is -1") != NULL);
+  CHECK(strstr(lcpbench_last_error(), "friction: row 1: mu is -1, expected a finite number >= 0") != NULL);
+  row.mu = NAN;
+  CHECK(lcpbench_problem_with_laws(plain, &row, 1, NULL, 0, &problem) == LCPBENCH_INVALID_ARGUMENT && problem == NULL);
+  CHECK(strstr(lcpbench_last_error(), "friction: row 1: mu is nan") != NULL);
+  row.mu = 1;
+  row.normal = 2;
+  CHECK(lcpbench_problem_with_laws(plain, &row, 1, NULL, 0, &problem) == LCPBENCH_INVALID_ARGUMENT && problem == NULL);
+  CHECK(strstr(lcpbench_last_error(), "friction: row 1: normal is 2, expected a unilateral row") != NULL);
   lcpbench_problem_free(plain);
 }
 
 int main(void) {
-  FrictionIsSolvedAndJudged();
   CHECK(lcpbench_last_error()[0] == '\0');
   CHECK(strcmp(lcpbench_version(), LCPBENCH_EXPECTED_VERSION) == 0);
   SolvesAKnownProblem();
+  FrictionIsSolvedAndJudged();
   LeastNormSharesEqually();
   LayoutsAndFormsAgree();
   FactorsAreTheirProduct();

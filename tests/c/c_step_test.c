@@ -451,6 +451,46 @@ static void MistakesAreRefused(void) {
   lcpbench_step_free(NULL);
 }
 
+/* What no step solver takes yet is a status, and what is no friction row a mistake. */
+static void FrictionAndBoundsAreUnsupported(void) {
+  static Arrays arrays;
+  const lcpbench_step_rows plain = MakeRows(&arrays, 5, 3, 0, 0);
+  lcpbench_friction_row friction = {1, 0, 0.5, 0, 0};
+  lcpbench_bounded_row bounded = {2, -1, 1};
+  const int32_t starts[2] = {0, 5};
+  double f[5];
+  lcpbench_step_answer answer;
+  lcpbench_step* step = MakeStep();
+  CHECK(plain.friction == NULL && plain.friction_count == 0 && plain.bounded == NULL && plain.bounded_count == 0);
+  lcpbench_step_rows rows = plain;
+  rows.bounded = &bounded;
+  rows.bounded_count = 1;
+  CHECK_OK(lcpbench_step_solve(step, &rows, NULL, f, NULL, &answer, sizeof answer));
+  CHECK(answer.status == LCPBENCH_UNSUPPORTED && f[0] == 0 && f[4] == 0);
+  rows.friction = &friction;
+  rows.friction_count = 1;
+  CHECK_OK(lcpbench_step_solve(step, &rows, NULL, f, NULL, &answer, sizeof answer));
+  CHECK(answer.status == LCPBENCH_UNSUPPORTED && f[0] == 0 && f[4] == 0);
+  CHECK_REFUSED(lcpbench_step_solve_batch(step, &rows, starts, 1, f, &answer, sizeof answer),
+                "batches take no friction rows, expected a Solve for each problem");
+  bounded.lower = 2;
+  CHECK_REFUSED(lcpbench_step_solve(step, &rows, NULL, f, NULL, &answer, sizeof answer),
+                "bounded: row 2: lower is 2 and upper 1, expected a number between them");
+  friction.mu = -1;
+  CHECK_REFUSED(lcpbench_step_solve(step, &rows, NULL, f, NULL, &answer, sizeof answer),
+                "friction: row 1: mu is -1, expected a finite number >= 0");
+  friction.slip = 2;
+  CHECK_REFUSED(lcpbench_step_solve(step, &rows, NULL, f, NULL, &answer, sizeof answer),
+                "friction[0].slip is 2, expected -1, 0 or 1");
+  rows.friction = NULL;
+  CHECK_REFUSED(lcpbench_step_solve(step, &rows, NULL, f, NULL, &answer, sizeof answer), "friction is NULL");
+  rows.friction_count = -1;
+  CHECK_REFUSED(lcpbench_step_solve(step, &rows, NULL, f, NULL, &answer, sizeof answer), "friction_count is -1");
+  rows = plain;
+  ExpectSolved(step, &rows);
+  lcpbench_step_free(step);
+}
+
 /* Programs of a later version have larger structs. */
 static void LaterStructsAreUnderstood(void) {
   static Arrays arrays;
@@ -490,6 +530,7 @@ int main(void) {
   NoRowsAreSolved();
   RhoIsNeverNan();
   MistakesAreRefused();
+  FrictionAndBoundsAreUnsupported();
   WrongOptionsAreRefused();
   LaterStructsAreUnderstood();
   return CountFailures();

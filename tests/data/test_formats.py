@@ -96,8 +96,10 @@ _DOCUMENTS = {
     "problem": ([
         _PROBLEM, {"b": [1, 2], "A": [1, 0, 0, 1], "joint": [True, False], "status": "solved", "w": [1, 2], "f_minnorm": None,
                    "f_unique": True, "rank_A": 2, "category": "c", "contacts": [{"joint": True}, {}]},
-        {"b": [1], "J": {"shape": [1, 3], "row": [0], "col": [2], "val": [1]}, "invM": [1, 1, 1], "columns_per_body": 3, "id": 7}],
-        _SIZES + r"|/shape/\d: expected \d+, found|inverse_mass|row starts|columns\["),
+        {"b": [1], "J": {"shape": [1, 3], "row": [0], "col": [2], "val": [1]}, "invM": [1, 1, 1], "columns_per_body": 3, "id": 7},
+        {"b": [-1, 1, 1], "A": [1, 0, 0, 0, 1, 0, 0, 0, 1], "friction": {"row": [1], "normal": [0], "mu": ["1/2"], "slip": [-1]},
+         "bounded": {"row": [2], "lower": [-1], "upper": [None]}, "w_unique": True, "solvable": True}],
+        _SIZES + r"|(friction|bounded): row \d|/shape/\d: expected \d+, found|inverse_mass|row starts|columns\["),
     "sequence": ([{**_PROBLEM, "previous": [-1, -1], "floor": 1e-12}], _SIZES + "|a row of the line before"),
     "reference": ([{"id": "two", "kind": "certified", "status": "solved", "f_unique": True, "w": [0, 1], "f_minnorm": [1, 0], "f": [1, 1]},
                    {"id": "two", "status": "solved", "w": [0, 1], "f": [1, 0], "f_unique": None}, {"id": "two", "status": "infeasible"}],
@@ -210,7 +212,7 @@ class Formats(unittest.TestCase):
     def test_members_that_mean_something_elsewhere_are_refused_by_name(self):
         members = json_of(FORMATS / "problem.schema.json")["properties"]
         foreign = [name for name, schema in members.items() if schema is False] + ["h"]
-        self.assertLessEqual({"lo", "hi", "lower", "upper", "l", "u", "mu", "friction", "G", "h", "P", "q", "M"}, set(foreign))
+        self.assertLessEqual({"lo", "hi", "lower", "upper", "l", "u", "mu", "G", "h", "P", "q", "M"}, set(foreign))
         problem = {"id": "p", "A": [[2]], "b": [-1]}
         cases = [(name, value) for name in foreign for value in (None, 0, [0], "x", {})]
         for (name, _), said in zip(cases, _read("problem", [json.dumps(problem | {name: value}) for name, value in cases]), strict=True):
@@ -221,7 +223,8 @@ class Formats(unittest.TestCase):
         members = json_of(FORMATS / "problem.schema.json")["properties"]
         factors = {"J": [[1]], "invM": [1]}
         samples = {"id": "p", "n": 1, "b": [1], "A": [[1]], "bilateral": [0], "joint": [True], "contacts": [{}], "status": "solved", "w": [0],
-                   "f_minnorm": [0], "f_unique": True, "columns_per_body": 3, "rank_A": 1, "category": "c", "symmetrized": 0.1} | factors
+                   "f_minnorm": [0], "f_unique": True, "columns_per_body": 3, "rank_A": 1, "category": "c", "symmetrized": 0.1,
+                   "friction": None, "bounded": {"row": [0], "lower": [0], "upper": [1]}, "w_unique": True, "solvable": True} | factors
         known = [{"id": str(number), "A": [[1]], "b": [1]} | (factors if name in factors else {name: samples.get(name, [0])})
                  for number, (name, schema) in enumerate(members.items()) if schema is not False and name not in ("id", "h")]
         strangers = ["Lo", "x", "a\nb", "members", "quality", "A0", "bb"]

@@ -73,7 +73,7 @@ std::string BrokenFclibLaw(const std::string& bytes) {
     });
   };
   const std::string by_ranges = broken({});
-  return by_ranges.empty() ? broken({FclibTriplets::kColumnsFirst, true}) : by_ranges;
+  return by_ranges.empty() ? broken({FclibTriplets::kColumnsFirst, TangentRows::kNone}) : by_ranges;
 }
 
 }  // namespace lcpbench

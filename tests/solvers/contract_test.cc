@@ -171,6 +171,12 @@ TEST_P(SolverContract, NearlyParallelJointsAreNotProvedInfeasible) {
   }
 }
 
+TEST_P(SolverContract, RowKindsAreTakenOrRefusedByName) {
+  EXPECT_EQ(solver_->TakesFriction(), GetParam().takes_friction);
+  EXPECT_EQ(solver_->TakesBounded(), GetParam().takes_bounded);
+  ExpectRowKindsAreTakenOrRefused();
+}
+
 TEST_P(SolverContract, NoRowsIsSolved) {
   const LcpResult result = Solve(LcpProblem::FromDense("empty", Eigen::MatrixXd(0, 0), Eigen::VectorXd(0)), 1e-9);
   EXPECT_EQ(result.status, LcpStatus::kSolved);

@@ -88,6 +88,8 @@ TEST_P(PeerContract, IsolatedContactsAreSolved) {
   EXPECT_GT(result.own_fresh_s, 0);
 }
 
+TEST_P(PeerContract, RowKindsAreTakenOrRefusedByName) { ExpectRowKindsAreTakenOrRefused(); }
+
 // A well-conditioned joint system: either refused by name, or solved.
 TEST_P(PeerContract, BilateralRowsAreSolvedOrRefused) {
   Eigen::Matrix3d A;

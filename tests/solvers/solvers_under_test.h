@@ -10,8 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "tests/solvers/solve_with.h"
+#include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
 
@@ -60,6 +62,20 @@ inline int LeastRightAnswers(const std::string& test, const std::string& solver)
   return 0;
 }
 
+/// Of each kind of rows beyond those of plain problems, a small problem with one solution: a block and a shaft on the
+/// ground, pushed along.
+inline std::vector<LcpProblem> ProblemsOfEveryKind() {
+  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(4, 4);
+  A(0, 1) = A(1, 0) = A(2, 3) = A(3, 2) = 0.25;
+  const auto make = [&](const char* id, std::vector<FrictionRow> friction, std::vector<BoundedRow> bounded) {
+    return LcpProblem::FromDense(id, A, Eigen::Vector4d(-1, 2, -2, -0.5), {{}, std::move(friction), std::move(bounded)},
+                                 SymmetricPsd());
+  };
+  return {make("friction", {{1, 0, 0.5}, {3, 2, 0.25}}, {}), make("sliding", {{1, 0, 0.5, 1}}, {}),
+          make("several friction rows of a contact", {{1, 0, 0.5}, {3, 0, 0.25}}, {}),
+          make("bounded", {}, {{1, -1, 1}}), make("friction and bounded", {{1, 0, 0.5}}, {{3, 0, 1}})};
+}
+
 /// For tests over solvers: skips those that are not in this build. What is counted by Answers must reach the number of
 /// LeastRightAnswers at the end of a test, so that a solver cannot pass by answering nothing.
 class SolverTest : public testing::TestWithParam<SolverEntry> {
@@ -89,6 +105,34 @@ class SolverTest : public testing::TestWithParam<SolverEntry> {
   }
   LcpResult Solve(const LcpProblem& problem, double tolerance, double limit_s = LcpOptions{}.time_limit_s) {
     return Solve(problem, LcpOptions{.tolerance = tolerance, .time_limit_s = limit_s});
+  }
+
+  /// Problems with friction and bounded rows are solved where the table says so, and the solver does not refuse what is
+  /// special of them, or else refused by the kind of rows.
+  void ExpectRowKindsAreTakenOrRefused() {
+    for (const LcpProblem& problem : ProblemsOfEveryKind()) {
+      SCOPED_TRACE(problem.id());
+      std::string refused;
+      if (!problem.bounded_rows().empty() && !GetParam().takes_bounded) refused = "bounded rows";
+      if (!problem.friction_rows().empty() && !GetParam().takes_friction) refused = "friction rows";
+      const LcpResult result = Solve(problem, 1e-6, 5);
+      EXPECT_EQ(result.f.size(), problem.size());
+      if (!refused.empty()) {
+        EXPECT_EQ(result.status, LcpStatus::kUnsupported);
+        EXPECT_EQ(result.detail, refused);
+      } else if (result.status == LcpStatus::kUnsupported) {
+        EXPECT_NE(result.detail.find("rows"), std::string::npos) << result.detail;
+      } else {
+        EXPECT_EQ(result.status, LcpStatus::kSolved) << result.detail;
+        const Verdict verdict = Verify(problem, result, 1e-6);
+        EXPECT_FALSE(verdict.false_success) << verdict.reason;
+        EXPECT_TRUE(verdict.passes || result.model == FrictionModel::kRelaxation) << verdict.reason;
+      }
+      LcpResult of_arrays;
+      solver_->SolveArrays(ProblemArrays::Of(problem), {.tolerance = 1e-6, .time_limit_s = 5}, &of_arrays);
+      EXPECT_EQ(of_arrays.status, result.status);
+      EXPECT_EQ(of_arrays.f, result.f);
+    }
   }
 
   std::unique_ptr<LcpSolver> solver_;

@@ -75,6 +75,11 @@ namespace {
 // Workers of older versions are asked for single solves, whose own times count.
 constexpr std::uint32_t kFirstWithPasses = 4;
 
+// The kind of rows that makes a problem more than a plain one.
+const char* SpecialRows(const LcpProblem& problem) {
+  return problem.friction_rows().empty() ? "bounded rows" : "friction rows";
+}
+
 bool TakeAnswer(const Bytes& /*empty*/) { return true; }
 
 }  // namespace
@@ -137,21 +142,26 @@ void ExternalSolver::Load(const LcpProblem& problem, double time_limit_s) {
     const Bytes b = Encode(problem.b());
     Ask(MessageType::kOtherB, b, MessageType::kLoaded, limit(b), TakeAnswer);
   } else {
-    const Bytes arrays = Encode(ProblemArrays::Of(problem));
+    const Bytes arrays = Encode(ProblemArrays::Of(problem), hello_.version);
     Ask(MessageType::kProblem, arrays, MessageType::kLoaded, limit(arrays), TakeAnswer);
   }
   loaded_ = problem;
 }
 
 LcpResult ExternalSolver::AskForSolve(const LcpProblem& problem, const LcpOptions& options) {
-  Load(problem, options.time_limit_s);
-  if (!prepared_.why_unsupported.empty()) {
+  const auto refusal = [&](std::string why) {
     LcpResult result;
     result.f.setZero(problem.size());
     result.status = LcpStatus::kUnsupported;
-    result.detail = prepared_.why_unsupported;
+    result.detail = std::move(why);
     return result;
+  };
+  if (!problem.is_plain() && Greet().version < kFirstWithLaws) {
+    return refusal(std::string(SpecialRows(problem)) + ", for which its worker has to speak version " +
+                   std::to_string(kFirstWithLaws) + " of the protocol, found " + std::to_string(hello_.version));
   }
+  Load(problem, options.time_limit_s);
+  if (!prepared_.why_unsupported.empty()) return refusal(prepared_.why_unsupported);
   SolveRequest request;
   request.tolerance = options.tolerance;
   request.time_limit_s = options.time_limit_s;
@@ -190,13 +200,20 @@ void ExternalSolver::LoadStream(std::span<const ProblemArrays> stream) {
   }
 }
 
+// Whether the worker runs passes over this stream; else it is asked for single solves.
+bool ExternalSolver::RunsPasses() const {
+  const auto is_plain = [](const ProblemArrays& arrays) { return arrays.friction.empty() && arrays.bounded.empty(); };
+  return hello_.version >= kFirstWithLaws ||
+         (hello_.version >= kFirstWithPasses && std::ranges::all_of(stream_, is_plain));
+}
+
 void ExternalSolver::SendStream() {
   try {
     Greet();
   } catch (const InputError& error) {
     throw WorkerFailure(How::kNotStarted, error.what());
   }
-  if (has_stream_ || hello_.version < kFirstWithPasses) return;
+  if (has_stream_ || !RunsPasses()) return;
   has_stream_ = Ask(MessageType::kStream, Encode(stream_, hello_.version), MessageType::kLoaded,
                     options_.prepare_limit_s, TakeAnswer);
 }
@@ -204,10 +221,10 @@ void ExternalSolver::SendStream() {
 PassReply ExternalSolver::RunPass(const PassRequest& request, double limit_s) {
   try {
     SendStream();
-    PassReply reply = hello_.version < kFirstWithPasses
-                          ? RunPassByProblems(request, limit_s)
-                          : Ask(MessageType::kPass, Encode(request), MessageType::kPassReply, limit_s,
-                                [&](const Bytes& payload) { return DecodePassReply(payload, request, stream_); });
+    PassReply reply = RunsPasses()
+                          ? Ask(MessageType::kPass, Encode(request), MessageType::kPassReply, limit_s,
+                                [&](const Bytes& payload) { return DecodePassReply(payload, request, stream_); })
+                          : RunPassByProblems(request, limit_s);
     may_retry_ = true;
     return reply;
   } catch (const WorkerFailure& failure) {

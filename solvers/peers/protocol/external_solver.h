@@ -67,6 +67,9 @@ class WorkerFailure : public std::runtime_error {
 /// then. The next solve starts a new worker. A worker's claims are verified like everyone's.
 /// The worker starts with the first problem and ends with this object.
 ///
+/// Problems with friction or bounded rows are for the worker to take or to refuse; one of a version before 5, which is
+/// sent plain problems only, is not asked: kUnsupported.
+///
 /// For a worker of version 1, A is formed here, anew for every problem and every b; own_fresh_s is the sum of that and
 /// of what the worker says of its conversions and its solve.
 class ExternalSolver : public LcpSolver {
@@ -88,12 +91,15 @@ class ExternalSolver : public LcpSolver {
   /// How workers ended that something else killed since the last call, before a new one tried again; "": none did.
   std::string TakeRetried() { return std::exchange(retried_, {}); }
 
+  bool TakesFriction() const override { return true; }  ///< the worker says whether it does
+  bool TakesBounded() const override { return true; }   ///< the worker says whether it does
+
   /// The stream that passes are about; it must stay until another is loaded. A worker started later gets it by itself.
   /// @throws WorkerFailure
   void LoadStream(std::span<const ProblemArrays> stream);
-  /// As lcpbench::RunPass, in the worker. With a worker of a version before 4 every problem is a solve of its own by
-  /// one and the same worker; of version 1 PassEntry::problem_s is what forming A took here, whatever the kind, and
-  /// nothing is known "again".
+  /// As lcpbench::RunPass, in the worker. With a worker of a version before 4, or before 5 where not all of the stream
+  /// is plain, every problem is a solve of its own by one and the same worker; of version 1 PassEntry::problem_s is
+  /// what forming A took here, whatever the kind, and nothing is known "again".
   /// @param limit_s  for the whole pass [s]
   /// @throws WorkerFailure
   PassReply RunPass(const PassRequest& request, double limit_s);
@@ -114,6 +120,7 @@ class ExternalSolver : public LcpSolver {
   auto Ask(MessageType type, const Bytes& payload, MessageType answer, double limit_s, Decode decode);
   void Load(const LcpProblem& problem, double time_limit_s);
   void SendStream();
+  bool RunsPasses() const;
   bool Retries(const WorkerFailure& failure);
   LcpResult AskForSolve(const LcpProblem& problem, const LcpOptions& options);
   PassReply RunPassByProblems(const PassRequest& request, double limit_s);

@@ -171,9 +171,6 @@ void Fields(Io& io, Like<Hello> auto& hello) {
   io.Text("licence", hello.licence);
 }
 
-// The first version with friction, sliding and bounded rows, and with the model of an answer.
-constexpr std::uint32_t kFirstWithLaws = 5;
-
 template <typename Io>
 void Fields(Io& io, Like<FrictionRow> auto& row) {
   io.Value("row", row.row);

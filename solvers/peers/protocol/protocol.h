@@ -20,6 +20,8 @@ namespace lcpbench {
 
 /// The version of workers written here.
 inline constexpr std::uint32_t kProtocolVersion = 5;
+/// The first version with friction, sliding and bounded rows, and with the model of an answer.
+inline constexpr std::uint32_t kFirstWithLaws = 5;
 /// A frame that claims more is refused before anything is allocated.
 inline constexpr std::uint64_t kLargestPayload = std::uint64_t{1} << 36U;
 

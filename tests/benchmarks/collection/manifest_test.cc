@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -72,6 +73,29 @@ TEST(ContentHash, IsOfTheContentWhateverItsNameAndFile) {
     b[3] = std::nextafter(b[3], 1e300);
     const auto bounds = RowBounds::WithBilateralRows(problem.size(), problem.bilateral_rows());
     EXPECT_NE(ContentHash(LcpProblem::FromFactors("", problem.J(), problem.inverse_mass(), b, bounds)), hash);
+  }
+}
+
+// Every number of friction and bounded rows counts; lists without any have the hash of the plain problem.
+TEST(ContentHash, IsOfFrictionAndBounds) {
+  const LcpProblem plain = LcpProblem::FromDense("p", Eigen::MatrixXd::Identity(4, 4), Eigen::VectorXd::Ones(4));
+  const std::vector<RowBounds> kinds = {{},
+                                        {{}, {{1, 0, 0.5}}, {}},
+                                        {{}, {{1, 0, 0.25}}, {}},
+                                        {{}, {{1, 2, 0.5}}, {}},
+                                        {{}, {{2, 0, 0.5}}, {}},
+                                        {{}, {{1, 0, 0.5, 1}}, {}},
+                                        {{}, {{1, 0, 0.5}}, {{3, 0, 1}}},
+                                        {{}, {}, {{3, 0, 1}}},
+                                        {{}, {}, {{3, 0, std::numeric_limits<double>::infinity()}}},
+                                        {{}, {}, {{3, -1, 1}}},
+                                        {{}, {}, {{2, 0, 1}}}};
+  std::set<std::string> hashes;
+  for (const RowBounds& bounds : kinds) {
+    const LcpProblem problem = plain.WithBounds(bounds);
+    EXPECT_TRUE(hashes.insert(ContentHash(problem)).second);
+    EXPECT_EQ(ContentHash(ParseLcpRecord(FormatLcpRecord(problem), "line").problem), ContentHash(problem));
+    EXPECT_EQ(ContentHash(problem) == ContentHash(plain), problem.is_plain());
   }
 }
 

@@ -493,8 +493,7 @@ TEST_F(RecommendCommand, WhereAIsNotSymmetricThoseThatTakeItAreTriedAndNamed) {
 
 TEST_F(RecommendCommand, ReadersHaveTheirOptions) {
   Write("friction.dat", "2 2 0 4 4 4 4  4 9 1 9  9 9 9 9  1 9 3 9  9 9 9 9  -1 8 -2 8  0 0.5\n");
-  ExpectMistake("recommend " + Path("friction.dat"),
-                "friction coefficients 0, or `lcpbench convert --without-friction`");
+  EXPECT_EQ(Json::parse(Succeed("convert " + Path("friction.dat")).out)["friction"]["mu"], Json({0.5}));
   EXPECT_EQ(Recommend(Path("friction.dat") + " --without-friction")["rows"], Json({2.0, 2.0}));
   Write("nearly.jsonl", R"({"id":"p","A":[[4,1.0625],[1,4]],"b":[-1,2]})");
   EXPECT_TRUE(Recommend(Path("nearly.jsonl") + " --symmetrize 0.1")["note"].is_null());

@@ -26,26 +26,6 @@ class FrictionSolvers : public ::testing::TestWithParam<std::string> {
   const std::unique_ptr<LcpSolver> solver_ = MakeSolver(GetParam());
 };
 
-TEST(FrictionSolver, OthersRefuseByName) {
-  for (const SolverEntry& entry : AllSolvers()) {
-    if (!entry.available || entry.origin != SolverOrigin::kOwn) continue;
-    const std::unique_ptr<LcpSolver> solver = MakeSolver(entry.key);
-    EXPECT_EQ(solver->TakesFriction(), entry.takes_friction) << entry.key;
-    EXPECT_EQ(solver->TakesBounded(), entry.takes_bounded) << entry.key;
-    for (const FrictionRecord& record : FrictionRecords()) {
-      const bool has_friction = !record.problem().friction_rows().empty();
-      const bool has_bounds = !record.problem().bounded_rows().empty();
-      if ((!has_friction || entry.takes_friction) && (!has_bounds || entry.takes_bounded)) continue;
-      const LcpResult result = SolveWith(solver.get(), record.problem(), 1e-6);
-      EXPECT_EQ(result.status, LcpStatus::kUnsupported) << entry.key;
-      EXPECT_EQ(result.detail, has_friction && !entry.takes_friction ? "friction rows" : "bounded rows") << entry.key;
-      LcpResult of_arrays;
-      solver->SolveArrays(ProblemArrays::Of(record.problem()), {}, &of_arrays);
-      EXPECT_EQ(of_arrays.status, LcpStatus::kUnsupported) << entry.key;
-    }
-  }
-}
-
 // A solver may fail, but must not claim what does not hold.
 TEST_P(FrictionSolvers, ClaimNothingFalse) {
   for (const FrictionRecord& record : FrictionRecords()) {

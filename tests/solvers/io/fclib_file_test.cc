@@ -6,11 +6,13 @@
 #include <hdf5.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <functional>
 #include <limits>
 #include <map>
+#include <random>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -68,6 +70,27 @@ TEST_F(FclibFile, TheEndsOfTheRangeComeBackToo) {
   EXPECT_EQ(ReadFclibProblem(Path("none.h5")).problem.size(), 0);
 }
 
+// In any order of rows, and with contacts that have none.
+TEST_F(FclibFile, FrictionInThePlaneComesBackBitForBit) {
+  std::mt19937 random(7);
+  for (const TestProblem& test : GeneratedProblems()) {
+    std::vector<Index> unilateral;
+    for (Index row = 0; row < test.problem.size(); ++row) {
+      if (!test.problem.is_bilateral(row)) unilateral.push_back(row);
+    }
+    std::shuffle(unilateral.begin(), unilateral.end(), random);
+    RowBounds bounds = test.problem.bounds();
+    for (std::size_t k = 0; k + 2 < unilateral.size(); k += 3) {
+      bounds.friction.push_back({unilateral[k], unilateral[k + 1], 0.1 * static_cast<double>(k + 1)});
+    }
+    for (const LcpProblem& problem :
+         {test.problem.WithBounds(bounds), InForm(test.problem, MatrixForm::kSparse).WithBounds(bounds)}) {
+      WriteFclibProblem(problem, Path("p.h5"));
+      EXPECT_EQ(DifferenceOfProblems(ReadFclibProblem(Path("p.h5")).problem, problem), "") << problem.id();
+    }
+  }
+}
+
 TEST_F(FclibFile, TheSameProblemGivesTheSameBytes) {
   const LcpProblem given = GeneratedProblems()[30].problem;
   WriteFclibProblem(given, Path("a.h5"));
@@ -81,6 +104,16 @@ TEST_F(FclibFile, WhatTheFormatCannotHoldIsNotWritten) {
   const LcpProblem coupled =
       LcpProblem::FromDense("p", A, Eigen::VectorXd::Ones(2), RowBounds::WithBilateralRows(2, {1}));
   EXPECT_THROW(WriteFclibProblem(coupled, Path("p.h5")), InputError);
+  const LcpProblem plain = LcpProblem::FromDense("p", Eigen::MatrixXd::Identity(3, 3), Eigen::VectorXd::Ones(3));
+  const auto expect = [&](std::vector<FrictionRow> friction, std::vector<BoundedRow> bounded,
+                          const std::string& words) {
+    const LcpProblem problem = plain.WithBounds({{}, std::move(friction), std::move(bounded)});
+    lcpbench::ExpectRefused([&] { WriteFclibProblem(problem, Path("p.h5")); }, words, "problem 'p' has ");
+  };
+  expect({{1, 0, 0.5}, {2, 0, 0.5}}, {}, "several friction rows of a contact");
+  expect({{1, 0, 0.5, 1}}, {}, "sliding rows");
+  expect({{1, 0, 0}}, {}, "friction rows of mu = 0");
+  expect({}, {{1, 0, 1}}, "bounded rows");
   EXPECT_THROW(WriteFclibProblem(LcpProblem::FromDense("p", A, Eigen::VectorXd::Ones(2)), "/nowhere/p.h5"), InputError);
 }
 
@@ -155,7 +188,7 @@ TEST_F(FclibFile, TheNormalPartIsTheProblem) {
   spatial.reals["/fclib_local/vectors/mu"] = {0, -0.0};
   spatial.reals["/solution/r"] = {1, 8, 8, 2, 8, 8};
   spatial.Write(Path("spatial.h5"));
-  const FclibProblem read = ReadFclibProblem(Path("spatial.h5"), {FclibTriplets::kRowsFirst, false});
+  const FclibProblem read = ReadFclibProblem(Path("spatial.h5"), {FclibTriplets::kRowsFirst});
   EXPECT_EQ(read.problem.DenseA(), (Eigen::Matrix2d() << 1, 3, 4, 2).finished());
   EXPECT_EQ(read.problem.b(), Eigen::Vector2d(-1, -2));
   EXPECT_EQ(read.f.value(), Eigen::Vector2d(1, 2));
@@ -163,7 +196,7 @@ TEST_F(FclibFile, TheNormalPartIsTheProblem) {
 
 // Triplets of a square matrix that is not symmetric fit both readings; a V that is not square tells them apart.
 TEST_F(FclibFile, TripletsAreReadByRowsOrByColumnsAndNeverTransposedInSilence) {
-  const FclibOptions rows_first{FclibTriplets::kRowsFirst, false}, columns_first{FclibTriplets::kColumnsFirst, false};
+  const FclibOptions rows_first{FclibTriplets::kRowsFirst}, columns_first{FclibTriplets::kColumnsFirst};
   const std::string told =
       "triplets of which one reading is possible, or `lcpbench convert --fclib-triplets rows-first`";
   const Eigen::Matrix3d A = (Eigen::Matrix3d() << 4, 7, 5, 1, 3, 0, 5, 0, 2).finished();
@@ -222,7 +255,7 @@ TEST_F(FclibFile, EveryReadingOfATripletFileIsThatOfItsWriter) {
       contents.Matrix(kW, 2 * n, 2 * n, static_cast<int>(value.size()), by_rows ? row : column, by_rows ? column : row,
                       value);
       contents.Write(Path("p.h5"));
-      EXPECT_EQ(DifferenceOfProblems(ReadFclibProblem(Path("p.h5"), {form, false}).problem, given), "");
+      EXPECT_EQ(DifferenceOfProblems(ReadFclibProblem(Path("p.h5"), {form}).problem, given), "");
     }
   }
 }
@@ -242,8 +275,13 @@ TEST_F(FclibFile, GlobalProblemsOfADiagonalMassAreReadByFactors) {
   contents.reals["/solution/r"] = {1, 8, 2, 8};
   contents.reals["/solution/l"] = {-1};
   contents.Write(Path("p.h5"));
-  ExpectRefused(Path("p.h5"), "expected friction coefficients 0, or `lcpbench convert --without-friction`");
-  const FclibOptions normal{FclibTriplets::kByRanges, true};
+  const FclibProblem friction = ReadFclibProblem(Path("p.h5"));
+  EXPECT_EQ(Eigen::MatrixXd(friction.problem.J()), (Eigen::MatrixXd(5, 2) << 1, 0, 0, 0, -1, 1, 0, 9, 0, 1).finished());
+  EXPECT_EQ(friction.problem.b(), (Eigen::VectorXd(5) << -0.5, 7, 3.25, 25, 5).finished());
+  EXPECT_EQ(friction.problem.friction_rows(), (std::vector<FrictionRow>{{1, 0, 0.5}, {3, 2, 0.5}}));
+  EXPECT_EQ(friction.problem.bilateral_rows(), std::vector<Index>{4});
+  EXPECT_EQ(friction.f.value(), (Eigen::VectorXd(5) << 1, 8, 2, 8, -1).finished());
+  const FclibOptions normal{FclibTriplets::kByRanges, TangentRows::kNone};
   const FclibProblem read = ReadFclibProblem(Path("p.h5"), normal);
   EXPECT_EQ(Eigen::MatrixXd(read.problem.J()), (Eigen::MatrixXd(3, 2) << 1, 0, -1, 1, 0, 1).finished());
   EXPECT_EQ(read.problem.inverse_mass(), Eigen::Vector2d(0.5, 0.25));

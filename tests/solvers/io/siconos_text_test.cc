@@ -117,19 +117,30 @@ TEST(SiconosText, OtherNumbersOfEquationsThanOfFreeUnknownsAreMadeSquare) {
   EXPECT_THROW(Parse("1 0 2000000000 0  0 2000000000  0  0 0 2000000000 0 2000000000"), InputError);
 }
 
-TEST(SiconosText, OfContactsWithFrictionTheNormalRowsAreRead) {
+TEST(SiconosText, OfContactsNormalRowsAreReadAndWithFrictionTangents) {
   const std::string W = "2 2 0 4 4 4 4  4 9 1 9  9 9 9 9  1 9 3 9  9 9 9 9  -1 8 -2 8  ";
   const LcpProblem dense = Parse(W + "0 0 1");
   EXPECT_EQ(dense.DenseA(), (Eigen::Matrix2d() << 4, 1, 1, 3).finished());
   EXPECT_EQ(dense.b(), Eigen::Vector2d(-1, -2));
   EXPECT_TRUE(dense.bilateral_rows().empty());
-  ExpectRefused([&] { Parse(W + "0 0.5"); }, "friction coefficients 0, or `lcpbench convert --without-friction`",
-                "file.dat:1: ");
+  const LcpProblem friction = Parse(W + "0 0.5");
+  EXPECT_EQ(friction.DenseA(), (Eigen::Matrix3d() << 4, 1, 9, 1, 3, 9, 9, 9, 9).finished());
+  EXPECT_EQ(friction.b(), Eigen::Vector3d(-1, -2, 8));
+  EXPECT_EQ(friction.friction_rows(), (std::vector<FrictionRow>{{2, 1, 0.5}}));
+  EXPECT_THROW(Format(friction), InputError);
+  ExpectRefused([&] { Parse(W + "0 -0.5"); }, "expected friction coefficients >= 0, found '-0.5'", "file.dat:1: ");
   EXPECT_THROW(Parse(W + "0"), InputError);
   EXPECT_THROW(Parse(W + "0 0 1 1"), InputError);
   std::istringstream blocks(
       "3 2 1 6 6  2 2 2 3 6 3 6 3 2 0 1 2 0 1  0 5 1 1 1 1 1 1 1 1  1 6 1 1 1 1 1 1 1 1  -1 7 7 -2 7 7  0.7 0");
-  const LcpProblem sparse = ReadSiconosText(blocks, "file.dat", "id", true);
+  const std::string space = blocks.str();
+  ExpectRefused([&] { Parse(space); }, "of contacts with two tangents, or `lcpbench convert --box-friction`",
+                "file.dat:1: ");
+  std::istringstream again(space);
+  const LcpProblem box = ReadSiconosText(again, "file.dat", "id", TangentRows::kBox);
+  EXPECT_EQ(box.b(), Eigen::Vector4d(-1, 7, 7, -2));
+  EXPECT_EQ(box.friction_rows(), (std::vector<FrictionRow>{{1, 0, 0.7}, {2, 0, 0.7}}));
+  const LcpProblem sparse = ReadSiconosText(blocks, "file.dat", "id", TangentRows::kNone);
   EXPECT_EQ(sparse.given_form(), MatrixForm::kSparse);
   EXPECT_EQ(sparse.DenseA(), (Eigen::Matrix2d() << 5, 0, 0, 6).finished());
   EXPECT_EQ(sparse.b(), Eigen::Vector2d(-1, -2));

@@ -10,6 +10,7 @@
 #include "support/input_error.h"
 #include "tests/solvers/lcp/same_problem.h"
 #include "tests/solvers/test_problems.h"
+#include "tests/support/refusal.h"
 
 namespace lcpbench {
 namespace {
@@ -219,6 +220,47 @@ TEST(LcpProblem, BadInputIsRefusedAtTheDoor) {
   J.insert(0, 0) = 1;
   EXPECT_THROW(LcpProblem::FromFactors("x", J, Eigen::Vector3d(1, -1, 1), b), InputError);
   EXPECT_THROW(LcpProblem::FromFactors("x", J, Eigen::Vector2d(1, 1), b), InputError);
+}
+
+// In one line that names the row and the field, whichever way the rows come.
+TEST(LcpProblem, BadLawsAreRefusedByRowAndField) {
+  const Index n = 4;
+  const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n);
+  const Eigen::VectorXd b = Eigen::VectorXd::Ones(n);
+  const LcpProblem plain = LcpProblem::FromDense("x", A, b, RowBounds::WithBilateralRows(n, {3}));
+  const auto expect = [&](std::vector<FrictionRow> friction, std::vector<BoundedRow> bounded,
+                          const std::string& words) {
+    RowBounds bounds{plain.bounds().bilateral, std::move(friction), std::move(bounded)};
+    const std::string text = "problem 'x': " + words;
+    ExpectRefused([&] { LcpProblem::FromDense("x", A, b, bounds); }, words, text);
+    ExpectRefused([&] { plain.WithBounds(bounds); }, words, text);
+    ProblemArrays arrays = ProblemArrays::Of(plain);
+    arrays.friction = bounds.friction;
+    arrays.bounded = bounds.bounded;
+    ExpectRefused([&] { LcpProblem::FromArrays(arrays); }, words, text);
+  };
+  expect({{1, 0, -1e-9}}, {}, "friction: row 1: mu is -1e-09, expected a finite number >= 0");
+  expect({{1, 0, kNaN}}, {}, "friction: row 1: mu is nan");
+  expect({{1, 0, kInfinity}}, {}, "friction: row 1: mu is inf");
+  expect({{1, 0, 1, 2}}, {}, "friction: row 1: slip is 2, expected -1, 0 or 1");
+  for (const Index normal : {Index{-1}, Index{1}, Index{3}, n}) {
+    expect({{1, normal, 1}}, {},
+           "friction: row 1: normal is " + std::to_string(normal) + ", expected a unilateral row");
+  }
+  expect({{2, 1, 1}, {1, 0, 1}}, {}, "friction: row 2: normal is 1, expected a unilateral row");
+  expect({{1, 0, 1}}, {{0, 0, 1}}, "friction: row 1: normal is 0, expected a unilateral row");
+  expect({{1, 0, 1}, {2, 0, 1}, {1, 0, 1}}, {}, "friction: row 1 is listed twice");
+  expect({{4, 0, 1}}, {}, "friction: row 4 is outside [0, 4)");
+  expect({{3, 0, 1}}, {}, "friction: row 3 is a bilateral row already");
+  expect({{1, 0, 1}}, {{1, 0, 1}}, "bounded: row 1 is a friction row already");
+  expect({}, {{3, 0, 1}}, "bounded: row 3 is a bilateral row already");
+  expect({}, {{1, 0, 1}, {1, 0, 1}}, "bounded: row 1 is listed twice");
+  expect({}, {{-1, 0, 1}}, "bounded: row -1 is outside [0, 4)");
+  expect({}, {{1, 1, 0}}, "bounded: row 1: lower is 1 and upper 0, expected a number between them");
+  expect({}, {{1, kNaN, 0}}, "bounded: row 1: lower is nan and upper 0");
+  expect({}, {{1, 0, kNaN}}, "bounded: row 1: lower is 0 and upper nan");
+  expect({}, {{1, kInfinity, kInfinity}}, "bounded: row 1: lower is inf and upper inf");
+  expect({}, {{1, -kInfinity, -kInfinity}}, "bounded: row 1: lower is -inf and upper -inf");
 }
 
 TEST(LcpProblem, SymmetryIsToldAtAnyScale) {

@@ -23,6 +23,8 @@ inline LcpProblem EndsOfTheRange(const std::vector<Index>& bilateral = {}) {
 inline std::string DifferenceOfRows(const LcpProblem& a, const LcpProblem& b) {
   if (!SameBits(a.b(), b.b())) return "another b";
   if (a.bilateral_rows() != b.bilateral_rows()) return "other bilateral rows";
+  if (a.friction_rows() != b.friction_rows()) return "other friction rows";
+  if (a.bounded_rows() != b.bounded_rows()) return "other bounded rows";
   return SameBits(a.SparseA(), b.SparseA()) ? "" : "another A";
 }
 

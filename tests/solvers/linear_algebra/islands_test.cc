@@ -112,6 +112,56 @@ TEST(Islands, ByColumnsNeedNoA) {
   }
 }
 
+// A block on the ground: its tangent and its normal do not act on each other.
+TEST(Islands, AFrictionRowIsWithItsNormal) {
+  SparseMatrix J(4, 6);
+  const std::vector<Eigen::Triplet<double, int>> entries = {{0, 1, 1}, {1, 4, 1}, {2, 0, 1}, {3, 3, 1}};
+  J.setFromTriplets(entries.begin(), entries.end());
+  RowBounds bounds;
+  bounds.friction = {{2, 0, 0.5}, {3, 1, 0.25, -1}};
+  const Eigen::Vector4d b(-1, -2, -3, -4);
+  const LcpProblem whole = LcpProblem::FromFactors("blocks", J, Eigen::VectorXd::Ones(6), b, bounds);
+  Islands islands;
+  const std::vector<char> all(4, 1);
+  islands.Find(whole.SparseA(), all);
+  EXPECT_EQ(islands.count(), 4);
+  const auto expect = [&] {
+    ASSERT_EQ(islands.count(), 2);
+    for (const Index k : {Index{0}, Index{1}}) {
+      const auto rows = islands.rows(k);
+      EXPECT_EQ(std::vector<Index>(rows.begin(), rows.end()), (std::vector<Index>{k, k + 2}));
+      const LcpProblem part = Subproblem(whole, rows);
+      EXPECT_EQ(part.kind(1), RowKind::kFriction);
+      FrictionRow moved = whole.friction_rows()[static_cast<size_t>(k)];
+      moved.row = 1;
+      moved.normal = 0;
+      EXPECT_EQ(part.friction_rows(), std::vector<FrictionRow>{moved});
+    }
+  };
+  islands.Find(whole.SparseA(), all, whole.friction_rows());
+  expect();
+  islands.FindByColumns(whole.J(), whole.inverse_mass(), whole.friction_rows());
+  expect();
+  const std::vector<std::int32_t> bodies = {0, -1, 1, -1, 2, -1, 3, -1};  // the two directions of a block as bodies
+  const std::vector<double> inverse_mass(12, 1);
+  StepRows step;
+  step.rows = 4;
+  step.bodies = 4;
+  step.body = bodies.data();
+  step.inverse_mass = inverse_mass.data();
+  step.friction = whole.friction_rows();
+  islands.Reserve(4, 4);
+  islands.Find(step);
+  expect();
+
+  RowBounds bounded;
+  bounded.bilateral = {1, 0, 0, 0};
+  bounded.bounded = {{1, 0, 2}, {3, -1, 1}};
+  const LcpProblem part = Subproblem(whole.WithBounds(bounded), std::vector<Index>{0, 3});
+  EXPECT_EQ(part.bilateral_rows(), std::vector<Index>{0});
+  EXPECT_EQ(part.bounded_rows(), (std::vector<BoundedRow>{{1, -1, 1}}));
+}
+
 TEST(Islands, APartIsTheBlockOfItsRows) {
   for (unsigned seed = 0; seed < 100; ++seed) {
     const LcpProblem by_factors = RandomParts(seed);

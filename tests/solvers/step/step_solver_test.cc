@@ -439,6 +439,45 @@ TEST(StepSolver, RefusesWrongArraysByNameWithNothingWritten) {
   ExpectVerified(right.Problem(), Solve(&solver, right.View()), "after mistakes");
 }
 
+// A block on the ground, pushed along; more of it comes with the solvers that take friction.
+TEST(StepSolver, FrictionAndBoundedRowsAreRefusedInOneLineOrUnsupported) {
+  StepArrays arrays;
+  arrays.inverse_mass.assign(6, 1);
+  arrays.Add(0, -1, {0, 1, 0, 0, 0, 0}, -1);
+  arrays.Add(0, -1, {1, 0, 0, 0, 0, 0}, 1);
+  StepSolver solver;
+  VectorXd f = VectorXd::Constant(2, 77);
+  VectorXd w = f;
+  const auto solve = [&](const StepRows& rows) { return solver.Solve(rows, nullptr, f.data(), w.data()); };
+  const std::vector<FrictionRow> friction = {{1, 0, 0.5}};
+  const std::vector<BoundedRow> bounded = {{1, -1, 1}};
+  std::vector<StepRows> steps(2, arrays.View());
+  steps[0].friction = friction;
+  steps[1].bounded = bounded;
+  for (const StepRows& rows : steps) {
+    const StepAnswer answer = solve(rows);
+    EXPECT_EQ(answer.status, LcpStatus::kUnsupported);
+    EXPECT_EQ(f, VectorXd::Zero(2));
+    EXPECT_EQ(w, arrays.Problem().b());
+    std::vector<StepAnswer> answers(1);
+    EXPECT_EQ(RefusalOf([&] {
+                solver.SolveBatch(rows, std::vector<std::int32_t>{0, 2}, f.data(), answers);
+              }),
+              std::string("step rows: batches take no ") + (rows.friction.empty() ? "bounded" : "friction") +
+                  " rows, expected a Solve for each problem");
+  }
+  const auto refusal = [&](const FrictionRow& row) {
+    StepRows rows = arrays.View();
+    rows.friction = {&row, 1};
+    return RefusalOf([&] { solve(rows); });
+  };
+  EXPECT_EQ(refusal({1, 0, -1}), "problem 'step': friction: row 1: mu is -1, expected a finite number >= 0");
+  EXPECT_EQ(refusal({1, 1, 1}), "problem 'step': friction: row 1: normal is 1, expected a unilateral row");
+  StepRows none;
+  none.bounded = bounded;
+  EXPECT_EQ(RefusalOf([&] { solve(none); }), "problem 'step': bounded: row 1 is outside [0, 0)");
+}
+
 // In a world of few bodies, too, whatever another body has: by Solve, by SolveBatch in lanes and by what it leaves to
 // Solve, and by the solvers that both ask where no joint force can hold.
 TEST(StepSolver, ReadsInverseMassesOfNamedBodiesOnlyInBatchesAsWell) {

@@ -113,6 +113,42 @@ TEST(ExternalSolver, APassInTheWorkerGivesTheBitsOfOneHere) {
   EXPECT_FALSE(external.is_version_1());
 }
 
+// Its frames are those of its version, and of problems it cannot be told of it is not asked; nor is one that takes no
+// friction, and says so.
+TEST(ExternalSolver, AWorkerOfAnOlderVersionIsSentPlainProblemsOnly) {
+  const LcpProblem plain = PlantedProblem(8, 3, 2, 2, 0).problem;
+  RowBounds bounds = plain.bounds();
+  std::vector<Index> unilateral;
+  for (Index row = 0; row < plain.size(); ++row) {
+    if (!plain.is_bilateral(row)) unilateral.push_back(row);
+  }
+  bounds.bounded = {{unilateral[0], -1, 1}};
+  const LcpProblem bounded = plain.WithBounds(bounds);
+  bounds.friction = {{unilateral[1], unilateral[2], 0.5}};
+  const LcpProblem friction = plain.WithBounds(bounds);
+  for (const char* manner : {"version-1-given", "version-2", "version-3", "version-4", "dantzig"}) {
+    ExternalSolver external(Worker(manner));
+    for (const auto& [problem, rows] : {std::pair(&friction, "friction rows"), std::pair(&bounded, "bounded rows")}) {
+      const LcpResult result = SolveThere(external, *problem);
+      EXPECT_EQ(result.status, LcpStatus::kUnsupported) << manner;
+      EXPECT_EQ(result.f.size(), problem->size());
+      const std::string told = manner == std::string("dantzig") ? "" : ", for which its worker has to speak version 5";
+      EXPECT_TRUE(result.detail.starts_with(rows + told)) << manner << ": " << result.detail;
+    }
+    const LcpResult result = SolveThere(external, plain);  // by the same worker
+    EXPECT_EQ(result.status, LcpStatus::kSolved) << manner << ": " << result.detail;
+    EXPECT_LE((result.f - SolveHere(plain).f).norm(), 1e-9 * result.f.norm()) << manner;
+    const std::vector<ProblemArrays> stream = {ProblemArrays::Of(plain), ProblemArrays::Of(friction)};
+    external.LoadStream(stream);
+    PassRequest request;
+    request.time_limit_s = 5;
+    request.order = {0, 1};
+    const PassReply reply = external.RunPass(request, 10);
+    EXPECT_EQ(reply.entries[0].status, LcpStatus::kSolved) << manner;
+    EXPECT_EQ(reply.entries[1].status, LcpStatus::kUnsupported) << manner;
+  }
+}
+
 // The one that did it is for the caller to find; the stream is there again with the next worker.
 TEST(ExternalSolver, APassSaysHowItsWorkerEndedAndTheNextGoesOn) {
   const std::vector<ProblemArrays> stream = Stream();

@@ -26,6 +26,8 @@ void ExpectSame(const ProblemArrays& p, const ProblemArrays& q) {
   EXPECT_EQ(p.inverse_mass, q.inverse_mass);
   EXPECT_EQ(p.b, q.b);
   EXPECT_EQ(p.bilateral, q.bilateral);
+  EXPECT_EQ(p.friction, q.friction);
+  EXPECT_EQ(p.bounded, q.bounded);
   EXPECT_EQ(p.facts.symmetric, q.facts.symmetric);
   EXPECT_EQ(p.facts.positive_semidefinite, q.facts.positive_semidefinite);
 }
@@ -54,7 +56,7 @@ std::vector<ProblemArrays> Problems() {
 TEST(Protocol, ProblemsOfEveryFormComeBackBitForBit) {
   const std::vector<ProblemArrays> problems = Problems();
   for (const ProblemArrays& problem : problems) {
-    for (const std::uint32_t version : {1U, 2U, 3U})
+    for (const std::uint32_t version : {1U, 2U, 3U, 4U})
       ExpectSame(DecodeProblem(Encode(problem, version), version), problem);
     const MatrixFacts facts = DecodeProblem(Encode(problem)).facts;
     EXPECT_EQ(facts.rank, problem.facts.rank);
@@ -62,7 +64,16 @@ TEST(Protocol, ProblemsOfEveryFormComeBackBitForBit) {
     EXPECT_EQ(facts.columns_per_body, problem.facts.columns_per_body);
     EXPECT_EQ(DecodeProblem(Encode(problem, 2), 2).facts.columns_per_body, 3);
   }
-  const std::vector<ProblemArrays> stream = DecodeStream(Encode(std::span(problems)));
+  std::vector<ProblemArrays> stream = problems;
+  for (ProblemArrays& problem : stream) {
+    problem.friction = {{1, 0, 0.25}, {2, 0, 1e-9, -1}};
+    EXPECT_THROW(Encode(problem, 4), std::runtime_error);
+    problem.bounded = {{3, -std::numeric_limits<double>::infinity(), 2}};
+    ExpectSame(DecodeProblem(Encode(problem)), problem);
+    problem.friction.clear();
+    EXPECT_THROW(Encode(problem, 4), std::runtime_error);
+  }
+  stream = DecodeStream(Encode(std::span(problems)));
   ASSERT_EQ(stream.size(), problems.size());
   for (std::size_t k = 0; k < stream.size(); ++k) ExpectSame(stream[k], problems[k]);
 }

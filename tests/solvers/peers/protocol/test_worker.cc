@@ -1,4 +1,4 @@
-// A worker that misbehaves as its first argument says, or serves dantzig well, by either version of the protocol.
+// A worker that misbehaves as its first argument says, or serves dantzig well, by any version of the protocol.
 
 #include <unistd.h>
 
@@ -65,28 +65,33 @@ class SlowSolver : public LcpSolver {
   }
 };
 
-// What a program must do at the least.
-int ServeVersion1(WantedForm form) {
+// What a program must do at the least, by an older version of the protocol.
+// @param form  of problems, for version 1
+int ServeVersion(std::uint32_t version, WantedForm form) {
   constexpr double kForever = 1e9;
   const auto solver = MakeSolver("dantzig");
   std::optional<LcpProblem> problem;
-  const Hello hello{1, form, "version-1", "1.0", "none"};
+  const Hello hello{version, form, "version-" + std::to_string(version), "1.0", "none"};
   WriteFrame(STDOUT_FILENO, MessageType::kHello, Encode(hello), kForever);
   MessageType type{};
   Bytes payload;
   while (ReadFrame(STDIN_FILENO, &type, &payload, kForever) == Transfer::kDone) {
     if (type == MessageType::kProblem) {
-      const ProblemArrays arrays = DecodeProblem(payload, 1);
+      const ProblemArrays arrays = DecodeProblem(payload, version);
       const MatrixForm wanted = form == WantedForm::kDense ? MatrixForm::kDense : MatrixForm::kSparse;
       const bool as_wanted = form == WantedForm::kAsGiven || arrays.form == wanted;
       problem = LcpProblem::FromArrays(arrays);
+      if (version > 1) {
+        WriteFrame(STDOUT_FILENO, MessageType::kLoaded, {}, kForever);
+        continue;
+      }
       WriteFrame(STDOUT_FILENO, MessageType::kPrepared, Encode(Prepared{0.25, as_wanted ? "" : "another form"}),
                  kForever);
     } else if (type == MessageType::kSolve) {
       LcpResult result;
       solver->Solve(*problem, {}, &result);
       result.own_solve_s = 0.5;
-      WriteFrame(STDOUT_FILENO, MessageType::kResult, Encode(result, 1), kForever);
+      WriteFrame(STDOUT_FILENO, MessageType::kResult, Encode(result, version), kForever);
     } else {
       return type == MessageType::kQuit ? 0 : 1;
     }
@@ -124,9 +129,12 @@ int main(int argc, char** argv) {
     std::puts("Hello, I am not a worker, and this is more than a header");
     return 0;
   }
-  if (manner == "version-1-dense") return ServeVersion1(WantedForm::kDense);
-  if (manner == "version-1-sparse") return ServeVersion1(WantedForm::kSparse);
-  if (manner == "version-1-given") return ServeVersion1(WantedForm::kAsGiven);
+  if (manner == "version-1-dense") return ServeVersion(1, WantedForm::kDense);
+  if (manner == "version-1-sparse") return ServeVersion(1, WantedForm::kSparse);
+  if (manner == "version-1-given") return ServeVersion(1, WantedForm::kAsGiven);
+  for (const std::uint32_t version : {2U, 3U, 4U}) {
+    if (manner == "version-" + std::to_string(version)) return ServeVersion(version, WantedForm::kAsGiven);
+  }
   const Hello hello{kProtocolVersion, {}, manner, "1.0", "none"};
   if (manner.rfind("stop-", 0) == 0) Stop(hello, manner);
   return RunWorker(hello, [&]() -> std::unique_ptr<LcpSolver> {
