@@ -304,7 +304,7 @@ def friction_errors(inputs: Inputs) -> Table | None:
     parts = [part for part in ERROR_PARTS if len(found) and (found[f"{part}_share"] >= 0.005).any()]
     of_sets = _where_several(found)
     rows = [[*of_sets(of["set"]), key(of["solver"]), int(of["wrong"]), residual(of["rho"]), residual(of["model_rho"]),
-             *(share_of(of[f"{part}_share"]) for part in parts)] for of in found.to_dict("records")]
+             *(formats.percent(round(of[f"{part}_share"], 3)) for part in parts)] for of in found.to_dict("records")]
     return _table([*of_sets("problems"), "solver", "wrong", "ρ", "ρ of its own model", *(part.replace("_", " ") for part in parts)],
                   rows, "l" * len(of_sets("problems")) + "l" + "r" * (len(parts) + 3))
 
