@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "solvers/auto/auto_solver.h"
+#include "solvers/friction/contact_rows.h"
 #include "support/array_index.h"
 
 namespace lcpbench {
@@ -56,18 +56,14 @@ RelaxationOptions RelaxationOptions::FromSettings(const Settings& settings) {
 
 class RelaxationEngine {
  public:
-  explicit RelaxationEngine(const RelaxationOptions& /*options*/) {}
+  explicit RelaxationEngine(const RelaxationOptions& options) : plain_(options.make_plain()) {}
   static constexpr bool kTakesFriction = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const {
-    std::vector<Index> normals;
     for (const FrictionRow& row : problem.friction_rows()) {
       if (row.slip != 0) return "sliding rows";
-      normals.push_back(row.normal);
     }
-    std::ranges::sort(normals);
-    if (std::ranges::adjacent_find(normals) != normals.end()) return "several friction rows of one contact";
-    return WhyNotSymmetric(problem);
+    return ContactRows::WhyUnsupported(problem);
   }
 
   void Prepare(const LcpProblem& problem) {
@@ -87,7 +83,7 @@ class RelaxationEngine {
       relaxed_ = LcpProblem::FromSparse(problem.id(), half * SparseMatrix(rows_.transpose()), b, relaxed.bounds,
                                         Facts(problem));
     }
-    auto_.Prepare(*relaxed_);
+    plain_->Prepare(*relaxed_);
   }
 
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
@@ -98,7 +94,7 @@ class RelaxationEngine {
       start = StartOf(problem, *options.initial_f);
       of_relaxed.initial_f = &start;
     }
-    auto_.Solve(relaxed_->WithB(rows_ * problem.b()), of_relaxed, &inner_);
+    plain_->Solve(relaxed_->WithB(rows_ * problem.b()), of_relaxed, &inner_);
     result->status = inner_.status;
     result->iterations = inner_.iterations;
     result->detail = inner_.detail;
@@ -138,7 +134,7 @@ class RelaxationEngine {
 
   SparseMatrix rows_;
   std::optional<LcpProblem> relaxed_;
-  AutoSolver auto_{AutoOptions{}};
+  const std::unique_ptr<LcpSolver> plain_;
   LcpResult inner_;
 };
 
