@@ -18,6 +18,9 @@ constexpr double kLeastScale = 0x1p-20;
 // Roundings of a sum over a row, beside one for each term.
 constexpr double kTermsBesideRows = 64;
 
+// Up to so many rows the dense A is formed sooner than the sparse one.
+constexpr Index kFewRows = 100;
+
 double Square(double x) { return x * x; }
 
 }  // namespace
@@ -32,23 +35,12 @@ std::string ContactRows::WhyUnsupported(const LcpProblem& problem) {
 
 void ContactRows::Prepare(const LcpProblem& problem) {
   const Index n = problem.size();
-  const SparseMatrix& A = problem.SparseA();
   const Eigen::VectorXd& diagonal = problem.DiagonalA();
   root_.assign(At(n), 1);
   for (Index i = 0; i < n; ++i) {
     if (diagonal[i] > 0) root_[At(i)] = std::sqrt(diagonal[i]);
   }
-  start_.assign(1, 0);
-  column_.clear();
-  value_.clear();
-  for (Index i = 0; i < n; ++i) {
-    for (SparseMatrix::InnerIterator it(A, i); it; ++it) {
-      if (it.value() == 0) continue;
-      column_.push_back(static_cast<int>(it.col()));
-      value_.push_back(it.value() / (root_[At(i)] * root_[At(it.col())]));
-    }
-    start_.push_back(static_cast<Index>(value_.size()));
-  }
+  TakeMatrix(problem);
   std::vector<std::vector<const FrictionRow*>> friction(At(n));
   std::vector<char> is_other(At(n), 0);
   is_sliding_ = false;
@@ -76,6 +68,28 @@ void ContactRows::Prepare(const LcpProblem& problem) {
     }
   }
   SetB(problem);
+}
+
+void ContactRows::TakeMatrix(const LcpProblem& problem) {
+  const Index n = problem.size();
+  start_.assign(1, 0);
+  column_.clear();
+  value_.clear();
+  const auto add = [&](Index i, Index j, double value) {
+    if (value == 0) return;
+    column_.push_back(static_cast<int>(j));
+    value_.push_back(value / (root_[At(i)] * root_[At(j)]));
+  };
+  const bool is_dense = n <= kFewRows || problem.given_form() == MatrixForm::kDense;
+  for (Index i = 0; i < n; ++i) {
+    if (is_dense) {
+      const Eigen::MatrixXd& A = problem.DenseA();
+      for (Index j = 0; j < n; ++j) add(i, j, A(i, j));
+    } else {
+      for (SparseMatrix::InnerIterator it(problem.SparseA(), i); it; ++it) add(i, it.col(), it.value());
+    }
+    start_.push_back(static_cast<Index>(value_.size()));
+  }
 }
 
 void ContactRows::SetB(const LcpProblem& problem) {

@@ -86,6 +86,7 @@ class ContactRows {
   bool IsSurelyRight(const Eigen::VectorXd& f, double tolerance) const;
 
  private:
+  void TakeMatrix(const LcpProblem& problem);
   RowMode ModeOf(const Contact& contact, const Eigen::VectorXd& phi, const Eigen::VectorXd& omega) const;
   double LoadOf(const Contact& contact) const;
   double BackwardError(Index row, double defect) const;

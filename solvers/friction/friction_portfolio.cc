@@ -24,16 +24,25 @@ constexpr Index kMostRowsOfPath = 2000;
 constexpr double kLeastTime = 1e-9;  // [s]: limits are > 0
 constexpr const char* kRay = "a ray of normal forces";
 
-// Rows that no entry of A and no law connects, each ascending.
+// Rows that no entry of A (from factors: no body) and no law connects, each ascending; none where all are connected.
 std::vector<std::vector<Index>> IslandsOf(const LcpProblem& problem) {
   const Index n = problem.size();
   DisjointSets sets;
   sets.Reset(n);
   for (const FrictionRow& row : problem.friction_rows()) sets.Join(row.row, row.normal);
-  const SparseMatrix& A = problem.SparseA();
+  const bool has_factors = problem.has_factors();
+  const SparseMatrix& given = has_factors ? problem.J() : problem.SparseA();
+  std::vector<Index> last_row(has_factors ? At(given.cols()) : 0, -1);
   for (Index i = 0; i < n; ++i) {
-    for (SparseMatrix::InnerIterator it(A, i); it && it.col() < i; ++it) {
-      if (it.value() != 0) sets.Join(it.col(), i);
+    for (SparseMatrix::InnerIterator it(given, i); it; ++it) {
+      if (it.value() == 0) continue;
+      if (!has_factors) {
+        if (it.col() < i) sets.Join(it.col(), i);
+      } else if (problem.inverse_mass()[it.col()] != 0) {
+        Index& last = last_row[At(it.col())];
+        if (last >= 0) sets.Join(last, i);
+        last = i;
+      }
     }
   }
   std::vector<std::vector<Index>> islands;
@@ -58,7 +67,7 @@ void FrictionPortfolio::Prepare(const LcpProblem& problem) {
   const bool is_plain =
       problem.bounded_rows().empty() &&
       std::ranges::all_of(problem.friction_rows(), [](const FrictionRow& row) { return row.mu == 0; });
-  if (!is_plain) {
+  if (!is_plain && problem.size() > kFewRows) {
     for (std::vector<Index>& rows : IslandsOf(problem)) {
       LcpProblem part = Subproblem(problem, rows);
       parts_.push_back({std::move(rows), std::move(part), {}});
