@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "solvers/lcp/engine_solver.h"
 #include "support/array_index.h"
@@ -37,34 +38,41 @@ void ContactRows::Prepare(const LcpProblem& problem) {
   const Index n = problem.size();
   const Eigen::VectorXd& diagonal = problem.DiagonalA();
   root_.assign(At(n), 1);
+  inverse_root_.resize(At(n));
   for (Index i = 0; i < n; ++i) {
     if (diagonal[i] > 0) root_[At(i)] = std::sqrt(diagonal[i]);
+    inverse_root_[At(i)] = 1 / root_[At(i)];
   }
   TakeMatrix(problem);
-  std::vector<std::vector<const FrictionRow*>> friction(At(n));
-  std::vector<char> is_other(At(n), 0);
+  // The friction rows of a normal row are a list: first_[normal], next_[tangent], ...
+  const std::vector<FrictionRow>& friction = problem.friction_rows();
+  first_.assign(At(n), -1);
+  next_.assign(friction.size(), -1);
+  kind_.assign(At(n), RowKind::kUnilateral);
   is_sliding_ = false;
   is_paired_ = true;
-  for (const FrictionRow& row : problem.friction_rows()) {
-    friction[At(row.normal)].push_back(&row);
-    is_other[At(row.row)] = 1;
+  for (Index k = static_cast<Index>(friction.size()) - 1; k >= 0; --k) {
+    const FrictionRow& row = friction[At(k)];
+    next_[At(k)] = std::exchange(first_[At(row.normal)], k);
+    is_paired_ = is_paired_ && next_[At(k)] < 0;
+    kind_[At(row.row)] = RowKind::kFriction;
     is_sliding_ = is_sliding_ || row.slip != 0;
   }
   bounded_.clear();
   for (const BoundedRow& row : problem.bounded_rows()) {
     bounded_.push_back({row.row, row.lower * root_[At(row.row)], row.upper * root_[At(row.row)]});
-    is_other[At(row.row)] = 1;
+    kind_[At(row.row)] = RowKind::kBounded;
   }
   joints_ = problem.bilateral_rows();
+  for (const Index i : joints_) kind_[At(i)] = RowKind::kBilateral;
   contacts_.clear();
   for (Index i = 0; i < n; ++i) {
-    if (is_other[At(i)] != 0 || problem.is_bilateral(i)) continue;
-    if (friction[At(i)].empty()) contacts_.push_back({i});
-    for (const FrictionRow* row : friction[At(i)]) {
-      const bool is_further = row != friction[At(i)].front();
-      const double mu = row->mu * (root_[At(row->row)] / root_[At(i)]);
-      contacts_.push_back({i, row->row, mu, row->mu, row->slip, is_further});
-      is_paired_ = is_paired_ && !is_further;
+    if (kind_[At(i)] != RowKind::kUnilateral) continue;
+    if (first_[At(i)] < 0) contacts_.push_back({i});
+    for (Index k = first_[At(i)]; k >= 0; k = next_[At(k)]) {
+      const FrictionRow& row = friction[At(k)];
+      const double mu = row.mu * (root_[At(row.row)] / root_[At(i)]);
+      contacts_.push_back({i, row.row, mu, row.mu, row.slip, k != first_[At(i)]});
     }
   }
   SetB(problem);
@@ -78,7 +86,7 @@ void ContactRows::TakeMatrix(const LcpProblem& problem) {
   const auto add = [&](Index i, Index j, double value) {
     if (value == 0) return;
     column_.push_back(static_cast<int>(j));
-    value_.push_back(value / (root_[At(i)] * root_[At(j)]));
+    value_.push_back(value * inverse_root_[At(i)] * inverse_root_[At(j)]);
   };
   const bool is_dense = n <= kFewRows || problem.given_form() == MatrixForm::kDense;
   for (Index i = 0; i < n; ++i) {

@@ -94,7 +94,9 @@ class ContactRows {
   std::vector<Index> start_;  // compressed rows of D^-1/2 A D^-1/2
   std::vector<int> column_;
   std::vector<double> value_;
-  std::vector<double> root_;  // D^1/2
+  std::vector<double> root_, inverse_root_;  // D^1/2, D^-1/2
+  std::vector<Index> first_, next_;          // of Prepare
+  std::vector<RowKind> kind_;
   std::vector<Contact> contacts_;
   std::vector<Index> joints_;
   std::vector<Bounded> bounded_;

@@ -44,7 +44,7 @@ bool FrictionAnswer::GetBest(Eigen::VectorXd* phi) const {
 }
 
 void FrictionAnswer::Fail(const char* detail) const {
-  result_->status = deadline_.Expired() ? LcpStatus::kTimeLimit
+  result_->status = IsLate() ? LcpStatus::kTimeLimit
                     : options_.max_iterations > 0 && result_->iterations >= options_.max_iterations
                         ? LcpStatus::kIterationLimit
                         : LcpStatus::kNumericalFailure;

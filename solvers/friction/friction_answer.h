@@ -1,7 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
+#include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "solvers/friction/contact_rows.h"
 #include "solvers/lcp/solver.h"
@@ -15,7 +18,9 @@ class FrictionAnswer {
   /// @param rows    of `problem`, with its b
   /// @param result  its f takes the best candidate
   FrictionAnswer(const ContactRows& rows, const LcpProblem& problem, const LcpOptions& options, LcpResult* result)
-      : rows_(rows), problem_(problem), options_(options), deadline_(options), result_(result) {}
+      : rows_(rows), problem_(problem), options_(options), result_(result) {
+    if (std::isfinite(options.time_limit_s)) deadline_.emplace(options);
+  }
 
   /// Whether this candidate, n scaled forces, passes; result->status is kSolved then, and its f is kept.
   /// O(nnz), and of one whose rho is small enough and near the limit the verifier's cost.
@@ -27,25 +32,27 @@ class FrictionAnswer {
   /// rho of the best candidate; infinite without one.
   double rho() const { return rho_; }
 
-  const LcpProblem& problem() const { return problem_; }      ///< that is solved
-  const LcpOptions& options() const { return options_; }      ///< of the solve
-  double tolerance() const { return options_.tolerance; }     ///< of rho
-  const Deadline& deadline() const { return deadline_; }      ///< of the solve
-  std::int64_t& iterations() { return result_->iterations; }  ///< of all methods together
+  const LcpProblem& problem() const { return problem_; }                                ///< that is solved
+  const LcpOptions& options() const { return options_; }                                ///< of the solve
+  double tolerance() const { return options_.tolerance; }                               ///< of rho
+  bool IsLate() const { return deadline_.has_value() && deadline_->Expired(); }         ///< whether time is up
+  double Remaining() const { return deadline_ ? deadline_->Remaining() : kUnlimited; }  ///< seconds, may be infinite
+  std::int64_t& iterations() { return result_->iterations; }                            ///< of all methods together
   /// Whether iterations or time are up.
   bool IsOver() const {
-    return (options_.max_iterations > 0 && result_->iterations >= options_.max_iterations) || deadline_.Expired();
+    return (options_.max_iterations > 0 && result_->iterations >= options_.max_iterations) || IsLate();
   }
   /// The status of a solve without an answer.
   void Fail(const char* detail) const;
 
  private:
+  static constexpr double kUnlimited = std::numeric_limits<double>::infinity();
   bool Judge(double rho);
 
   const ContactRows& rows_;
   const LcpProblem& problem_;
   const LcpOptions& options_;
-  const Deadline deadline_;
+  std::optional<Deadline> deadline_;  // none where time is not limited: reading the clock costs
   LcpResult* const result_;
   double rho_ = std::numeric_limits<double>::infinity();
   Eigen::VectorXd phi_, gaps_, f_;

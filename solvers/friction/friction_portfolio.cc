@@ -62,19 +62,19 @@ std::vector<std::vector<Index>> IslandsOf(const LcpProblem& problem) {
 }  // namespace
 
 void FrictionPortfolio::Prepare(const LcpProblem& problem) {
-  parts_.clear();
   // Without friction the whole is left to the solver of plain problems, to be solved in the same bits.
   const bool is_plain =
       problem.bounded_rows().empty() &&
       std::ranges::all_of(problem.friction_rows(), [](const FrictionRow& row) { return row.mu == 0; });
-  if (!is_plain && problem.size() > kFewRows) {
-    for (std::vector<Index>& rows : IslandsOf(problem)) {
-      LcpProblem part = Subproblem(problem, rows);
-      parts_.push_back({std::move(rows), std::move(part), {}});
-    }
+  std::vector<std::vector<Index>> islands;
+  if (!is_plain && problem.size() > kFewRows) islands = IslandsOf(problem);
+  parts_.resize(std::max(islands.size(), size_t{1}));
+  for (size_t k = 0; k < parts_.size(); ++k) {
+    Part& part = parts_[k];
+    part.rows = islands.empty() ? std::vector<Index>() : std::move(islands[k]);
+    part.problem = islands.empty() ? problem : Subproblem(problem, part.rows);
+    part.contacts.Prepare(*part.problem);
   }
-  if (parts_.empty()) parts_.push_back({{}, problem, {}});
-  for (Part& part : parts_) part.contacts.Prepare(part.problem);
 }
 
 void FrictionPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
@@ -101,7 +101,7 @@ void FrictionPortfolio::Solve(const LcpProblem& problem, const LcpOptions& optio
     of_part.status = LcpStatus::kNumericalFailure;
     of_part.iterations = 0;
     of_part.farkas_ray.reset();
-    const LcpProblem of_rows = part.problem.WithB(b);
+    const LcpProblem of_rows = part.problem->WithB(b);
     SolvePart(&part, of_rows, rest, &of_part);
     for (size_t k = 0; k < part.rows.size(); ++k) result->f[part.rows[k]] = of_part.f[static_cast<Index>(k)];
     result->iterations += of_part.iterations;
@@ -135,7 +135,7 @@ void FrictionPortfolio::SolvePart(Part* part, const LcpProblem& problem, const L
     return;
   }
   answer.Fail("no method finds an answer");
-  if (!answer.deadline().Expired() && FindRay(answer, result)) result->detail = kRay;
+  if (!answer.IsLate() && FindRay(answer, result)) result->detail = kRay;
 }
 
 // The method that answered; nullptr if none did.
@@ -237,7 +237,7 @@ bool FrictionPortfolio::FindRay(const FrictionAnswer& answer, LcpResult* result)
   if (rows.empty()) return false;
   LcpOptions plain = answer.options();
   plain.initial_f = nullptr;
-  plain.time_limit_s = std::max(answer.deadline().Remaining(), kLeastTime);
+  plain.time_limit_s = std::max(answer.Remaining(), kLeastTime);
   LcpResult of_normals;
   plain_.make_plain()->Solve(Subproblem(problem, rows), plain, &of_normals);
   if (of_normals.status != LcpStatus::kInfeasible || !of_normals.farkas_ray) return false;

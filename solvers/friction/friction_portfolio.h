@@ -29,7 +29,7 @@ class FrictionPortfolio {
   // An island, or the whole problem.
   struct Part {
     std::vector<Index> rows;  // of the whole problem; empty: all
-    LcpProblem problem;
+    std::optional<LcpProblem> problem;
     ContactRows contacts;
   };
   void SolvePart(Part* part, const LcpProblem& problem, const LcpOptions& options, LcpResult* result);

@@ -80,26 +80,32 @@ bool ModeFactor::SolveDense(const ContactRows& rows, double eps) {
     });
     K(k, k) += eps;
   }
-  auto y = y_.head(m);
+  double* const y = y_.data();
+  const Index stride = dense_.rows();
   for (Index k = 0; k < m; ++k) {
-    Index pivot = 0;
-    const double largest = K.col(k).tail(m - k).cwiseAbs().maxCoeff(&pivot);
-    if (!(largest > 0)) return false;
-    if (pivot != 0) {
-      K.row(k).tail(m - k).swap(K.row(k + pivot).tail(m - k));
-      std::swap(y[k], y[k + pivot]);
+    double* const pivots = dense_.data() + k * stride;
+    Index pivot = k;
+    for (Index i = k + 1; i < m; ++i) {
+      if (std::abs(pivots[i]) > std::abs(pivots[pivot])) pivot = i;
     }
-    if (k + 1 == m) break;
-    auto below = K.col(k).tail(m - k - 1);
-    below /= K(k, k);
+    if (!(std::abs(pivots[pivot]) > 0)) return false;
+    std::swap(pivots[k], pivots[pivot]);
+    std::swap(y[k], y[pivot]);
+    const double inverse = 1 / pivots[k];
+    for (Index i = k + 1; i < m; ++i) pivots[i] *= inverse;
     for (Index j = k + 1; j < m; ++j) {
-      if (K(k, j) != 0) K.col(j).tail(m - k - 1) -= K(k, j) * below;
+      double* const column = dense_.data() + j * stride;
+      std::swap(column[k], column[pivot]);
+      const double factor = column[k];
+      if (factor == 0) continue;
+      for (Index i = k + 1; i < m; ++i) column[i] -= factor * pivots[i];
     }
-    y.tail(m - k - 1) -= y[k] * below;
+    for (Index i = k + 1; i < m; ++i) y[i] -= y[k] * pivots[i];
   }
   for (Index k = m - 1; k >= 0; --k) {
-    y[k] /= K(k, k);
-    y.head(k) -= y[k] * K.col(k).head(k);
+    const double* const column = dense_.data() + k * stride;
+    y[k] /= column[k];
+    for (Index i = 0; i < k; ++i) y[i] -= y[k] * column[i];
   }
   return true;
 }

@@ -104,7 +104,7 @@ bool ModeSteps::Polish(const ContactRows& rows, const Eigen::VectorXd& phi, Fric
   constexpr int kSolves = 4;
   for (const double eps : {1e-8, 1e-10, 1e-6}) {
     trial_ = phi;
-    for (int k = 0; k < kSolves && !answer->deadline().Expired(); ++k) {
+    for (int k = 0; k < kSolves && !answer->IsLate(); ++k) {
       rows.ComputeGaps(trial_, &gaps_);
       rows.FindModes(trial_, gaps_, &modes_);
       ++answer->iterations();

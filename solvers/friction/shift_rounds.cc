@@ -10,7 +10,7 @@ bool ShiftRounds::Run(const ContactRows& rows, ModeSteps* newton, Eigen::VectorX
   const LcpProblem& problem = answer->problem();
   LcpOptions options = answer->options();
   options.max_iterations = 0;
-  options.time_limit_s = answer->deadline().Remaining();
+  options.time_limit_s = answer->Remaining();
   if (!(options.time_limit_s > 0)) return false;
   if (relaxed_.f.size() == rows.size() && shift_.any()) {
     start_ = relaxed_.f;
