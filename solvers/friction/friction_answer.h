@@ -42,7 +42,7 @@ class FrictionAnswer {
   bool IsOver() const {
     return (options_.max_iterations > 0 && result_->iterations >= options_.max_iterations) || IsLate();
   }
-  /// The status of a solve without an answer.
+  /// The end of a solve without an answer: the best candidate is judged by the verifier, then a limit, or `detail`.
   void Fail(const char* detail) const;
 
  private:

@@ -135,7 +135,7 @@ void FrictionPortfolio::SolvePart(Part* part, const LcpProblem& problem, const L
     return;
   }
   answer.Fail("no method finds an answer");
-  if (!answer.IsLate() && FindRay(answer, result)) result->detail = kRay;
+  if (result->status == LcpStatus::kNumericalFailure && FindRay(answer, result)) result->detail = kRay;
 }
 
 // The method that answered; nullptr if none did.

@@ -15,8 +15,8 @@ constexpr double kLeastEps = 1e-12, kMostEps = 0.1;
 constexpr int kMostFailures = 8;
 // Answers are refined to this part of the tolerance.
 constexpr double kFineEnough = 1e-4;
-// Sweeps at a time: more after so many failures.
-constexpr int kPatience = 3, kMostSweeps = 2000;
+// Sweeps at a time: more after so many failures; and in all.
+constexpr int kPatience = 3, kMostSweepsAtOnce = 2000, kMostSweeps = 20'000;
 // Sweeps between two looks at the answer.
 constexpr int kSweepsPerCheck = 5;
 
@@ -67,7 +67,7 @@ bool ModeSteps::Refine(const ContactRows& rows, const Eigen::VectorXd& phi, Fric
 
 bool ModeSteps::Run(const ContactRows& rows, const Limits& limits, Eigen::VectorXd* phi, FrictionAnswer* answer) {
   double eps = limits.eps;
-  int failures = 0, sweeps = limits.sweeps;
+  int failures = 0, sweeps = limits.sweeps, all_sweeps = 0;
   rows.ComputeGaps(*phi, &gaps_);
   double rho = rows.Rho(*phi, gaps_);
   for (int step = 0; step < limits.steps && !answer->IsOver(); ++step) {
@@ -84,12 +84,14 @@ bool ModeSteps::Run(const ContactRows& rows, const Limits& limits, Eigen::Vector
       if (next < kGoodStep * rho) eps = std::max(kGoodStep * eps, kLeastEps);
       rho = next;
     } else if (limits.sweeps > 0) {
+      all_sweeps += sweeps;
+      if (all_sweeps > kMostSweeps) break;
       if (Sweep(rows, sweeps, phi, answer)) return true;
       rows.ComputeGaps(*phi, &gaps_);
       rho = rows.Rho(*phi, gaps_);
       if (!std::isfinite(rho)) return false;
       eps = limits.eps;
-      if (++failures > kPatience) sweeps = std::min(2 * sweeps, kMostSweeps);
+      if (++failures > kPatience) sweeps = std::min(2 * sweeps, kMostSweepsAtOnce);
     } else {
       if (++failures > kMostFailures) break;
       eps = std::min(eps / kGoodStep, kMostEps);

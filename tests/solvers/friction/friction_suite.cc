@@ -102,31 +102,32 @@ class Suite {
   std::vector<LcpProblem> Make() {
     for (const double mu : {0.1, 0.3, 0.6, 1.0}) {
       mu_ = mu;
-      for (const int k : {1, 2, 5, 10, 20, 50, 100}) {
+      for (const int k : {1, 2, 5, 10, 20, 50, 100, 250, 1000}) {
         Stack(k, 0, 0);
         Stack(k, 0.4, 0);
         Stack(k, 0, 1);
         Ramp(k);
       }
-      for (const auto& [columns, rows] : {std::pair(2, 2), {3, 3}, {4, 5}, {6, 6}, {8, 7}}) {
+      for (const auto& [columns, rows] :
+           {std::pair(2, 2), {3, 3}, {4, 5}, {6, 6}, {8, 7}, {15, 15}, {25, 25}, {35, 35}}) {
         Wall(columns, rows, 0);
         Wall(columns, rows, 2);
       }
-      for (const int k : {2, 5, 10, 25, 50, 100}) {
+      for (const int k : {2, 5, 10, 25, 50, 100, 250, 1000, 2000}) {
         Pile(k, 0.1);
         Pile(k, 3);
       }
       for (const int layers : {1, 2, 4, 8, 16}) Wedge(layers);
-      for (const int k : {3, 5, 9, 15, 31, 61, 99}) {
+      for (const int k : {3, 5, 9, 15, 31, 61, 99, 249, 999}) {
         Arch(k, 0);
         Arch(k, 3);
       }
-      for (const int levels : {1, 2, 3, 5, 7}) CardHouse(levels);
-      for (const int k : {1, 3, 10, 30, 100}) {
+      for (const int levels : {1, 2, 3, 5, 7, 15, 30}) CardHouse(levels);
+      for (const int k : {1, 3, 10, 30, 100, 300, 1000}) {
         Chain(k, 2);
         Chain(k, 0.7);
       }
-      for (const int k : {1, 3, 10, 40}) Rods(k);
+      for (const int k : {1, 3, 10, 40, 250, 1000}) Rods(k);
     }
     return std::move(problems_);
   }
