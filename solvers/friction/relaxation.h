@@ -1,14 +1,19 @@
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <string>
 
 #include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
 
-/// Options of RelaxationSolver: none.
+/// Options of RelaxationSolver.
 struct RelaxationOptions {
-  /// @throws InputError for any setting
+  /// Makes the solver of the relaxed problem, which is plain: `auto` in the registry. Not a setting.
+  std::function<std::unique_ptr<LcpSolver>()> make_plain;
+
+  /// Without make_plain. @throws InputError for any setting
   static RelaxationOptions FromSettings(const Settings& settings);
 };
 
@@ -17,11 +22,13 @@ struct RelaxationOptions {
 /// mu (a+ - a-); `auto` solves it. [docs/friction.md section 1; Anitescu 2006; Todorov 2014]
 ///
 /// A model of its own (LcpResult::model): a contact that slips also opens, w_n = mu |w_t|. Where no contact with a
-/// force slips its answer obeys Coulomb's law. A contact with mu = 0 keeps its one row.
+/// force slips its answer obeys Coulomb's law. A contact with mu = 0 keeps its one row, and a plain problem is
+/// `auto`'s.
 ///
 /// Takes friction rows, one a contact, and plain rows; symmetric positive semidefinite A, as `auto`. Refuses sliding
 /// and bounded rows, and several friction rows a contact. Status, iterations, ray and guarantees are those of `auto` on
-/// the relaxed problem; a ray of that is not one of the given problem, so that kInfeasible becomes kNumericalFailure.
+/// the relaxed problem, but for two: a ray of that is not one of the given problem, so that kInfeasible becomes
+/// kNumericalFailure, as does kSolved where Verdict::model_rho would be above the tolerance.
 /// Cost: the product of the rows, O(nnz), and one solve.
 using RelaxationSolver = EngineSolver<RelaxationOptions, class RelaxationEngine>;
 extern template class EngineSolver<RelaxationOptions, RelaxationEngine>;

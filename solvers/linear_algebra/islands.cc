@@ -208,8 +208,12 @@ RowBounds BoundsOfRows(const LcpProblem& problem, std::span<const Index> rows) {
   for (FrictionRow row : problem.friction_rows()) {
     if (!std::ranges::binary_search(rows, row.row)) continue;
     row.row = place(row.row);
-    row.normal = place(row.normal);
-    bounds.friction.push_back(row);
+    if (std::ranges::binary_search(rows, row.normal)) {
+      row.normal = place(row.normal);
+      bounds.friction.push_back(row);
+    } else {
+      bounds.bounded.push_back({row.row, 0, 0});  // without its contact
+    }
   }
   for (BoundedRow row : problem.bounded_rows()) {
     if (!std::ranges::binary_search(rows, row.row)) continue;
