@@ -16,7 +16,9 @@
 #include "solvers/first_order/apgd.h"
 #include "solvers/first_order/nncg.h"
 #include "solvers/first_order/pgs.h"
+#include "solvers/friction/mode_newton.h"
 #include "solvers/friction/relaxation.h"
+#include "solvers/friction/shift.h"
 #include "solvers/peers/peer_table.h"
 #include "solvers/pivoting/dantzig.h"
 #include "solvers/pivoting/lemke.h"
@@ -63,6 +65,10 @@ std::string NoBoundOnBlocks(const LcpProblem& /*problem*/, double /*tolerance*/)
 
 std::string LeavesHardOnes(const LcpProblem& /*problem*/, double /*tolerance*/) {
   return "what it finds hard it leaves to the methods that auto asks next";
+}
+
+std::string ModesMayCycle(const LcpProblem& /*problem*/, double /*tolerance*/) {
+  return "modes of contacts may cycle, and so may sweeps";
 }
 
 std::string NcpLocal(const LcpProblem& /*problem*/, double /*tolerance*/) {
@@ -113,7 +119,9 @@ std::vector<SolverEntry> ActiveSetSolvers() {
        .source = "see solvers/auto/auto_solver.h",
        .uses_tolerance = true,
        .why_not_guaranteed = &AnyPsd,
-       .make = &Make<AutoSolver>},
+       .make = &Make<AutoSolver>,
+       .takes_friction = true,
+       .takes_bounded = true},
       MethodOfAuto<AutoMethod::kFixedSizeBpp>("block principal pivoting in registers, islands of up to 6 rows",
                                               "Judice, Pires 1994; Keller 1973"),
       MethodOfAuto<AutoMethod::kPrincipalPivoting>("principal pivoting on a dense tableau, islands of up to 128 rows",
@@ -132,6 +140,8 @@ std::vector<SolverEntry> ActiveSetSolvers() {
        .source = "Lemke 1965; Cottle, Pang, Stone, sec. 4.4, 4.9",
        .why_not_guaranteed = &AnyPsd,
        .make = &Make<LemkeSolver>,
+       .takes_friction = true,
+       .takes_bounded = true,
        .method_class = MethodClass::kDenseMatrix},
       {.key = "bpp",
        .method = "block principal pivoting, proximal, on sparse or dense factors",
@@ -181,14 +191,37 @@ std::vector<SolverEntry> FirstOrderSolvers() {
   };
 }
 
+// With `auto` for the plain problems within.
+template <typename Solver>
+std::unique_ptr<LcpSolver> MakeOnAuto(const Settings& settings) {
+  auto options = Solver::Options::FromSettings(settings);
+  options.make_plain = [] { return std::make_unique<AutoSolver>(); };
+  return std::make_unique<Solver>(options);
+}
+
 std::vector<SolverEntry> FrictionSolvers() {
   return {{.key = "relaxation",
            .method = "friction relaxed to two rows a contact, solved by auto: a model of its own",
            .source = "Anitescu 2006; Todorov 2014",
            .uses_tolerance = true,
            .why_not_guaranteed = &AnyPsd,
-           .make = &Make<RelaxationSolver>,
-           .takes_friction = true}};
+           .make = &MakeOnAuto<RelaxationSolver>,
+           .takes_friction = true},
+          {.key = "shift",
+           .method = "relaxations of friction with shifted gaps, a few Newton steps on modes after each",
+           .source = "De Saxce, Feng 1991; Acary et al. 2011",
+           .uses_tolerance = true,
+           .why_not_guaranteed = &ModesMayCycle,
+           .make = &MakeOnAuto<ShiftSolver>,
+           .takes_friction = true},
+          {.key = "mode-newton",
+           .method = "Newton's method on the modes of contacts, proximal, with sweeps where it stalls",
+           .source = "Alart, Curnier 1991",
+           .uses_tolerance = true,
+           .why_not_guaranteed = &ModesMayCycle,
+           .make = &Make<ModeNewtonSolver>,
+           .takes_friction = true,
+           .takes_bounded = true}};
 }
 
 // What is not in this build has no `make`, and stays in the table.

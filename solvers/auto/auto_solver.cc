@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "solvers/auto/band_pivoting.h"
 #include "solvers/auto/matrix_arrays.h"
 #include "solvers/auto/row_solver.h"
+#include "solvers/friction/friction_portfolio.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
@@ -61,6 +63,7 @@ AutoOptions AutoOptions::Only(AutoMethod method, const Settings& settings) {
 class AutoEngine {
  public:
   explicit AutoEngine(const AutoOptions& options);
+  bool takes_other_laws() const { return !options_.only.has_value(); }
 
   std::string WhyUnsupported(const LcpProblem& problem) const;
   void Reserve(Index max_rows) { tableau_.Reserve(std::min(max_rows, options_.tableau_rows)); }
@@ -81,6 +84,7 @@ class AutoEngine {
                    LcpResult* result) const;
   bool TryTableauOfMatrix(const LcpOptions& options, const Deadline* deadline, LcpResult* result);
 
+  void PrepareFriction(const LcpProblem& problem);
   void PrepareProblem(const LcpProblem& problem);
   void PrepareDividing(const LcpProblem& problem, bool islands_are_known);
   void PrepareWhole(const LcpProblem& problem) {
@@ -119,6 +123,8 @@ class AutoEngine {
   MatrixArrays matrix_;
   AutoFacts matrix_facts_;
   BandPivoting band_;
+
+  std::unique_ptr<FrictionPortfolio> friction_;  // of problems that are not plain; made for the first one
 
   // The prepared problem.
   bool problem_is_ready_ = false;
@@ -344,7 +350,17 @@ void AutoEngine::SolveRest(const LcpProblem& problem, const LcpOptions& options,
   }
 }
 
+void AutoEngine::PrepareFriction(const LcpProblem& problem) {
+  if (friction_ == nullptr) {
+    AutoOptions plain = options_;
+    friction_ =
+        std::make_unique<FrictionPortfolio>(RelaxationOptions{[plain] { return std::make_unique<AutoSolver>(plain); }});
+  }
+  friction_->Prepare(problem);
+}
+
 void AutoEngine::Prepare(const LcpProblem& problem) {
+  if (!problem.is_plain()) return PrepareFriction(problem);
   problem_is_ready_ = false;
   taken_ = Taken::kNothing;
   was_asked_in_place_ = std::exchange(asked_in_place_, false);
@@ -404,6 +420,7 @@ void AutoEngine::PrepareDividing(const LcpProblem& problem, bool islands_are_kno
 }
 
 void AutoEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  if (!problem.is_plain()) return friction_->Solve(problem, options, result);
   // Reading the clock costs a tenth of the smallest problems, which a tableau ends in no time.
   std::optional<Deadline> limit;
   if (std::isfinite(options.time_limit_s) && problem.size() > SmallPivoting::kRowsWithoutClock) limit.emplace(options);

@@ -4,21 +4,19 @@
 #include <utility>
 #include <vector>
 
-#include "solvers/auto/auto_solver.h"
+#include "solvers/friction/contact_rows.h"
 #include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
 
-using Triplet = Eigen::Triplet<double, int>;
-
-// The rows of the relaxed problem as sums of the given ones; forces are given back by its transpose.
-struct RelaxedRows {
-  SparseMatrix P;
-  RowBounds bounds;
+// J_normal + factor J_tangent; tangent < 0: the normal row, or a joint.
+struct RelaxedRow {
+  Index normal, tangent;
+  double factor;
 };
 
-RelaxedRows RelaxRows(const LcpProblem& problem) {
+std::vector<RelaxedRow> RelaxRows(const LcpProblem& problem) {
   const Index n = problem.size();
   std::vector<const FrictionRow*> tangent(At(n), nullptr);
   std::vector<char> is_tangent(At(n), 0);
@@ -26,24 +24,54 @@ RelaxedRows RelaxRows(const LcpProblem& problem) {
     is_tangent[At(row.row)] = 1;
     if (row.mu != 0) tangent[At(row.normal)] = &row;
   }
-  std::vector<Triplet> entries;
-  RelaxedRows relaxed;
-  int m = 0;
+  std::vector<RelaxedRow> relaxed;
   for (Index i = 0; i < n; ++i) {
     if (is_tangent[At(i)] != 0) continue;
-    for (const int side : {1, -1}) {
-      if (side < 0 && tangent[At(i)] == nullptr) continue;
-      entries.emplace_back(m, static_cast<int>(i), 1);
-      if (tangent[At(i)] != nullptr) {
-        entries.emplace_back(m, static_cast<int>(tangent[At(i)]->row), side * tangent[At(i)]->mu);
-      }
-      relaxed.bounds.bilateral.push_back(problem.is_bilateral(i) ? 1 : 0);
-      ++m;
+    if (const FrictionRow* row = tangent[At(i)]; row != nullptr) {
+      relaxed.push_back({i, row->row, row->mu});
+      relaxed.push_back({i, row->row, -row->mu});
+    } else {
+      relaxed.push_back({i, -1, 0});
     }
   }
-  relaxed.P.resize(m, n);
-  relaxed.P.setFromTriplets(entries.begin(), entries.end());
   return relaxed;
+}
+
+// As J of `arrays`, columns ascending.
+void SumRows(const SparseMatrix& J, const std::vector<RelaxedRow>& rows, ProblemArrays* arrays) {
+  arrays->row_start.assign(1, 0);
+  arrays->column.clear();
+  arrays->value.clear();
+  const auto add = [&](Index column, double value) {
+    arrays->column.push_back(static_cast<int>(column));
+    arrays->value.push_back(value);
+  };
+  for (const RelaxedRow& row : rows) {
+    SparseMatrix::InnerIterator normal(J, row.normal);
+    for (SparseMatrix::InnerIterator along(J, row.tangent < 0 ? 0 : row.tangent); row.tangent >= 0 && along; ++along) {
+      while (normal && normal.col() < along.col()) {
+        add(normal.col(), normal.value());
+        ++normal;
+      }
+      const bool is_same = normal && normal.col() == along.col();
+      add(along.col(), row.factor * along.value() + (is_same ? normal.value() : 0));
+      if (is_same) ++normal;
+    }
+    for (; normal; ++normal) add(normal.col(), normal.value());
+    arrays->row_start.push_back(static_cast<int>(arrays->value.size()));
+  }
+}
+
+SparseMatrix MatrixOf(const std::vector<RelaxedRow>& rows, Index n) {
+  std::vector<Eigen::Triplet<double, int>> entries;
+  for (size_t k = 0; k < rows.size(); ++k) {
+    const int row = static_cast<int>(k);
+    entries.emplace_back(row, static_cast<int>(rows[k].normal), 1);
+    if (rows[k].tangent >= 0) entries.emplace_back(row, static_cast<int>(rows[k].tangent), rows[k].factor);
+  }
+  SparseMatrix P(static_cast<Index>(rows.size()), n);
+  P.setFromTriplets(entries.begin(), entries.end());
+  return P;
 }
 
 }  // namespace
@@ -56,38 +84,38 @@ RelaxationOptions RelaxationOptions::FromSettings(const Settings& settings) {
 
 class RelaxationEngine {
  public:
-  explicit RelaxationEngine(const RelaxationOptions& /*options*/) {}
+  explicit RelaxationEngine(const RelaxationOptions& options) : plain_(options.make_plain()) {}
   static constexpr bool kTakesFriction = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const {
-    std::vector<Index> normals;
     for (const FrictionRow& row : problem.friction_rows()) {
       if (row.slip != 0) return "sliding rows";
-      normals.push_back(row.normal);
     }
-    std::ranges::sort(normals);
-    if (std::ranges::adjacent_find(normals) != normals.end()) return "several friction rows of one contact";
-    return WhyNotSymmetric(problem);
+    return ContactRows::WhyUnsupported(problem);
   }
 
+  // Whatever `auto` prepares, it prepares in its solve: of rows on two bodies next to nothing.
   void Prepare(const LcpProblem& problem) {
-    RelaxedRows relaxed = RelaxRows(problem);
-    rows_ = std::move(relaxed.P);
-    const Eigen::VectorXd b = rows_ * problem.b();
+    rows_ = RelaxRows(problem);
+    const auto m = static_cast<Index>(rows_.size());
     if (problem.has_factors()) {
-      SparseMatrix J = rows_ * problem.J();
-      relaxed_ = LcpProblem::FromFactors(problem.id(), std::move(J), problem.inverse_mass(), b, relaxed.bounds,
-                                         Facts(problem));
-    } else if (problem.given_form() == MatrixForm::kDense) {
-      const Eigen::MatrixXd half = rows_ * problem.DenseA();
-      relaxed_ = LcpProblem::FromDense(problem.id(), half * SparseMatrix(rows_.transpose()), b, relaxed.bounds,
-                                       Facts(problem));
+      SumRows(problem.J(), rows_, &arrays_);
+      arrays_.form = MatrixForm::kFactors;
+      arrays_.columns = problem.J().cols();
+      arrays_.inverse_mass.assign(problem.inverse_mass().begin(), problem.inverse_mass().end());
     } else {
-      const SparseMatrix half = rows_ * problem.SparseA();
-      relaxed_ = LcpProblem::FromSparse(problem.id(), half * SparseMatrix(rows_.transpose()), b, relaxed.bounds,
-                                        Facts(problem));
+      const SparseMatrix P = MatrixOf(rows_, problem.size()), transposed = P.transpose();
+      const Eigen::VectorXd b = P * problem.b();
+      const bool is_dense = problem.given_form() == MatrixForm::kDense;
+      arrays_ = ProblemArrays::Of(is_dense ? LcpProblem::FromDense("", (P * problem.DenseA()) * transposed, b)
+                                           : LcpProblem::FromSparse("", (P * problem.SparseA()) * transposed, b));
     }
-    auto_.Prepare(*relaxed_);
+    arrays_.id = problem.id();
+    arrays_.rows = m;
+    arrays_.facts = Facts(problem);
+    arrays_.b.resize(At(m));
+    arrays_.bilateral.resize(At(m));
+    for (size_t k = 0; k < rows_.size(); ++k) arrays_.bilateral[k] = problem.is_bilateral(rows_[k].normal) ? 1 : 0;
   }
 
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
@@ -95,14 +123,24 @@ class RelaxationEngine {
     LcpOptions of_relaxed = options;
     Eigen::VectorXd start;
     if (options.initial_f != nullptr) {
-      start = StartOf(problem, *options.initial_f);
+      start = StartOf(*options.initial_f);
       of_relaxed.initial_f = &start;
     }
-    auto_.Solve(relaxed_->WithB(rows_ * problem.b()), of_relaxed, &inner_);
+    const Eigen::VectorXd& b = problem.b();
+    for (size_t k = 0; k < rows_.size(); ++k) {
+      const RelaxedRow& row = rows_[k];
+      arrays_.b[k] = row.tangent < 0 ? b[row.normal] : b[row.normal] + row.factor * b[row.tangent];
+    }
+    plain_->SolveArrays(arrays_, of_relaxed, &inner_);
     result->status = inner_.status;
     result->iterations = inner_.iterations;
     result->detail = inner_.detail;
-    result->f = rows_.transpose() * inner_.f;
+    result->f.setZero(problem.size());
+    for (size_t k = 0; k < rows_.size(); ++k) {
+      const double force = inner_.f[static_cast<Index>(k)];
+      result->f[rows_[k].normal] += force;
+      if (rows_[k].tangent >= 0) result->f[rows_[k].tangent] += rows_[k].factor * force;
+    }
     if (inner_.status != LcpStatus::kInfeasible) return;
     result->status = LcpStatus::kNumericalFailure;
     result->detail = "the relaxed problem has no solution";
@@ -118,27 +156,19 @@ class RelaxationEngine {
   }
 
   // a+- of forces clipped to their cones.
-  Eigen::VectorXd StartOf(const LcpProblem& problem, const Eigen::VectorXd& f) const {
-    Eigen::VectorXd start(rows_.rows());
-    for (Index k = 0; k < rows_.rows(); ++k) {
-      Index normal = -1, tangent = -1;
-      double mu = 0;
-      for (SparseMatrix::InnerIterator it(rows_, k); it; ++it) {
-        if (problem.kind(it.col()) == RowKind::kFriction) {
-          tangent = it.col();
-          mu = it.value();
-        } else {
-          normal = it.col();
-        }
-      }
-      start[k] = tangent < 0 ? f[normal] : std::max((f[normal] + f[tangent] / mu) / 2, 0.0);
+  Eigen::VectorXd StartOf(const Eigen::VectorXd& f) const {
+    Eigen::VectorXd start(static_cast<Index>(rows_.size()));
+    for (size_t k = 0; k < rows_.size(); ++k) {
+      const RelaxedRow& row = rows_[k];
+      start[static_cast<Index>(k)] =
+          row.tangent < 0 ? f[row.normal] : std::max((f[row.normal] + f[row.tangent] / row.factor) / 2, 0.0);
     }
     return start;
   }
 
-  SparseMatrix rows_;
-  std::optional<LcpProblem> relaxed_;
-  AutoSolver auto_{AutoOptions{}};
+  std::vector<RelaxedRow> rows_;
+  ProblemArrays arrays_;
+  const std::unique_ptr<LcpSolver> plain_;
   LcpResult inner_;
 };
 

@@ -1,14 +1,19 @@
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <string>
 
 #include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
 
-/// Options of RelaxationSolver: none.
+/// Options of RelaxationSolver.
 struct RelaxationOptions {
-  /// @throws InputError for any setting
+  /// Makes the solver of the relaxed problem, which is plain: `auto` in the registry. Not a setting.
+  std::function<std::unique_ptr<LcpSolver>()> make_plain;
+
+  /// Without make_plain. @throws InputError for any setting
   static RelaxationOptions FromSettings(const Settings& settings);
 };
 

@@ -26,6 +26,7 @@ namespace lcpbench {
 ///     bool SolveArrays(const ProblemArrays&, const LcpOptions&, LcpResult*);   optional: LcpSolver::DoSolveArrays
 ///     static constexpr bool kTakesFriction, kTakesBounded;             optional: LcpSolver::TakesFriction,
 ///     TakesBounded
+///     bool takes_other_laws() const;                                   the same where options decide about both
 /// none of them virtual. No engine sees extreme numbers: such a problem is brought into range first (RangeScaling), and
 /// what is claimed of it judged by the verifier. A solver that offers more than LcpSolver derives from this class.
 template <typename SolverOptions, typename SolverEngine>
@@ -77,12 +78,14 @@ std::string EngineSolver<Options, Engine>::WhyUnsupported(const LcpProblem& prob
 
 template <typename Options, typename Engine>
 bool EngineSolver<Options, Engine>::TakesFriction() const {
+  if constexpr (requires { engine_->takes_other_laws(); }) return engine_->takes_other_laws();
   if constexpr (requires { Engine::kTakesFriction; }) return Engine::kTakesFriction;
   return false;
 }
 
 template <typename Options, typename Engine>
 bool EngineSolver<Options, Engine>::TakesBounded() const {
+  if constexpr (requires { engine_->takes_other_laws(); }) return engine_->takes_other_laws();
   if constexpr (requires { Engine::kTakesBounded; }) return Engine::kTakesBounded;
   return false;
 }

@@ -191,6 +191,32 @@ std::pair<int, int> BodiesOfRow(const LcpProblem& problem, Index row) {
   return bodies;
 }
 
+namespace {
+
+// The friction and bounded rows among `rows`, by their places there. A friction row without its normal row has f = 0.
+void AddLaws(const LcpProblem& problem, std::span<const Index> rows, RowBounds* bounds) {
+  const auto place = [&](Index row) {
+    const auto at = std::ranges::lower_bound(rows, row);
+    return at != rows.end() && *at == row ? static_cast<Index>(at - rows.begin()) : Index{-1};
+  };
+  for (FrictionRow row : problem.friction_rows()) {
+    row.row = place(row.row);
+    row.normal = place(row.normal);
+    if (row.row < 0) continue;
+    if (row.normal >= 0) {
+      bounds->friction.push_back(row);
+    } else {
+      bounds->bounded.push_back({row.row, 0, 0});
+    }
+  }
+  for (BoundedRow row : problem.bounded_rows()) {
+    row.row = place(row.row);
+    if (row.row >= 0) bounds->bounded.push_back(row);
+  }
+}
+
+}  // namespace
+
 LcpProblem Subproblem(const LcpProblem& problem, std::span<const Index> rows) {
   const auto m = static_cast<Index>(rows.size());
   Eigen::VectorXd b(m);
@@ -201,6 +227,7 @@ LcpProblem Subproblem(const LcpProblem& problem, std::span<const Index> rows) {
   }
   const std::string id = problem.id() + " (" + std::to_string(m) + " rows)";
   RowBounds bounds = RowBounds::WithBilateralRows(m, bilateral);
+  if (!problem.is_plain()) AddLaws(problem, rows, &bounds);
   MatrixFacts facts;
   facts.symmetric = problem.facts().symmetric;
   facts.positive_semidefinite = problem.facts().positive_semidefinite;

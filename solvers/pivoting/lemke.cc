@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
+#include "solvers/friction/contact_path.h"
 #include "solvers/pivoting/pivot_base.h"
 
 namespace lcpbench {
@@ -32,7 +34,20 @@ class LemkeEngine final : public PivotBase {
  public:
   explicit LemkeEngine(const LemkeOptions& options) : PivotBase(options, TableauRule::kAlongPath) {}
 
+  static constexpr bool kTakesFriction = true;
+  static constexpr bool kTakesBounded = true;
+
+  std::string WhyUnsupported(const LcpProblem& problem) const {
+    const std::string why = PivotBase::WhyUnsupported(problem);
+    return problem.is_plain() || !why.empty() ? why : ContactRows::WhyUnsupported(problem);
+  }
   void Reserve(Index max_rows) override;
+  void Prepare(const LcpProblem& problem) {
+    problem.is_plain() ? PivotBase::Prepare(problem) : along_modes_.Prepare(problem);
+  }
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    problem.is_plain() ? PivotBase::Solve(problem, options, result) : along_modes_.Solve(problem, options, result);
+  }
 
  private:
   bool FindViolations(int round) override;
@@ -61,7 +76,8 @@ class LemkeEngine final : public PivotBase {
   Eigen::VectorXd y_;             // by position, the direction of an exchange in F
   Eigen::VectorXd first_order_;   // by position: what one column of the perturbation does to f in F and w outside
   Eigen::VectorXd work_;
-  std::vector<Index> ties_;  // positions
+  std::vector<Index> ties_;        // positions
+  ContactPathSolver along_modes_;  // of problems that are not plain
 };
 
 void LemkeEngine::SetCover() {

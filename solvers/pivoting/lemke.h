@@ -27,6 +27,11 @@ struct LemkeOptions : PivotOptions {
 /// Farkas ray. Each step along the path or along a y is one *pivot*, the unit of LcpResult::iterations and
 /// max_iterations (default 50 n + 1000; typically 0.5 n to 2 n are used).
 ///
+/// Problems with friction, sliding or bounded rows (up to one friction row a contact) go by the same idea along the
+/// modes of contacts, solvers/friction/contact_path.h: guaranteed for a time step with c >= 0 (docs/friction.md section
+/// 2), in exact arithmetic. Three choices of d, each end polished by Newton steps and judged as the verifier does, then
+/// the same on D^-1/2 A D^-1/2 + 1e-7. A secondary ray is kNumericalFailure: it proves nothing.
+///
 /// Guaranteed for symmetric positive semidefinite A of any rank, in exact arithmetic: ends with a solution or with a
 /// Farkas ray, since ties are resolved lexicographically and no basis is visited twice. On other symmetric A it may
 /// fail, and says so; A that is not symmetric is refused, and A_ii < 0 is kUnsupported.

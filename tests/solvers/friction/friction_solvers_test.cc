@@ -74,8 +74,11 @@ TEST_P(FrictionSolvers, SameAnswersFromEveryForm) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, FrictionSolvers, ::testing::Values("pgs", "psor", "relaxation"),
-                         [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(All, FrictionSolvers,
+                         ::testing::Values("auto", "lemke", "mode-newton", "pgs", "psor", "relaxation", "shift"),
+                         [](const auto& test) {
+                           return test.param == "mode-newton" ? std::string("mode_newton") : test.param;
+                         });
 
 TEST(FrictionSolver, SweepsSolveMostRecords) {
   for (const char* key : {"pgs", "psor"}) {

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "solvers/lcp/problem.h"
+
+/// Internal to solvers/.
+namespace lcpbench {
+
+/// Where a contact or a bounded row stands on the graph of its law.
+enum class RowMode : unsigned char {
+  kOpen,    ///< f = 0; of a contact
+  kClosed,  ///< w_n = 0; f_t follows from f_n (sliding), or is 0
+  kStick,   ///< w = 0; of a bounded row: between its bounds
+  kUp,      ///< slips with w_t >= 0, f_t = -mu f_n; of a bounded row: at its lower bound
+  kDown,    ///< slips with w_t <= 0, f_t = mu f_n; of a bounded row: at its upper bound
+};
+
+/// A problem with friction in scaled variables, phi = D^1/2 f and omega = D^-1/2 w with D = diag A (1 where that is 0):
+/// omega = A phi + b. What all methods of this folder start from [docs/friction.md sections 4, 5].
+class ContactRows {
+ public:
+  /// A unilateral row and its friction row. One with several friction rows is as many contacts, the later ones
+  /// `is_further`.
+  struct Contact {
+    Index normal;
+    Index tangent = -1;   ///< -1: none
+    double mu = 0;        ///< scaled: mu (D_t / D_n)^1/2
+    double given_mu = 0;  ///< as the problem has it
+    int slip = 0;         ///< +-1: a sliding row
+    bool is_further = false;
+    /// Whether the two directions of slip differ: a friction row with mu > 0.
+    bool can_stick() const { return mu > 0 && slip == 0; }
+  };
+  /// A bounded row, bounds scaled.
+  struct Bounded {
+    Index row;
+    double lower, upper;
+  };
+
+  /// "", or why methods that need contacts of at most one friction row do not take the problem.
+  static std::string WhyUnsupported(const LcpProblem& problem);
+
+  /// O(nnz A); allocates.
+  void Prepare(const LcpProblem& problem);
+  /// From here on with the b of a problem that shares the matrix of the prepared one.  O(n)
+  void SetB(const LcpProblem& problem);
+
+  Index size() const { return static_cast<Index>(root_.size()); }           ///< n
+  double root(Index row) const { return root_[static_cast<size_t>(row)]; }  ///< D^1/2
+  const std::vector<Contact>& contacts() const { return contacts_; }        ///< by normal row
+  const std::vector<Index>& joints() const { return joints_; }              ///< bilateral rows
+  const std::vector<Bounded>& bounded() const { return bounded_; }          ///< by row
+  const Eigen::VectorXd& b() const { return b_; }                           ///< n, scaled
+  /// Plain and friction rows only, up to one a contact: what the relaxation takes.
+  bool can_relax() const { return bounded_.empty() && !is_sliding_ && is_paired_; }
+  bool is_paired() const { return is_paired_; }  ///< up to one friction row a contact
+
+  /// Calls visit(column, entry) over the scaled row.
+  template <typename Visit>
+  void VisitRow(Index row, const Visit& visit) const {
+    for (Index e = start_[static_cast<size_t>(row)]; e < start_[static_cast<size_t>(row) + 1]; ++e) {
+      visit(column_[static_cast<size_t>(e)], value_[static_cast<size_t>(e)]);
+    }
+  }
+  /// omega_i at phi.
+  double Gap(Index row, const Eigen::VectorXd& phi) const {
+    double sum = b_[row];
+    VisitRow(row, [&](Index j, double a) { sum += a * phi[j]; });
+    return sum;
+  }
+  /// *omega = A phi + b.  O(nnz A)
+  void ComputeGaps(const Eigen::VectorXd& phi, Eigen::VectorXd* omega) const;
+  /// rho of docs/friction.md section 4.  O(n)
+  double Rho(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega) const;
+  /// The mode of every contact, then of every bounded row, by phi - omega [Alart, Curnier 1991].  O(n)
+  void FindModes(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega, std::vector<RowMode>* modes) const;
+  /// Forces brought within the laws.
+  void ToScaled(const Eigen::VectorXd& f, Eigen::VectorXd* phi) const;
+  /// Forces in the problem's units that obey the laws of forces exactly: 0 where a contact is open, or closed by no
+  /// more than the rounding of its loads, +-mu f_n where it slips.
+  void ToForces(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega, Eigen::VectorXd* f) const;
+  /// Whether f passes the tier for certain: rho and backward error in double, with what rounding can hide on top.
+  bool IsSurelyRight(const Eigen::VectorXd& f, double tolerance) const;
+
+ private:
+  void TakeMatrix(const LcpProblem& problem);
+  RowMode ModeOf(const Contact& contact, const Eigen::VectorXd& phi, const Eigen::VectorXd& omega) const;
+  double LoadOf(const Contact& contact) const;
+  double BackwardError(Index row, double defect) const;
+
+  std::vector<Index> start_;  // compressed rows of D^-1/2 A D^-1/2
+  std::vector<int> column_;
+  std::vector<double> value_;
+  std::vector<double> root_, inverse_root_;  // D^1/2, D^-1/2
+  std::vector<Index> first_, next_;          // of Prepare
+  std::vector<RowKind> kind_;
+  std::vector<Contact> contacts_;
+  std::vector<Index> joints_;
+  std::vector<Bounded> bounded_;
+  bool is_sliding_ = false, is_paired_ = true;
+  Eigen::VectorXd b_;
+  double scale_ = 1;                                          // S
+  mutable Eigen::VectorXd phi_, omega_, magnitude_, hidden_;  // of IsSurelyRight
+};
+
+}  // namespace lcpbench

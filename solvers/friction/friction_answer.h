@@ -1,0 +1,61 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "solvers/friction/contact_rows.h"
+#include "solvers/lcp/solver.h"
+
+/// Internal to solvers/.
+namespace lcpbench {
+
+/// The answer of one solve of a problem with friction: keeps the best candidate and judges it as the verifier does.
+class FrictionAnswer {
+ public:
+  /// @param rows    of `problem`, with its b
+  /// @param result  its f takes the best candidate
+  FrictionAnswer(const ContactRows& rows, const LcpProblem& problem, const LcpOptions& options, LcpResult* result)
+      : rows_(rows), problem_(problem), options_(options), result_(result) {
+    if (std::isfinite(options.time_limit_s)) deadline_.emplace(options);
+  }
+
+  /// Whether this candidate, n scaled forces, passes; result->status is kSolved then, and its f is kept.
+  /// O(nnz), and of one whose rho is small enough and near the limit the verifier's cost.
+  bool Take(const Eigen::VectorXd& phi);
+  /// The same of n forces in the problem's units, which are kept bit by bit.
+  bool TakeForces(const Eigen::VectorXd& f);
+  /// The best candidate so far, scaled. False without one.
+  bool GetBest(Eigen::VectorXd* phi) const;
+  /// rho of the best candidate; infinite without one.
+  double rho() const { return rho_; }
+
+  const LcpProblem& problem() const { return problem_; }                                ///< that is solved
+  const LcpOptions& options() const { return options_; }                                ///< of the solve
+  double tolerance() const { return options_.tolerance; }                               ///< of rho
+  bool IsLate() const { return deadline_.has_value() && deadline_->Expired(); }         ///< whether time is up
+  double Remaining() const { return deadline_ ? deadline_->Remaining() : kUnlimited; }  ///< seconds, may be infinite
+  std::int64_t& iterations() { return result_->iterations; }                            ///< of all methods together
+  /// Whether iterations or time are up.
+  bool IsOver() const {
+    return (options_.max_iterations > 0 && result_->iterations >= options_.max_iterations) || IsLate();
+  }
+  /// The end of a solve without an answer: the best candidate is judged by the verifier, then a limit, or `detail`.
+  void Fail(const char* detail) const;
+
+ private:
+  static constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+  bool Judge(double rho);
+
+  const ContactRows& rows_;
+  const LcpProblem& problem_;
+  const LcpOptions& options_;
+  std::optional<Deadline> deadline_;  // none where time is not limited: reading the clock costs
+  LcpResult* const result_;
+  double rho_ = std::numeric_limits<double>::infinity();
+  Eigen::VectorXd phi_, gaps_, f_;
+};
+
+}  // namespace lcpbench

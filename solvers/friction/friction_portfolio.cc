@@ -1,0 +1,252 @@
+#include "solvers/friction/friction_portfolio.h"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "solvers/lcp/verify.h"
+#include "solvers/linear_algebra/islands.h"
+#include "support/array_index.h"
+
+namespace lcpbench {
+namespace {
+
+// Modes are tried one by one up to so many contacts, joints beside them.
+constexpr size_t kFewContacts = 3;
+constexpr Index kFewRows = 12;
+// Rounds of the relaxation before the path along modes, the first unshifted, and after it.
+constexpr int kFirstRounds = 4, kMostRounds = 60;
+// Above so many contacts the path comes last; above so many rows its dense inverse is not worth while.
+constexpr size_t kContactsOfPath = 128;
+constexpr Index kMostRowsOfPath = 2000;
+
+constexpr double kLeastTime = 1e-9;  // [s]: limits are > 0
+constexpr const char* kRay = "a ray of normal forces";
+
+// Rows that no entry of A (from factors: no body) and no law connects, each ascending; none where all are connected.
+std::vector<std::vector<Index>> IslandsOf(const LcpProblem& problem) {
+  const Index n = problem.size();
+  DisjointSets sets;
+  sets.Reset(n);
+  for (const FrictionRow& row : problem.friction_rows()) sets.Join(row.row, row.normal);
+  const bool has_factors = problem.has_factors();
+  const SparseMatrix& given = has_factors ? problem.J() : problem.SparseA();
+  std::vector<Index> last_row(has_factors ? At(given.cols()) : 0, -1);
+  for (Index i = 0; i < n; ++i) {
+    for (SparseMatrix::InnerIterator it(given, i); it; ++it) {
+      if (it.value() == 0) continue;
+      if (!has_factors) {
+        if (it.col() < i) sets.Join(it.col(), i);
+      } else if (problem.inverse_mass()[it.col()] != 0) {
+        Index& last = last_row[At(it.col())];
+        if (last >= 0) sets.Join(last, i);
+        last = i;
+      }
+    }
+  }
+  std::vector<std::vector<Index>> islands;
+  if (sets.sets() == 1) return islands;
+  std::vector<Index> number(At(n), -1);
+  for (Index i = 0; i < n; ++i) {
+    Index& island = number[At(sets.Root(i))];
+    if (island < 0) {
+      island = static_cast<Index>(islands.size());
+      islands.emplace_back();
+    }
+    islands[At(island)].push_back(i);
+  }
+  return islands;
+}
+
+}  // namespace
+
+void FrictionPortfolio::Prepare(const LcpProblem& problem) {
+  // Without friction the whole is left to the solver of plain problems, to be solved in the same bits.
+  const bool is_plain =
+      problem.bounded_rows().empty() &&
+      std::ranges::all_of(problem.friction_rows(), [](const FrictionRow& row) { return row.mu == 0; });
+  std::vector<std::vector<Index>> islands;
+  if (!is_plain && problem.size() > kFewRows) islands = IslandsOf(problem);
+  parts_.resize(std::max(islands.size(), size_t{1}));
+  for (size_t k = 0; k < parts_.size(); ++k) {
+    Part& part = parts_[k];
+    part.rows = islands.empty() ? std::vector<Index>() : std::move(islands[k]);
+    part.problem = islands.empty() ? problem : Subproblem(problem, part.rows);
+    part.contacts.Prepare(*part.problem);
+  }
+}
+
+void FrictionPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  if (parts_.size() == 1) return SolvePart(&parts_.front(), problem, options, result);
+  const Deadline deadline(options);
+  LcpResult of_part;
+  Eigen::VectorXd b, start;
+  result->status = LcpStatus::kSolved;
+  const auto gather = [](const Eigen::VectorXd& whole, const std::vector<Index>& rows, Eigen::VectorXd* part) {
+    part->resize(static_cast<Index>(rows.size()));
+    for (size_t k = 0; k < rows.size(); ++k) (*part)[static_cast<Index>(k)] = whole[rows[k]];
+  };
+  size_t largest = 0;
+  std::string last;
+  for (Part& part : parts_) {
+    LcpOptions rest = options;
+    rest.time_limit_s = std::max(deadline.Remaining(), kLeastTime);
+    if (options.initial_f != nullptr) {
+      gather(*options.initial_f, part.rows, &start);
+      rest.initial_f = &start;
+    }
+    gather(problem.b(), part.rows, &b);
+    of_part.f.setZero(b.size());
+    of_part.status = LcpStatus::kNumericalFailure;
+    of_part.iterations = 0;
+    of_part.farkas_ray.reset();
+    const LcpProblem of_rows = part.problem->WithB(b);
+    SolvePart(&part, of_rows, rest, &of_part);
+    for (size_t k = 0; k < part.rows.size(); ++k) result->f[part.rows[k]] = of_part.f[static_cast<Index>(k)];
+    result->iterations += of_part.iterations;
+    if (part.rows.size() > largest || of_part.status != LcpStatus::kSolved) last = of_part.detail;
+    largest = std::max(largest, part.rows.size());
+    if (of_part.status == LcpStatus::kSolved) continue;
+    result->status = of_part.status;
+    if (of_part.status != LcpStatus::kInfeasible) continue;
+    Eigen::VectorXd ray = Eigen::VectorXd::Zero(problem.size());
+    for (size_t k = 0; k < part.rows.size(); ++k) ray[part.rows[k]] = (*of_part.farkas_ray)[static_cast<Index>(k)];
+    if (VerifyFarkasRay(problem, ray).accepted) result->farkas_ray = std::move(ray);
+    if (!result->farkas_ray) result->status = LcpStatus::kNumericalFailure;
+    break;
+  }
+  result->detail = std::to_string(parts_.size()) + " islands, largest " + std::to_string(largest) + " rows; " + last;
+  // All parts pass; S of the whole is no less than theirs together, but for the least that counts.
+  if (result->status == LcpStatus::kSolved && !PassesTier(ComputeMetrics(problem, result->f), options.tolerance)) {
+    result->status = LcpStatus::kNumericalFailure;
+  }
+}
+
+void FrictionPortfolio::SolvePart(Part* part, const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  const ContactRows& rows = part->contacts;
+  part->contacts.SetB(problem);
+  newton_.Reset();
+  rounds_.Start(rows);
+  FrictionAnswer answer(rows, problem, options, result);
+  const char* const method = Ask(rows, &answer, result);
+  if (method != nullptr) {
+    result->detail = method;
+    return;
+  }
+  answer.Fail("no method finds an answer");
+  if (result->status == LcpStatus::kNumericalFailure && FindRay(answer, result)) result->detail = kRay;
+}
+
+// The method that answered; nullptr if none did.
+const char* FrictionPortfolio::Ask(const ContactRows& rows, FrictionAnswer* answer, LcpResult* result) {
+  constexpr ModeSteps::Limits kWarm{.steps = 3, .eps = 1e-10}, kCold{.steps = 30, .eps = 1e-8};
+  constexpr ModeSteps::Limits kInTurns{.steps = 200, .eps = 1e-6, .sweeps = 50};
+  constexpr int kFirstSweeps = 200;
+  const bool has_friction =
+      std::ranges::any_of(rows.contacts(), [](const ContactRows::Contact& contact) { return contact.can_stick(); });
+  if (!has_friction && rows.can_relax() && AskRounds(rows, 1, answer) != nullptr) return "no friction";
+  if (answer->options().initial_f != nullptr) {
+    rows.ToScaled(*answer->options().initial_f, &phi_);
+    if (answer->Take(phi_) || newton_.Run(rows, kWarm, &phi_, answer)) return "warm modes";
+  }
+  if (rows.contacts().size() <= kFewContacts && rows.size() <= kFewRows && AskAllModes(rows, answer)) return "modes";
+  if (rows.can_relax()) {
+    if (const char* method = AskRounds(rows, kFirstRounds, answer)) return method;
+    if (!rounds_.is_solved() && FindRay(*answer, result)) return kRay;
+  } else {
+    phi_.setZero(rows.size());
+    if (newton_.Run(rows, kCold, &phi_, answer)) return "mode-newton";
+  }
+  const bool path_is_last = rows.contacts().size() > kContactsOfPath;
+  if (!path_is_last && AskPaths(rows, answer)) return "lemke";
+  if (rows.can_relax()) {
+    if (AskRounds(rows, kMostRounds - kFirstRounds, answer) != nullptr) return "shift to 60 rounds";
+  }
+  if (!answer->GetBest(&phi_)) rows.ToScaled(result->f, &phi_);
+  if (newton_.Sweep(rows, kFirstSweeps, &phi_, answer) || newton_.Run(rows, kInTurns, &phi_, answer)) {
+    return "sweeps and mode-newton";
+  }
+  if (path_is_last && AskPaths(rows, answer)) return "lemke";
+  return nullptr;
+}
+
+const char* FrictionPortfolio::AskRounds(const ContactRows& rows, int rounds, FrictionAnswer* answer) {
+  for (int k = 0; k < rounds && !answer->IsOver(); ++k) {
+    bool is_relaxed = false;
+    const bool is_first = rounds_.is_unshifted();
+    if (!rounds_.Run(rows, &newton_, &phi_, answer, &is_relaxed)) {
+      if (!rounds_.is_solved()) break;
+      continue;
+    }
+    if (!is_first) return "shift";
+    return is_relaxed ? "relaxation" : "mode-newton";
+  }
+  return nullptr;
+}
+
+// A few Newton steps from 0, which find most, then mode after mode.
+bool FrictionPortfolio::AskAllModes(const ContactRows& rows, FrictionAnswer* answer) {
+  constexpr int kSteps = 4;
+  const size_t contacts = rows.contacts().size();
+  phi_.setZero(rows.size());
+  const auto try_modes = [&](const Eigen::VectorXd& center) {
+    ++answer->iterations();
+    if (!factor_.Solve(rows, modes_, center, 0, &start_)) return false;
+    rows.ComputeGaps(start_, &gaps_);
+    return rows.Rho(start_, gaps_) <= answer->tolerance() && answer->Take(start_);
+  };
+  rows.ComputeGaps(phi_, &gaps_);
+  for (int k = 0; k < kSteps; ++k) {
+    rows.FindModes(phi_, gaps_, &modes_);
+    if (try_modes(phi_)) return true;
+    if (!start_.allFinite()) break;
+    phi_ = start_;
+  }
+  if (!rows.bounded().empty()) return false;
+  phi_.setZero();
+  constexpr RowMode kModes[] = {RowMode::kOpen, RowMode::kStick, RowMode::kUp, RowMode::kDown};
+  const size_t all = size_t{1} << (2 * contacts);
+  for (size_t code = 0; code < all && !answer->IsOver(); ++code) {
+    bool is_new = true;
+    for (size_t k = 0; k < contacts; ++k) {
+      modes_[k] = kModes[(code >> (2 * k)) % 4];
+      if (modes_[k] == RowMode::kOpen || rows.contacts()[k].can_stick()) continue;
+      is_new = is_new && modes_[k] == RowMode::kStick;
+      modes_[k] = RowMode::kClosed;
+    }
+    if (is_new && try_modes(phi_)) return true;
+  }
+  return false;
+}
+
+bool FrictionPortfolio::AskPaths(const ContactRows& rows, FrictionAnswer* answer) {
+  constexpr unsigned kSeeds = 2;
+  ContactPath::End end = ContactPath::End::kLimit;
+  return rows.is_paired() && rows.size() <= kMostRowsOfPath &&
+         FollowPaths(rows, kSeeds, &path_, &newton_, answer, &end);
+}
+
+// Whether the contacts cannot be kept apart even without friction: then no friction helps [docs/friction.md section 2].
+bool FrictionPortfolio::FindRay(const FrictionAnswer& answer, LcpResult* result) const {
+  const LcpProblem& problem = answer.problem();
+  std::vector<Index> rows;
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (problem.kind(i) <= RowKind::kBilateral) rows.push_back(i);
+  }
+  if (rows.empty()) return false;
+  LcpOptions plain = answer.options();
+  plain.initial_f = nullptr;
+  plain.time_limit_s = std::max(answer.Remaining(), kLeastTime);
+  LcpResult of_normals;
+  plain_.make_plain()->Solve(Subproblem(problem, rows), plain, &of_normals);
+  if (of_normals.status != LcpStatus::kInfeasible || !of_normals.farkas_ray) return false;
+  Eigen::VectorXd ray = Eigen::VectorXd::Zero(problem.size());
+  for (size_t k = 0; k < rows.size(); ++k) ray[rows[k]] = (*of_normals.farkas_ray)[static_cast<Index>(k)];
+  if (!VerifyFarkasRay(problem, ray).accepted) return false;
+  result->farkas_ray = std::move(ray);
+  result->status = LcpStatus::kInfeasible;
+  return true;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "solvers/friction/contact_path.h"
+#include "solvers/friction/contact_rows.h"
+#include "solvers/friction/mode_steps.h"
+#include "solvers/friction/shift_rounds.h"
+
+/// Internal to solvers/.
+namespace lcpbench {
+
+/// `auto` for problems with friction, sliding or bounded rows, island by island [docs/friction.md section 5]. Methods
+/// are asked in turn until an answer passes: modes one by one (few contacts); the modes of initial_f; rounds of the
+/// shifted relaxation, the first one unshifted, with Newton steps on modes after each; Lemke's path along modes; more
+/// rounds; sweeps and Newton steps in turns. LcpResult::detail names the one that answered. With sliding or bounded
+/// rows there are no relaxations: Newton steps come first.
+class FrictionPortfolio {
+ public:
+  /// @param plain  of the relaxation: what makes the solver of plain problems
+  explicit FrictionPortfolio(const RelaxationOptions& plain) : plain_(plain), rounds_(plain) {}
+  void Prepare(const LcpProblem& problem);                                              ///< LcpSolver::DoPrepare
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);  ///< LcpSolver::DoSolve
+
+ private:
+  // An island, or the whole problem.
+  struct Part {
+    std::vector<Index> rows;  // of the whole problem; empty: all
+    std::optional<LcpProblem> problem;
+    ContactRows contacts;
+  };
+  void SolvePart(Part* part, const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
+  const char* Ask(const ContactRows& rows, FrictionAnswer* answer, LcpResult* result);
+  const char* AskRounds(const ContactRows& rows, int rounds, FrictionAnswer* answer);
+  bool AskAllModes(const ContactRows& rows, FrictionAnswer* answer);
+  bool AskPaths(const ContactRows& rows, FrictionAnswer* answer);
+  bool FindRay(const FrictionAnswer& answer, LcpResult* result) const;
+
+  const RelaxationOptions plain_;
+  ModeSteps newton_;
+  ShiftRounds rounds_;
+  ContactPath path_;
+  ModeFactor factor_;
+  std::vector<Part> parts_;
+  std::vector<RowMode> modes_;
+  Eigen::VectorXd phi_, gaps_, start_;
+};
+
+}  // namespace lcpbench

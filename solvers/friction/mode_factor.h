@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/SparseLU>
+#include <vector>
+
+#include "solvers/friction/contact_rows.h"
+
+/// Internal to solvers/.
+namespace lcpbench {
+
+/// The linear system of a choice of modes [docs/friction.md section 5]: unknowns are the normal forces of closed
+/// contacts, the tangential forces of those that stick, the forces of joints and of bounded rows between their bounds;
+/// equations say that the gaps of the same rows are 0. phi = B y + what is at a bound, K = A_E,: B: square, and
+/// nonsymmetric where a contact slips.
+class ModeFactor {
+ public:
+  /// Up to so many unknowns the factor is dense, O(m^3), and nothing is allocated after the first such solve.
+  static constexpr Index kMostDense = 128;
+
+  /// phi of these modes with omega_E = -eps (phi - center)_E: the modes' own solution for eps = 0.
+  /// @param modes   of ContactRows::FindModes
+  /// @param center  n
+  /// @return false where K + eps is singular in double; *phi is not to be used then
+  bool Solve(const ContactRows& rows, const std::vector<RowMode>& modes, const Eigen::VectorXd& center, double eps,
+             Eigen::VectorXd* phi);
+
+ private:
+  void SetModes(const ContactRows& rows, const std::vector<RowMode>& modes);
+  void AddUnknown(Index row);
+  bool SolveDense(const ContactRows& rows, double eps);
+  bool SolveSparse(const ContactRows& rows, double eps);
+
+  std::vector<Index> equation_;          // rows, in the order of the unknowns
+  std::vector<Index> unknown_;           // n, -1: none
+  Eigen::VectorXd coefficient_, fixed_;  // n: phi_i = coefficient_i y_unknown + fixed_i
+  Eigen::VectorXd y_;                    // right-hand side, then the correction
+  Eigen::MatrixXd dense_;                // at least m x m
+  Eigen::SparseMatrix<double> sparse_;
+  Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> lu_;
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,44 @@
+#include "solvers/friction/mode_newton.h"
+
+#include <string>
+
+#include "solvers/friction/mode_steps.h"
+
+namespace lcpbench {
+
+ModeNewtonOptions ModeNewtonOptions::FromSettings(const Settings& settings) {
+  SettingsReader reader("mode-newton", settings);
+  reader.Finish();
+  return {};
+}
+
+class ModeNewtonEngine {
+ public:
+  explicit ModeNewtonEngine(const ModeNewtonOptions& /*options*/) {}
+  static constexpr bool kTakesFriction = true;
+  static constexpr bool kTakesBounded = true;
+
+  std::string WhyUnsupported(const LcpProblem& problem) const { return WhyNotSymmetric(problem); }
+  void Prepare(const LcpProblem& problem) {
+    rows_.Prepare(problem);
+    newton_.Reset();
+  }
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    constexpr int kFirstSweeps = 20, kSweeps = 50;
+    rows_.SetB(problem);
+    FrictionAnswer answer(rows_, problem, options, result);
+    rows_.ToScaled(options.initial_f == nullptr ? result->f : *options.initial_f, &phi_);
+    if (answer.Take(phi_) || newton_.Sweep(rows_, kFirstSweeps, &phi_, &answer)) return;
+    if (newton_.Run(rows_, {.sweeps = kSweeps}, &phi_, &answer)) return;
+    answer.Fail("no step reduces the residual to the tolerance");
+  }
+
+ private:
+  ContactRows rows_;
+  ModeSteps newton_;
+  Eigen::VectorXd phi_;
+};
+
+template class EngineSolver<ModeNewtonOptions, ModeNewtonEngine>;
+
+}  // namespace lcpbench

@@ -1,0 +1,121 @@
+#include "solvers/friction/mode_steps.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lcpbench {
+namespace {
+
+// A step of length t must reduce |r| by this part of t.
+constexpr double kDecrease = 1e-3;
+constexpr double kShortestStep = 0x1p-7;
+// eps falls after a full step that reduces |r| to this part, and grows by the inverse where steps fail.
+constexpr double kGoodStep = 0.1;
+constexpr double kLeastEps = 1e-12, kMostEps = 0.1;
+constexpr int kMostFailures = 8;
+// Answers are refined to this part of the tolerance.
+constexpr double kFineEnough = 1e-4;
+// Sweeps at a time: more after so many failures; and in all.
+constexpr int kPatience = 3, kMostSweepsAtOnce = 2000, kMostSweeps = 20'000;
+// Sweeps between two looks at the answer.
+constexpr int kSweepsPerCheck = 5;
+
+}  // namespace
+
+bool ModeSteps::Sweep(const ContactRows& rows, int count, Eigen::VectorXd* phi, FrictionAnswer* answer) {
+  if (!sweeps_are_ready_) sweeps_.Prepare(answer->problem());
+  sweeps_are_ready_ = true;
+  f_.resize(rows.size());
+  rows.ComputeGaps(*phi, &gaps_);
+  rows.ToForces(*phi, gaps_, &f_);
+  sweeps_.Start(answer->problem(), &f_);
+  for (int k = 0; k < count && !answer->IsOver(); ++k) {
+    const double change = sweeps_.Sweep(1);
+    ++answer->iterations();
+    if (!std::isfinite(change)) return false;
+    if ((k + 1) % kSweepsPerCheck != 0 && k + 1 < count) continue;
+    sweeps_.GetForces(&f_);
+    rows.ToScaled(f_, phi);
+    rows.ComputeGaps(*phi, &gaps_);
+    if (rows.Rho(*phi, gaps_) <= answer->tolerance() && answer->Take(*phi)) return true;
+  }
+  return false;
+}
+
+// From *phi towards next_: the longest of t = 1, 1/2, ... that reduces |r| enough. *next: rho there.
+bool ModeSteps::TryStep(const ContactRows& rows, double rho, Eigen::VectorXd* phi, double* next) {
+  for (double t = 1; t >= kShortestStep; t /= 2) {
+    trial_ = *phi + t * (next_ - *phi);
+    rows.ComputeGaps(trial_, &gaps_);
+    *next = rows.Rho(trial_, gaps_);
+    if (!(*next <= (1 - kDecrease * t) * rho)) continue;
+    phi->swap(trial_);
+    return true;
+  }
+  return false;
+}
+
+// One more solve of the modes of an answer, of which eps may have left part of the error. True.
+bool ModeSteps::Refine(const ContactRows& rows, const Eigen::VectorXd& phi, FrictionAnswer* answer) {
+  if (answer->rho() <= kFineEnough * answer->tolerance()) return true;
+  rows.ComputeGaps(phi, &gaps_);
+  rows.FindModes(phi, gaps_, &modes_);
+  ++answer->iterations();
+  if (factor_.Solve(rows, modes_, phi, kLeastEps, &trial_)) answer->Take(trial_);
+  return true;
+}
+
+bool ModeSteps::Run(const ContactRows& rows, const Limits& limits, Eigen::VectorXd* phi, FrictionAnswer* answer) {
+  double eps = limits.eps;
+  int failures = 0, sweeps = limits.sweeps, all_sweeps = 0;
+  rows.ComputeGaps(*phi, &gaps_);
+  double rho = rows.Rho(*phi, gaps_);
+  for (int step = 0; step < limits.steps && !answer->IsOver(); ++step) {
+    rows.ComputeGaps(*phi, &gaps_);
+    rows.FindModes(*phi, gaps_, &modes_);
+    ++answer->iterations();
+    double next = rho;
+    const bool is_regular = factor_.Solve(rows, modes_, *phi, eps, &next_);
+    if (!is_regular) eps = std::max(100 * eps, 1e-10);
+    // What passes need not have a smaller |r|: at rounding only the backward error may still be wrong.
+    if (is_regular && rho <= answer->tolerance() && answer->Take(next_)) return Refine(rows, next_, answer);
+    if (is_regular && TryStep(rows, rho, phi, &next)) {
+      failures = 0;
+      if (next < kGoodStep * rho) eps = std::max(kGoodStep * eps, kLeastEps);
+      rho = next;
+    } else if (limits.sweeps > 0) {
+      all_sweeps += sweeps;
+      if (all_sweeps > kMostSweeps) break;
+      if (Sweep(rows, sweeps, phi, answer)) return true;
+      rows.ComputeGaps(*phi, &gaps_);
+      rho = rows.Rho(*phi, gaps_);
+      if (!std::isfinite(rho)) return false;
+      eps = limits.eps;
+      if (++failures > kPatience) sweeps = std::min(2 * sweeps, kMostSweepsAtOnce);
+    } else {
+      if (++failures > kMostFailures) break;
+      eps = std::min(eps / kGoodStep, kMostEps);
+    }
+    if (rho <= answer->tolerance() && answer->Take(*phi)) return Refine(rows, *phi, answer);
+  }
+  if (rho < answer->rho()) answer->Take(*phi);
+  return false;
+}
+
+bool ModeSteps::Polish(const ContactRows& rows, const Eigen::VectorXd& phi, FrictionAnswer* answer) {
+  constexpr int kSolves = 4;
+  for (const double eps : {1e-8, 1e-10, 1e-6}) {
+    trial_ = phi;
+    for (int k = 0; k < kSolves && !answer->IsLate(); ++k) {
+      rows.ComputeGaps(trial_, &gaps_);
+      rows.FindModes(trial_, gaps_, &modes_);
+      ++answer->iterations();
+      if (!factor_.Solve(rows, modes_, trial_, eps, &next_)) break;
+      trial_.swap(next_);
+      if (answer->Take(trial_)) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,48 @@
+#include "solvers/friction/shift.h"
+
+#include <string>
+
+#include "solvers/friction/shift_rounds.h"
+
+namespace lcpbench {
+
+ShiftOptions ShiftOptions::FromSettings(const Settings& settings) {
+  SettingsReader reader("shift", settings);
+  reader.Finish();
+  return {};
+}
+
+class ShiftEngine {
+ public:
+  explicit ShiftEngine(const ShiftOptions& options)
+      : relaxation_({options.make_plain}), rounds_({options.make_plain}) {}
+  static constexpr bool kTakesFriction = true;
+
+  std::string WhyUnsupported(const LcpProblem& problem) const { return relaxation_.WhyUnsupported(problem); }
+  void Prepare(const LcpProblem& problem) {
+    rows_.Prepare(problem);
+    newton_.Reset();
+  }
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    constexpr int kMostRounds = 60;
+    rows_.SetB(problem);
+    rounds_.Start(rows_);
+    FrictionAnswer answer(rows_, problem, options, result);
+    bool is_relaxed = false;
+    for (int round = 0; round < kMostRounds && !answer.IsOver(); ++round) {
+      if (rounds_.Run(rows_, &newton_, &phi_, &answer, &is_relaxed)) return;
+    }
+    answer.Fail("no fixed point of the shift within 60 rounds");
+  }
+
+ private:
+  const RelaxationSolver relaxation_;
+  ContactRows rows_;
+  ModeSteps newton_;
+  ShiftRounds rounds_;
+  Eigen::VectorXd phi_;
+};
+
+template class EngineSolver<ShiftOptions, ShiftEngine>;
+
+}  // namespace lcpbench
