@@ -1,6 +1,5 @@
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
-#include "model/contact/assembly.h"
 #include "solvers/io/json_lines.h"
 #include "support/text_file.h"
 
@@ -16,13 +15,14 @@ struct Generate {
     app.add_option("SCENE", start.scene, "Scene key (lcpbench list scenes) or scene file, whose contacts are found")
         ->required();
     start.AddSizeAndSeed(app);
+    start.AddFriction(app);
+    start.AddStep(app);
     app.add_flag("--with-matrix", with_matrix, "Also write A = J M^-1 J^T");
     app.add_option("-o,--output", output, "File, or - for standard output");
   }
 
   int Run() const {
-    const ContactSystem system = LoadInstant(start.scene, start.size, start.seed);
-    WriteTextFile(output, FormatLcpRecord(AssembleContactLcp(system).problem, with_matrix) + "\n");
+    WriteTextFile(output, FormatLcpRecord(start.LoadProblem().second.problem, with_matrix) + "\n");
     return 0;
   }
 };
@@ -30,7 +30,8 @@ struct Generate {
 }  // namespace
 
 void AddGenerateCommand(CLI::App& app, CommandRun& run) {
-  AddCommand<Generate>(app, run, "generate", "Writes the contact LCP of a scene as a JSON line");
+  AddCommand<Generate>(app, run, "generate",
+                       "Writes the contact LCP of a scene as a JSON line; with friction, of a time step");
 }
 
 }  // namespace lcpbench

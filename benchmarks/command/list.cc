@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <iostream>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -38,8 +39,10 @@ void PrintSolvers() {
 }
 
 void PrintScenes() {
-  for (const SceneFamily& scene : AllScenes()) {
-    PrintRow(scene.key, std::string(scene.title) + ". " + std::string(scene.purpose));
+  for (const std::span<const SceneFamily> families : {AllScenes(), FrictionScenes()}) {
+    for (const SceneFamily& scene : families) {
+      PrintRow(scene.key, std::string(scene.title) + ". " + std::string(scene.purpose));
+    }
   }
 }
 

@@ -29,15 +29,18 @@ struct MotionCommand {
     start.AddSizeAndSeed(app);
     app.add_option("--steps", study.steps, "Steps of --dt each")->check(AtLeast(1));
     start.AddStep(app);
+    app.add_option("--max-iterations", study.max_iterations,
+                   "Stops every solve after so many sweeps, pivots or steps of the solver's own [default: its limit]")
+        ->check(AtLeast(0));
+    start.AddFriction(app);
     app.add_option("--budget", study.budget_s, "Seconds per motion; longer ones are stopped")->check(PositiveSeconds());
     app.add_option("-o,--output", output, "Folder of motion.csv");
     app.footer(
         "Drift: change of energy over the motion. Energy error and distance: largest deviation from the reference, "
-        "the\n"
-        "same motion driven by auto at 1e-12. Energies over its largest kinetic energy. Touching bodies are "
-        "chaotic:\n"
-        "a distance grows with time whatever its cause. us/step: time inside the solver (set-up too; with peers also "
-        "the way to their process).");
+        "the\nsame motion driven by auto at 1e-12. Energies over its largest kinetic energy. Touching bodies are "
+        "chaotic:\na distance grows with time whatever its cause. With friction: the gap in which a contact bears "
+        "force, how far\ncontacts creep although friction could hold them, the energy that friction creates. "
+        "us/step: time inside the\nsolver (set-up too; with peers also the way to their process).");
   }
 
   int Run() {

@@ -180,6 +180,12 @@ void SceneOptions::AddSizeAndSeed(CLI::App& command) {
       ->check(AtLeast(0));
 }
 
+void SceneOptions::AddFriction(CLI::App& command) {
+  command.add_option("--friction", friction, "Coefficient of friction of every contact [default: the scene's own]")
+      ->default_str("")
+      ->check(Expect("a number from 0 to 1e6", [](double mu) { return mu >= 0 && mu <= kMostFriction; }));
+}
+
 void SceneOptions::AddLevel(CLI::App& command) {
   command.add_option("--level", level, "acceleration or velocity [default: the scene's own]");
 }
@@ -200,7 +206,21 @@ MovingScene SceneOptions::Load() const {
   MovingScene loaded = LoadScene(scene, size, seed);
   if (!level.empty()) loaded.level = MotionLevelFromString(level);
   if (step > 0) loaded.step = step;
+  if (friction >= 0) {
+    for (Body& body : loaded.world.bodies) body.friction = friction;
+    loaded.world.friction.clear();
+  }
   return loaded;
+}
+
+std::pair<ContactSystem, AssembledLcp> SceneOptions::LoadProblem() const {
+  const MovingScene moving = Load();
+  ContactSystem system = LoadInstant(scene, size, seed, moving.level);
+  if (friction >= 0) {
+    for (Constraint& constraint : system.constraints) constraint.friction = friction;
+  }
+  AssembledLcp lcp = AssembleInstant(system, moving.step);
+  return {std::move(system), std::move(lcp)};
 }
 
 void AddSettingsOption(CLI::App& command, std::vector<std::string>* pairs) {

@@ -6,10 +6,12 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/motions/scene_source.h"
+#include "model/contact/assembly.h"
 #include "solvers/lcp/settings.h"
 #include "solvers/registry.h"
 
@@ -40,12 +42,18 @@ struct SceneOptions {
   double step = 0;                                            ///< [s]; 0: the scene's own
   double budget_s = std::numeric_limits<double>::infinity();  ///< wall clock of the motion
 
+  double friction = -1;  ///< of every contact; < 0: the scene's own
+
   void AddSizeAndSeed(CLI::App& command);
+  void AddFriction(CLI::App& command);
   void AddLevel(CLI::App& command);
   void AddStep(CLI::App& command);
   void AddBudget(CLI::App& command);
   /// @throws InputError as LoadScene, and for an unknown level
   MovingScene Load() const;
+  /// The problem of one instant (LoadInstant): the time step of the scene where it has friction (AssembleInstant).
+  /// @throws InputError as LoadInstant and Load
+  std::pair<ContactSystem, AssembledLcp> LoadProblem() const;
 };
 
 /// Adds --set NAME=VALUE, which may be repeated: options of the solver itself.

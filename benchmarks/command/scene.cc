@@ -29,6 +29,7 @@ struct SceneCommand {
   void Declare(CLI::App& app) {
     app.add_option("SCENE", start.scene, "Scene key (lcpbench list scenes) or scene file")->required();
     start.AddSizeAndSeed(app);
+    start.AddFriction(app);
     app.add_option("--solver", solver, "Solver key; default: the first whose answer is verified");
     start.AddLevel(app);
     start.AddBudget(app);
@@ -78,15 +79,24 @@ struct SceneCommand {
     return scene;
   }
 
+  static std::pair<ContactSystem, AssembledLcp> ProblemOf(ContactSystem system, double step) {
+    AssembledLcp lcp = AssembleInstant(system, step);
+    return {std::move(system), std::move(lcp)};
+  }
+
   int Draw() const {
     if (output != "-" && !output.ends_with(".svg")) {
       throw InputError("--output: expected a file that ends in .svg or .json, found '" + output + "'");
     }
     const MovingScene scene = LoadAndMove();
-    const ContactSystem system = time > 0 ? InstantWithContacts(scene.world, scene.level)
-                                          : LoadInstant(start.scene, start.size, start.seed, scene.level);
-    const AssembledLcp lcp = AssembleContactLcp(system);
-    const std::optional<PictureSolution> solution = SolveForPicture(lcp.problem, solver, start.budget_s);
+    const auto [system, lcp] =
+        time > 0 ? ProblemOf(InstantWithContacts(scene.world, scene.level), scene.step) : start.LoadProblem();
+    std::optional<PictureSolution> solution = SolveForPicture(lcp.problem, solver, start.budget_s);
+    if (solution && !lcp.problem.is_plain()) {
+      // Impulses and velocities of a time step, as forces and accelerations.
+      solution->f /= scene.step;
+      solution->w /= scene.step;
+    }
     PictureExtras extras;
     extras.loads = &scene.world.loads;
     if (solution) extras.caption = solution->caption;

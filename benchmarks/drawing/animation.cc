@@ -26,6 +26,8 @@ namespace {
 /// Listens to a motion between two frames.
 class Listener {
  public:
+  using TwoKinds = std::array<std::vector<DrawnForce>, 2>;  ///< forces and slides
+
   void operator()(const MotionProblem& problem) {
     if (problem.kind == MotionProblemKind::kImpact) {
       NoteImpact(problem);
@@ -33,7 +35,8 @@ class Listener {
       FinishStep(problem.time);
       begun_ = true;
       begin_ = problem.time;
-      forces_ = ForcesOf(problem.system, problem.rows, problem.result.f);
+      forces_[0] = ForcesOf(problem.system, problem.rows, problem.result.f);
+      forces_[1] = SlidingForcesOf(problem.system, problem.rows, problem.result.f);
       impulses_ = problem.kind == MotionProblemKind::kTimeStep;
     }
   }
@@ -43,15 +46,17 @@ class Listener {
     if (!begun_) return;
     const double h = time - begin_;
     if (impulses_ && h > 0) {
-      for (DrawnForce& force : forces_) force.force = (1 / h) * force.force;
+      for (auto& forces : forces_) {
+        for (DrawnForce& force : forces) force.force = (1 / h) * force.force;
+      }
     }
     if (!first_known_) first_ = forces_;
     first_known_ = true;
     impulses_ = false;
   }
 
-  const std::vector<DrawnForce>& first() const { return first_; }
-  const std::vector<DrawnForce>& last() const { return forces_; }
+  const TwoKinds& first() const { return first_; }
+  const TwoKinds& last() const { return forces_; }
   std::vector<DrawnForce> TakeImpacts() { return std::exchange(impacts_, {}); }
 
  private:
@@ -67,9 +72,9 @@ class Listener {
   bool begun_ = false;
   double begin_ = 0;
   bool impulses_ = false;  // forces_ holds impulses still
-  std::vector<DrawnForce> forces_;
+  TwoKinds forces_;
   bool first_known_ = false;
-  std::vector<DrawnForce> first_;
+  TwoKinds first_;
   std::vector<DrawnForce> impacts_;
 };
 
@@ -176,8 +181,8 @@ Json SceneJson(const Animation& animation, const std::vector<Connector>& connect
   json["duration"] = animation.frames.back().time - animation.frames.front().time;
   json["view"] = {view.min().x(), view.min().y(), view.max().x(), view.max().y()};
   json["bodySize"] = size;
-  json["colors"] = {{"force", kForceColor}, {"ink", kInkColor},    {"soft", kSoftInkColor},
-                    {"body", kBodyFill},    {"fixed", kFixedFill}, {"driven", kDrivenFill}};
+  json["colors"] = {{"force", kForceColor}, {"slide", kSlideColor}, {"ink", kInkColor},     {"soft", kSoftInkColor},
+                    {"body", kBodyFill},    {"fixed", kFixedFill},  {"driven", kDrivenFill}};
   json["bodies"] = Json::array();
   for (const Body& body : world.bodies) json["bodies"].push_back(BodyJson(body, 0.3 * size));
   json["connectors"] = Json::array();
@@ -327,19 +332,27 @@ double SizeOfShare(const Forces& frames, double share) {
 void AddForces(const Animation& animation, Json* scene, Words* words) {
   const auto bodies = (*scene)["bodySize"].get<double>();
   // Forces by what all but a few largest stay below: spikes shall not make the others invisible.
-  const auto add = [&](const char* name, std::vector<DrawnForce> AnimationFrame::*list, double share) {
+  const auto lists = [&](std::vector<DrawnForce> AnimationFrame::*list) {
     Forces frames;
     for (const AnimationFrame& frame : animation.frames) frames.push_back(frame.*list);
-    const double size = SizeOfShare(frames, share);
+    return frames;
+  };
+  const auto add = [&](const char* name, Forces frames, double size) {
     for (auto& forces : frames) {
       std::erase_if(forces, [&](const DrawnForce& each) { return Norm(each.force) < kFaintForce * size; });
       forces.resize(std::min(forces.size(), kMostForces));
     }
     (*scene)[name] = AddLists(frames, kVisiblePlace * bodies, kVisibleForce * size, words);
-    return size;
   };
-  const double typical = add("forces", &AnimationFrame::forces, 0.98);
-  const double largest_impulse = add("impacts", &AnimationFrame::impacts, 1);
+  Forces all = lists(&AnimationFrame::forces);
+  const Forces slides = lists(&AnimationFrame::slides);
+  for (std::size_t k = 0; k < all.size(); ++k) all[k].insert(all[k].end(), slides[k].begin(), slides[k].end());
+  const double typical = SizeOfShare(all, 0.98);
+  const Forces impacts = lists(&AnimationFrame::impacts);
+  const double largest_impulse = SizeOfShare(impacts, 1);
+  add("forces", lists(&AnimationFrame::forces), typical);
+  add("slides", slides, typical);
+  add("impacts", impacts, largest_impulse);
   const double arrow = kArrowBodies * bodies;  // [m]
   (*scene)["arrowPerNewton"] = typical > 0 ? arrow / typical : 0;
   (*scene)["longestArrow"] = kArrowCut * arrow;
@@ -356,6 +369,9 @@ Json LegendJson(const Json& scene, const Animation& animation, const std::vector
                      "force: " + Short(longest / kArrowCut / per_newton) + " N are " + Short(longest / kArrowCut) +
                          " m long, at most " + Short(longest) + " m"});
   }
+  const bool slides = std::any_of(animation.frames.begin(), animation.frames.end(),
+                                  [](const AnimationFrame& frame) { return !frame.slides.empty(); });
+  if (slides) items.push_back({34, SvgArrow({}, {34, 0}, 2.2, kSlideColor), "force of a contact that slides"});
   if (impulse > 0) {
     items.push_back({12, SvgCircle({6, 0}, 5, {kForceColor, 1.5}), "impact, largest " + Short(impulse) + " N s"});
   }
@@ -403,14 +419,16 @@ Animation RecordAnimation(Motion* motion, const AnimationOptions& options,
     }
     listener.FinishStep(motion->time());
     AnimationFrame frame = FrameOf(*motion);
-    frame.forces = listener.last();
+    frame.forces = listener.last()[0];
+    frame.slides = listener.last()[1];
     frame.impacts = listener.TakeImpacts();
     animation.frames.push_back(std::move(frame));
     if (progress) progress(static_cast<double>(k) / frames);
   }
   motion->set_observer({});
   motion->set_check([] {});
-  animation.frames.front().forces = listener.first();
+  animation.frames.front().forces = listener.first()[0];
+  animation.frames.front().slides = listener.first()[1];
   animation.statistics = motion->statistics();
   if (motion->status() != MotionStatus::kMoving) animation.stopped = motion->detail();
   return animation;

@@ -145,24 +145,80 @@ Vec2 PlaceOf(const ContactSystem& system, const RowInfo& row) {
   return distant ? (OnBody2(system, constraint) ? row.p2 : row.p1) : 0.5 * (row.p1 + row.p2);
 }
 
-std::vector<DrawnForce> ForcesOf(const ContactSystem& system, const std::vector<RowInfo>& rows,
-                                 const Eigen::VectorXd& f) {
-  std::vector<DrawnForce> forces;
-  int before = -1;  // constraint of the last force
+namespace {
+
+/// The rows of one force: of a pin, or of a contact and its tangent; else the first only.
+struct RowsOfForce {
+  std::size_t first = 0;
+  std::size_t count = 1;
+};
+
+std::vector<RowsOfForce> GroupRows(const std::vector<RowInfo>& rows) {
+  std::vector<RowsOfForce> groups;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const RowInfo& row = rows[i];
-    const double size = f[static_cast<Index>(i)];
-    if (!std::isfinite(size) || size == 0) continue;
-    const bool turned = OnBody2(system, system.constraints[static_cast<std::size_t>(row.constraint)]);
-    const Vec2 force = (turned ? -size : size) * row.n;
-    if (row.axis == 'y' && row.constraint == before) {
-      forces.back().force = forces.back().force + force;
+    if (i > 0 && (rows[i].axis == 'y' || rows[i].axis == 't') && rows[i].constraint == rows[i - 1].constraint) {
+      ++groups.back().count;
     } else {
-      forces.push_back({PlaceOf(system, row), force});
+      groups.push_back({i});
     }
-    before = row.constraint;
+  }
+  return groups;
+}
+
+const Constraint& ConstraintOf(const ContactSystem& system, const RowInfo& row) {
+  return system.constraints[static_cast<std::size_t>(row.constraint)];
+}
+
+bool HasTangent(const std::vector<RowInfo>& rows, const RowsOfForce& group) {
+  return group.count == 2 && rows[group.first + 1].axis == 't';
+}
+
+std::vector<DrawnForce> Collect(const ContactSystem& system, const std::vector<RowInfo>& rows, const Eigen::VectorXd& f,
+                                bool sliding) {
+  constexpr double kEdge = 1 - 1e-6;
+  std::vector<DrawnForce> forces;
+  for (const RowsOfForce& group : GroupRows(rows)) {
+    const auto first = static_cast<Index>(group.first);
+    const Constraint& constraint = ConstraintOf(system, rows[group.first]);
+    const bool slides =
+        HasTangent(rows, group) && f[first] > 0 && std::abs(f[first + 1]) >= kEdge * constraint.friction * f[first];
+    if (slides != sliding) continue;
+    Vec2 force;
+    for (std::size_t i = group.first; i < group.first + group.count; ++i) {
+      const double size = f[static_cast<Index>(i)];
+      if (std::isfinite(size)) force = force + size * rows[i].n;
+    }
+    if (force.x == 0 && force.y == 0) continue;
+    forces.push_back({PlaceOf(system, rows[group.first]), OnBody2(system, constraint) ? -force : force});
   }
   return forces;
+}
+
+}  // namespace
+
+std::vector<DrawnForce> ForcesOf(const ContactSystem& system, const std::vector<RowInfo>& rows,
+                                 const Eigen::VectorXd& f) {
+  return Collect(system, rows, f, false);
+}
+
+std::vector<DrawnForce> SlidingForcesOf(const ContactSystem& system, const std::vector<RowInfo>& rows,
+                                        const Eigen::VectorXd& f) {
+  return Collect(system, rows, f, true);
+}
+
+std::vector<DrawnCone> ConesOf(const ContactSystem& system, const std::vector<RowInfo>& rows,
+                               const Eigen::VectorXd& f) {
+  constexpr double kWidest = 3;  // of mu: wider cones would cover their neighbours
+  std::vector<DrawnCone> cones;
+  for (const RowsOfForce& group : GroupRows(rows)) {
+    const double size = f[static_cast<Index>(group.first)];
+    if (!HasTangent(rows, group) || !(size > 0 && std::isfinite(size))) continue;
+    const Constraint& constraint = ConstraintOf(system, rows[group.first]);
+    const Vec2 n = (OnBody2(system, constraint) ? -size : size) * rows[group.first].n;
+    const Vec2 aside = std::min(constraint.friction, kWidest) * Perp(n);
+    cones.push_back({PlaceOf(system, rows[group.first]), {n + aside, n - aside}});
+  }
+  return cones;
 }
 
 std::string Counted(std::string_view name, std::size_t count) {

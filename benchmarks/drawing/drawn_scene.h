@@ -35,6 +35,7 @@ inline constexpr std::array<EdgeStyle, 6> kEdgeStyles{{{"straight edge", "#0072B
                                                        {"Bézier curve", "#000000"}}};
 
 inline constexpr std::string_view kForceColor = "#D55E00";
+inline constexpr std::string_view kSlideColor = "#7A1FA2";  ///< of forces on the edge of their cone
 inline constexpr std::string_view kInkColor = "#222222";
 inline constexpr std::string_view kSoftInkColor = "#6B7280";
 inline constexpr std::string_view kWhite = "#FFFFFF";
@@ -93,9 +94,20 @@ struct DrawnForce {
   Vec2 at;     ///< [m]
   Vec2 force;  ///< [N]
 };
-/// In the order of the rows; the two rows of a pin are one force. Without those that are 0 or not finite.
+/// In the order of the rows; the two rows of a pin are one force, and those of a contact with friction. Without those
+/// that are 0 or not finite, and without SlidingForcesOf.
 std::vector<DrawnForce> ForcesOf(const ContactSystem& system, const std::vector<RowInfo>& rows,
                                  const Eigen::VectorXd& f);
+/// The forces of contacts with friction that lie on the edge of their cone: what slides.
+std::vector<DrawnForce> SlidingForcesOf(const ContactSystem& system, const std::vector<RowInfo>& rows,
+                                        const Eigen::VectorXd& f);
+
+/// The friction cone of a contact that bears force, from `at` to where it is as high as the normal force.
+struct DrawnCone {
+  Vec2 at;                    ///< [m]
+  std::array<Vec2, 2> sides;  ///< forces on its two edges [N]
+};
+std::vector<DrawnCone> ConesOf(const ContactSystem& system, const std::vector<RowInfo>& rows, const Eigen::VectorXd& f);
 
 /// A line of the legend.
 struct LegendItem {

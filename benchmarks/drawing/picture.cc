@@ -28,11 +28,13 @@ constexpr double kTitleHeight = 40;
 constexpr double kMaxDrawingHeight = 620;
 constexpr double kStripGap = 10;
 constexpr double kSmallBody = 24;  ///< smaller ones show no centre of mass
+constexpr std::string_view kConeColor = "#8C8C8C";
 
-/// What a row is drawn as: grey disc where nothing is solved, filled disc, open diamond, open disc, the joint's symbol.
-enum class RowKind { kPlain, kActive, kOpen, kDegenerate, kJoint };
+/// What a row is drawn as: grey disc where nothing is solved, filled disc, open diamond, open disc, filled disc of a
+/// colour of its own; nothing; the joint's symbol.
+enum class RowKind { kPlain, kActive, kOpen, kDegenerate, kSlides, kTangent, kJoint };
 /// Names of contacts, by RowKind.
-constexpr std::array kContactNames{"contact and normal", "active, f > 0", "separating, w > 0", "f = w = 0"};
+constexpr std::array kContactNames{"contact and normal", "active, f > 0", "separating, w > 0", "f = w = 0", "slides"};
 
 /// How the world is laid out on the page: `strips` windows of equal width, one below the other.
 struct Layout {
@@ -96,8 +98,11 @@ std::string MarkShape(RowKind kind, double radius) {
       return SvgCircle({}, radius, {.fill = kForceColor});
     case RowKind::kDegenerate:
       return SvgCircle({}, radius, {kForceColor, width, kWhite});
+    case RowKind::kSlides:
+      return SvgCircle({}, radius, {.fill = kSlideColor});
     case RowKind::kOpen:
       return SvgPath("M0 -" + h + "L" + h + " 0L0 " + h + "L-" + h + " 0Z", {kInkColor, width, kWhite});
+    case RowKind::kTangent:
     case RowKind::kJoint:
       break;
   }
@@ -113,7 +118,8 @@ std::string Tooltip(const Body& body) {
 }
 
 /// A row is active, separating or degenerate where f and w are given, by their sides in one unit, sqrt(A_ii) f and
-/// w / sqrt(A_ii), so that rows and the two sides compare.
+/// w / sqrt(A_ii), so that rows and the two sides compare; an active contact slides where w of its tangent row is
+/// larger than what its friction falls short of the bound.
 std::vector<RowKind> Classify(const AssembledLcp& lcp, const Eigen::VectorXd* f, const Eigen::VectorXd* w) {
   std::vector<RowKind> kinds(lcp.rows.size(), RowKind::kPlain);
   const bool solved = f != nullptr && w != nullptr && !kinds.empty();
@@ -131,10 +137,22 @@ std::vector<RowKind> Classify(const AssembledLcp& lcp, const Eigen::VectorXd* f,
     const auto i = static_cast<Index>(k);
     if (lcp.rows[k].bilateral) {
       kinds[k] = RowKind::kJoint;
+    } else if (lcp.rows[k].axis == 't') {
+      kinds[k] = RowKind::kTangent;
     } else if (solved) {
       kinds[k] = std::max(force[i], motion[i]) <= threshold ? RowKind::kDegenerate
                  : force[i] > motion[i]                     ? RowKind::kActive
                                                             : RowKind::kOpen;
+    }
+  }
+  if (!solved) return kinds;
+  for (const FrictionRow& row : lcp.problem.friction_rows()) {
+    const double D = lcp.problem.DiagonalA()[row.row];
+    const double spare = D * (row.mu * std::max((*f)[row.normal], 0.0) - std::abs((*f)[row.row]));
+    RowKind& kind = kinds[static_cast<std::size_t>(row.normal)];
+    const double slip = std::abs((*w)[row.row]);
+    if (kind == RowKind::kActive && slip > spare && motion[row.row] * motion[row.row] > threshold * threshold) {
+      kind = RowKind::kSlides;
     }
   }
   return kinds;
@@ -145,6 +163,7 @@ struct Arrow {
   Vec2 from;
   Vec2 to;
   double newtons = 0;
+  std::string_view color;
 };
 
 /// Draws the parts of a picture one after the other. Sizes in pixels.
@@ -166,7 +185,8 @@ class Picture {
 
   const Body& BodyOf(int index) const { return system_.bodies[static_cast<std::size_t>(index)]; }
   bool IsContact(const RowInfo& row) const {
-    return system_.constraints[static_cast<std::size_t>(row.constraint)].type == ConstraintType::kContact;
+    const Constraint& constraint = system_.constraints[static_cast<std::size_t>(row.constraint)];
+    return constraint.type == ConstraintType::kContact && row.axis == 'n';
   }
   Vec2 PageOf(const Attachment& at) const { return layout_.ToPage(WorldPoint(BodyOf(at.body), at.point)); }
   Vec2 PageOf(const RowInfo& row) const { return layout_.ToPage(PlaceOf(system_, row)); }
@@ -189,6 +209,7 @@ class Picture {
   double connector_ = 4;    ///< half width of springs, dampers and of rods' ends
   double arrow_scale_ = 0;  ///< [px/N]; 0 without forces
   std::vector<Arrow> arrows_;
+  std::string cones_;  ///< of friction, as one path
   std::string out_;
 };
 
@@ -222,12 +243,21 @@ Picture::Picture(const ContactSystem& system, const AssembledLcp& lcp, const Eig
   for (const double force : *f) largest = std::isfinite(force) ? std::max(largest, std::abs(force)) : largest;
   if (largest == 0) return;
   arrow_scale_ = std::clamp(crowd, 8.0, 80.0) / largest;
-  for (const auto& [at, force] : ForcesOf(system, lcp.rows, *f)) {
-    const Vec2 length = arrow_scale_ * Mirrored(force);
-    constexpr double kVisible = 0.5;
-    if (IsFinite(length) && Norm(length) >= kVisible) {
-      arrows_.push_back({layout_.ToPage(at), layout_.ToPage(at) + length, Norm(force)});
+  const auto add = [&](const std::vector<DrawnForce>& forces, std::string_view color) {
+    for (const auto& [at, force] : forces) {
+      const Vec2 length = arrow_scale_ * Mirrored(force);
+      constexpr double kVisible = 0.5;
+      if (IsFinite(length) && Norm(length) >= kVisible) {
+        arrows_.push_back({layout_.ToPage(at), layout_.ToPage(at) + length, Norm(force), color});
+      }
     }
+  };
+  add(ForcesOf(system, lcp.rows, *f), kForceColor);
+  add(SlidingForcesOf(system, lcp.rows, *f), kSlideColor);
+  for (const auto& [at, sides] : ConesOf(system, lcp.rows, *f)) {
+    const Vec2 tip = layout_.ToPage(at);
+    cones_ += "M" + Px(tip + arrow_scale_ * Mirrored(sides[0])) + "L" + Px(tip) + "L" +
+              Px(tip + arrow_scale_ * Mirrored(sides[1])) + "Z";
   }
 }
 
@@ -311,13 +341,14 @@ void Picture::AddConnectors() {
 }
 
 void Picture::AddContacts() {
+  if (!cones_.empty()) out_ += SvgPath(cones_, {kConeColor, 0.5 * line_, kConeColor, " fill-opacity=\"0.18\""});
   for (const RowInfo& row : lcp_.rows) {
     const Vec2 half = (2.2 * mark_) * Mirrored(row.n);
     if (!IsContact(row)) continue;
     out_ +=
         SvgPath("M" + Px(PageOf(row) - half) + "L" + Px(PageOf(row) + half), {kInkColor, std::max(0.4, 0.6 * line_)});
   }
-  for (const Arrow& arrow : arrows_) out_ += SvgArrow(arrow.from, arrow.to, arrow_, kForceColor);
+  for (const Arrow& arrow : arrows_) out_ += SvgArrow(arrow.from, arrow.to, arrow_, arrow.color);
   for (std::size_t i = 0; i < kinds_.size(); ++i) {
     if (!IsContact(lcp_.rows[i])) continue;
     const Vec2 p = PageOf(lcp_.rows[i]);
@@ -386,6 +417,10 @@ std::vector<LegendItem> Picture::Legend() const {
     const double force = RoundDown(kArrow / arrow_scale_);
     const double length = force * arrow_scale_;
     items.push_back({length, SvgArrow({}, {length, 0}, arrow_, kForceColor), Short(force) + " N"});
+  }
+  if (!cones_.empty()) {
+    items.push_back(
+        {24, SvgPath("M24 -9L0 0L24 9Z", {kConeColor, 1, kConeColor, " fill-opacity=\"0.18\""}), "friction cone"});
   }
   if (loads_ != nullptr && Norm(loads_->gravity) > 0) {
     const double g = Norm(loads_->gravity);

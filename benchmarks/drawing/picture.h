@@ -24,13 +24,14 @@ struct PictureExtras {
 /// open, their edges coloured by kind (drawn_scene.h); fixed bodies are hatched, driven ones (that move as
 /// prescribed) in a colour of their own with an arrow for their motion; unbounded ones (floors, the rim of a track) are
 /// hatched on the material side and clipped. Every contact is marked at its point with its normal, by a shape that says
-/// whether it bears force; joints, rods, ropes, springs and dampers have the usual symbols; forces are arrows, on body
-/// 1 (on body 2 where body 1 is fixed), of a length proportional to f, with their values where there is room. Line
+/// whether it bears force, and by a colour of its own where it slides; contacts with friction show the force of both
+/// rows in the friction cone; joints, rods, ropes, springs and dampers have the usual symbols; forces are arrows, on
+/// body 1 (on body 2 where body 1 is fixed), of a length proportional to f, with their values where there is room. Line
 /// widths shrink with the bodies, and what could not be read is left out. Rows much wider than high are broken into
 /// strips. A legend below gives the counts and both scales. Every body is an element with its name, mass and state as
 /// its tooltip. Identifiers start with the system's name, so that pictures of different systems can share a page.
 ///
-/// @param lcp  AssembleContactLcp(system)
+/// @param lcp  AssembleInstant(system, h)
 /// @param f    n forces, or nullptr
 /// @param w    n gap accelerations, or nullptr; rows are classified (f > 0, w > 0, both zero) only where both are given
 /// @throws InputError if f or w has not n entries

@@ -74,12 +74,37 @@ constexpr Column kColumns[] = {
     {"joint_error", [](const Sample& s) { return Csv::Cell(s.since_last.joint_error); }},
     {"distance", [](const Sample& s) { return Csv::Cell(s.since_last.distance); }},
     {"rho", [](const Sample& s) { return Csv::Cell(s.since_last.rho); }},
+    {"lost_gap", [](const Sample& s) { return Csv::Cell(s.since_last.lost_gap); }},
+    {"creep", [](const Sample& s) { return Csv::Cell(s.outcome.creep); }},
+    {"created", [](const Sample& s) { return Csv::Cell(s.outcome.created); }},
+    {"max_iterations", [](const Sample& s) { return std::to_string(s.study.max_iterations); }},
     {"solve_time_s", [](const Sample& s) { return Csv::Cell(s.outcome.solve_time_s); }},
     {"solves", [](const Sample& s) { return std::to_string(s.outcome.solves); }},
     {"failed", [](const Sample& s) { return std::to_string(s.outcome.failed); }},
     {"not_passed", [](const Sample& s) { return std::to_string(s.outcome.not_passed); }},
     {"false_successes", [](const Sample& s) { return std::to_string(s.outcome.false_successes); }},
     {"stopped", [](const Sample& s) { return s.outcome.stopped; }}};
+
+/// What an answer with friction is off by in one step.
+struct FrictionErrors {
+  double lost_gap = 0;  ///< [m]
+  double creep = 0;     ///< [m]
+  double created = 0;   ///< [J]
+};
+
+// Rows of a time step h with f impulses and w velocities.
+FrictionErrors FrictionErrorsOf(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w,
+                                double h) {
+  FrictionErrors errors;
+  const Eigen::VectorXd& D = problem.DiagonalA();
+  for (const FrictionRow& row : problem.friction_rows()) {
+    const double spare = D[row.row] * (row.mu * std::max(f[row.normal], 0.0) - std::abs(f[row.row]));
+    errors.lost_gap = std::max(errors.lost_gap, h * std::min(w[row.normal], D[row.normal] * f[row.normal]));
+    errors.creep = std::max(errors.creep, h * std::min(std::abs(w[row.row]), spare));
+    errors.created += std::max(f[row.row] * w[row.row], 0.0);
+  }
+  return errors;
+}
 
 template <class Cell>
 std::vector<std::string> Row(const Cell& cell) {
@@ -98,7 +123,7 @@ class Study {
   Reference RunReference(const MovingScene& scene) {
     constexpr double kPatience = 3;  // without it nothing can be compared
     const std::unique_ptr<LcpSolver> solver = MakeSolver(kDrivingSolver);
-    const std::unique_ptr<Motion> motion = Start(scene, kReferenceTolerance, solver.get());
+    const std::unique_ptr<Motion> motion = Start(scene, kReferenceTolerance, 0, solver.get());
     Reference reference;
     const auto note = [&] {
       reference.instants.push_back(InstantOf(motion->world()));
@@ -121,7 +146,7 @@ class Study {
     outcome.solver = key;
     outcome.tolerance = tolerance;
     const std::unique_ptr<LcpSolver> solver = MakeSolver(key);
-    const std::unique_ptr<Motion> motion = Start(scene, tolerance, solver.get());
+    const std::unique_ptr<Motion> motion = Start(scene, tolerance, study_.max_iterations, solver.get());
     const double scale = reference.scale > 0 ? reference.scale : 1;
     const double start = reference.instants.front().energy;
     const int interval = std::max(1, study_.steps / kSamples);
@@ -135,12 +160,19 @@ class Study {
     const auto judge = [&](const MotionProblem& met) {
       WorstFigures now;
       for (const RowInfo& row : met.rows) {
+        if (row.axis == 't') continue;
         double& worst = row.bilateral ? now.joint_error : now.penetration;
         worst = std::fmax(worst, row.bilateral ? std::abs(row.d) : std::fmax(0, -row.d));
       }
       const Verdict verdict = Verify(met.problem, met.result, tolerance);
       // NaN must not pass for small.
       now.rho = std::isnan(verdict.metrics.rho) ? std::numeric_limits<double>::infinity() : verdict.metrics.rho;
+      if (!met.problem.is_plain() && met.result.f.allFinite()) {
+        const FrictionErrors errors = FrictionErrorsOf(met.problem, met.result.f, verdict.metrics.w, scene.step);
+        now.lost_gap = errors.lost_gap;
+        outcome.creep = std::fmax(outcome.creep, 0) + errors.creep;
+        outcome.created = std::fmax(outcome.created, 0) + errors.created / scale;
+      }
       since_last.Note(now);
       if (!verdict.passes) ++outcome.not_passed;
       if (verdict.false_success) ++outcome.false_successes;
@@ -166,9 +198,11 @@ class Study {
   }
 
  private:
-  std::unique_ptr<Motion> Start(const MovingScene& scene, double tolerance, LcpSolver* solver) const {
+  std::unique_ptr<Motion> Start(const MovingScene& scene, double tolerance, std::int64_t max_iterations,
+                                LcpSolver* solver) const {
     LcpOptions lcp;
     lcp.tolerance = tolerance;
+    lcp.max_iterations = max_iterations;
     lcp.time_limit_s = study_.budget_s;
     return StartMotion(scene, lcp, *solver);
   }
@@ -242,6 +276,7 @@ std::string TimePerStep(const MotionOutcome& outcome) {
 struct TableColumn {
   const char* title;
   std::string (*cell)(const MotionOutcome&);
+  bool of_friction = false;  ///< left out where nothing has any
 };
 constexpr TableColumn kTableColumns[] = {
     {"solver", [](const MotionOutcome& o) { return o.solver; }},
@@ -251,6 +286,9 @@ constexpr TableColumn kTableColumns[] = {
     {"penetration/m", [](const MotionOutcome& o) { return Short(o.penetration); }},
     {"joint/m", [](const MotionOutcome& o) { return Short(o.joint_error); }},
     {"distance/m", [](const MotionOutcome& o) { return Short(o.distance); }},
+    {"lost gap/m", [](const MotionOutcome& o) { return Short(o.lost_gap); }, true},
+    {"creep/m", [](const MotionOutcome& o) { return Short(o.creep); }, true},
+    {"created", [](const MotionOutcome& o) { return Short(o.created); }, true},
     {"us/step", TimePerStep},
     {"worst rho", [](const MotionOutcome& o) { return Short(o.rho); }},
     {"solves", [](const MotionOutcome& o) { return std::to_string(o.solves); }},
@@ -261,7 +299,9 @@ constexpr TableColumn kTableColumns[] = {
 // A block's lines, the first column to the left, numbers to the right.
 std::string Aligned(const std::vector<MotionOutcome>& block) {
   std::vector<std::string> lines(block.size() + 1);
+  const bool friction = std::any_of(block.begin(), block.end(), [](const auto& o) { return !std::isnan(o.creep); });
   for (const TableColumn& column : kTableColumns) {
+    if (column.of_friction && !friction) continue;
     std::vector<std::string> cells = {column.title};
     for (const MotionOutcome& outcome : block) cells.push_back(column.cell(outcome));
     std::size_t width = 0;

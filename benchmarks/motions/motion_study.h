@@ -20,6 +20,8 @@ struct MotionStudy {
   int steps = 0;  ///< of MovingScene::step each
   /// Wall clock of one motion; what takes longer is stopped, and said to be; thrice for the reference.
   double budget_s = 10;
+  /// Of every solve but those of the reference (LcpOptions): what it does to motion to stop early. 0: no limit.
+  std::int64_t max_iterations = 0;
 };
 
 /// Figures that were not measured.
@@ -34,10 +36,12 @@ struct WorstFigures {
   double penetration = kNotMeasured;  ///< deepest of all contacts [m]
   double joint_error = kNotMeasured;  ///< largest [m]
   double rho = kNotMeasured;          ///< of all answers; infinite where one was not finite
+  /// Largest gap in which a contact with friction bears force after a step [m]: h min(w_n, A_nn f_n).
+  double lost_gap = kNotMeasured;
 
   void Note(const WorstFigures& other) {
     for (double WorstFigures::*of : {&WorstFigures::energy_error, &WorstFigures::distance, &WorstFigures::penetration,
-                                     &WorstFigures::joint_error, &WorstFigures::rho}) {
+                                     &WorstFigures::joint_error, &WorstFigures::rho, &WorstFigures::lost_gap}) {
       this->*of = std::fmax(this->*of, other.*of);
     }
   }
@@ -54,6 +58,11 @@ struct MotionOutcome : WorstFigures {
   double time = 0;  ///< [s]
   /// E(end) - E(start) over the scale; physical impacts take energy, too.
   double energy_drift = kNotMeasured;
+  /// Sum over the steps of the largest slip of a contact whose friction could have held it [m]:
+  /// h min(|w_t|, A_tt (mu f_n - |f_t|)).
+  double creep = kNotMeasured;
+  /// Sum over the steps of f_t w_t where friction pushes the way that the contact slips, over the scale.
+  double created = kNotMeasured;
   double solve_time_s = 0;  ///< inside the solver
   std::int64_t solves = 0;
   std::int64_t failed = 0;           ///< not claimed solved

@@ -1,5 +1,6 @@
 #include "model/contact/assembly.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -11,6 +12,7 @@
 #include "model/contact/closest_points.h"
 #include "model/contact/contact_row.h"
 #include "support/input_error.h"
+#include "support/number_text.h"
 
 namespace lcpbench {
 namespace {
@@ -25,29 +27,31 @@ const char* TypeText(ConstraintType type) {
 
 class Assembler {
  public:
-  explicit Assembler(const ContactSystem& system) : system_(system) {
+  /// @param step  h [s] of a time step's problem; 0: the acceleration level
+  Assembler(const ContactSystem& system, Friction friction, double step)
+      : system_(system), friction_(friction), step_(step) {
     RequireValid(system.bodies, SystemText(system));
     const size_t bodies = system.bodies.size();
     rotation_.resize(bodies);
     inverse_mass_ = Eigen::VectorXd::Zero(static_cast<Index>(3 * bodies));
-    acceleration_.resize(bodies);
+    change_ = step > 0 ? FreeVelocity(system.bodies, step) : Eigen::VectorXd(inverse_mass_.size());
     for (size_t i = 0; i < bodies; ++i) {
       const Body& body = system.bodies[i];
       rotation_[i] = SinCos(body.theta);
-      if (body.fixed) {
-        acceleration_[i] = {body.acceleration.x, body.acceleration.y, body.alpha};
-        continue;
-      }
-      const double by_mass = 1 / body.mass;
-      const double by_inertia = 1 / body.inertia;
       const auto k = static_cast<Index>(3 * i);
-      inverse_mass_[k] = by_mass;
-      inverse_mass_[k + 1] = by_mass;
-      inverse_mass_[k + 2] = by_inertia;
-      acceleration_[i] = {by_mass * body.force.x, by_mass * body.force.y, by_inertia * body.torque};
+      if (!body.fixed) inverse_mass_.segment<3>(k) << 1 / body.mass, 1 / body.mass, 1 / body.inertia;
+      if (step > 0) continue;
+      if (body.fixed) {
+        change_.segment<3>(k) << body.acceleration.x, body.acceleration.y, body.alpha;
+      } else {
+        change_.segment<3>(k) << inverse_mass_[k] * body.force.x, inverse_mass_[k] * body.force.y,
+            inverse_mass_[k + 2] * body.torque;
+      }
     }
     Index rows = 0;
-    for (const Constraint& constraint : system.constraints) rows += constraint.type == ConstraintType::kPin ? 2 : 1;
+    for (const Constraint& constraint : system.constraints) {
+      rows += constraint.type == ConstraintType::kPin || HasTangentRow(constraint) ? 2 : 1;
+    }
     rows_.reserve(static_cast<size_t>(rows));
     J_.resize(rows, inverse_mass_.size());
     J_.reserve(6 * rows);
@@ -58,11 +62,17 @@ class Assembler {
     for (size_t i = 0; i < system_.constraints.size(); ++i) AddConstraint(i);
     const auto n = static_cast<Index>(rows_.size());
     J_.finalize();
-    return {std::move(rows_), LcpProblem::FromFactors(system_.name, J_, std::move(inverse_mass_), std::move(b_),
-                                                      RowBounds::WithBilateralRows(n, bilateral_))};
+    RowBounds bounds = RowBounds::WithBilateralRows(n, bilateral_);
+    bounds.friction = std::move(tangents_);
+    return {std::move(rows_),
+            LcpProblem::FromFactors(system_.name, J_, std::move(inverse_mass_), std::move(b_), std::move(bounds))};
   }
 
  private:
+  bool HasTangentRow(const Constraint& constraint) const {
+    return friction_ == Friction::kRows && constraint.type == ConstraintType::kContact && constraint.friction != 0;
+  }
+
   void AddConstraint(size_t i) {
     const Constraint& constraint = system_.constraints[i];
     RequireBodies(i);
@@ -118,6 +128,20 @@ class Assembler {
     AddRow({static_cast<int>(i), 'n', constraint.type != ConstraintType::kContact, body1.x + closest.R1,
             body2.x + closest.R2, closest.n, closest.d, row.d_dot, row.gamma},
            row.J);
+    if (!HasTangentRow(constraint)) return;
+    if (!(constraint.friction > 0 && constraint.friction <= kMostFriction)) {
+      throw InputError("its friction must lie within 0..1e6, found " + NumberText(constraint.friction));
+    }
+    const auto normal = static_cast<Index>(rows_.size()) - 1;
+    tangents_.push_back({normal + 1, normal, constraint.friction});
+    RowInfo info = rows_.back();
+    const TangentRow tangent = ComputeTangentRow(closest, body1, body2, row);
+    info.axis = 't';
+    info.n = Perp(closest.n);
+    info.d = 0;
+    info.d_dot = tangent.slip;
+    info.gamma = tangent.gamma;
+    AddRow(info, tangent.J);
   }
 
   // The attachment points of a constraint between two vertices.
@@ -166,11 +190,15 @@ class Assembler {
 
   void AddRow(const RowInfo& info, const std::array<double, 6>& J) {
     const auto i = static_cast<size_t>(info.constraint);
-    const std::array<double, 3>& a1 = acceleration_[Body1(i)];
-    const std::array<double, 3>& a2 = acceleration_[Body2(i)];
+    const double* const a1 = change_.data() + 3 * Body1(i);
+    const double* const a2 = change_.data() + 3 * Body2(i);
     double b = 0;
     for (size_t k = 0; k < 3; ++k) b += J[k] * a1[k] + J[k + 3] * a2[k];
-    b += info.gamma;
+    if (step_ == 0) {
+      b += info.gamma;
+    } else if (!info.bilateral) {
+      b += std::max(info.d, 0.0) / step_;
+    }
     // Finite inputs leave only overflow. J's other entries are components of n.
     if (!(std::isfinite(b) && std::isfinite(info.gamma) && std::isfinite(info.d) && std::isfinite(info.d_dot) &&
           std::isfinite(J[2]) && std::isfinite(J[5]) && IsFinite(info.n) && IsFinite(info.p1) && IsFinite(info.p2))) {
@@ -200,15 +228,42 @@ class Assembler {
   const ContactSystem& system_;
   std::vector<Rotation> rotation_;
   Eigen::VectorXd inverse_mass_;
-  std::vector<std::array<double, 3>> acceleration_;
+  Friction friction_;
+  double step_;
+  Eigen::VectorXd change_;  // without constraints: accelerations, or velocities at the step's end
   std::vector<RowInfo> rows_;
   SparseMatrix J_;
   Eigen::VectorXd b_;
   std::vector<Index> bilateral_;
+  std::vector<FrictionRow> tangents_;
 };
 
 }  // namespace
 
-AssembledLcp AssembleContactLcp(const ContactSystem& system) { return Assembler(system).Run(); }
+AssembledLcp AssembleContactLcp(const ContactSystem& system, Friction friction) {
+  return Assembler(system, friction, 0).Run();
+}
+
+AssembledLcp AssembleStepLcp(const ContactSystem& system, double h) {
+  return Assembler(system, Friction::kRows, h).Run();
+}
+
+AssembledLcp AssembleInstant(const ContactSystem& system, double h) {
+  for (const Constraint& constraint : system.constraints) {
+    if (constraint.type == ConstraintType::kContact && constraint.friction != 0) return AssembleStepLcp(system, h);
+  }
+  return AssembleContactLcp(system);
+}
+
+Eigen::VectorXd FreeVelocity(std::span<const Body> bodies, double h) {
+  Eigen::VectorXd v(static_cast<Index>(3 * bodies.size()));
+  for (size_t i = 0; i < bodies.size(); ++i) {
+    const Body& body = bodies[i];
+    const Vec2 change = body.fixed ? (h / 2) * body.acceleration : (h / body.mass) * body.force;
+    const double spin = body.fixed ? h / 2 * body.alpha : h / body.inertia * body.torque;
+    v.segment<3>(static_cast<Index>(3 * i)) << body.v.x + change.x, body.v.y + change.y, body.omega + spin;
+  }
+  return v;
+}
 
 }  // namespace lcpbench

@@ -11,6 +11,7 @@ namespace {
 const char* WhyInvalid(const Body& body) {
   if (!(IsFinite(body.x) && std::isfinite(body.theta))) return "the position is not finite";
   if (!(IsFinite(body.v) && std::isfinite(body.omega))) return "the velocity is not finite";
+  if (!(body.friction >= 0 && body.friction <= kMostFriction)) return "its friction must lie within 0..1e6";
   if (body.fixed) {
     const bool finite = IsFinite(body.acceleration) && std::isfinite(body.alpha);
     return finite ? nullptr : "the prescribed acceleration is not finite";

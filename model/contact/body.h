@@ -8,6 +8,9 @@
 
 namespace lcpbench {
 
+/// The largest coefficient of friction: more is a number gone wrong.
+inline constexpr double kMostFriction = 1e6;
+
 /// A rigid body's inertia, state and load. World frame, z out of the page, angles counter-clockwise, SI units.
 /// The body frame's origin is the centre of mass: a body-frame point c is at x + R(theta) c. [docs/model.md section 1]
 struct Body {
@@ -25,6 +28,9 @@ struct Body {
   /// Prescribed acceleration of a fixed body [m/s^2], [rad/s^2]; enters b through J. Ignored for movable bodies.
   Vec2 acceleration;
   double alpha = 0;
+  /// Of its surface, in [0, kMostFriction]: mu of a contact that is found is sqrt(mu1 mu2), unless the world gives the
+  /// pair another (world.h).
+  double friction = 0;
   /// What the body looks like, for pictures; assembly reads the constraints' features only.
   std::vector<OutlineEdge> outline;
   bool operator==(const Body&) const = default;

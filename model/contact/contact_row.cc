@@ -60,6 +60,21 @@ ContactRow ComputeContactRow(const ClosestPoints& closest, const Body& body1, co
   return row;
 }
 
+TangentRow ComputeTangentRow(const ClosestPoints& closest, const Body& body1, const Body& body2,
+                             const ContactRow& row) {
+  const Vec2 t = Perp(closest.n);
+  const double w1 = body1.omega;
+  const double w2 = body2.omega;
+  // R x t = n.R
+  const double arm1 = Dot(closest.n, closest.R1);
+  const double arm2 = Dot(closest.n, closest.R2);
+  TangentRow tangent;
+  tangent.J = {t.x, t.y, arm1, -t.x, -t.y, -arm2};
+  tangent.slip = Dot(t, body1.v - body2.v) + (w1 * arm1 - w2 * arm2);
+  tangent.gamma = ((w2 * w2) * Dot(t, closest.R2) - (w1 * w1) * Dot(t, closest.R1)) - row.omega_n * row.d_dot;
+  return tangent;
+}
+
 PinRows ComputePinRows(Vec2 vertex1, const Rotation& rotation1, const Body& body1, Vec2 vertex2,
                        const Rotation& rotation2, const Body& body2) {
   PinRows pin;

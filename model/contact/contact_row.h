@@ -41,6 +41,20 @@ struct ContactRow {
 /// centres are fixed in their bodies), 11 (either body may own the normal).
 ContactRow ComputeContactRow(const ClosestPoints& closest, const Body& body1, const Body& body2);
 
+/// The tangent row of a contact: the slip u = J v, u' = J a + gamma, v as of ContactRow.
+struct TangentRow {
+  std::array<double, 6> J{};
+  double slip = 0;   ///< u [m/s]
+  double gamma = 0;  ///< velocity-product term of u' [m/s^2]
+};
+
+/// J = [t, R1 x t, -t, -R2 x t] at the contact arms, t = Perp(n): other arms give other rows here, unlike along n.
+///     gamma = -omega1^2 t.R1 + omega2^2 t.R2 - omega_n d'.   [docs/model.md section 7]  O(1).
+/// u' is the true derivative of the slip of what touches, exact at any gap. Swapping the bodies leaves the row as it
+/// is, bit by bit.
+/// @param row  ComputeContactRow of the same contact
+TangentRow ComputeTangentRow(const ClosestPoints& closest, const Body& body1, const Body& body2, const ContactRow& row);
+
 /// The rows of a pin: g = p1 - p2 along the fixed world axes x and y; g' = J v, g'' = J a + gamma, exact also for
 /// g != 0.
 struct PinRows {

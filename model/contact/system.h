@@ -38,6 +38,8 @@ struct Constraint {
   /// all of its line, circle or curve.
   std::vector<OutlineEdge> path = {};
   std::size_t piece = 0;  ///< of `path`, on which the joint is now: its edge is that piece's curve
+  /// Coefficient of Coulomb friction of a contact, in [0, kMostFriction]; ignored by all others.
+  double friction = 0;
   bool operator==(const Constraint&) const = default;
 };
 

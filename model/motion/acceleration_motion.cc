@@ -40,6 +40,16 @@ const AccelerationOptions& Valid(const AccelerationOptions& options) {
   return options;
 }
 
+World WithoutFriction(World world) {
+  const bool body =
+      std::any_of(world.bodies.begin(), world.bodies.end(), [](const Body& b) { return b.friction != 0; });
+  const bool pair = std::any_of(world.friction.begin(), world.friction.end(), [](const auto& p) { return p.mu != 0; });
+  if (body || pair) {
+    throw InputError("scene '" + world.name + "' has friction, which motions at the velocity level take only");
+  }
+  return world;
+}
+
 // The next step's length over this one's, for a local error of order 8: error^(-1/8), by correctly rounded roots.
 double StepFactor(double error) {
   constexpr double kSafety = 0.9;
@@ -63,7 +73,7 @@ double ScaledError(const MotionState& state, const MotionState& error) {
 class AccelerationMotion final : public Motion {
  public:
   AccelerationMotion(World world, const AccelerationOptions& options, LcpSolver& solver)
-      : Motion(std::move(world), options.lcp, solver),
+      : Motion(WithoutFriction(std::move(world)), options.lcp, solver),
         options_(Valid(options)),
         watch_(world_, finder_),
         flow_(world_, &solver_),

@@ -34,7 +34,8 @@ struct AccelerationOptions {
 /// kSolverFailed. Observers are called where there is an LCP: not for steps without any row.
 /// + - * / sqrt and correctly rounded functions only, so with a solver of that kind the same bits on every machine.
 /// @param solver  must outlive the motion
-/// @throws InputError for an invalid world, options outside their ranges, or bodies that overlap by more than
+/// @throws InputError for an invalid world or one with friction, options outside their ranges, or bodies that overlap
+/// by more than
 ///         TreatedDepth, naming them
 std::unique_ptr<Motion> MakeAccelerationMotion(World world, const AccelerationOptions& options, LcpSolver& solver);
 

@@ -63,7 +63,7 @@ bool IsGhostBeside(const RowInfo& deep, const RowInfo& shallow) {
   // A corner's contact lies on both faces that meet there: behind them but for rounding.
   const double slack = 0.1 * -deep.d;
   return shallow.d > deep.d && Dot(deep.n, shallow.n) < kSameWay && Dot(shallow.p2 - deep.p2, deep.n) <= slack &&
-         Dot(shallow.p1 - deep.p1, deep.n) >= -slack;
+         Dot(shallow.p1 - deep.p1, deep.n) >= -slack && shallow.axis != 't';
 }
 
 }  // namespace
@@ -168,12 +168,13 @@ std::vector<Constraint> WithoutGhosts(const ContactSystem& system, const std::ve
   const auto first = std::find_if(rows.begin(), rows.end(),
                                   [&](const RowInfo& row) { return constraint(row).type == ConstraintType::kContact; });
   std::vector<Constraint> contacts;
-  // Contacts come after the joints, one row each, and those of one pair of bodies follow each other.
+  // Contacts come after the joints, and those of one pair of bodies follow each other.
   for (auto begin = first; begin != rows.end();) {
     const auto end = std::find_if(begin, rows.end(), [&](const RowInfo& row) {
       return constraint(row).body1 != constraint(*begin).body1 || constraint(row).body2 != constraint(*begin).body2;
     });
     for (auto row = begin; row != end; ++row) {
+      if (row->axis == 't') continue;
       const bool ghost = row->d < -doubtful &&
                          std::any_of(begin, end, [&](const RowInfo& other) { return IsGhostBeside(*row, other); });
       if (!ghost) contacts.push_back(constraint(*row));

@@ -91,20 +91,6 @@ class VelocityMotion final : public Motion {
     for (double k = 0; k < count && status_ == MotionStatus::kMoving; ++k) Step(h);
   }
 
-  Eigen::VectorXd FreeVelocity(double h) const {
-    Eigen::VectorXd v(Column(world_.bodies.size()));
-    for (BodyIndex i = 0; i < world_.bodies.size(); ++i) {
-      const Body& body = world_.bodies[i];
-      // The mean over the step of what is prescribed, so that h J v^ is the gap's change.
-      const Vec2 mean = body.v + (h / 2) * body.acceleration;
-      const Vec2 free = body.fixed ? mean : body.v + (h / body.mass) * body.force;
-      v[Column(i)] = free.x;
-      v[Column(i) + 1] = free.y;
-      v[Column(i) + 2] = body.fixed ? body.omega + h / 2 * body.alpha : body.omega + h / body.inertia * body.torque;
-    }
-    return v;
-  }
-
   double LargestSpeed(const Eigen::VectorXd& v_free) const {
     double largest = 0;
     for (BodyIndex i = 0; i < world_.bodies.size(); ++i) {
@@ -118,6 +104,7 @@ class VelocityMotion final : public Motion {
 
   double DepthTerm(const RowInfo& row, bool contact, double h) const {
     const double clamp = kDepthClamp * size_;
+    if (row.axis == 't') return 0;
     if (row.bilateral) return std::clamp(row.d, -clamp, clamp) / h;
     double c = row.d >= 0 ? row.d / h : std::max(row.d, -clamp) / h;
     const bool bounces = options_.restitution > 0 && options_.impact_law == ImpactLaw::kNewton;
@@ -130,7 +117,8 @@ class VelocityMotion final : public Motion {
     return row.d_dot < 0 && -row.d_dot >= options_.resting_speed && row.d + h * row.d_dot <= 0;
   }
 
-  // An impact of the constraints that touch or close within the step, by Poisson's law; false where none is due.
+  // An impact of the constraints that touch or close within the step, by Poisson's law and without friction; false
+  // where none is due.
   bool ResolveImpacts(const std::vector<RowInfo>& rows, double h, ContactSystem* system) {
     ImpactOptions impact;
     impact.law = ImpactLaw::kPoisson;
@@ -139,6 +127,7 @@ class VelocityMotion final : public Motion {
     bool due = false;
     std::vector<bool> touches(system->constraints.size(), false);
     for (const RowInfo& row : rows) {
+      if (row.axis == 't') continue;
       const bool closes = !row.bilateral && Closes(row, h);
       due = due || (closes && -row.d_dot > impact.velocity_tolerance);
       if (row.bilateral || closes || row.d <= kContactGap * size_) {
@@ -162,6 +151,12 @@ class VelocityMotion final : public Motion {
     }
   }
 
+  // With friction a problem may have no solution although no ray says so, and pivoting then breaks down.
+  static bool IsUnsolvable(const LcpProblem& problem, const LcpResult& result) {
+    if (result.status == LcpStatus::kInfeasible) return true;
+    return result.status == LcpStatus::kNumericalFailure && !problem.friction_rows().empty();
+  }
+
   LcpResult Solve(const ContactSystem& system, const AssembledLcp& lcp, const Eigen::VectorXd& v_free, double h) {
     const LcpProblem& assembled = lcp.problem;
     const Index n = assembled.size();
@@ -174,7 +169,6 @@ class VelocityMotion final : public Motion {
     Eigen::VectorXd v = v_free;
     Eigen::VectorXd b = RightHandSide(assembled.J(), v, c);
 
-    const RowBounds bounds = RowBounds::WithBilateralRows(n, assembled.bilateral_rows());
     const std::string id = world_.name + "-step" + std::to_string(statistics_.steps);
     // What a step is repeated with while no solution exists.
     const std::function<void()> relax_depth = [&] {
@@ -188,11 +182,11 @@ class VelocityMotion final : public Motion {
     LcpResult result;
     const auto solve = [&](const char* suffix) {
       const LcpProblem problem =
-          LcpProblem::FromFactors(id + suffix, assembled.J(), assembled.inverse_mass(), b, bounds);
+          LcpProblem::FromFactors(id + suffix, assembled.J(), assembled.inverse_mass(), b, assembled.bounds());
       solver_.Solve(problem, options_.warm_start ? &guess_ : nullptr, &result);
       if (result.status == LcpStatus::kInfeasible) ++statistics_.unsolvable;
       Observe(MotionProblemKind::kTimeStep, system, lcp.rows, problem, result);
-      return result.status != LcpStatus::kInfeasible;
+      return !IsUnsolvable(problem, result);
     };
     bool solvable = solve("");
     for (const auto& [relax, suffix] : {std::pair(relax_depth, "-without-depth"), {relax_drive, "-without-drive"}}) {
@@ -237,22 +231,22 @@ class VelocityMotion final : public Motion {
 
   void Step(double h) {
     SetLoads(world_.loads, world_.bodies);
-    Eigen::VectorXd v_free = FreeVelocity(h);
+    Eigen::VectorXd v_free = FreeVelocity(world_.bodies, h);
     const double range = kReach * 2 * h * LargestSpeed(v_free) + kContactGap * size_;
     std::vector<Constraint> found = finder_.Find(world_.bodies, range, TreatedDepth(MotionLevel::kVelocity, size_));
     const std::size_t count = found.size();
     ContactSystem system = InstantOf(world_, std::move(found));
-    AssembledLcp lcp = AssembleContactLcp(system);
+    AssembledLcp lcp = AssembleContactLcp(system, Friction::kRows);
     NoteGaps(system, lcp.rows);
     std::vector<Constraint> contacts = WithoutGhosts(system, lcp.rows, options_.doubtful_depth * size_);
     if (contacts.size() < count) {
       system = InstantOf(world_, std::move(contacts));
-      lcp = AssembleContactLcp(system);
+      lcp = AssembleContactLcp(system, Friction::kRows);
     }
     if (options_.restitution > 0 && options_.impact_law == ImpactLaw::kPoisson &&
         ResolveImpacts(lcp.rows, h, &system)) {
-      v_free = FreeVelocity(h);
-      lcp = AssembleContactLcp(system);
+      v_free = FreeVelocity(world_.bodies, h);
+      lcp = AssembleContactLcp(system, Friction::kRows);
     }
     GuessImpulses(system, lcp.rows);
 

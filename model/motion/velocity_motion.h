@@ -26,9 +26,10 @@ struct VelocityOptions {
   LcpOptions lcp;
 };
 
-/// The time stepping of Anitescu and Potra (1997) and Stewart and Trinkle (1996) without friction [docs/model.md
+/// The time stepping of Anitescu and Potra (1997) and Stewart and Trinkle (1996) [docs/model.md section 9, friction.md
 /// section 9]:
 ///     v^ = v + h M^-1 F,   w = A p + J v^ + c,   0 <= p perp w >= 0 (joints: w = 0, p free),
+///     |p_t| <= mu p_n, p_t = -sign(w_t) mu p_n where w_t is not 0   (tangent rows, of contacts with mu > 0; c = 0),
 ///     v+ = v^ + M^-1 J^T p,   x+ = x + h v+,   theta+ = theta + h omega+,
 /// with J, the gaps d and the forces F at the step's beginning, p impulses [N s], w velocities [m/s], and
 ///     c = d / h                                   of contacts and ropes with d >= 0,
@@ -40,9 +41,10 @@ struct VelocityOptions {
 /// exactly; J v^ has their mean velocity.
 ///
 /// Where the solver says kInfeasible, the observer gets that problem with its ray, statistics().unsolvable counts it,
-/// and the step is repeated with less. Any other failure goes on with the impulses that it left, unless they are not
-/// finite: kSolverFailed. docs/motion.md: energy, and what an unsolvable step is repeated with.
-/// O(contacts) per step beside the broad phase and the solve.
+/// and the step is repeated with less; with friction also where it says kNumericalFailure, since no ray need exist.
+/// A solver that does not take friction rows ends the motion at the first of them. Any other failure goes on with the
+/// impulses that it left, unless they are not finite: kSolverFailed. docs/motion.md: energy, and what an unsolvable
+/// step is repeated with. O(contacts) per step beside the broad phase and the solve.
 /// @param solver  not owned; must outlive the motion
 /// @throws InputError for an invalid world (RequireValid), options outside their ranges, or bodies that overlap by more
 ///         than TreatedDepth, naming them

@@ -136,12 +136,19 @@ void RequireInRange(const Body& body, const JsonField& field) {
   }
 }
 
+double ReadFriction(const JsonField& field) {
+  const double mu = ReadNonNegative(field);
+  if (mu > kMostFriction) field.Mismatch("a number in 0..1e6");
+  return mu;
+}
+
 Body ReadBody(const JsonField& field, const NamedShapes& shapes, Vec2* origin) {
   field.RequireOnlyKeys({"name", "shape", "fixed", "density", "mass", "inertia", "center_of_mass", "position", "angle",
-                         "velocity", "angular_velocity", "acceleration", "angular_acceleration"});
+                         "velocity", "angular_velocity", "acceleration", "angular_acceleration", "friction"});
   Body body;
   body.name = ReadName(field["name"]);
   body.fixed = field.Has("fixed") && field["fixed"].Boolean();
+  if (field.Has("friction")) body.friction = ReadFriction(field["friction"]);
   SceneShape own;
   const SceneShape* shape = FindShape(field, body.name, shapes, &own);
   if (shape != nullptr && !shape->is_region && !body.fixed) {
@@ -355,8 +362,8 @@ SceneFile ParseScene(std::string_view text, const std::string& where) {
   const JsonField file(document, where);
   // First of all: another version may have other keys.
   RequireVersion(file);
-  file.RequireOnlyKeys(
-      {"lcpbench_scene", "name", "description", "gravity", "motion", "shapes", "bodies", "joints", "loads"});
+  file.RequireOnlyKeys({"lcpbench_scene", "name", "description", "gravity", "motion", "shapes", "bodies", "joints",
+                        "loads", "friction"});
   SceneFile scene;
   scene.world.name = file.Has("name") ? ReadName(file["name"]) : std::filesystem::path(where).stem().string();
   if (file.Has("description")) static_cast<void>(file["description"].String());
@@ -365,6 +372,13 @@ SceneFile ParseScene(std::string_view text, const std::string& where) {
   SceneBodies bodies = ReadBodies(file["bodies"], shapes, kFreeEdges + text.size() / kBytesPerEdge);
   if (file.Has("joints")) {
     for (const JsonField& item : file["joints"].Items()) scene.world.joints.push_back(ReadJoint(item, bodies));
+  }
+  if (file.Has("friction")) {
+    for (const JsonField& item : file["friction"].Items()) {
+      item.RequireOnlyKeys({"body1", "body2", "friction"});
+      scene.world.friction.push_back(
+          {bodies.Find(item["body1"]), bodies.Find(item["body2"]), ReadFriction(item["friction"])});
+    }
   }
   if (file.Has("loads")) scene.world.loads = ReadLoads(file["loads"], &bodies);
   scene.world.loads.gravity = ReadVector(file, "gravity", {});

@@ -102,6 +102,9 @@ class Writer {
     file["bodies"] = Json::array();
     for (std::size_t i = 0; i < world_.bodies.size(); ++i) file["bodies"].push_back(BodyAt(i));
     for (const Constraint& joint : world_.joints) file["joints"].push_back(Joint(joint));
+    for (const PairFriction& pair : world_.friction) {
+      file["friction"].push_back({{"body1", Name(pair.body1)}, {"body2", Name(pair.body2)}, {"friction", pair.mu}});
+    }
     AddLoads(&file);
     return file;
   }
@@ -134,6 +137,7 @@ class Writer {
       json["inertia"] = body.inertia;
       if (!body.outline.empty()) json["center_of_mass"] = ToJson(Vec2{});
     }
+    Add(&json, "friction", body.friction);
     Add(&json, "position", body.x);
     Add(&json, "angle", body.theta);
     Add(&json, "velocity", body.v);

@@ -12,6 +12,8 @@ namespace lcpbench {
 extern const SceneFamily kDiscsInV, kDiscPile, kDiscTrack, kBoxesAndDiscs, kRockers, kGearTrain, kCamFollower,
     kNewtonsCradle, kChainOfLinks, kSpinningDrum, kOvalTrain, kOvalsInBowl, kRollerBearing, kRoundedWall, kTallStacks,
     kBilliardsBreak;
+extern const SceneFamily kSlopeStacks, kRollingDiscs, kLadders, kWheelStep, kOvalsRocking, kWedgeJam, kThreeDiscs,
+    kPyramids, kCardHouse, kVoussoirArch, kDrum, kCapstan, kPulledChain, kGearsFriction, kCamLock;
 
 namespace {
 
@@ -33,11 +35,20 @@ std::span<const SceneFamily> AllScenes() {
   return families;
 }
 
+std::span<const SceneFamily> FrictionScenes() {
+  static const std::array families{kSlopeStacks, kRollingDiscs, kLadders,     kWheelStep,     kOvalsRocking,
+                                   kWedgeJam,    kThreeDiscs,   kPyramids,    kCardHouse,     kVoussoirArch,
+                                   kDrum,        kCapstan,      kPulledChain, kGearsFriction, kCamLock};
+  return families;
+}
+
 const SceneFamily& FindScene(std::string_view key) {
   std::string known;
-  for (const SceneFamily& scene : AllScenes()) {
-    if (scene.key == key) return scene;
-    known += (known.empty() ? "" : ", ") + std::string(scene.key);
+  for (const std::span<const SceneFamily> families : {AllScenes(), FrictionScenes()}) {
+    for (const SceneFamily& scene : families) {
+      if (scene.key == key) return scene;
+      known += (known.empty() ? "" : ", ") + std::string(scene.key);
+    }
   }
   throw InputError("unknown scene '" + std::string(key) + "', expected one of " + known);
 }

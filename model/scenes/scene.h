@@ -12,13 +12,14 @@ namespace lcpbench {
 
 class SceneBuilder;
 
-/// A named, seeded family of scenes: for every number of rows and seed one acceleration-level problem, and a world in
-/// motion that meets a sequence of them.
+/// A named, seeded family of scenes: for every number of rows and seed one problem, and a world in motion that meets a
+/// sequence of them.
 struct SceneFamily {
   std::string_view key;      ///< [a-z0-9-]+
   std::string_view title;    ///< a few words
   std::string_view purpose;  ///< what the family tells apart, one or two sentences
-  /// The system with exactly `rows` rows (>= 1); the same seed gives the same bits on every x86-64 machine.
+  /// The system with exactly `rows` rows (>= 1) (of FrictionScenes: about as many); the same seed gives the same bits
+  /// on every x86-64 machine.
   ContactSystem generate(int rows, std::uint64_t seed) const;
   /// The sequence form: the world that starts moving, its size meant as in `generate` (as many rows where all bodies
   /// touch). The same bits for the same seed.
@@ -32,8 +33,13 @@ struct SceneFamily {
   double restitution = 0;
 };
 
-/// In the report's order.
+/// Those without friction, in the report's order: what the tiers of plain problems are made of.
 std::span<const SceneFamily> AllScenes();
+
+/// Those whose contacts have friction; each is near a threshold between two ways to answer [docs/friction.md section
+/// 8]. Their systems have `rows` rows at most, tangents among them, or the least number that the family can have, and
+/// stand for time steps (AssembleInstant).
+std::span<const SceneFamily> FrictionScenes();
 
 /// @throws InputError naming the known keys
 const SceneFamily& FindScene(std::string_view key);

@@ -85,11 +85,13 @@ std::vector<Entry> EntriesOf(const SparseMatrix& J) {
   return entries;
 }
 
-LcpProblem WithRows(const LcpProblem& given, const std::vector<Entry>& entries, Eigen::VectorXd b) {
+LcpProblem WithRows(const LcpProblem& given, const std::vector<Entry>& entries, Eigen::VectorXd b,
+                    std::vector<FrictionRow> friction) {
   SparseMatrix J(b.size(), given.J().cols());
   J.setFromTriplets(entries.begin(), entries.end());
   // What was proved of the given rows need not hold of these.
   RowBounds bounds = RowBounds::WithBilateralRows(b.size(), given.bilateral_rows());
+  bounds.friction = std::move(friction);
   return LcpProblem::FromFactors(given.id(), J, given.inverse_mass(), std::move(b), std::move(bounds));
 }
 
@@ -112,7 +114,7 @@ std::vector<Index> Choose(std::vector<Index> candidates, double share, std::uint
 std::vector<Index> UnilateralRows(const LcpProblem& problem) {
   std::vector<Index> rows;
   for (Index i = 0; i < problem.size(); ++i) {
-    if (!problem.is_bilateral(i)) rows.push_back(i);
+    if (problem.kind(i) == RowKind::kUnilateral) rows.push_back(i);
   }
   return rows;
 }
@@ -137,7 +139,7 @@ void Append(Instance* instance, const std::vector<Index>& chosen, double sign, c
     instance->rows.push_back(instance->rows[static_cast<size_t>(i)]);
     ++next;
   }
-  instance->problem = WithRows(given, entries, std::move(b));
+  instance->problem = WithRows(given, entries, std::move(b), given.friction_rows());
 }
 
 // The spin that a body gains without contacts [rad/s^2].
@@ -174,6 +176,19 @@ void MakeConformal(ContactSystem* system, double clearance, std::uint64_t /*seed
     Scale(point, (1 - clearance) * outer->radius / inner->radius, feature);
   });
   if (!any) throw InputError("expected a convex arc in a concave one, found none in '" + system->name + "'");
+}
+
+// ----- friction
+
+// Every contact gets this coefficient of friction and with it a tangent row. The problem is a time step then, which has
+// a solution for every mu where all fixed bodies rest: b is J (v + h M^-1 F) + d / h, with loads and velocities as they
+// were.
+void AddFriction(ContactSystem* system, double mu, std::uint64_t /*seed*/) {
+  Require(mu >= 0 && mu <= kMostFriction, "a coefficient of friction from 0 to 1e6", mu);
+  for (Body& body : system->bodies) body.friction = mu;
+  for (Constraint& constraint : system->constraints) {
+    if (constraint.type == ConstraintType::kContact) constraint.friction = mu;
+  }
 }
 
 // ----- changes of one property of an assembled problem
@@ -229,7 +244,7 @@ void AddSlack(Instance* instance, double slack, std::uint64_t /*seed*/) {
   const double mean = std::sqrt(squared / static_cast<double>(given.size()));
   Eigen::VectorXd b = given.b();
   for (const Index i : UnilateralRows(given)) b[i] += slack * mean * std::sqrt(diagonal[i]);
-  instance->problem = WithRows(given, EntriesOf(given.J()), std::move(b));
+  instance->problem = WithRows(given, EntriesOf(given.J()), std::move(b), given.friction_rows());
 }
 
 // Units: row i of J and b is multiplied by 2^k, k integer and uniform in [-binades, binades]. f_i is divided by it and
@@ -249,7 +264,11 @@ void ScaleRows(Instance* instance, double binades, std::uint64_t seed) {
   }
   Eigen::VectorXd b = given.b();
   for (Index i = 0; i < b.size(); ++i) b[i] = std::ldexp(b[i], exponents[static_cast<size_t>(i)]);
-  instance->problem = WithRows(given, entries, std::move(b));
+  std::vector<FrictionRow> friction = given.friction_rows();
+  for (FrictionRow& row : friction) {
+    row.mu = std::ldexp(row.mu, exponents[static_cast<size_t>(row.normal)] - exponents[static_cast<size_t>(row.row)]);
+  }
+  instance->problem = WithRows(given, entries, std::move(b), std::move(friction));
 }
 
 // The same contacts between bodies of very different masses: mass and inertia of every body that can move are
@@ -278,8 +297,7 @@ void SpreadMasses(Instance* instance, double ratio, std::uint64_t seed) {
   }
   // What was proved of the rank and of unique forces depends on which masses are zero only.
   instance->problem =
-      LcpProblem::FromFactors(given.id(), given.J(), inverse_mass, given.b(),
-                              RowBounds::WithBilateralRows(given.size(), given.bilateral_rows()), given.facts());
+      LcpProblem::FromFactors(given.id(), given.J(), inverse_mass, given.b(), given.bounds(), given.facts());
 }
 
 struct ChangeKind {
@@ -292,6 +310,7 @@ struct ChangeKind {
 constexpr ChangeKind kChanges[] = {
     {"curvature-contrast", &ContrastCurvature, nullptr},
     {"conformal", &MakeConformal, nullptr},
+    {"friction", &AddFriction, nullptr},
     {"mass-ratio", nullptr, &SpreadMasses},
     {"duplicate-rows", nullptr, &RepeatRows<1>},
     {"crowd-contacts", nullptr, &CrowdContacts},
@@ -366,7 +385,7 @@ Instance Changed(ContactSystem system, const std::vector<Change>& changes, std::
   for (const auto& [name, amount] : changes) {
     if (Find(name).of_system != nullptr) Find(name).of_system(&system, amount, seed);
   }
-  AssembledLcp assembled = AssembleContactLcp(system);
+  AssembledLcp assembled = AssembleInstant(system, kInstantStep);
   Instance instance{std::move(system), std::move(assembled.rows), std::move(assembled.problem)};
   for (const auto& [name, amount] : changes) {
     if (Find(name).of_rows != nullptr) Find(name).of_rows(&instance, amount, seed);
@@ -436,7 +455,7 @@ Eigen::VectorXd AnotherB(const LcpProblem& problem, std::uint64_t seed) {
   Eigen::VectorXd d = Eigen::VectorXd::Zero(problem.size());
   for (Index i = 0; i < problem.size(); ++i) {
     const double u = random.Uniform(problem.is_bilateral(i) ? -1 : 0, 1);
-    if (D[i] > 0) d[i] = kShare * load / std::sqrt(D[i]) * u;
+    if (D[i] > 0 && problem.kind(i) != RowKind::kFriction) d[i] = kShare * load / std::sqrt(D[i]) * u;
   }
   Eigen::VectorXd w;
   problem.ComputeW(d, &w);  // A d + b

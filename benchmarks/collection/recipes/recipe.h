@@ -31,8 +31,11 @@ struct Change {
 
 std::vector<std::string> AllChanges();
 
-/// The system's problem after the changes, whose random choices are by the seed. Changes of edges come first, wherever
-/// they stand in the list: rows are made from the edges. The same bits on every machine.
+/// h of the problems of systems with friction [s].
+inline constexpr double kInstantStep = 0.01;
+
+/// The system's problem (AssembleInstant) after the changes, whose random choices are by the seed. Changes of edges
+/// come first, wherever they stand in the list: rows are made from the edges. The same bits on every machine.
 /// @throws InputError for an unknown change, a number that it refuses, and as AssembleContactLcp
 Instance Changed(ContactSystem system, const std::vector<Change>& changes, std::uint64_t seed);
 
@@ -73,9 +76,9 @@ double PortablePower(double ratio, double u);
 
 /// Another right-hand side for the same matrix, as the next step of a driver with constant geometry has it:
 ///     b' = b - A d,   d_i = 0.1 |D^-1/2 b|_inf D_ii^-1/2 u_i,   D = diag A,
-/// u_i uniform in [0, 1) on unilateral rows and in [-1, 1) on bilateral ones, 0 where A_ii = 0. Where f is feasible for
-/// b, f + d is for b', so that the problem stays solvable (but for roundings where rows depend on each other).
-/// Deterministic by seed.  O(entries of the given form)
+/// u_i uniform in [0, 1) on unilateral rows and in [-1, 1) on bilateral ones, 0 on friction rows and where A_ii = 0.
+/// Where f is feasible for b, f + d is for b', so that the problem stays solvable (but for roundings where rows depend
+/// on each other). Deterministic by seed.  O(entries of the given form)
 Eigen::VectorXd AnotherB(const LcpProblem& problem, std::uint64_t seed);
 
 }  // namespace lcpbench

@@ -21,6 +21,7 @@ class Frames {
       if (body.track) body.words = [this.track(), this.track(), this.track()];
     }
     this.forces = this.lists(scene.forces);
+    this.slides = this.lists(scene.slides);
     this.impacts = this.lists(scene.impacts);
   }
 

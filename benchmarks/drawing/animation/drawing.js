@@ -180,8 +180,7 @@ function drawConnector(link) {
 
 // ---- what acts between them
 
-function drawForces(frames, frame) {
-  const {begins, value} = frames.forces;
+function drawForces({begins, value}, frame, color) {
   const k = Math.min(Math.round(frame), frameCount - 1);
   const width = Math.min(2.2, Math.max(0.8, 0.05 * scene.bodySize * view.scale));
   const longest = scene.longestArrow * view.scale;
@@ -206,7 +205,7 @@ function drawForces(frames, frame) {
     heads.closePath();
   }
   pageTransform();
-  context.strokeStyle = context.fillStyle = scene.colors.force;
+  context.strokeStyle = context.fillStyle = color;
   context.lineWidth = width;
   context.stroke(shafts);
   context.fill(heads);
@@ -260,7 +259,8 @@ function drawStage(frames, frame, withForces) {
   for (const link of scene.connectors) drawConnector(link);
   context.lineCap = "butt";
   if (withForces) {
-    drawForces(frames, frame);
+    drawForces(frames.forces, frame, scene.colors.force);
+    drawForces(frames.slides, frame, scene.colors.slide);
     drawImpacts(frames, frame);
   }
   drawScale();

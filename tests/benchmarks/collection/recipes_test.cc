@@ -168,6 +168,43 @@ TEST_P(ChangesOf, ScaledRowsAreTheSameProblemInOtherUnits) {
   EXPECT_NEAR(in_new.backward_error, in_old.backward_error, 1e-17);
 }
 
+// Every contact gets a tangent row; A of the other rows stays, bit by bit, and b is that of a time step.
+TEST_P(ChangesOf, FrictionGivesEveryContactATangentRow) {
+  EXPECT_EQ(ContentHash(With("friction", 0).problem), ContentHash(problem_));
+  const Instance rough = With("friction", 0.6);
+  Index contacts = 0;
+  for (const Constraint& constraint : rough.system.constraints) {
+    contacts += constraint.type == ConstraintType::kContact ? 1 : 0;
+  }
+  ASSERT_EQ(rough.problem.size(), n_ + contacts);
+  ASSERT_EQ(static_cast<Index>(rough.problem.friction_rows().size()), contacts);
+  std::vector<Index> others;
+  for (Index i = 0; i < rough.problem.size(); ++i) {
+    if (rough.problem.kind(i) != RowKind::kFriction) others.push_back(i);
+  }
+  EXPECT_EQ(Eigen::MatrixXd(rough.problem.DenseA()(others, others)), problem_.DenseA());
+  for (const FrictionRow& row : rough.problem.friction_rows()) EXPECT_EQ(row, (FrictionRow{row.row, row.row - 1, 0.6}));
+  const Eigen::VectorXd u = rough.problem.J() * FreeVelocity(rough.system.bodies, kInstantStep);
+  for (Index i = 0; i < u.size(); ++i) {
+    const RowInfo& info = rough.rows[static_cast<std::size_t>(i)];
+    const double open = info.bilateral ? 0 : std::max(info.d, 0.0) / kInstantStep;
+    EXPECT_NEAR(rough.problem.b()[i], u[i] + open, 1e-12 * (1 + std::abs(u[i])));
+  }
+}
+
+// In other units the same forces obey the same laws.
+TEST_P(ChangesOf, ScaledRowsKeepTheFriction) {
+  const Instance rough = With("friction", 0.6);
+  const Instance scaled = Given(GetParam(), {{"friction", 0.6}, {"scale-rows", 20}});
+  const Eigen::VectorXd scale = scaled.problem.DiagonalA().cwiseQuotient(rough.problem.DiagonalA()).cwiseSqrt();
+  LcpResult any;
+  any.f = Eigen::VectorXd::LinSpaced(rough.problem.size(), -1, 1);
+  LcpResult same = any;
+  same.f = any.f.cwiseQuotient(scale);
+  const double rho = Verify(rough.problem, any, 1e-3).metrics.rho;
+  EXPECT_NEAR(Verify(scaled.problem, same, 1e-3).metrics.rho, rho, 1e-9 * rho);
+}
+
 TEST_P(ChangesOf, SlackLeavesFewerRowsActive) {
   double before = 2;
   for (const double slack : {0.0, 0.5, 2.0, 50.0}) {

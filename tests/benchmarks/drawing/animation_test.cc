@@ -160,7 +160,7 @@ TEST(AnimationData, KeepsPositionsToTheirOwnTravelAndAnglesToATenthOfAMilliradia
     }
   }
   EXPECT_EQ(tracks, 7);
-  for (const char* name : {"forces", "impacts"}) {
+  for (const char* name : {"forces", "slides", "impacts"}) {
     for (const auto& list : unpacker.Lists(data.scene[name])) EXPECT_TRUE(list.empty());
   }
   EXPECT_TRUE(unpacker.finished());
@@ -173,6 +173,7 @@ TEST(AnimationData, KeepsForcesThatChangeInNumberAndLeavesOutFaintOnes) {
     for (std::size_t i = 0; i < (5 * k) % 7; ++i) {
       const Vec2 at = random.InUnitDisc();
       animation.frames[k].forces.push_back({at, 10 * random.UnitVector()});
+      animation.frames[k].slides.push_back({at, -animation.frames[k].forces.back().force});
       animation.frames[k].impacts.push_back({at, {random.Uniform(1, 2), 0}});
     }
     animation.frames[k].forces.push_back({{}, {1e-3, 0}});
@@ -181,6 +182,7 @@ TEST(AnimationData, KeepsForcesThatChangeInNumberAndLeavesOutFaintOnes) {
   Unpacker unpacker(data, animation.frames.size());
   for (int track = 0; track < 3; ++track) unpacker.Track();
   const auto forces = unpacker.Lists(data.scene["forces"]);
+  const auto slides = unpacker.Lists(data.scene["slides"]);
   const auto impacts = unpacker.Lists(data.scene["impacts"]);
   EXPECT_TRUE(unpacker.finished());
   const double place = 0.6 * kVisiblePlace;  // of discs of that diameter
@@ -192,6 +194,7 @@ TEST(AnimationData, KeepsForcesThatChangeInNumberAndLeavesOutFaintOnes) {
       const auto& [at, force] = frame.forces[i];
       EXPECT_LE(Norm(Vec2{forces[k][i][0], forces[k][i][1]} - at), std::sqrt(2) * place);
       EXPECT_LE(Norm(Vec2{forces[k][i][2], forces[k][i][3]} - force), std::sqrt(2) * 10 * kVisibleForce);
+      EXPECT_LE(Norm(Vec2{slides[k][i][2], slides[k][i][3]} + force), std::sqrt(2) * 10 * kVisibleForce);
       EXPECT_NEAR(impacts[k][i][2], frame.impacts[i].force.x, 2 * kVisibleForce);
     }
   }

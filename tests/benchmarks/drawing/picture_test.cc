@@ -124,6 +124,39 @@ TEST(ForcesOf, ActOnBodyOneOrOnTheOneThatCanMoveAndJoinTheRowsOfAPin) {
   EXPECT_EQ(forces[1].at, (Vec2{0, 3}));
 }
 
+TEST(ForcesOf, TellContactsThatSlideFromThoseThatStick) {
+  const ContactSystem system = GenerateScene("three-discs", 10, 1);
+  const AssembledLcp lcp = AssembleInstant(system, 0.01);
+  ASSERT_EQ(lcp.rows.size(), 8U);
+  const double mu = system.constraints[0].friction;
+  Eigen::VectorXd f(8);
+  f << 1, mu, 2, mu, 3, -3 * system.constraints[2].friction, 0, 0;
+  const auto sticking = ForcesOf(system, lcp.rows, f);
+  ASSERT_EQ(sticking.size(), 1U);
+  EXPECT_EQ(sticking[0].force, 2 * lcp.rows[2].n + mu * lcp.rows[3].n);
+  const auto sliding = SlidingForcesOf(system, lcp.rows, f);
+  ASSERT_EQ(sliding.size(), 2U);
+  EXPECT_EQ(sliding[0].force, lcp.rows[0].n + mu * lcp.rows[1].n);
+  const auto cones = ConesOf(system, lcp.rows, f);
+  ASSERT_EQ(cones.size(), 3U);
+  EXPECT_EQ(cones[0].sides[0], sliding[0].force);
+}
+
+TEST(RenderSvg, ShowsConesAndWhatSlides) {
+  for (const SceneFamily& family : FrictionScenes()) {
+    const ContactSystem system = family.generate(40, 2);
+    const AssembledLcp lcp = AssembleInstant(system, family.step);
+    const Eigen::VectorXd f = Eigen::VectorXd::Ones(lcp.problem.size());
+    const Eigen::VectorXd w = Eigen::VectorXd::Zero(lcp.problem.size());
+    const std::string svg = RenderSvg(system, lcp, &f, &w);
+    std::istringstream text(svg);
+    boost::property_tree::ptree tree;
+    EXPECT_NO_THROW(boost::property_tree::read_xml(text, tree)) << family.key;
+    for (const char* bad : {"nan", "inf"}) EXPECT_EQ(svg.find(bad), std::string::npos) << family.key;
+    EXPECT_NE(svg.find(">friction cone<"), std::string::npos) << family.key;
+  }
+}
+
 // A disc of 2 kg on a floor bears its weight.
 TEST(Pictures, LabelForcesWhereThereIsRoomOnly) {
   ContactSystem system;

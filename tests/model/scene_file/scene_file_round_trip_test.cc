@@ -148,6 +148,7 @@ World RandomWorld(std::uint64_t seed) {
     body.theta = number();
     body.v = {number(), -0.0};
     body.omega = number();
+    body.friction = size();
   }
   const auto last = static_cast<int>(world.bodies.size()) - 1;
   world.joints = {{ConstraintType::kPin, 0, last, Vertex{point()}, Vertex{point()}, {}, {}, 0, 0},
@@ -168,6 +169,7 @@ World RandomWorld(std::uint64_t seed) {
     std::swap(path.s1, path.s2);
     world.joints.push_back(path);
   }
+  world.friction = {{0, 1, size()}, {last, 2, 0}};
   Loads& loads = world.loads;
   loads.gravity = point();
   loads.springs = {{{0, point()}, {1, point()}, size(), size()}, {{2, {}}, {last, point()}, size(), 0}};

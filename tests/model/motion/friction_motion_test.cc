@@ -1,0 +1,186 @@
+// Motion with friction at the velocity level: docs/friction.md section 9.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/motion/acceleration_motion.h"
+#include "model/motion/velocity_motion.h"
+#include "model/scenes/friction/machines.h"
+#include "model/scenes/friction/piles.h"
+#include "model/scenes/friction/slopes.h"
+#include "model/scenes/parts.h"
+#include "model/scenes/scene.h"
+#include "solvers/registry.h"
+#include "support/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+struct Driven {
+  Driven(const World& world, double step, std::string_view key, VelocityOptions options = {})
+      : solver(MakeSolver(key)) {
+    options.step = step;
+    options.lcp.tolerance = 1e-12;
+    options.lcp.max_iterations = key == "pgs" ? 100'000 : 0;
+    motion = MakeVelocityMotion(world, options, *solver);
+  }
+  const Body& body(std::size_t i) const { return motion->world().bodies[i]; }
+
+  std::unique_ptr<LcpSolver> solver;
+  std::unique_ptr<Motion> motion;
+};
+
+// x = g sin(slope) t^2 / 3, the step's error t h / 3 g sin(slope) included.
+TEST(FrictionMotion, RollsADiscToTheOrderOfTheStep) {
+  const double slope = 0.3;
+  for (const int steps : {25, 50, 100}) {
+    const double h = 1.0 / steps;
+    Driven driven(WorldOf(DiscsOnSlope(1, slope, 0.3, 0)), h, "pgs");
+    const Vec2 from = driven.body(1).x;
+    driven.motion->Advance(1);
+    const double way = Norm(driven.body(1).x - from);
+    EXPECT_NEAR(way, kGravity * std::sin(slope) / 3 * (1 + h), 1e-9);
+    EXPECT_NEAR(driven.body(1).theta, -slope - way / 0.5, 1e-9);
+    EXPECT_LT(driven.motion->statistics().worst_penetration, 1e-12);
+  }
+}
+
+// T+ - T(v^) = -|v+ - v^|_M^2 / 2 + sum f_t w_t - f.c less the work on driven bodies, and friction takes energy only.
+TEST(FrictionMotion, KeepsTheEnergyLawInEveryStep) {
+  constexpr double kStep = 0.005;
+  int in_all = 0;
+  for (const char* key : {"slope-stacks", "rolling-discs", "ladders", "wheel-step", "ovals-rocking", "three-discs",
+                          "pyramids", "card-house", "drum", "capstan", "pulled-chain", "gears-friction"}) {
+    SCOPED_TRACE(key);
+    Driven driven(StartScene(key, 16, 5), kStep, "pgs");
+    int steps = 0;
+    double before = 0;  // T(v^) of the step that was met last
+    double expected = 0;
+    double scale = 0;
+    const auto energy = [](const std::vector<Body>& bodies, const Eigen::VectorXd& v) {
+      double sum = 0;
+      for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const Body& body = bodies[i];
+        const auto k = static_cast<Index>(3 * i);
+        if (!body.fixed) sum += (body.mass * v.segment<2>(k).squaredNorm() + body.inertia * v[k + 2] * v[k + 2]) / 2;
+      }
+      return sum;
+    };
+    driven.motion->set_observer([&](const MotionProblem& met) {
+      const LcpProblem& problem = met.problem;
+      const Eigen::VectorXd& f = met.result.f;
+      if (met.result.status != LcpStatus::kSolved) return;
+      const Eigen::VectorXd free = FreeVelocity(met.system.bodies, kStep);
+      Eigen::VectorXd w;
+      problem.ComputeW(f, &w);
+      const Eigen::VectorXd change = problem.inverse_mass().asDiagonal() * (problem.J().transpose() * f);
+      double friction = 0;
+      for (const FrictionRow& row : problem.friction_rows()) {
+        friction += f[row.row] * w[row.row];
+        EXPECT_LE(f[row.row] * w[row.row], 1e-9 * (1 + energy(met.system.bodies, free)));
+      }
+      const double quadratic = f.dot(problem.J() * change) / 2;
+      before = energy(met.system.bodies, free);
+      Eigen::VectorXd prescribed = free;
+      for (std::size_t i = 0; i < met.system.bodies.size(); ++i) {
+        if (!met.system.bodies[i].fixed) prescribed.segment<3>(static_cast<Index>(3 * i)).setZero();
+      }
+      expected = -quadratic + friction - f.dot(problem.b() - problem.J() * free) - f.dot(problem.J() * prescribed);
+      scale = before + quadratic;
+      ++steps;
+    });
+    for (int k = 0; k < 20; ++k) {
+      const int met = steps;
+      driven.motion->Advance(kStep);
+      ASSERT_EQ(driven.motion->status(), MotionStatus::kMoving) << driven.motion->detail();
+      if (steps == met) continue;
+      const std::vector<Body>& bodies = driven.motion->world().bodies;
+      EXPECT_NEAR(energy(bodies, FreeVelocity(bodies, 0)) - before, expected, 1e-8 * (scale + 1e-6)) << k;
+    }
+    in_all += steps;
+  }
+  EXPECT_GE(in_all, 200);
+}
+
+// Where nothing slips the relaxation's answer is Coulomb's: so it can drive what rests.
+TEST(FrictionMotion, KeepsWhatRestsWhereItIs) {
+  const std::vector<World> scenes = {WorldOf(SlopeStacks(1, 10, 0.3, 0.6, 4, 0.2)),
+                                     WorldOf(Arches(1, 15, 0.75, 0.7)),
+                                     WorldOf(CardHouse(3, 0.3, 0.6)),
+                                     WorldOf(Pyramids(1, 3, 0.6)),
+                                     WorldOf(Ladders(2, 1.2, 0.5)),
+                                     WorldOf(LockedCams(1, 0.3, 3, 0.6))};
+  for (const World& world : scenes) {
+    Driven driven(world, 1.0 / 60, "relaxation");
+    driven.motion->Advance(2);
+    ASSERT_EQ(driven.motion->status(), MotionStatus::kMoving) << driven.motion->detail();
+    double creep = 0;
+    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+      creep = std::max(creep, Norm(driven.body(i).x - world.bodies[i].x));
+    }
+    EXPECT_LT(creep, 1e-9) << world.bodies.back().name;
+  }
+}
+
+TEST(FrictionMotion, StopsASlidingBoxWhereFrictionHasTakenItsEnergy) {
+  const double mu = 0.3;
+  World world = WorldOf(SlopeStacks(1, 1, 0, mu, 2, 1));
+  world.bodies[1].v = {3, 0};
+  const double h = 0.001;
+  Driven driven(world, h, "pgs");
+  driven.motion->Advance(2);
+  EXPECT_NEAR(driven.body(1).x.x, 9 / (2 * mu * kGravity), 3 * h);
+  EXPECT_NEAR(driven.body(1).v.x, 0, 1e-12);
+  EXPECT_NEAR(driven.body(1).x.y, 0.5, 1e-12);
+}
+
+TEST(FrictionMotion, EndsWhereTheSolverTakesNoFriction) {
+  Driven driven(WorldOf(Ladders(1, 1.2, 0.5)), 0.01, "dantzig");
+  driven.motion->Advance(0.1);
+  EXPECT_EQ(driven.motion->status(), MotionStatus::kSolverFailed);
+  EXPECT_NE(driven.motion->detail().find("friction rows"), std::string::npos) << driven.motion->detail();
+  const std::unique_ptr<LcpSolver> solver = MakeSolver("dantzig");
+  EXPECT_THROW(MakeAccelerationMotion(WorldOf(Ladders(1, 1.2, 0.5)), {}, *solver), InputError);
+}
+
+TEST(FrictionMotion, StartsFromTheTangentialForcesOfTheStepBefore) {
+  std::vector<std::int64_t> sweeps;
+  for (const bool warm : {true, false}) {
+    VelocityOptions options;
+    options.warm_start = warm;
+    Driven driven(WorldOf(SlopeStacks(2, 3, 0.3, 0.6, 4, 0.5)), 0.01, "pgs", options);
+    sweeps.push_back(0);
+    int step = 0;
+    driven.motion->set_observer([&](const MotionProblem& met) {
+      if (++step > 1) sweeps.back() += met.result.iterations;
+    });
+    driven.motion->Advance(0.2);
+  }
+  EXPECT_LT(10 * sweeps[0], sweeps[1]);
+}
+
+// A disc that is held between two walls too close for it: c < 0 on opposed rows, which no forces undo.
+TEST(FrictionMotion, RepeatsAStepThatDepthMakesUnsolvable) {
+  World world;
+  world.name = "squeezed";
+  world.bodies = {MakeFixed("walls", {WholeEdge({-0.49, -2}, {-0.49, 2}), WholeEdge({0.49, 2}, {0.49, -2})}),
+                  MakeDisc({}, 0.5, 10)};
+  for (Body& body : world.bodies) body.friction = 0.5;
+  world.loads.gravity = {0, -kGravity};
+  Driven driven(world, 0.01, "relaxation");
+  std::vector<std::string> ids;
+  driven.motion->set_observer([&](const MotionProblem& met) { ids.push_back(met.problem.id()); });
+  driven.motion->Advance(0.01);
+  ASSERT_EQ(ids.size(), 2u);
+  EXPECT_EQ(ids[1], "squeezed-step0-without-depth");
+  EXPECT_EQ(driven.motion->status(), MotionStatus::kMoving);
+}
+
+}  // namespace
+}  // namespace lcpbench
