@@ -39,11 +39,13 @@ void PrintSolvers() {
 }
 
 void PrintScenes() {
-  for (const std::span<const SceneFamily> families : {AllScenes(), FrictionScenes()}) {
+  const auto print = [](std::span<const SceneFamily> families, const char* kind) {
     for (const SceneFamily& scene : families) {
-      PrintRow(scene.key, std::string(scene.title) + ". " + std::string(scene.purpose));
+      PrintRow(scene.key, std::string(scene.title) + ". " + std::string(scene.purpose) + kind);
     }
-  }
+  };
+  print(AllScenes(), "");
+  print(FrictionScenes(), " (friction)");
 }
 
 void PrintMetrics() {

@@ -26,9 +26,9 @@ class Command:
         subprocess.run([self.program, *arguments], stdout=output, check=True)
 
     def available(self, what: str) -> list[str]:
-        """Keys that `lcpbench list` has and that are in this build."""
+        """Keys that `lcpbench list` has, that are in this build, and not of scenes with friction."""
         found = subprocess.run([self.program, "list", what], stdout=subprocess.PIPE, text=True, check=True)
-        return [line.split()[0] for line in found.stdout.splitlines() if not line.endswith("(not in this build)")]
+        return [line.split()[0] for line in found.stdout.splitlines() if not line.endswith(("(not in this build)", "(friction)"))]
 
 
 def make_problems(command: Command, data: Path, folder: Path, sizes: list[int], seed: int) -> None:

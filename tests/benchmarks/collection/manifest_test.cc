@@ -78,7 +78,8 @@ TEST(ContentHash, IsOfTheContentWhateverItsNameAndFile) {
 
 // Every number of friction and bounded rows counts; lists without any have the hash of the plain problem.
 TEST(ContentHash, IsOfFrictionAndBounds) {
-  const LcpProblem plain = LcpProblem::FromDense("p", Eigen::MatrixXd::Identity(4, 4), Eigen::VectorXd::Ones(4));
+  const SparseMatrix J = Eigen::MatrixXd::Identity(4, 4).sparseView();
+  const LcpProblem plain = LcpProblem::FromFactors("p", J, Eigen::VectorXd::Ones(4), Eigen::VectorXd::Ones(4));
   const std::vector<RowBounds> kinds = {{},
                                         {{}, {{1, 0, 0.5}}, {}},
                                         {{}, {{1, 0, 0.25}}, {}},

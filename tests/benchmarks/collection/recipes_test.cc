@@ -329,6 +329,7 @@ TEST(Changes, AreTheSameForTheSameSeedOnly) {
     const LcpProblem a = MakeInstance({"rockers", kRows, 2, {{name, amount}}}).problem;
     EXPECT_EQ(a.id().rfind(id, 0), 0U);
     EXPECT_EQ(ContentHash(a), ContentHash(MakeInstance({"rockers", kRows, 2, {{name, amount}}}).problem)) << name;
+    if (name == "friction") continue;  // all contacts get the same coefficient
     EXPECT_NE(ContentHash(Given("rockers", {{name, amount}}, 2).problem),
               ContentHash(Given("rockers", {{name, amount}}, 3).problem))
         << name;
