@@ -19,7 +19,7 @@ constexpr Index kFewRows = 12;
 constexpr int kFirstRounds = 4, kMostRounds = 60;
 // Above so many contacts the path comes last; above so many rows its dense inverse is not worth while.
 constexpr size_t kContactsOfPath = 128;
-constexpr Index kMostRowsOfPath = 2000;
+constexpr Index kMostRowsOfPath = 800;
 
 constexpr double kLeastTime = 1e-9;  // [s]: limits are > 0
 constexpr const char* kRay = "a ray of normal forces";
