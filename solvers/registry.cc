@@ -48,7 +48,10 @@ std::string NotPsd(const LcpProblem& problem) {
   return {};
 }
 
-std::string AnyPsd(const LcpProblem& problem, double /*tolerance*/) { return NotPsd(problem); }
+std::string AnyPsd(const LcpProblem& problem, double /*tolerance*/) {
+  if (!problem.is_plain()) return "with friction a solution is known to exist for some time steps only";
+  return NotPsd(problem);
+}
 
 std::string PsdAtMedium(const LcpProblem& problem, double tolerance) {
   if (tolerance < 1e-6) return "promised to 1e-6 only";

@@ -26,11 +26,11 @@ class ContactRows {
   /// `is_further`.
   struct Contact {
     Index normal;
-    Index tangent = -1;   ///< -1: none
-    double mu = 0;        ///< scaled: mu (D_t / D_n)^1/2
-    double given_mu = 0;  ///< as the problem has it
-    int slip = 0;         ///< +-1: a sliding row
-    bool is_further = false;
+    Index tangent = -1;       ///< -1: none
+    double mu = 0;            ///< scaled: mu (D_t / D_n)^1/2
+    double given_mu = 0;      ///< as the problem has it
+    int slip = 0;             ///< +-1: a sliding row
+    bool is_further = false;  ///< not the first friction row of its normal row
     /// Whether the two directions of slip differ: a friction row with mu > 0.
     bool can_stick() const { return mu > 0 && slip == 0; }
   };

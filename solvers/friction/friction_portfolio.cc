@@ -19,7 +19,7 @@ constexpr Index kFewRows = 12;
 constexpr int kFirstRounds = 4, kMostRounds = 60;
 // Above so many contacts the path comes last; above so many rows its dense inverse is not worth while.
 constexpr size_t kContactsOfPath = 128;
-constexpr Index kMostRowsOfPath = 2000;
+constexpr Index kMostRowsOfPath = 800;
 
 constexpr double kLeastTime = 1e-9;  // [s]: limits are > 0
 constexpr const char* kRay = "a ray of normal forces";
@@ -142,7 +142,7 @@ void FrictionPortfolio::SolvePart(Part* part, const LcpProblem& problem, const L
 const char* FrictionPortfolio::Ask(const ContactRows& rows, FrictionAnswer* answer, LcpResult* result) {
   constexpr ModeSteps::Limits kWarm{.steps = 3, .eps = 1e-10}, kCold{.steps = 30, .eps = 1e-8};
   constexpr ModeSteps::Limits kInTurns{.steps = 200, .eps = 1e-6, .sweeps = 50};
-  constexpr int kFirstSweeps = 200;
+  constexpr int kFirstSweeps = 200, kPoints = 200;
   const bool has_friction =
       std::ranges::any_of(rows.contacts(), [](const ContactRows::Contact& contact) { return contact.can_stick(); });
   if (!has_friction && rows.can_relax() && AskRounds(rows, 1, answer) != nullptr) return "no friction";
@@ -160,10 +160,12 @@ const char* FrictionPortfolio::Ask(const ContactRows& rows, FrictionAnswer* answ
   }
   const bool path_is_last = rows.contacts().size() > kContactsOfPath;
   if (!path_is_last && AskPaths(rows, answer)) return "lemke";
+  if (!answer->GetBest(&phi_)) phi_.setZero(rows.size());
+  if (newton_.Approach(rows, kPoints, &phi_, answer)) return "proximal points";
   if (rows.can_relax()) {
     if (AskRounds(rows, kMostRounds - kFirstRounds, answer) != nullptr) return "shift to 60 rounds";
   }
-  if (!answer->GetBest(&phi_)) rows.ToScaled(result->f, &phi_);
+  if (!answer->GetBest(&phi_)) phi_.setZero(rows.size());
   if (newton_.Sweep(rows, kFirstSweeps, &phi_, answer) || newton_.Run(rows, kInTurns, &phi_, answer)) {
     return "sweeps and mode-newton";
   }

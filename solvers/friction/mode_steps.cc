@@ -13,10 +13,13 @@ constexpr double kShortestStep = 0x1p-7;
 constexpr double kGoodStep = 0.1;
 constexpr double kLeastEps = 1e-12, kMostEps = 0.1;
 constexpr int kMostFailures = 8;
+// Of proximal points: eps at first, its limits and factors; Newton steps for one, and how few of them let eps fall.
+constexpr double kFirstWeight = 1e-2, kLeastWeight = 1e-8, kMostWeight = 10, kMoreWeight = 10, kLessWeight = 0.3;
+constexpr int kStepsPerPoint = 30, kFewSteps = 5;
 // Answers are refined to this part of the tolerance.
 constexpr double kFineEnough = 1e-4;
 // Sweeps at a time: more after so many failures; and in all.
-constexpr int kPatience = 3, kMostSweepsAtOnce = 2000, kMostSweeps = 20'000;
+constexpr int kPatience = 3, kMostSweepsAtOnce = 400, kMostSweeps = 2000;
 // Sweeps between two looks at the answer.
 constexpr int kSweepsPerCheck = 5;
 
@@ -99,6 +102,59 @@ bool ModeSteps::Run(const ContactRows& rows, const Limits& limits, Eigen::Vector
     if (rho <= answer->tolerance() && answer->Take(*phi)) return Refine(rows, *phi, answer);
   }
   if (rho < answer->rho()) answer->Take(*phi);
+  return false;
+}
+
+// Newton steps towards the proximal point about center_, until its residual is `wanted`. The number of steps; *rho: the
+// residual.
+int ModeSteps::FindProximalPoint(const ContactRows& rows, double eps, double wanted, double* rho, Eigen::VectorXd* phi,
+                                 FrictionAnswer* answer) {
+  const auto residual = [&](const Eigen::VectorXd& at) {
+    rows.ComputeGaps(at, &gaps_);
+    gaps_ += eps * (at - center_);
+    return rows.Rho(at, gaps_);
+  };
+  *rho = residual(*phi);
+  int steps = 0;
+  bool moves = true;
+  while (steps<kStepsPerPoint&& * rho> wanted && moves && !answer->IsOver()) {
+    rows.FindModes(*phi, gaps_, &modes_);
+    ++answer->iterations();
+    ++steps;
+    moves = false;
+    if (!factor_.Solve(rows, modes_, center_, eps, &next_)) break;
+    for (double t = 1; t >= kShortestStep && !moves; t /= 2) {
+      trial_ = *phi + t * (next_ - *phi);
+      const double next = residual(trial_);
+      if (!(next <= (1 - kDecrease * t) * *rho)) continue;
+      moves = true;
+      *rho = next;
+      phi->swap(trial_);
+    }
+  }
+  return steps;
+}
+
+bool ModeSteps::Approach(const ContactRows& rows, int points, Eigen::VectorXd* phi, FrictionAnswer* answer) {
+  double eps = kFirstWeight;
+  rows.ComputeGaps(*phi, &gaps_);
+  double rho = rows.Rho(*phi, gaps_);
+  for (int point = 0; point < points && !answer->IsOver(); ++point) {
+    center_ = *phi;
+    const double wanted = kGoodStep * std::min(rho, eps);
+    double of_point = 0;
+    const int steps = FindProximalPoint(rows, eps, wanted, &of_point, phi, answer);
+    rows.ComputeGaps(*phi, &gaps_);
+    rho = rows.Rho(*phi, gaps_);
+    if (!std::isfinite(rho)) return false;
+    if (rho <= answer->tolerance() && answer->Take(*phi)) return Refine(rows, *phi, answer);
+    if (rho < answer->rho()) answer->Take(*phi);
+    if (of_point > wanted) {
+      eps = std::min(eps * kMoreWeight, kMostWeight);
+    } else if (steps <= kFewSteps) {
+      eps = std::max(eps * kLessWeight, kLeastWeight);
+    }
+  }
   return false;
 }
 

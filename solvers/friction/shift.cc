@@ -15,15 +15,17 @@ ShiftOptions ShiftOptions::FromSettings(const Settings& settings) {
 class ShiftEngine {
  public:
   explicit ShiftEngine(const ShiftOptions& options)
-      : relaxation_({options.make_plain}), rounds_({options.make_plain}) {}
+      : plain_(options.make_plain()), relaxation_({options.make_plain}), rounds_({options.make_plain}) {}
   static constexpr bool kTakesFriction = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const { return relaxation_.WhyUnsupported(problem); }
   void Prepare(const LcpProblem& problem) {
+    if (problem.is_plain()) return plain_->Prepare(problem);
     rows_.Prepare(problem);
     newton_.Reset();
   }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    if (problem.is_plain()) return plain_->Solve(problem, options, result);
     constexpr int kMostRounds = 60;
     rows_.SetB(problem);
     rounds_.Start(rows_);
@@ -36,6 +38,7 @@ class ShiftEngine {
   }
 
  private:
+  const std::unique_ptr<LcpSolver> plain_;
   const RelaxationSolver relaxation_;
   ContactRows rows_;
   ModeSteps newton_;
