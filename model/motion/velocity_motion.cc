@@ -17,6 +17,9 @@ namespace {
 constexpr double kReach = 1.5;
 /// Above the rounding of gaps, where everything is at rest [sizes].
 constexpr double kContactGap = 1e-6;
+/// Gaps and depths of contacts with friction that count as none [sizes]. Rounding opens redundant contacts, which stick
+/// by others and so cannot all close: each step would close some and open others by more.
+constexpr double kClosed = 1e-10;
 /// delta [sizes].
 constexpr double kDepthClamp = 0.01;
 
@@ -102,11 +105,13 @@ class VelocityMotion final : public Motion {
     return largest;
   }
 
-  double DepthTerm(const RowInfo& row, bool contact, double h) const {
+  double DepthTerm(const RowInfo& row, const Constraint& constraint, double h) const {
+    const bool contact = constraint.type == ConstraintType::kContact;
     const double clamp = kDepthClamp * size_;
     if (row.axis == 't') return 0;
     if (row.bilateral) return std::clamp(row.d, -clamp, clamp) / h;
     double c = row.d >= 0 ? row.d / h : std::max(row.d, -clamp) / h;
+    if (contact && constraint.friction > 0 && std::abs(row.d) <= kClosed * size_) c = 0;
     const bool bounces = options_.restitution > 0 && options_.impact_law == ImpactLaw::kNewton;
     if (contact && bounces && Closes(row, h)) c = std::min(c, options_.restitution * row.d_dot);
     return c;
@@ -164,7 +169,7 @@ class VelocityMotion final : public Motion {
     for (Index i = 0; i < n; ++i) {
       const RowInfo& row = lcp.rows[static_cast<std::size_t>(i)];
       const Constraint& constraint = system.constraints[static_cast<std::size_t>(row.constraint)];
-      c[i] = DepthTerm(row, constraint.type == ConstraintType::kContact, h);
+      c[i] = DepthTerm(row, constraint, h);
     }
     Eigen::VectorXd v = v_free;
     Eigen::VectorXd b = RightHandSide(assembled.J(), v, c);

@@ -34,7 +34,6 @@ Eigen::VectorXd Solve(const std::string& key, const LcpProblem& problem) {
   const std::unique_ptr<LcpSolver> solver = MakeSolver(key);
   LcpOptions options;
   options.tolerance = 1e-11;
-  options.max_iterations = key == "pgs" ? 200'000 : 0;
   LcpResult result;
   solver->Solve(problem, options, &result);
   EXPECT_EQ(result.status, LcpStatus::kSolved) << problem.id() << " " << key << " " << result.detail;
@@ -73,7 +72,7 @@ Answer Answered(AssembledLcp lcp, const Eigen::VectorXd& v_free) {
   Answer answer{std::move(lcp), {}, {}, v_free};
   const LcpProblem& problem = answer.lcp.problem;
   LcpResult result;
-  result.f = answer.f = Solve("pgs", problem);
+  result.f = answer.f = Solve("auto", problem);
   result.status = LcpStatus::kSolved;
   EXPECT_TRUE(Verify(problem, result, 1e-9).passes) << problem.id();
   problem.ComputeW(answer.f, &answer.w);
