@@ -121,7 +121,6 @@ constexpr PeerEntry kPeers[] = {
     WithFriction({kSiconos, "siconos-fc2d-cpg", "friction in the plane, conjugate projected gradients",
                   TierSettings{{1e-5, 1e-7, 1e-10}, 2e4, kResidualChange}}),
     WithFriction({kSiconos, "siconos-fc2d-lemke", "friction in the plane, Lemke on three rows a contact"}),
-    WithFriction({kSiconos, "siconos-fc2d-enum", "friction in the plane, enumeration of up to 6 contacts"}),
     {kPetsc, "petsc-rsls", "SNES reduced-space active-set Newton with line search",
      TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kFreeRows}, kAny},
     {kPetsc, "petsc-rsls-direct", "the same with LU and a shift of pivots that are too small",

@@ -177,7 +177,6 @@ constexpr Method kMethods[] = {
     {"siconos-fc2d-nsgs", SICONOS_FRICTION_2D_NSGS},
     {"siconos-fc2d-cpg", SICONOS_FRICTION_2D_CPG},
     {"siconos-fc2d-lemke", SICONOS_FRICTION_2D_LEMKE, false},
-    {"siconos-fc2d-enum", SICONOS_FRICTION_2D_ENUM, false},
 };
 
 class SiconosContacts : public LcpSolver {
@@ -210,10 +209,7 @@ class SiconosContacts : public LcpSolver {
     }
     std::sort(normals.begin(), normals.end());
     const bool has_two = std::adjacent_find(normals.begin(), normals.end()) != normals.end();
-    if (has_two) return "several friction rows of a contact";
-    constexpr Index kMostToEnumerate = 6;  // 2^18 matrices
-    const bool too_many = problem.size() - joints - tangents > kMostToEnumerate;
-    return method_.solver == SICONOS_FRICTION_2D_ENUM && too_many ? "more than 6 contacts" : "";
+    return has_two ? "several friction rows of a contact" : "";
   }
 
  protected:
@@ -266,7 +262,7 @@ class SiconosContacts : public LcpSolver {
       own->dparam[SICONOS_DPARAM_TOL] = (has_blocks ? 0.1 : 1) * tier_.Tolerance(options);
       most = tier_.Iterations(options);
     }
-    most = IterationLimit(options, std::max(most, 1));  // enumeration counts nothing
+    most = IterationLimit(options, most);
   }
 
   int Call(SolverOptions* own, double* z, double* w) {
