@@ -304,9 +304,11 @@ SolverEntry EntryOf(const PeerEntry& peer) {
   entry.licence = peer.project.licence;
   entry.method_class = peer.method_class;
   entry.library_defaults = peer.has_library_defaults();
+  entry.takes_friction = peer.takes_friction;
   if (!entry.available) return entry;
   entry.make = [&peer](const Settings& settings) {
-    auto solver = MakeExternal({{WorkerPath(peer), std::string(peer.key)}}, settings);
+    auto solver = MakeExternal(
+        {.command = {WorkerPath(peer), std::string(peer.key)}, .takes_friction = peer.takes_friction}, settings);
     // Only the worker knows its settings: a wrong one is the user's mistake, and reported before any problem is read.
     if (!settings.empty()) solver->Greet();
     return solver;
@@ -411,6 +413,7 @@ void RegisterSolverVariant(const std::string& key, const std::string& base, cons
     // Whether it solves once more depends on the tier.
     entry.uses_tolerance = true;
     entry.library_defaults = false;
+    entry.takes_friction = false;  // the check is that of plain rows
   }
   entry.base = entry.base.empty() ? entry.key : entry.base;
   entry.key = key;

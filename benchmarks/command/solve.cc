@@ -22,6 +22,7 @@ struct Solve {
   LcpOptions options;
   bool relative_to_floor = false;
   bool least_norm = false;
+  bool summary = false;
   std::vector<std::string> settings;
   NamedSolvers named;
   std::vector<std::string> files;
@@ -38,6 +39,7 @@ struct Solve {
     app.add_flag("--least-norm", least_norm,
                  "Of all solutions the one of least norm, where the solver's answer passes; up to " +
                      std::to_string(kMostRowsOfLeastNorm) + " rows");
+    app.add_flag("--summary", summary, "How many answers pass, fail and are refused, instead of the answers");
     AddSettingsOption(app, &settings);
     app.add_option(
            "FILE", files,
@@ -52,7 +54,8 @@ struct Solve {
     named.Register();
     const std::unique_ptr<LcpSolver> solver = MakeSolver(key, ParseSettings(settings));
     if (auto* external = dynamic_cast<ExternalSolver*>(solver.get())) external->Greet();
-    return ForEachProblem(files, reading, [&](const LcpRecord& record) {
+    Counts counts;
+    const int status = ForEachProblem(files, reading, [&](const LcpRecord& record) {
       LcpResult result;
       const double start = SteadyNow();
       solver->Prepare(record.problem);
@@ -69,12 +72,34 @@ struct Solve {
       notes.time_s = solve_s;
       if (least_norm) notes.least_norm = TakeLeastNorm(record.problem, &result);
       const Verdict verdict = Verify(record.problem, result, options.tolerance, &reference);
+      if (summary) return counts.Add(result, verdict, reference);
       if (verdict.passes) notes.f_unique = IsOnlyAnswer(record.problem, result.f);
       std::cout << FormatSolveRecord(record, key, result, verdict, notes) << std::endl;
     });
+    if (summary) {
+      std::cout << key << " at " << options.tolerance << ": " << counts.right << " right of " << counts.taken
+                << " that may have a solution, " << counts.false_success << " false successes, "
+                << counts.false_infeasible << " false claims of none; " << counts.refused << " refused" << std::endl;
+    }
+    return status;
   }
 
  private:
+  struct Counts {
+    int taken = 0, right = 0, refused = 0, false_success = 0, false_infeasible = 0;
+
+    void Add(const LcpResult& result, const Verdict& verdict, const LcpReference& reference) {
+      if (result.status == LcpStatus::kUnsupported) {
+        ++refused;
+        return;
+      }
+      if (reference.status != LcpReference::Status::kInfeasible) ++taken;
+      if (verdict.passes) ++right;
+      if (verdict.false_success) ++false_success;
+      if (verdict.false_infeasible) ++false_infeasible;
+    }
+  };
+
   // By ranks; where those leave it open, another solution that is clearly a different one says no.
   std::optional<bool> IsOnlyAnswer(const LcpProblem& problem, const Eigen::VectorXd& f) const {
     constexpr Index kMostRows = 300;

@@ -50,6 +50,10 @@ constexpr std::string_view kAsItIs = "the same with the library's own options";
 constexpr std::string_view kSequentialImpulses = "the largest velocity that a sweep corrects, over the largest of b";
 constexpr std::string_view kRelativeChange = "the largest relative change of a force in a sweep";
 constexpr std::string_view kNaturalResidual = "the norm of min(f, w), over that of b";
+constexpr std::string_view kFrictionResidual =
+    "how far w is from that of each contact's own solve, over b; in blocks the natural map, over the largest of f, w, "
+    "b";
+constexpr std::string_view kResidualChange = "the change of w in a step, over the norm of w";
 constexpr std::string_view kFreeRows = "the norm of w on the free rows, over that at the start";
 constexpr std::string_view kFischerBurmeister = "the norm of the Fischer-Burmeister function, over that at the start";
 constexpr std::string_view kProjectedGradient = "the norm of the projected gradient, over that at the start";
@@ -73,6 +77,11 @@ constexpr std::string_view kFeasibility = "feasibility and complementarity, abso
 // The values for both builds of ProxQP.
 constexpr TierSettings kProxQpDual{{1e-6, 1e-6, 1e-9}, 1e6, kLargestResidual};
 constexpr TierSettings kProxQpPrimal{{1e-3, 1e-6, 1e-9}, 1e6, kLargestResidual};
+
+constexpr PeerEntry WithFriction(PeerEntry entry) {
+  entry.takes_friction = true;
+  return entry;
+}
 
 // Each key with tiers stands for KEY-default as well, see AllPeers.
 
@@ -107,6 +116,11 @@ constexpr PeerEntry kPeers[] = {
      TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kNaturalResidual}},
     {kSiconos, "siconos-convexqp-pg", "projected gradients on the QP",
      TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kNaturalResidual}},
+    WithFriction({kSiconos, "siconos-fc2d-nsgs", "friction in the plane, Gauss-Seidel by contacts",
+                  TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kFrictionResidual}, kAny}),
+    WithFriction({kSiconos, "siconos-fc2d-cpg", "friction in the plane, conjugate projected gradients",
+                  TierSettings{{1e-5, 1e-7, 1e-10}, 2e4, kResidualChange}}),
+    WithFriction({kSiconos, "siconos-fc2d-lemke", "friction in the plane, Lemke on three rows a contact"}),
     {kPetsc, "petsc-rsls", "SNES reduced-space active-set Newton with line search",
      TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kFreeRows}, kAny},
     {kPetsc, "petsc-rsls-direct", "the same with LU and a shift of pivots that are too small",
@@ -209,7 +223,7 @@ std::vector<PeerEntry> WithDefaults() {
     all.push_back(peer);
     if (!peer.tiers || std::ranges::find(kTunedOnly, peer.key) != std::end(kTunedOnly)) continue;
     keys.push_back(std::string(peer.key) + "-default");
-    all.push_back({peer.project, keys.back(), kAsItIs, std::nullopt, peer.method_class});
+    all.push_back({peer.project, keys.back(), kAsItIs, std::nullopt, peer.method_class, false, peer.takes_friction});
   }
   return all;
 }

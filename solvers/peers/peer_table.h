@@ -46,6 +46,8 @@ struct PeerEntry {
   MethodClass method_class = MethodClass::kDenseMatrix;
   /// So many sweeps whatever is asked for, as its users run it.
   bool fixed_effort = false;
+  /// LcpSolver::TakesFriction.
+  bool takes_friction = false;
 
   /// The library's own options, or a fixed effort: the adapter passes no tolerance.
   bool has_library_defaults() const { return key.ends_with("-default") || fixed_effort; }

@@ -10,9 +10,7 @@
 #include <LinearComplementarityProblem.h>
 #include <Newton_methods.h>
 #include <NonSmoothDrivers.h>
-#include <NumericsMatrix.h>
 #include <SolverOptions.h>
-#include <SparseBlockMatrix.h>
 #include <lcp_cst.h>
 #include <line_search.h>
 
@@ -24,7 +22,6 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,17 +29,10 @@
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/linear_algebra/loaded_blas.h"
 #include "solvers/peers/peer_library.h"
+#include "solvers/peers/siconos/siconos_numerics.h"
 
 namespace lcpbench {
 namespace {
-
-// What the arrays of this class hold is not Siconos's to free.
-void FreeShell(NumericsMatrix* matrix) {
-  matrix->matrix0 = nullptr;
-  matrix->matrix1 = nullptr;
-  NM_clear(matrix);
-  std::free(matrix);  // NOLINT(cppcoreguidelines-no-malloc): from NM_new
-}
 
 // The movable bodies that a row joins; the same pair for rows between the same bodies.
 using Bodies = std::array<Index, 2>;
@@ -58,85 +48,41 @@ Bodies BodiesOf(const LcpProblem& problem, Index row) {
   return bodies;
 }
 
-/// The matrix of a problem in Siconos's form, w = M z + q, 0 <= z, w, z'w = 0, and a place for q.
+/// An LCP in Siconos's form, 0 <= z, w, z'w = 0.
 ///
 /// Bilateral rows: Siconos's LCP solvers know none. f_i = z_i - z_i' with both >= 0, and the row -w_i beside w_i: both
 /// are >= 0 only where w_i = 0. Nothing is computed for that but signs, so that the split is exact; M becomes singular.
 ///
-/// Either dense (column by column), or in sparse blocks: one for the rows between the same two bodies, as Siconos's own
-/// simulation makes one for each of its interactions, up to `largest_block` rows; with their mirrored rows beside them.
-/// Without factors every row is a block. O(n^2), or O(nnz of A), memory, which stays for the next problem.
-class SiconosProblem {
+/// Sparse blocks: one for the rows between the same two bodies, as Siconos's own simulation makes one for each of its
+/// interactions, up to `largest_block` rows; with their mirrored rows beside them. Without factors every row is a
+/// block.
+class SiconosProblem : public SiconosMatrix {
  public:
-  enum class Storage { kDense, kBlocks };
-
-  SiconosProblem() = default;
   void Set(const LcpProblem& problem, Storage storage, std::size_t largest_block) {
     Clear();
-    const bool dense = storage == Storage::kDense;
-    if (dense) {
+    if (storage == Storage::kDense) {
       OrderByRows(problem);
       FillDense(problem);
     } else {
       OrderByBlocks(problem, largest_block);
-      FillBlocks(problem);
+      FillBlocks(problem.SparseA());
     }
-    q_.resize(variables_.size());
-    const auto n = static_cast<int>(variables_.size());
-    matrix_.reset(NM_new());  // the library keeps factors of the one before in it
-    void* data = dense ? static_cast<void*>(values_.data()) : static_cast<void*>(&sparse_);
-    NM_fill(matrix_.get(), dense ? NM_DENSE : NM_SPARSE_BLOCK, n, n, data);
-    problem_.size = n;
-    problem_.M = matrix_.get();
-    problem_.q = q_.data();
+    Finish(storage);
+    problem_ = {.size = static_cast<int>(size()), .M = matrix(), .q = q()};
   }
-  ~SiconosProblem() { Clear(); }
-  SiconosProblem(const SiconosProblem&) = delete;
-  SiconosProblem& operator=(const SiconosProblem&) = delete;
 
   LinearComplementarityProblem* get() { return &problem_; }
-  /// q from b of a problem with the same matrix.
-  void SetB(const Eigen::VectorXd& b) {
-    for (std::size_t i = 0; i < q_.size(); ++i) q_[i] = variables_[i].sign * b[variables_[i].row];
-  }
-  /// Rows, the mirrored ones included.
-  Index size() const { return static_cast<Index>(variables_.size()); }
-  /// Stored entries of M.
-  std::size_t entries() const { return values_.size(); }
 
   Eigen::VectorXd VariablesOf(const Eigen::VectorXd& f) const {
     Eigen::VectorXd z(size());
     for (Index i = 0; i < size(); ++i) {
       const Variable& variable = variables_[static_cast<std::size_t>(i)];
-      z[i] = std::max(0.0, variable.sign * f[variable.row]);
+      z[i] = std::max(0.0, variable.factor * f[variable.row]);
     }
     return z;
   }
-  void SetForces(const Eigen::VectorXd& z, Eigen::VectorXd* f) const {
-    f->setZero();
-    for (Index i = 0; i < size(); ++i) {
-      const Variable& variable = variables_[static_cast<std::size_t>(i)];
-      (*f)[variable.row] += variable.sign * z[i];
-    }
-  }
 
  private:
-  struct Variable {
-    Index row = 0;
-    double sign = 1;
-  };
-
-  void Clear() {
-    matrix_.reset();
-    std::free(sparse_.diagonal_blocks);  // NOLINT(cppcoreguidelines-no-malloc): Siconos notes them there on first use
-    sparse_ = {};
-    variables_.clear();
-    ends_.clear();
-    row_starts_.clear();
-    columns_.clear();
-    blocks_.clear();
-  }
-
   void OrderByRows(const LcpProblem& problem) {
     for (Index row = 0; row < problem.size(); ++row) variables_.push_back({row, 1});
     for (const Index row : problem.bilateral_rows()) variables_.push_back({row, -1});
@@ -179,82 +125,6 @@ class SiconosProblem {
   }
   Index RowOf(Index variable) const { return variables_[static_cast<std::size_t>(variable)].row; }
 
-  void FillBlocks(const LcpProblem& problem) {
-    const SparseMatrix& A = problem.SparseA();
-    // Where each row of the problem stands: its block, and the position of it; of its mirror the one behind.
-    struct Place {
-      std::size_t block = 0;
-      std::size_t first = 0;
-    };
-    std::vector<Place> places(static_cast<std::size_t>(problem.size()));
-    const auto begin_of = [&](std::size_t block) {
-      return block == 0 ? 0 : static_cast<std::size_t>(ends_[block - 1]);
-    };
-    for (std::size_t block = 0; block < ends_.size(); ++block) {
-      for (std::size_t i = begin_of(block); i < ends_[block]; ++i) {
-        if (variables_[i].sign > 0) places[static_cast<std::size_t>(variables_[i].row)] = {block, i};
-      }
-    }
-    // The pattern first, since values_ must not move once blocks point into it.
-    std::vector<std::size_t> offsets;
-    std::size_t total = 0;
-    row_starts_.push_back(0);
-    for (std::size_t block = 0; block < ends_.size(); ++block) {
-      std::vector<std::size_t> neighbours{block};
-      for (std::size_t i = begin_of(block); i < ends_[block]; ++i) {
-        for (SparseMatrix::InnerIterator entry(A, variables_[i].row); entry; ++entry) {
-          neighbours.push_back(places[static_cast<std::size_t>(entry.col())].block);
-        }
-      }
-      std::sort(neighbours.begin(), neighbours.end());
-      neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
-      for (const std::size_t neighbour : neighbours) {
-        columns_.push_back(neighbour);
-        offsets.push_back(total);
-        total += (ends_[block] - begin_of(block)) * (ends_[neighbour] - begin_of(neighbour));
-      }
-      row_starts_.push_back(columns_.size());
-    }
-    values_.assign(total, 0);
-    for (const std::size_t offset : offsets) blocks_.push_back(values_.data() + offset);
-    for (std::size_t block = 0; block < ends_.size(); ++block) {
-      const std::size_t height = ends_[block] - begin_of(block);
-      const auto first = columns_.begin() + static_cast<std::ptrdiff_t>(row_starts_[block]);
-      const auto last = columns_.begin() + static_cast<std::ptrdiff_t>(row_starts_[block + 1]);
-      for (std::size_t i = begin_of(block); i < ends_[block]; ++i) {
-        for (SparseMatrix::InnerIterator entry(A, variables_[i].row); entry; ++entry) {
-          const Place& place = places[static_cast<std::size_t>(entry.col())];
-          const auto column = std::lower_bound(first, last, place.block);
-          double* values = blocks_[static_cast<std::size_t>(column - columns_.begin())];
-          const std::size_t end = place.first + (problem.is_bilateral(entry.col()) ? 2 : 1);
-          for (std::size_t j = place.first; j < end; ++j) {
-            values[(i - begin_of(block)) + (j - begin_of(place.block)) * height] =
-                variables_[i].sign * variables_[j].sign * entry.value();
-          }
-        }
-      }
-    }
-    SBM_null(&sparse_);
-    sparse_.nbblocks = static_cast<unsigned int>(blocks_.size());
-    sparse_.block = blocks_.data();
-    sparse_.blocknumber0 = sparse_.blocknumber1 = static_cast<unsigned int>(ends_.size());
-    sparse_.blocksize0 = sparse_.blocksize1 = ends_.data();
-    sparse_.filled1 = row_starts_.size();
-    sparse_.filled2 = columns_.size();
-    sparse_.index1_data = row_starts_.data();
-    sparse_.index2_data = columns_.data();
-  }
-
-  std::vector<Variable> variables_;
-  std::vector<double> q_;
-  std::vector<double> values_;
-  // Blocks: where each ends, and the compressed rows of blocks.
-  std::vector<unsigned int> ends_;
-  std::vector<std::size_t> row_starts_;
-  std::vector<std::size_t> columns_;
-  std::vector<double*> blocks_;
-  SparseBlockStructuredMatrix sparse_{};
-  std::unique_ptr<NumericsMatrix, void (*)(NumericsMatrix*)> matrix_{nullptr, &FreeShell};
   LinearComplementarityProblem problem_{};
 };
 
@@ -262,8 +132,6 @@ class SiconosProblem {
 constexpr int kProjectedGradientStep = 3;
 
 constexpr std::size_t kLargestBlock = 16;  // rows, unless told otherwise
-
-using OptionsPointer = std::unique_ptr<SolverOptions, void (*)(SolverOptions*)>;
 
 struct Method {
   std::string_view key;
@@ -307,16 +175,11 @@ class Siconos : public LcpSolver {
     });
     const Deadline deadline(options);
     SilenceLibrary();  // it prints each failed block, each sweep
-    TimeLibraryCall(options, result, [&] { Run(*own_, deadline, &z, &w, result); });
+    TimeLibraryCall(options, result, [&] { Run(&own_.get(), deadline, &z, &w, result); });
     TimeConversion(options, result, [&] { problem_.SetForces(z, &result->f); });
   }
 
  private:
-  // About 20 ms of work: short beside any time limit, long beside what a call costs of itself.
-  static constexpr double kPortion = 2e7;      // products
-  static constexpr double kPerRow = 500;       // products that take as long as a row's solve without them
-  static constexpr std::int64_t kFewest = 16;  // sweeps, of a method that does not tell how many it made
-
   void ReadSettings(SettingsReader* reader) {
     if (method_.cost_power > 0) tier_ = PeerTier(method_.key, reader);
     switch (method_.solver) {
@@ -357,21 +220,8 @@ class Siconos : public LcpSolver {
     }
   }
 
-  // Kept, as a user keeps them, unless a method has hung something of the problem before on them. Numbers are set anew,
-  // since methods write to them.
   void SetOptions(const LcpOptions& options) {
-    SolverOptions* own = own_.get();
-    const bool is_kept = own != nullptr && own->numberOfInternalSolvers == 0 && own->dWork == nullptr &&
-                         own->iWork == nullptr && own->solverData == nullptr;
-    if (is_kept) {
-      std::copy(integers_.begin(), integers_.end(), own->iparam);
-      std::copy(reals_.begin(), reals_.end(), own->dparam);
-    } else {
-      own_.reset(solver_options_create(solver_));
-      own = own_.get();
-      integers_.assign(own->iparam, own->iparam + own->iSize);
-      reals_.assign(own->dparam, own->dparam + own->dSize);
-    }
+    SolverOptions* own = own_.Fresh(solver_);
     if (method_.solver == SICONOS_LCP_NSGS_SBM) {
       solver_options_update_internal(own, 0, local_);
       if (local_iterations_ > 0) own->internalSolvers[0]->iparam[SICONOS_IPARAM_MAX_ITER] = local_iterations_;
@@ -392,52 +242,16 @@ class Siconos : public LcpSolver {
     most = IterationLimit(options, most);
   }
 
-  /// The most sweeps or steps between two readings of the clock.
-  std::int64_t LargestPortion(std::int64_t most) const {
-    if (method_.cost_power == 0 || method_.forgets_start) return most;
-    const auto n = static_cast<double>(problem_.size());
-    const double products =
-        (static_cast<double>(problem_.entries()) + kPerRow * n) * std::pow(n, method_.cost_power - 2);
-    return std::max<std::int64_t>(1, static_cast<std::int64_t>(kPortion / products));
-  }
-
-  void Run(SolverOptions& own, const Deadline& deadline, Eigen::VectorXd* z, Eigen::VectorXd* w, LcpResult* result) {
-    // The block method overwrites its count of sweeps with its residual: it has made all that were asked for, or fewer
-    // and solved.
-    const bool counts = method_.solver != SICONOS_LCP_NSGS_SBM;
-    const std::int64_t most = own.iparam[SICONOS_IPARAM_MAX_ITER];
-    const std::int64_t largest = LargestPortion(most);
-    std::int64_t portion = counts ? largest : std::min(kFewest, largest);
-    Eigen::VectorXd before;
-    result->iterations = 0;
-    for (;;) {
-      const int asked = static_cast<int>(std::min(portion, most - result->iterations));
-      own.iparam[SICONOS_IPARAM_MAX_ITER] = asked;
-      own.iparam[SICONOS_IPARAM_ITER_DONE] = 0;
-      before = *z;
-      const int info = linearComplementarity_driver(problem_.get(), z->data(), w->data(), &own);
-      const int done = counts ? own.iparam[SICONOS_IPARAM_ITER_DONE] : asked;
-      result->iterations += done;
-      if (info == 0) {
-        result->status = LcpStatus::kSolved;
-        return;
-      }
-      if (done == asked && result->iterations >= most) {
-        result->status = LcpStatus::kIterationLimit;
-        return;
-      }
-      if (done < asked || *z == before) {
-        std::ostringstream detail;
-        detail << "Siconos: gave up, its residual " << own.dparam[SICONOS_DPARAM_RESIDU];
-        result->detail = detail.str();
-        return;
-      }
-      if (deadline.Expired()) {
-        result->status = LcpStatus::kTimeLimit;
-        return;
-      }
-      portion = std::min(2 * portion, largest);
-    }
+  // The block method overwrites its count of sweeps with its residual: it has made all that were asked for, or fewer
+  // and solved.
+  void Run(SolverOptions* own, const Deadline& deadline, Eigen::VectorXd* z, Eigen::VectorXd* w, LcpResult* result) {
+    SiconosPortions portions;
+    portions.counts = method_.solver != SICONOS_LCP_NSGS_SBM;
+    portions.most = own->iparam[SICONOS_IPARAM_MAX_ITER];
+    const bool has_portions = method_.cost_power > 0 && !method_.forgets_start;
+    portions.largest = has_portions ? LargestPortion(problem_, method_.cost_power) : portions.most;
+    const auto call = [&] { return linearComplementarity_driver(problem_.get(), z->data(), w->data(), own); };
+    SolveInPortions(portions, deadline, call, own, z, result);
   }
 
   Method method_;
@@ -457,9 +271,7 @@ class Siconos : public LcpSolver {
   std::size_t block_rows_ = kLargestBlock;
   double largest_diagonal_ = 0;
   SiconosProblem problem_;
-  OptionsPointer own_{nullptr, &solver_options_delete};
-  std::vector<int> integers_;  // of own_, as the library makes them
-  std::vector<double> reals_;
+  SiconosOptions own_;
 };
 
 constexpr auto kBlocks = SiconosProblem::Storage::kBlocks;
@@ -473,6 +285,7 @@ constexpr Method kMethods[] = {
 };
 
 std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
+  if (key.starts_with("siconos-fc2d-")) return MakeSiconosContacts(key, reader);
   const auto* method = std::find_if(std::begin(kMethods), std::end(kMethods),
                                     [key](const Method& known) { return key.starts_with(known.key); });
   return std::make_unique<Siconos>(*method, key, reader);

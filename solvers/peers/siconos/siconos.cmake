@@ -5,7 +5,7 @@ if(LCPBENCH_WITH_SICONOS)
   find_library(SICONOS_NUMERICS_LIBRARY NAMES siconos_numerics)
   mark_as_advanced(SICONOS_INCLUDE_DIR SICONOS_NUMERICS_LIBRARY)
   if(SICONOS_INCLUDE_DIR AND SICONOS_NUMERICS_LIBRARY)
-    lcpbench_add_peer(siconos SOURCES siconos/siconos.cc ../linear_algebra/loaded_blas.cc
+    lcpbench_add_peer(siconos SOURCES siconos/siconos.cc siconos/siconos_contacts.cc siconos/siconos_numerics.cc ../linear_algebra/loaded_blas.cc
                       LIBRARIES "${SICONOS_NUMERICS_LIBRARY}" ${CMAKE_DL_LIBS})
     target_include_directories(lcpbench_worker_siconos SYSTEM PRIVATE
       "${SICONOS_INCLUDE_DIR}/siconos" "${SICONOS_INCLUDE_DIR}/siconos/numerics")
