@@ -16,6 +16,7 @@
 #include "solvers/first_order/apgd.h"
 #include "solvers/first_order/nncg.h"
 #include "solvers/first_order/pgs.h"
+#include "solvers/friction/lagged_bounds.h"
 #include "solvers/friction/relaxation.h"
 #include "solvers/peers/peer_table.h"
 #include "solvers/pivoting/dantzig.h"
@@ -65,6 +66,10 @@ std::string LeavesHardOnes(const LcpProblem& /*problem*/, double /*tolerance*/) 
   return "what it finds hard it leaves to the methods that auto asks next";
 }
 
+std::string NoContraction(const LcpProblem& /*problem*/, double /*tolerance*/) {
+  return "bounds may fail to settle where friction moves normal forces much";
+}
+
 std::string NcpLocal(const LcpProblem& /*problem*/, double /*tolerance*/) {
   return "a nonconvex formulation: local convergence only";
 }
@@ -78,7 +83,8 @@ SolverEntry MethodOfAuto(const std::string& text, const std::string& source) {
           .why_not_guaranteed = &LeavesHardOnes,
           .make = [](const Settings& settings) -> std::unique_ptr<LcpSolver> {
             return std::make_unique<AutoSolver>(AutoOptions::Only(method, settings));
-          }};
+          },
+          .takes_bounded = true};
 }
 
 #ifdef LCPBENCH_WITH_IPOPT
@@ -113,7 +119,8 @@ std::vector<SolverEntry> ActiveSetSolvers() {
        .source = "see solvers/auto/auto_solver.h",
        .uses_tolerance = true,
        .why_not_guaranteed = &AnyPsd,
-       .make = &Make<AutoSolver>},
+       .make = &Make<AutoSolver>,
+       .takes_bounded = true},
       MethodOfAuto<AutoMethod::kFixedSizeBpp>("block principal pivoting in registers, islands of up to 6 rows",
                                               "Judice, Pires 1994; Keller 1973"),
       MethodOfAuto<AutoMethod::kPrincipalPivoting>("principal pivoting on a dense tableau, islands of up to 128 rows",
@@ -126,7 +133,8 @@ std::vector<SolverEntry> ActiveSetSolvers() {
        .method = "proximal semismooth Newton with exact line search on a sparse factor",
        .source = "Rockafellar 1976; Qi, Sun 1999",
        .why_not_guaranteed = &AnyPsd,
-       .make = &Make<SemismoothNewtonSolver>},
+       .make = &Make<SemismoothNewtonSolver>,
+       .takes_bounded = true},
       {.key = "lemke",
        .method = "lexicographic Lemke on a dense updated factor, joints first",
        .source = "Lemke 1965; Cottle, Pang, Stone, sec. 4.4, 4.9",
@@ -137,12 +145,14 @@ std::vector<SolverEntry> ActiveSetSolvers() {
        .method = "block principal pivoting, proximal, on sparse or dense factors",
        .source = "Portugal, Judice, Vicente 1994",
        .why_not_guaranteed = &NoBoundOnBlocks,
-       .make = &Make<BppSolver>},
+       .make = &Make<BppSolver>,
+       .takes_bounded = true},
       {.key = "active-set",
        .method = "primal-dual active set on an updated sparse factor, through the bodies",
        .source = "Portugal, Judice, Vicente 1994; Davis, Hager 2001",
        .why_not_guaranteed = &NoBoundOnBlocks,
-       .make = &Make<ActiveSetSolver>},
+       .make = &Make<ActiveSetSolver>,
+       .takes_bounded = true},
   };
 }
 
@@ -171,13 +181,15 @@ std::vector<SolverEntry> FirstOrderSolvers() {
        .source = "Silcowitz, Niebe, Erleben 2010",
        .uses_tolerance = true,
        .why_not_guaranteed = &Never,
-       .make = &Make<NncgSolver>},
+       .make = &Make<NncgSolver>,
+       .takes_bounded = true},
       {.key = "apgd",
        .method = "accelerated projected gradients, adaptive step and restart",
        .source = "Mazhar, Heyn, Negrut, Tasora 2015",
        .uses_tolerance = true,
        .why_not_guaranteed = &Never,
-       .make = &Make<ApgdSolver>},
+       .make = &Make<ApgdSolver>,
+       .takes_bounded = true},
   };
 }
 
@@ -188,7 +200,15 @@ std::vector<SolverEntry> FrictionSolvers() {
            .uses_tolerance = true,
            .why_not_guaranteed = &AnyPsd,
            .make = &Make<RelaxationSolver>,
-           .takes_friction = true}};
+           .takes_friction = true},
+          {.key = "lagged-bounds",
+           .method = "friction bounded by the normal forces of the last of a row of box programs",
+           .source = "Haslinger 1983; Panagiotopoulos 1985",
+           .uses_tolerance = true,
+           .why_not_guaranteed = &NoContraction,
+           .make = &Make<LaggedBoundsSolver>,
+           .takes_friction = true,
+           .takes_bounded = true}};
 }
 
 // What is not in this build has no `make`, and stays in the table.
@@ -211,7 +231,8 @@ std::vector<SolverEntry> InteriorPointSolvers() {
        .source = "SuiteSparse CHOLMOD (Chen 2008)",
        .uses_tolerance = true,
        .why_not_guaranteed = &AnyPsd,
-       .make = kMakeIpm},
+       .make = kMakeIpm,
+       .takes_bounded = true},
       {.key = "hybrid",
        .method = "nonsmooth conjugate gradients while their rate promises an answer, then ipm",
        .source = "see solvers/interior_point/hybrid.h",

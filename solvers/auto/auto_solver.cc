@@ -61,6 +61,7 @@ AutoOptions AutoOptions::Only(AutoMethod method, const Settings& settings) {
 class AutoEngine {
  public:
   explicit AutoEngine(const AutoOptions& options);
+  static constexpr bool kSolvesByFaces = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const;
   void Reserve(Index max_rows) { tableau_.Reserve(std::min(max_rows, options_.tableau_rows)); }

@@ -73,20 +73,7 @@ class RelaxationEngine {
   void Prepare(const LcpProblem& problem) {
     RelaxedRows relaxed = RelaxRows(problem);
     rows_ = std::move(relaxed.P);
-    const Eigen::VectorXd b = rows_ * problem.b();
-    if (problem.has_factors()) {
-      SparseMatrix J = rows_ * problem.J();
-      relaxed_ = LcpProblem::FromFactors(problem.id(), std::move(J), problem.inverse_mass(), b, relaxed.bounds,
-                                         Facts(problem));
-    } else if (problem.given_form() == MatrixForm::kDense) {
-      const Eigen::MatrixXd half = rows_ * problem.DenseA();
-      relaxed_ = LcpProblem::FromDense(problem.id(), half * SparseMatrix(rows_.transpose()), b, relaxed.bounds,
-                                       Facts(problem));
-    } else {
-      const SparseMatrix half = rows_ * problem.SparseA();
-      relaxed_ = LcpProblem::FromSparse(problem.id(), half * SparseMatrix(rows_.transpose()), b, relaxed.bounds,
-                                        Facts(problem));
-    }
+    relaxed_ = problem.WithRows(rows_, rows_ * problem.b(), std::move(relaxed.bounds));
     auto_.Prepare(*relaxed_);
   }
 
@@ -109,14 +96,6 @@ class RelaxationEngine {
   }
 
  private:
-  // The rank may differ, and so may uniqueness.
-  static MatrixFacts Facts(const LcpProblem& problem) {
-    MatrixFacts facts = problem.facts();
-    facts.rank.reset();
-    facts.f_unique.reset();
-    return facts;
-  }
-
   // a+- of forces clipped to their cones.
   Eigen::VectorXd StartOf(const LcpProblem& problem, const Eigen::VectorXd& f) const {
     Eigen::VectorXd start(rows_.rows());

@@ -74,8 +74,12 @@ TEST_P(FrictionSolvers, SameAnswersFromEveryForm) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, FrictionSolvers, ::testing::Values("pgs", "psor", "relaxation"),
-                         [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(All, FrictionSolvers, ::testing::Values("pgs", "psor", "relaxation", "lagged-bounds"),
+                         [](const auto& test) {
+                           std::string name = test.param;
+                           std::ranges::replace(name, '-', '_');
+                           return name;
+                         });
 
 TEST(FrictionSolver, SweepsSolveMostRecords) {
   for (const char* key : {"pgs", "psor"}) {
