@@ -186,6 +186,30 @@ TEST(BoundedSolvers, StartWarm) {
   }
 }
 
+// Powers of two in A, b and the bounds, within and beyond what products of doubles allow.
+TEST(BoundedSolvers, SolveAtEveryScale) {
+  std::map<std::string, TakenBy> solvers = BoundedSolvers();
+  for (unsigned seed = 1; seed <= 120; ++seed) {
+    const LcpProblem problem = BoxProblem(3 * seed, 12);
+    const int of_rows = static_cast<int>(seed % 5) * 50 - 100, of_b = static_cast<int>(seed % 7) * 90 - 270;
+    RowBounds bounds = problem.bounds();
+    for (BoundedRow& row : bounds.bounded) {
+      row.lower = std::ldexp(row.lower, of_b - 2 * of_rows);
+      row.upper = std::ldexp(row.upper, of_b - 2 * of_rows);
+    }
+    const LcpProblem scaled =
+        LcpProblem::FromFactors(problem.id(), std::ldexp(1.0, of_rows) * problem.J(), problem.inverse_mass(),
+                                std::ldexp(1.0, of_b) * problem.b(), bounds);
+    for (auto& [key, taken] : solvers) {
+      if (!taken.is_direct) continue;
+      const LcpResult result = SolveWith(taken.solver.get(), scaled);
+      const Verdict verdict = Verify(scaled, result, 1e-9);
+      EXPECT_FALSE(verdict.false_success || verdict.false_infeasible) << key << " " << problem.id();
+      EXPECT_EQ(result.status, SolveWith(taken.solver.get(), problem).status) << key << " " << problem.id();
+    }
+  }
+}
+
 // ODE's findex: normal forces without friction, whose bounds are frozen for one more solve.
 TEST(BoundedSolvers, OnePassIsThatOfTheRecords) {
   const std::unique_ptr<LcpSolver> solver = MakeSolver("auto");
@@ -240,6 +264,28 @@ TEST(LaggedBounds, SolveWhereNormalForcesDependLittleOnFriction) {
     EXPECT_GE(weak, 40);
     EXPECT_GE(right, 0.85 * weak) << inner;
   }
+}
+
+// Random contacts of two rows, of any rank, with coefficients far beyond what contracts.
+TEST(LaggedBounds, ClaimNothingFalse) {
+  const std::unique_ptr<LcpSolver> solver = MakeSolver("lagged-bounds");
+  int solved = 0;
+  for (unsigned seed = 1; seed <= 500; ++seed) {
+    TestRandom random(seed);
+    const LcpProblem box = BoxProblem(seed, 24);
+    RowBounds bounds;
+    for (Index i = 1; i < box.size(); i += 2) {
+      const double mus[] = {0, 0.1, 0.5, 1, 5, 1e6};
+      bounds.friction.push_back({i, i - 1, mus[random.Integer(0, 5)], 0});
+    }
+    const LcpProblem problem = box.WithBounds(bounds);
+    const LcpResult result = SolveWith(solver.get(), problem);
+    const Verdict verdict = Verify(problem, result, 1e-9);
+    EXPECT_FALSE(verdict.false_success || verdict.false_infeasible) << problem.id() << " " << verdict.reason;
+    if (result.status == LcpStatus::kSolved) ++solved;
+  }
+  RecordProperty("solved", solved);
+  EXPECT_GE(solved, 250);
 }
 
 }  // namespace
