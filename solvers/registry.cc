@@ -16,6 +16,7 @@
 #include "solvers/first_order/apgd.h"
 #include "solvers/first_order/nncg.h"
 #include "solvers/first_order/pgs.h"
+#include "solvers/friction/lagged_bounds.h"
 #include "solvers/friction/mode_newton.h"
 #include "solvers/friction/relaxation.h"
 #include "solvers/friction/shift.h"
@@ -74,6 +75,10 @@ std::string ModesMayCycle(const LcpProblem& /*problem*/, double /*tolerance*/) {
   return "modes of contacts may cycle, and so may sweeps";
 }
 
+std::string NoContraction(const LcpProblem& /*problem*/, double /*tolerance*/) {
+  return "bounds may fail to settle where friction moves normal forces much";
+}
+
 std::string NcpLocal(const LcpProblem& /*problem*/, double /*tolerance*/) {
   return "a nonconvex formulation: local convergence only";
 }
@@ -87,7 +92,8 @@ SolverEntry MethodOfAuto(const std::string& text, const std::string& source) {
           .why_not_guaranteed = &LeavesHardOnes,
           .make = [](const Settings& settings) -> std::unique_ptr<LcpSolver> {
             return std::make_unique<AutoSolver>(AutoOptions::Only(method, settings));
-          }};
+          },
+          .takes_bounded = true};
 }
 
 #ifdef LCPBENCH_WITH_IPOPT
@@ -137,7 +143,8 @@ std::vector<SolverEntry> ActiveSetSolvers() {
        .method = "proximal semismooth Newton with exact line search on a sparse factor",
        .source = "Rockafellar 1976; Qi, Sun 1999",
        .why_not_guaranteed = &AnyPsd,
-       .make = &Make<SemismoothNewtonSolver>},
+       .make = &Make<SemismoothNewtonSolver>,
+       .takes_bounded = true},
       {.key = "lemke",
        .method = "lexicographic Lemke on a dense updated factor, joints first",
        .source = "Lemke 1965; Cottle, Pang, Stone, sec. 4.4, 4.9",
@@ -150,12 +157,14 @@ std::vector<SolverEntry> ActiveSetSolvers() {
        .method = "block principal pivoting, proximal, on sparse or dense factors",
        .source = "Portugal, Judice, Vicente 1994",
        .why_not_guaranteed = &NoBoundOnBlocks,
-       .make = &Make<BppSolver>},
+       .make = &Make<BppSolver>,
+       .takes_bounded = true},
       {.key = "active-set",
        .method = "primal-dual active set on an updated sparse factor, through the bodies",
        .source = "Portugal, Judice, Vicente 1994; Davis, Hager 2001",
        .why_not_guaranteed = &NoBoundOnBlocks,
-       .make = &Make<ActiveSetSolver>},
+       .make = &Make<ActiveSetSolver>,
+       .takes_bounded = true},
   };
 }
 
@@ -184,13 +193,15 @@ std::vector<SolverEntry> FirstOrderSolvers() {
        .source = "Silcowitz, Niebe, Erleben 2010",
        .uses_tolerance = true,
        .why_not_guaranteed = &Never,
-       .make = &Make<NncgSolver>},
+       .make = &Make<NncgSolver>,
+       .takes_bounded = true},
       {.key = "apgd",
        .method = "accelerated projected gradients, adaptive step and restart",
        .source = "Mazhar, Heyn, Negrut, Tasora 2015",
        .uses_tolerance = true,
        .why_not_guaranteed = &Never,
-       .make = &Make<ApgdSolver>},
+       .make = &Make<ApgdSolver>,
+       .takes_bounded = true},
   };
 }
 
@@ -224,6 +235,14 @@ std::vector<SolverEntry> FrictionSolvers() {
            .why_not_guaranteed = &ModesMayCycle,
            .make = &Make<ModeNewtonSolver>,
            .takes_friction = true,
+           .takes_bounded = true},
+          {.key = "lagged-bounds",
+           .method = "friction bounded by the normal forces of the last of a row of box programs",
+           .source = "Haslinger 1983; Panagiotopoulos 1985",
+           .uses_tolerance = true,
+           .why_not_guaranteed = &NoContraction,
+           .make = &Make<LaggedBoundsSolver>,
+           .takes_friction = true,
            .takes_bounded = true}};
 }
 
@@ -247,7 +266,8 @@ std::vector<SolverEntry> InteriorPointSolvers() {
        .source = "SuiteSparse CHOLMOD (Chen 2008)",
        .uses_tolerance = true,
        .why_not_guaranteed = &AnyPsd,
-       .make = kMakeIpm},
+       .make = kMakeIpm,
+       .takes_bounded = true},
       {.key = "hybrid",
        .method = "nonsmooth conjugate gradients while their rate promises an answer, then ipm",
        .source = "see solvers/interior_point/hybrid.h",

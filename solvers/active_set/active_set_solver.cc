@@ -33,6 +33,7 @@ class ActiveSetEngine {
         patient_(options.blocks),
         impatient_(Impatient(options.blocks)),
         newton_(options.newton) {}
+  static constexpr bool kSolvesByFaces = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const { return patient_.WhyUnsupported(problem); }
   void Prepare(const LcpProblem& problem);

@@ -31,6 +31,7 @@ constexpr std::int64_t kExtraFactorizations = 200;
 class BppEngine {
  public:
   explicit BppEngine(const BppOptions& options) : options_(options) {}
+  static constexpr bool kSolvesByFaces = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const;
   void Prepare(const LcpProblem& problem);

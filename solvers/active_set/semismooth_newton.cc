@@ -80,6 +80,7 @@ class SemismoothNewtonEngine {
     }
   }
 
+  static constexpr bool kSolvesByFaces = true;
   std::string WhyUnsupported(const LcpProblem& problem) const { return WhyNotSymmetric(problem); }
   void Prepare(const LcpProblem& problem);
   double StepTime() const { return setup_.StepTime(); }

@@ -64,6 +64,7 @@ class AutoEngine {
  public:
   explicit AutoEngine(const AutoOptions& options);
   bool takes_other_laws() const { return !options_.only.has_value(); }
+  static constexpr bool kSolvesByFaces = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const;
   void Reserve(Index max_rows) { tableau_.Reserve(std::min(max_rows, options_.tableau_rows)); }

@@ -18,6 +18,7 @@ class ApgdEngine final : public FirstOrderEngine {
                           .needs_symmetry = true,
                           .default_limit = ApgdOptions::kDefaultIterations}),
         restart_(options.restart) {}
+  static constexpr bool kSolvesByFaces = true;
 
   void Prepare(const LcpProblem& problem);
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);

@@ -19,6 +19,7 @@ class NncgEngine final : public FirstOrderEngine {
                           .hopeful_iterations = options.least_iterations,
                           .default_limit = NncgOptions::kDefaultIterations}),
         iteration_(options.direction == NncgOptions::Direction::kOptimal) {}
+  static constexpr bool kSolvesByFaces = true;
 
   void Prepare(const LcpProblem& problem) {
     PrepareRows(problem);

@@ -218,6 +218,7 @@ class IpmEngine {
   using WarmStart = IpmSolver::WarmStart;
 
   explicit IpmEngine(const IpmOptions& options) : options_(options), finish_(options.self_check) {}
+  static constexpr bool kSolvesByFaces = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const;
   void Prepare(const LcpProblem& problem) {

@@ -24,8 +24,8 @@ namespace lcpbench {
 ///     void Prepare(const LcpProblem&);                                 LcpSolver::DoPrepare
 ///     void Solve(const LcpProblem&, const LcpOptions&, LcpResult*);    LcpSolver::DoSolve
 ///     bool SolveArrays(const ProblemArrays&, const LcpOptions&, LcpResult*);   optional: LcpSolver::DoSolveArrays
-///     static constexpr bool kTakesFriction, kTakesBounded;             optional: LcpSolver::TakesFriction,
-///     TakesBounded
+///     static constexpr bool kTakesFriction, kTakesBounded, kSolvesByFaces;     optional: LcpSolver::TakesFriction,
+///     TakesBounded, SolvesByFaces
 ///     bool takes_other_laws() const;                                   the same where options decide about both
 /// none of them virtual. No engine sees extreme numbers: such a problem is brought into range first (RangeScaling), and
 /// what is claimed of it judged by the verifier. A solver that offers more than LcpSolver derives from this class.
@@ -42,6 +42,7 @@ class EngineSolver : public LcpSolver {
   std::string WhyUnsupported(const LcpProblem& problem) const override;  ///< the engine's
   bool TakesFriction() const override;                                   ///< the engine's
   bool TakesBounded() const override;                                    ///< the engine's
+  bool SolvesByFaces() const override;                                   ///< the engine's
   void Reserve(Index max_rows) override;                                 ///< the engine's
 
  protected:
@@ -87,6 +88,12 @@ template <typename Options, typename Engine>
 bool EngineSolver<Options, Engine>::TakesBounded() const {
   if constexpr (requires { engine_->takes_other_laws(); }) return engine_->takes_other_laws();
   if constexpr (requires { Engine::kTakesBounded; }) return Engine::kTakesBounded;
+  return SolvesByFaces();
+}
+
+template <typename Options, typename Engine>
+bool EngineSolver<Options, Engine>::SolvesByFaces() const {
+  if constexpr (requires { Engine::kSolvesByFaces; }) return Engine::kSolvesByFaces;
   return false;
 }
 

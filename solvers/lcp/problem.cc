@@ -584,6 +584,21 @@ LcpProblem LcpProblem::WithBounds(RowBounds bounds) const {
   return LcpProblem(storage);
 }
 
+LcpProblem LcpProblem::WithRows(const SparseMatrix& P, Eigen::VectorXd b, RowBounds bounds) const {
+  MatrixFacts facts = this->facts();
+  facts.rank.reset();
+  facts.f_unique.reset();
+  const SparseMatrix columns = P.transpose();
+  switch (given_form()) {
+    case MatrixForm::kFactors:
+      return FromFactors(id(), P * J(), inverse_mass(), std::move(b), std::move(bounds), facts);
+    case MatrixForm::kDense:
+      return FromDense(id(), (P * DenseA()) * columns, std::move(b), std::move(bounds), facts);
+    default:
+      return FromSparse(id(), (P * SparseA()) * columns, std::move(b), std::move(bounds), facts);
+  }
+}
+
 const std::string& LcpProblem::id() const { return matrix_->id; }
 Index LcpProblem::size() const { return matrix_->rows; }
 MatrixForm LcpProblem::given_form() const { return matrix_->form; }

@@ -133,6 +133,9 @@ class LcpProblem {
   LcpProblem WithB(Eigen::VectorXd b) const;
   /// The same matrix and b with other kinds of rows; the given form is copied.
   LcpProblem WithBounds(RowBounds bounds) const;
+  /// The problem of sums of rows, P A P^T, in the same form: P J from factors. Rank and uniqueness are not known of it.
+  /// @param P, b, bounds  m x n; m numbers, and kinds of m rows
+  LcpProblem WithRows(const SparseMatrix& P, Eigen::VectorXd b, RowBounds bounds) const;
   /// True for problems with the same matrix and bounds in one storage: copies, and those that WithB made.
   bool SharesMatrixWith(const LcpProblem& other) const { return matrix_ == other.matrix_; }
 

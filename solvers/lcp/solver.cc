@@ -83,7 +83,7 @@ std::string LcpSolver::WhyRefused(const LcpProblem& problem) const {
 void LcpSolver::Prepare(const LcpProblem& problem) {
   if (prepared_.has_value() && prepared_->SharesMatrixWith(problem)) return;
   prepared_.reset();
-  if (problem.size() == 0 || !WhyRefused(problem).empty()) return;
+  if (problem.size() == 0 || IsByFaces(problem) || !WhyRefused(problem).empty()) return;
   const InSequence::Scope sequence(in_sequence_);
   DoPrepare(problem);
   prepared_ = problem;
@@ -98,6 +98,7 @@ void LcpSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
   }
   result->status = LcpStatus::kNumericalFailure;
   try {
+    if (IsByFaces(problem) && WhyRefused(problem).empty()) return SolveByFaces(problem, options, result);
     Prepare(problem);
     if (!prepared_.has_value()) {
       result->status = LcpStatus::kUnsupported;

@@ -124,7 +124,21 @@ class LcpSolver {
   /// Whether it takes problems with friction and sliding rows; the others refuse them as kUnsupported.
   virtual bool TakesFriction() const { return false; }
   /// Whether it takes problems with bounded rows; the others refuse them as kUnsupported.
-  virtual bool TakesBounded() const { return false; }
+  virtual bool TakesBounded() const { return SolvesByFaces(); }
+  /// Whether problems with bounded rows, and no friction rows, are solved face by face: DoSolve sees plain problems
+  /// only.
+  ///
+  /// In a face a bounded row is unilateral at one of its bounds, f = lower + g or upper - g with g >= 0, bilateral
+  /// where both bounds are far beyond its load, or held at a bound and left out. Rows whose force is beyond the bound
+  /// that the face lacks get that bound instead of the other. Where such exchanges do not settle, an active-set method
+  /// goes on: from forces within all bounds towards the answer of the face, a convex quadratic program, up to the first
+  /// bound, whose row is held from there on; rows are let go where w has the wrong sign in the answer of a face. The
+  /// energy 1/2 f.A f + b.f falls with every step, so that no face comes again, unless a step has no length.
+  ///
+  /// kSolved only where the clipped forces pass by ComputeMetrics; kInfeasible only where a ray of a face reaches no
+  /// bound and VerifyFarkasRay accepts it. Guaranteed in exact arithmetic for symmetric PSD A but for steps of no
+  /// length, if faces are solved; mostly one to four of them. Iterations are the sum over faces.
+  virtual bool SolvesByFaces() const { return false; }
 
   /// Allocates workspace for problems of up to `max_rows` rows, so that a dense solver's later Solve does not allocate.
   virtual void Reserve(Index max_rows);
@@ -158,6 +172,11 @@ class LcpSolver {
   virtual bool DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
 
  private:
+  bool IsByFaces(const LcpProblem& problem) const {
+    return !problem.is_plain() && SolvesByFaces() && problem.friction_rows().empty();
+  }
+  void SolveByFaces(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
+
   std::optional<LcpProblem> prepared_;
   bool in_sequence_ = false;
 };

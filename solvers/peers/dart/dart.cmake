@@ -9,7 +9,7 @@ if(LCPBENCH_WITH_DART)
     # Eigen: the whole worker is compiled with Eigen's own alignment, as libdart was, and not with lcpbench::lcp's.
     add_library(lcpbench_dart_runtime STATIC
       peer_table.cc solvers_in_turn.cc protocol/protocol.cc protocol/worker.cc
-      ../lcp/compressed_rows.cc ../lcp/fresh_pass.cc ../lcp/memory_budget.cc ../lcp/problem.cc ../lcp/settings.cc ../lcp/solver.cc ../lcp/step_rows.cc ../../support/clock.cc ../../support/number_text.cc ../../support/printable.cc ../../support/process_watch.cc
+      ../lcp/bounded_faces.cc ../lcp/compressed_rows.cc ../lcp/fresh_pass.cc ../lcp/law_metrics.cc ../lcp/memory_budget.cc ../lcp/problem.cc ../lcp/settings.cc ../lcp/solver.cc ../lcp/step_rows.cc ../lcp/verify.cc ../../support/clock.cc ../../support/number_text.cc ../../support/printable.cc ../../support/process_watch.cc
       ../../support/subprocess.cc)
     target_include_directories(lcpbench_dart_runtime PUBLIC "${PROJECT_SOURCE_DIR}")
     target_compile_features(lcpbench_dart_runtime PUBLIC cxx_std_20)

@@ -55,9 +55,12 @@ TEST_P(FrictionSolvers, SameAnswersFromEveryForm) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, FrictionSolvers,
-                         ::testing::Values("auto", "lemke", "mode-newton", "pgs", "psor", "relaxation", "shift"),
+                         ::testing::Values("auto", "lagged-bounds", "lemke", "mode-newton", "pgs", "psor", "relaxation",
+                                           "shift"),
                          [](const auto& test) {
-                           return test.param == "mode-newton" ? std::string("mode_newton") : test.param;
+                           std::string name = test.param;
+                           std::ranges::replace(name, '-', '_');
+                           return name;
                          });
 
 TEST(FrictionSolver, SweepsSolveMostRecords) {
