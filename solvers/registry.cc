@@ -241,7 +241,7 @@ std::vector<SolverEntry> FrictionSolvers() {
            .source = "Haslinger 1983; Panagiotopoulos 1985",
            .uses_tolerance = true,
            .why_not_guaranteed = &NoContraction,
-           .make = &Make<LaggedBoundsSolver>,
+           .make = &MakeOnAuto<LaggedBoundsSolver>,
            .takes_friction = true,
            .takes_bounded = true}};
 }

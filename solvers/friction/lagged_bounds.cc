@@ -7,10 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "solvers/active_set/active_set_solver.h"
-#include "solvers/active_set/bpp.h"
-#include "solvers/active_set/semismooth_newton.h"
-#include "solvers/auto/auto_solver.h"
 #include "solvers/lcp/verify.h"
 
 namespace lcpbench {
@@ -18,20 +14,6 @@ namespace {
 
 // A round is solved to this part of the tolerance, so that it is the bounds that decide.
 constexpr double kOfTolerance = 0.1;
-
-std::unique_ptr<LcpSolver> MakeInner(LaggedBoundsOptions::Inner inner) {
-  using Inner = LaggedBoundsOptions::Inner;
-  switch (inner) {
-    case Inner::kBpp:
-      return std::make_unique<BppSolver>();
-    case Inner::kActiveSet:
-      return std::make_unique<ActiveSetSolver>();
-    case Inner::kSemismoothNewton:
-      return std::make_unique<SemismoothNewtonSolver>();
-    default:
-      return std::make_unique<AutoSolver>();
-  }
-}
 
 // The problem with the bounds that the normal forces of f give to friction.
 LcpProblem WithLaggedBounds(const LcpProblem& problem, const Eigen::VectorXd& f) {
@@ -61,18 +43,13 @@ void ClipFriction(const LcpProblem& problem, Eigen::VectorXd* f) {
 
 LaggedBoundsOptions LaggedBoundsOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("lagged-bounds", settings);
-  LaggedBoundsOptions options;
-  const std::string inner = reader.Choice("inner", "auto", {"auto", "bpp", "active-set", "semismooth-newton"});
-  if (inner == "bpp") options.inner = Inner::kBpp;
-  if (inner == "active-set") options.inner = Inner::kActiveSet;
-  if (inner == "semismooth-newton") options.inner = Inner::kSemismoothNewton;
   reader.Finish();
-  return options;
+  return {};
 }
 
 class LaggedBoundsEngine {
  public:
-  explicit LaggedBoundsEngine(const LaggedBoundsOptions& options) : inner_(MakeInner(options.inner)) {}
+  explicit LaggedBoundsEngine(const LaggedBoundsOptions& options) : inner_(options.make_plain()) {}
   static constexpr bool kTakesFriction = true;
   static constexpr bool kTakesBounded = true;
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 
 #include "solvers/lcp/engine_solver.h"
 
@@ -8,17 +10,16 @@ namespace lcpbench {
 
 /// Options of LaggedBoundsSolver.
 struct LaggedBoundsOptions {
-  /// What solves the problems with bounded rows.
-  enum class Inner { kAuto, kBpp, kActiveSet, kSemismoothNewton };
-  Inner inner = Inner::kAuto;  ///< see Inner
+  /// Makes the solver of the problems with bounded rows: `auto` in the registry. Not a setting.
+  std::function<std::unique_ptr<LcpSolver>()> make_plain;
 
-  /// Key `inner` (auto, bpp, active-set, semismooth-newton). @throws InputError for others
+  /// Without make_plain. @throws InputError for any setting
   static LaggedBoundsOptions FromSettings(const Settings& settings);
 };
 
 /// Coulomb friction by a fixed point of its bounds [Haslinger 1983; Panagiotopoulos 1985]: with f_n of the round before
 /// (initial_f, or 0) friction rows become bounded ones, |f_t| <= mu f_n, sliding rows f_t = -s mu f_n. Each round is a
-/// convex quadratic program with a box, by a solver of bounded rows, warm started. The first round is what engines
+/// convex quadratic program with a box, by `auto`, warm started. The first round is what engines
 /// with `findex` stop after. [docs/friction.md section 1, "fixed bounds"]
 ///
 /// Converges where the bounds contract; one contact: where mu |A_nt| < A_nn. No guarantee else.
