@@ -327,8 +327,7 @@ SolverEntry EntryOf(const PeerEntry& peer) {
   entry.takes_friction = peer.takes_friction;
   if (!entry.available) return entry;
   entry.make = [&peer](const Settings& settings) {
-    auto solver = MakeExternal(
-        {.command = {WorkerPath(peer), std::string(peer.key)}, .takes_friction = peer.takes_friction}, settings);
+    auto solver = MakeExternal({.command = {WorkerPath(peer), std::string(peer.key)}}, settings);
     // Only the worker knows its settings: a wrong one is the user's mistake, and reported before any problem is read.
     if (!settings.empty()) solver->Greet();
     return solver;

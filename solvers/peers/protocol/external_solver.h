@@ -31,8 +31,7 @@ struct ExternalSolverOptions {
   double prepare_limit_s = 120;
   /// What a solve may take beyond its own time limit before the worker is killed: grace_factor times it + grace_s.
   double grace_factor = 0.5;
-  double grace_s = 1;           ///< [s], see grace_factor
-  bool takes_friction = false;  ///< LcpSolver::TakesFriction; then the worker is of version 5
+  double grace_s = 1;  ///< [s], see grace_factor
 };
 
 /// What became of a worker that was to load a stream or run a pass: it is gone, and the next use starts another.
@@ -80,8 +79,6 @@ class ExternalSolver : public LcpSolver {
   ~ExternalSolver() override;
   ExternalSolver(const ExternalSolver&) = delete;
   ExternalSolver& operator=(const ExternalSolver&) = delete;
-
-  bool TakesFriction() const override { return options_.takes_friction; }  ///< as the options say
 
   /// What the worker says of itself; starts it.
   /// @throws InputError if it cannot be started, refuses (what it says), or does not greet as the protocol prescribes
