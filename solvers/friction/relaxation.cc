@@ -1,6 +1,7 @@
 #include "solvers/friction/relaxation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -134,7 +135,12 @@ class RelaxationEngine {
       const RelaxedRow& row = rows_[k];
       arrays_.b[k] = row.tangent < 0 ? b[row.normal] : b[row.normal] + row.factor * b[row.tangent];
     }
-    plain_->SolveArrays(arrays_, of_relaxed, &inner_);
+    // From arrays `auto` may be asked twice, and would count its limit anew.
+    if (std::isfinite(options.time_limit_s)) {
+      plain_->Solve(LcpProblem::FromArrays(arrays_), of_relaxed, &inner_);
+    } else {
+      plain_->SolveArrays(arrays_, of_relaxed, &inner_);
+    }
     result->status = inner_.status;
     result->iterations = inner_.iterations;
     result->detail = inner_.detail;

@@ -19,7 +19,8 @@ bool ShiftRounds::Run(const ContactRows& rows, ModeSteps* newton, Eigen::VectorX
   relaxation_.Solve(problem.WithB(problem.b() + shift_), options, &relaxed_);
   ++answer->iterations();
   *is_relaxed = true;
-  if (relaxed_.status == LcpStatus::kUnsupported || !relaxed_.f.allFinite()) return false;
+  if (relaxed_.status == LcpStatus::kUnsupported || relaxed_.status == LcpStatus::kTimeLimit) return false;
+  if (!relaxed_.f.allFinite()) return false;
   if (answer->TakeForces(relaxed_.f)) return true;
   rows.ToScaled(relaxed_.f, phi);
   rows.ComputeGaps(*phi, &gaps_);
