@@ -118,8 +118,10 @@ ProblemSteps ReadProblemSteps(const std::string& path, const ReadingOptions& opt
 
 ProblemSteps MakeProblemSteps(const std::string& scene, int size, std::uint64_t seed, int steps) {
   if (steps < 1) throw InputError("--steps: expected a number >= 1");
-  ProblemSteps found = steps == 1 ? Single(AssembleContactLcp(LoadInstant(scene, size, seed)).problem)
-                                  : Moving(scene, size, seed, steps);
+  const auto instant = [&] {
+    return AssembleInstant(LoadInstant(scene, size, seed), LoadScene(scene, size, seed).step).problem;
+  };
+  ProblemSteps found = steps == 1 ? Single(instant()) : Moving(scene, size, seed, steps);
   found.name = scene;
   return found;
 }
