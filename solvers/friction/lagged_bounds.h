@@ -23,7 +23,8 @@ struct LaggedBoundsOptions {
 ///
 /// Converges where the bounds contract; one contact: where mu |A_nt| < A_nn. No guarantee else.
 ///
-/// Takes friction rows, any number a contact, sliding and bounded rows; symmetric A. kSolved only where f, with
+/// Takes friction rows, any number a contact, sliding and bounded rows; symmetric A. Without
+/// friction rows the inner solver is asked once, in its own unit of iterations. kSolved only where f, with
 /// friction clipped to its own normal forces, passes by Coulomb's law (ComputeMetrics). kInfeasible: as a round has no
 /// solution, with a ray that is 0 on friction rows and that VerifyFarkasRay accepts. kNumericalFailure where kPatience
 /// rounds have not lowered the least rho. Unit of iterations and max_iterations: rounds; default kDefaultRounds. A
