@@ -57,6 +57,8 @@ class LaggedBoundsEngine {
   void Prepare(const LcpProblem& /*problem*/) {}
 
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    // Without friction there is nothing to settle.
+    if (problem.friction_rows().empty()) return inner_->Solve(problem, options, result);
     const Deadline deadline(options);
     const std::int64_t limit = options.max_iterations > 0 ? options.max_iterations : LaggedBoundsSolver::kDefaultRounds;
     LcpOptions of_round = options;

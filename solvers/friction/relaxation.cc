@@ -163,6 +163,14 @@ class RelaxationEngine {
   }
 
  private:
+  // The rank may differ, and so may uniqueness.
+  static MatrixFacts Facts(const LcpProblem& problem) {
+    MatrixFacts facts = problem.facts();
+    facts.rank.reset();
+    facts.f_unique.reset();
+    return facts;
+  }
+
   // a+- of forces clipped to their cones.
   Eigen::VectorXd StartOf(const Eigen::VectorXd& f) const {
     Eigen::VectorXd start(static_cast<Index>(rows_.size()));

@@ -270,7 +270,7 @@ TEST(LaggedBounds, SolveWhereNormalForcesDependLittleOnFriction) {
 TEST(LaggedBounds, ClaimNothingFalse) {
   const std::unique_ptr<LcpSolver> solver = MakeSolver("lagged-bounds");
   int solved = 0;
-  for (unsigned seed = 1; seed <= 500; ++seed) {
+  for (unsigned seed = 1; seed <= 250; ++seed) {
     TestRandom random(seed);
     const LcpProblem box = BoxProblem(seed, 24);
     RowBounds bounds;
@@ -285,7 +285,7 @@ TEST(LaggedBounds, ClaimNothingFalse) {
     if (result.status == LcpStatus::kSolved) ++solved;
   }
   RecordProperty("solved", solved);
-  EXPECT_GE(solved, 250);
+  EXPECT_GE(solved, 150);
 }
 
 }  // namespace
