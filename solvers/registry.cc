@@ -92,8 +92,7 @@ SolverEntry MethodOfAuto(const std::string& text, const std::string& source) {
           .why_not_guaranteed = &LeavesHardOnes,
           .make = [](const Settings& settings) -> std::unique_ptr<LcpSolver> {
             return std::make_unique<AutoSolver>(AutoOptions::Only(method, settings));
-          },
-          .takes_bounded = true};
+          }};
 }
 
 #ifdef LCPBENCH_WITH_IPOPT

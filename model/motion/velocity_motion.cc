@@ -17,8 +17,8 @@ namespace {
 constexpr double kReach = 1.5;
 /// Above the rounding of gaps, where everything is at rest [sizes].
 constexpr double kContactGap = 1e-6;
-/// Gaps and depths of contacts with friction that count as none [sizes]. Rounding opens redundant contacts, which stick
-/// by others and so cannot all close: each step would close some and open others by more.
+/// Gaps and depths of contacts with friction that count as none [sizes]: without it gaps of rounding grow from step to
+/// step in piles (docs/friction.md section 9).
 constexpr double kClosed = 1e-10;
 /// delta [sizes].
 constexpr double kDepthClamp = 0.01;

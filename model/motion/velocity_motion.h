@@ -33,7 +33,7 @@ struct VelocityOptions {
 ///     v+ = v^ + M^-1 J^T p,   x+ = x + h v+,   theta+ = theta + h omega+,
 /// with J, the gaps d and the forces F at the step's beginning, p impulses [N s], w velocities [m/s], and
 ///     c = d / h                                   of contacts and ropes with d >= 0 (with friction, d beyond 1e-10
-///                                                 sizes: less is rounding, which redundant contacts would amplify),
+///                                                 sizes: less is rounding, see docs/friction.md section 9),
 ///     c = max(d, -delta) / h                      of those with d < 0; joints: d clamped to [-delta, delta],
 ///     c = min(c, e d')                            of contacts that close within the step at d' = J v < 0, if e > 0 in
 ///                                                 Newton's law;

@@ -408,8 +408,7 @@ LCPBENCH_API lcpbench_error lcpbench_step_create(const lcpbench_step_options* op
 /// @param max_rows,max_bodies  in [0, 2^31)
 LCPBENCH_API lcpbench_error lcpbench_step_reserve(lcpbench_step* step, int64_t max_rows, int64_t max_bodies);
 
-/// Solves. A solve that fails is LCPBENCH_OK with a status that says so; LCPBENCH_UNSUPPORTED: friction or bounded
-/// rows.
+/// Solves. A solve that fails is LCPBENCH_OK with a status that says so. Steps with friction or bounded rows allocate.
 /// @param step       not NULL
 /// @param rows       the arrays of this step
 /// @param initial_f  warm start: n numbers, finite, 0 for new rows, in another array than f; NULL: a cold start

@@ -7,6 +7,7 @@
 
 #include "solvers/friction/contact_rows.h"
 #include "solvers/lcp/law_metrics.h"
+#include "solvers/lcp/verify.h"
 #include "support/array_index.h"
 
 namespace lcpbench {
@@ -156,7 +157,8 @@ class RelaxationEngine {
     } else if (inner_.status == LcpStatus::kSolved) {
       // The tolerance is relative to another load there.
       problem.ComputeW(result->f, &gaps_);
-      if (RelaxationResidual(problem, result->f, gaps_) <= options.tolerance) return;
+      const double residual = RelaxationResidual(problem, result->f, gaps_);
+      if (residual <= options.tolerance || residual <= RoundingFloor(problem, result->f)) return;
       result->status = LcpStatus::kNumericalFailure;
       result->detail = "the relaxed answer is not within the tolerance";
     }

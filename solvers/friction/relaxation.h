@@ -28,7 +28,7 @@ struct RelaxationOptions {
 /// Takes friction rows, one a contact, and plain rows; symmetric positive semidefinite A, as `auto`. Refuses sliding
 /// and bounded rows, and several friction rows a contact. Status, iterations, ray and guarantees are those of `auto` on
 /// the relaxed problem, but for two: a ray of that is not one of the given problem, so that kInfeasible becomes
-/// kNumericalFailure, as does kSolved where Verdict::model_rho would be above the tolerance.
+/// kNumericalFailure, as does kSolved where Verdict::model_rho is above the tolerance and the rounding floor.
 /// Cost: the product of the rows, O(nnz), and one solve.
 using RelaxationSolver = EngineSolver<RelaxationOptions, class RelaxationEngine>;
 extern template class EngineSolver<RelaxationOptions, RelaxationEngine>;

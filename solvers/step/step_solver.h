@@ -42,7 +42,7 @@ struct StepAnswer {
 /// asked, whose factorizations allocate. Method, guaranteed class (every A = J M^-1 J^T) and checks are those of
 /// RowSolver and AutoSolver; kSolved is claimed only for an f that passed.
 ///
-/// Steps with friction or bounded rows are for AutoSolver: kUnsupported where it does not take them.
+/// Steps with friction or bounded rows are for AutoSolver; they allocate.
 ///
 /// The input is checked in the same call: NaN, infinity, negative masses, bodies out of range, and friction and bounded
 /// rows that LcpProblem refuses are refused. Bodies

@@ -451,8 +451,8 @@ static void MistakesAreRefused(void) {
   lcpbench_step_free(NULL);
 }
 
-/* What no step solver takes yet is a status, and what is no friction row a mistake. */
-static void FrictionAndBoundsAreUnsupported(void) {
+/* Solved one by one, with forces that obey their bounds; what is no friction row is a mistake. */
+static void FrictionAndBoundsAreSolved(void) {
   static Arrays arrays;
   const lcpbench_step_rows plain = MakeRows(&arrays, 5, 3, 0, 0);
   lcpbench_friction_row friction = {1, 0, 0.5, 0, 0};
@@ -466,11 +466,12 @@ static void FrictionAndBoundsAreUnsupported(void) {
   rows.bounded = &bounded;
   rows.bounded_count = 1;
   CHECK_OK(lcpbench_step_solve(step, &rows, NULL, f, NULL, &answer, sizeof answer));
-  CHECK(answer.status == LCPBENCH_UNSUPPORTED && f[0] == 0 && f[4] == 0);
+  CHECK(answer.status == LCPBENCH_SOLVED && f[2] >= -1 && f[2] <= 1);
   rows.friction = &friction;
   rows.friction_count = 1;
   CHECK_OK(lcpbench_step_solve(step, &rows, NULL, f, NULL, &answer, sizeof answer));
-  CHECK(answer.status == LCPBENCH_UNSUPPORTED && f[0] == 0 && f[4] == 0);
+  CHECK(answer.status == LCPBENCH_SOLVED && f[2] >= -1 && f[2] <= 1);
+  CHECK(f[1] <= 0.5 * f[0] && f[1] >= -0.5 * f[0]);
   CHECK_REFUSED(lcpbench_step_solve_batch(step, &rows, starts, 1, f, &answer, sizeof answer),
                 "batches take no friction rows, expected a Solve for each problem");
   bounded.lower = 2;
@@ -530,7 +531,7 @@ int main(void) {
   NoRowsAreSolved();
   RhoIsNeverNan();
   MistakesAreRefused();
-  FrictionAndBoundsAreUnsupported();
+  FrictionAndBoundsAreSolved();
   WrongOptionsAreRefused();
   LaterStructsAreUnderstood();
   return CountFailures();
