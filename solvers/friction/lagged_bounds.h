@@ -19,8 +19,8 @@ struct LaggedBoundsOptions {
 
 /// Coulomb friction by a fixed point of its bounds [Haslinger 1983; Panagiotopoulos 1985]: with f_n of the round before
 /// (initial_f, or 0) friction rows become bounded ones, |f_t| <= mu f_n, sliding rows f_t = -s mu f_n. Each round is a
-/// convex quadratic program with a box, by `auto`, warm started. From a cold start the second round is what engines with
-/// `findex` stop after. [docs/friction.md section 1, "fixed bounds"]
+/// convex quadratic program with a box, by `auto`, warm started. From a cold start the second round is what engines
+/// with `findex` stop after. [docs/friction.md section 1, "fixed bounds"]
 ///
 /// Converges where the bounds contract; one contact: where mu |A_nt| < A_nn. No guarantee else.
 ///
