@@ -26,7 +26,8 @@ constexpr std::int64_t kFirstLook = 8;
 }  // namespace
 
 std::string FirstOrderEngine::WhyUnsupported(const LcpProblem& problem) const {
-  const std::string why = setup_.needs_symmetry ? WhyNotSymmetric(problem) : "";
+  const bool needs_symmetry = setup_.needs_symmetry || !problem.is_plain();
+  const std::string why = needs_symmetry ? WhyNotSymmetric(problem) : "";
   return why.empty() ? WhyNoRows(problem, setup_.form) : why;
 }
 

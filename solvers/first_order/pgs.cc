@@ -105,10 +105,6 @@ class PgsEngine final : public FirstOrderEngine {
 
   static constexpr bool kTakesFriction = true;
   static constexpr bool kTakesBounded = true;
-  std::string WhyUnsupported(const LcpProblem& problem) const {
-    if (!problem.is_plain() && !problem.IsNumericallySymmetric()) return WhyNotSymmetric(problem);
-    return FirstOrderEngine::WhyUnsupported(problem);
-  }
 
   void Prepare(const LcpProblem& problem) { problem.is_plain() ? PrepareRows(problem) : contacts_.Prepare(problem); }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {

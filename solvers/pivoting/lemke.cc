@@ -30,24 +30,11 @@ double Generic(Index i) {
 
 }  // namespace
 
-class LemkeEngine final : public PivotBase {
+class LemkePivoting final : public PivotBase {
  public:
-  explicit LemkeEngine(const LemkeOptions& options) : PivotBase(options, TableauRule::kAlongPath) {}
+  explicit LemkePivoting(const LemkeOptions& options) : PivotBase(options, TableauRule::kAlongPath) {}
 
-  static constexpr bool kTakesFriction = true;
-  static constexpr bool kTakesBounded = true;
-
-  std::string WhyUnsupported(const LcpProblem& problem) const {
-    const std::string why = PivotBase::WhyUnsupported(problem);
-    return problem.is_plain() || !why.empty() ? why : ContactRows::WhyUnsupported(problem);
-  }
   void Reserve(Index max_rows) override;
-  void Prepare(const LcpProblem& problem) {
-    problem.is_plain() ? PivotBase::Prepare(problem) : along_modes_.Prepare(problem);
-  }
-  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-    problem.is_plain() ? PivotBase::Solve(problem, options, result) : along_modes_.Solve(problem, options, result);
-  }
 
  private:
   bool FindViolations(int round) override;
@@ -76,11 +63,10 @@ class LemkeEngine final : public PivotBase {
   Eigen::VectorXd y_;             // by position, the direction of an exchange in F
   Eigen::VectorXd first_order_;   // by position: what one column of the perturbation does to f in F and w outside
   Eigen::VectorXd work_;
-  std::vector<Index> ties_;        // positions
-  ContactPathSolver along_modes_;  // of problems that are not plain
+  std::vector<Index> ties_;  // positions
 };
 
-void LemkeEngine::SetCover() {
+void LemkePivoting::SetCover() {
   cover_.head(lcp_.n).setZero();
   for (Index p = m(); p < open_; ++p) {
     const double d = violation_ * GapRoot(p);
@@ -90,7 +76,7 @@ void LemkeEngine::SetCover() {
 }
 
 // g = h_w - A h_f for h_w, h_f > 0, so that the point at z = 1 has f_F + e h_f, w + e h_w > 0.
-void LemkeEngine::SetPerturbation() {
+void LemkePivoting::SetPerturbation() {
   for (Index p = 0; p < joints_; ++p) work_[p] = 0;
   for (Index p = joints_; p < m(); ++p) work_[p] = -Generic(RowAt(p)) / ForceRoot(p);
   first_order_.head(open_).setZero();
@@ -100,7 +86,7 @@ void LemkeEngine::SetPerturbation() {
 }
 
 // Returns s + |D^1/2 f_F'|_1, which times D^1/2 bounds the terms that w_p' is the sum of.
-double LemkeEngine::ComputeRates() {
+double LemkePivoting::ComputeRates() {
   double size = 0;
   bool covered = false;
   for (Index p = 0; p < m(); ++p) {
@@ -120,11 +106,11 @@ double LemkeEngine::ComputeRates() {
 }
 
 // f_p or w_p below this is 0 but for rounding.
-double LemkeEngine::Noise(Index p) const {
+double LemkePivoting::Noise(Index p) const {
   return kNoise * (p < m() ? largest_force_ / ForceRoot(p) : largest_force_ * GapRoot(p));
 }
 
-bool LemkeEngine::IsRounding(Index p, double rate, double size) const {
+bool LemkePivoting::IsRounding(Index p, double rate, double size) const {
   if (p < m()) return std::abs(rate) * ForceRoot(p) <= kNoise * size;
   if (std::abs(rate) > kNoise * size * GapRoot(p)) return false;
   const double* a = lcp_.column(p);
@@ -134,7 +120,7 @@ bool LemkeEngine::IsRounding(Index p, double rate, double size) const {
 }
 
 // What column k of the perturbation (0: g, k: the unit vector of row k - 1) does to f_F and w, by position.
-void LemkeEngine::ComputePerturbation(Index k) {
+void LemkePivoting::ComputePerturbation(Index k) {
   for (Index p = 0; p < open_; ++p) {
     work_[p] = k == 0 ? perturbation_[RowAt(p)] : static_cast<double>(RowAt(p) == k - 1);
   }
@@ -146,7 +132,7 @@ void LemkeEngine::ComputePerturbation(Index k) {
 
 // The row of those in ties_, which reach 0 together, that reaches it first in the perturbed problem. `event` < 0:
 // they move by rate_. Otherwise by `rate` along the direction of an exchange, at the z of the event.
-Index LemkeEngine::BreakTie(const Eigen::VectorXd& rate, Index event) {
+Index LemkePivoting::BreakTie(const Eigen::VectorXd& rate, Index event) {
   for (Index k = 0; k <= lcp_.n && ties_.size() > 1; ++k) {
     ComputePerturbation(k);
     const double lag = event < 0 ? 0.0 : first_order_[event] / -rate_[event];
@@ -165,8 +151,8 @@ Index LemkeEngine::BreakTie(const Eigen::VectorXd& rate, Index event) {
 // The row in [joints_, end) whose f or w reaches 0 first by `rate`, kNoRow if none does before `limit`.
 // `event` as for BreakTie.
 template <typename Skip>
-Index LemkeEngine::FirstToReachZero(const Eigen::VectorXd& rate, Index end, double limit, Index event, const Skip& skip,
-                                    double* step) {
+Index LemkePivoting::FirstToReachZero(const Eigen::VectorXd& rate, Index end, double limit, Index event,
+                                      const Skip& skip, double* step) {
   double bound = limit;
   ties_.clear();
   const auto steps = [&](Index p) { return (p < m() ? lcp_.f[p] : lcp_.w[p]) / -rate[p]; };
@@ -184,7 +170,7 @@ Index LemkeEngine::FirstToReachZero(const Eigen::VectorXd& rate, Index end, doub
 }
 
 // Row p, outside F with w_p = 0, enters F, or takes the place of a row that it depends on.
-PivotBase::End LemkeEngine::EnterOrExchange(Index p, LcpResult* result) {
+PivotBase::End LemkePivoting::EnterOrExchange(Index p, LcpResult* result) {
   for (Index event = p;; event = kNoRow) {  // more than once only where rounding spoils the pivot of an exchange
     const double pivot = active_.SetDriven(p);
     const double norm2 = active_.Direction(p);
@@ -218,7 +204,7 @@ PivotBase::End LemkeEngine::EnterOrExchange(Index p, LcpResult* result) {
   }
 }
 
-PivotBase::End LemkeEngine::MakeRight(LcpResult* result) {
+PivotBase::End LemkePivoting::MakeRight(LcpResult* result) {
   if (violation_ == 0) return End::kDone;
   SetCover();
   SetPerturbation();
@@ -252,14 +238,14 @@ PivotBase::End LemkeEngine::MakeRight(LcpResult* result) {
   return End::kDone;
 }
 
-void LemkeEngine::Reserve(Index max_rows) {
+void LemkePivoting::Reserve(Index max_rows) {
   if (max_rows <= rate_.size()) return;
   PivotBase::Reserve(max_rows);
   for (Eigen::VectorXd* v : {&cover_, &perturbation_, &rate_, &y_, &first_order_, &work_}) v->setZero(max_rows);
   ties_.reserve(static_cast<size_t>(max_rows));
 }
 
-bool LemkeEngine::FindViolations(int round) {
+bool LemkePivoting::FindViolations(int round) {
   if (round == 0) in_play_ = open_;
   open_ = in_play_;
   violation_ = 0;
@@ -274,6 +260,34 @@ LemkeOptions LemkeOptions::FromSettings(const Settings& settings) {
   reader.Finish();
   return options;
 }
+
+// Pivoting for plain problems, the path along modes for others.
+class LemkeEngine {
+ public:
+  explicit LemkeEngine(const LemkeOptions& options) : pivoting_(options) {}
+
+  static constexpr bool kTakesFriction = true;
+  static constexpr bool kTakesBounded = true;
+
+  std::string WhyUnsupported(const LcpProblem& problem) const {
+    const std::string why = pivoting_.WhyUnsupported(problem);
+    return problem.is_plain() || !why.empty() ? why : ContactRows::WhyUnsupported(problem);
+  }
+  void Reserve(Index max_rows) { pivoting_.Reserve(max_rows); }
+  void Prepare(const LcpProblem& problem) {
+    problem.is_plain() ? pivoting_.Prepare(problem) : along_modes_.Prepare(problem);
+  }
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    problem.is_plain() ? pivoting_.Solve(problem, options, result) : along_modes_.Solve(problem, options, result);
+  }
+  bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
+    return pivoting_.SolveArrays(arrays, options, result);
+  }
+
+ private:
+  LemkePivoting pivoting_;
+  ContactPathSolver along_modes_;
+};
 
 template class EngineSolver<LemkeOptions, LemkeEngine>;
 
