@@ -58,7 +58,7 @@ std::optional<bool> UniqueForces(const LcpProblem& problem, const Eigen::VectorX
   const MatrixFacts& facts = problem.facts();
   const Index n = problem.size();
   if (n == 0) return true;
-  if (!facts.symmetric || !facts.positive_semidefinite || f.size() != n) return std::nullopt;
+  if (!problem.is_plain() || !facts.symmetric || !facts.positive_semidefinite || f.size() != n) return std::nullopt;
   if (n > kMostRowsOfUniqueForces || RankCostsTooMuch(problem)) return std::nullopt;
   const Metrics metrics = ComputeMetrics(problem, f);
   if (!PassesTier(metrics, kTier)) return std::nullopt;

@@ -17,8 +17,9 @@ inline constexpr double kMostWorkOfUniqueForces = 1e8;
 ///   - no:  rows that carry force clearly, and bilateral ones, are dependent: f + t d is another solution;
 ///   - yes: all rows but those that are clearly open (w_i > 0) are independent.
 /// Ranks are those of the numbers given, by elimination modulo two primes (sparse_rank.h). "Clearly": by more than
-/// 1e-6 of the largest D_ii^1/2 f_i or D_ii^-1/2 w_i, D = diag A. Nothing where neither holds, where A is not known to
-/// be symmetric and PSD, f does not pass 1e-6, or the problem is beyond the limits above.
+/// 1e-6 of the largest D_ii^1/2 f_i or D_ii^-1/2 w_i, D = diag A. Nothing where neither holds, where there are friction
+/// or bounded rows, A is not known to be symmetric and PSD, f does not pass 1e-6, or the problem is beyond the limits
+/// above.
 std::optional<bool> UniqueForces(const LcpProblem& problem, const Eigen::VectorXd& f);
 
 }  // namespace lcpbench

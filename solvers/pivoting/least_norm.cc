@@ -87,6 +87,7 @@ LeastNormForces FindLeastNormForces(const LcpProblem& problem, const Eigen::Vect
     answer.detail = why;
     return answer;
   };
+  if (!problem.is_plain()) return refuse(LcpStatus::kUnsupported, "least norm is for plain problems");
   if (n > kMostRowsOfLeastNorm) {
     return refuse(LcpStatus::kUnsupported, "least norm is for up to " + std::to_string(kMostRowsOfLeastNorm) + " rows");
   }

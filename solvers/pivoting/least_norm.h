@@ -30,7 +30,7 @@ struct LeastNormForces {
 /// Up to this many rows: there is an eigenvalue decomposition of the active rows, O(n^3).
 inline constexpr Index kMostRowsOfLeastNorm = 1000;
 
-/// Finds the solution of a PSD problem with the least Euclidean norm |f|_2, in the units given; it is unique
+/// Finds the solution of a plain PSD problem with the least Euclidean norm |f|_2, in the units given; it is unique
 /// [docs/model.md section 8, property 5]. From any solution f, with w = A f + b and P the rows with w = 0:
 ///     min |g|_2   over   A_PP g_P = -b_P,   g_C >= 0,   g = 0 elsewhere.
 /// With N an orthonormal basis of null(A_PP) and q = f_P - N N^T f_P, g_P = q + N N^T s, where s

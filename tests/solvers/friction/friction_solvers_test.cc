@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <string>
 
+#include "solvers/exact/unique_forces.h"
 #include "solvers/lcp/verify.h"
+#include "solvers/pivoting/least_norm.h"
 #include "solvers/registry.h"
 #include "tests/solvers/friction/friction_records.h"
 
@@ -114,6 +116,18 @@ TEST(FrictionSolver, WithoutFrictionCoefficientsThereIsNone) {
       if (result.status != LcpStatus::kSolved) continue;
       for (const FrictionRow& row : bounds.friction) EXPECT_EQ(result.f[row.row], 0) << key;
     }
+  }
+}
+
+// What is known of plain problems is not said of others: their forces may be unique where rows of A are dependent.
+TEST(FrictionSolver, UniqueAndLeastNormForcesAreOfPlainProblemsOnly) {
+  for (const FrictionRecord& record : FrictionRecords()) {
+    if (!record.is_solved() || !record.json.contains("f_exact") || record.problem().is_plain()) continue;
+    const Eigen::VectorXd f = ToVector(record.json["f_exact"]);
+    EXPECT_FALSE(UniqueForces(record.problem(), f).has_value()) << record.problem().id();
+    const LeastNormForces least = FindLeastNormForces(record.problem(), f);
+    EXPECT_EQ(least.status, LcpStatus::kUnsupported) << record.problem().id();
+    EXPECT_EQ(least.f, f);
   }
 }
 
