@@ -45,23 +45,9 @@ LcpProblem WithoutFrictionRows(const LcpProblem& problem) {
     if (problem.kind(i) != RowKind::kFriction) kept.push_back(i);
   }
   const auto m = static_cast<Index>(kept.size());
-  const RowBounds bounds = BoundsOfRows(problem, kept);
   SparseMatrix P(m, n);
   for (Index k = 0; k < m; ++k) P.insert(k, kept[static_cast<std::size_t>(k)]) = 1;
-  const Eigen::VectorXd b = P * problem.b();
-  MatrixFacts facts = problem.facts();
-  facts.rank.reset();
-  facts.f_unique.reset();
-  if (problem.has_factors()) {
-    return LcpProblem::FromFactors(problem.id(), SparseMatrix(P * problem.J()), problem.inverse_mass(), b, bounds,
-                                   facts);
-  }
-  const SparseMatrix columns = P.transpose();
-  if (problem.given_form() == MatrixForm::kDense) {
-    return LcpProblem::FromDense(problem.id(), P * problem.DenseA() * columns, b, bounds, facts);
-  }
-  return LcpProblem::FromSparse(problem.id(), SparseMatrix(P * SparseMatrix(problem.SparseA() * columns)), b, bounds,
-                                facts);
+  return problem.WithRows(P, P * problem.b(), BoundsOfRows(problem, kept));
 }
 
 const std::vector<ProblemFormat>& Formats() {

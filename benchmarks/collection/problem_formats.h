@@ -21,7 +21,7 @@ struct ReadingOptions {
   /// A whose LcpProblem::Asymmetry() is not 0 and at most this becomes (A + A^T) / 2, dense or sparse as it was.
   std::optional<double> symmetrize;
 
-  /// Of these formats' contacts.
+  /// Which tangent rows of a contact are read.
   TangentRows tangents() const {
     return without_friction ? TangentRows::kNone : box_friction ? TangentRows::kBox : TangentRows::kOne;
   }

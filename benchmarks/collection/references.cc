@@ -98,7 +98,8 @@ void WriteInfeasible(const LcpProblem& problem, const std::optional<Eigen::Vecto
   examined->reference_line = line.dump();
 }
 
-// Of a problem with friction or bounded rows. w is that of every solution only where all modes say so.
+// Proves the answer of a problem with friction or bounded rows. Its w counts as that of every solution only where all
+// modes say so.
 bool CertifyModes(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
   ModeOptions modes;
   modes.time_limit_s = options.time_limit_s;

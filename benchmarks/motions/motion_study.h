@@ -20,7 +20,8 @@ struct MotionStudy {
   int steps = 0;  ///< of MovingScene::step each
   /// Wall clock of one motion; what takes longer is stopped, and said to be; thrice for the reference.
   double budget_s = 10;
-  /// Of every solve but those of the reference (LcpOptions): what it does to motion to stop early. 0: no limit.
+  /// LcpOptions::max_iterations of every solve but those of the reference: shows what solvers that are stopped early do
+  /// to the motion. 0: no limit.
   std::int64_t max_iterations = 0;
 };
 

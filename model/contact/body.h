@@ -28,8 +28,8 @@ struct Body {
   /// Prescribed acceleration of a fixed body [m/s^2], [rad/s^2]; enters b through J. Ignored for movable bodies.
   Vec2 acceleration;
   double alpha = 0;
-  /// Of its surface, in [0, kMostFriction]: mu of a contact that is found is sqrt(mu1 mu2), unless the world gives the
-  /// pair another (world.h).
+  /// Coefficient of friction of the surface, in [0, kMostFriction]. A contact that is found has sqrt(mu1 mu2), unless
+  /// the world gives the pair another (world.h).
   double friction = 0;
   /// What the body looks like, for pictures; assembly reads the constraints' features only.
   std::vector<OutlineEdge> outline;

@@ -24,38 +24,17 @@ constexpr Index kMostRowsOfPath = 800;
 constexpr double kLeastTime = 1e-9;  // [s]: limits are > 0
 constexpr const char* kRay = "a ray of normal forces";
 
-// Rows that no entry of A (from factors: no body) and no law connects, each ascending; none where all are connected.
+// None where all rows are connected.
 std::vector<std::vector<Index>> IslandsOf(const LcpProblem& problem) {
-  const Index n = problem.size();
-  DisjointSets sets;
-  sets.Reset(n);
-  for (const FrictionRow& row : problem.friction_rows()) sets.Join(row.row, row.normal);
-  const bool has_factors = problem.has_factors();
-  const SparseMatrix& given = has_factors ? problem.J() : problem.SparseA();
-  std::vector<Index> last_row(has_factors ? At(given.cols()) : 0, -1);
-  for (Index i = 0; i < n; ++i) {
-    for (SparseMatrix::InnerIterator it(given, i); it; ++it) {
-      if (it.value() == 0) continue;
-      if (!has_factors) {
-        if (it.col() < i) sets.Join(it.col(), i);
-      } else if (problem.inverse_mass()[it.col()] != 0) {
-        Index& last = last_row[At(it.col())];
-        if (last >= 0) sets.Join(last, i);
-        last = i;
-      }
-    }
+  Islands found;
+  if (problem.has_factors()) {
+    found.FindByColumns(problem.J(), problem.inverse_mass(), problem.friction_rows());
+  } else {
+    found.Find(problem.SparseA(), std::vector<char>(At(problem.size()), 1), problem.friction_rows());
   }
   std::vector<std::vector<Index>> islands;
-  if (sets.sets() == 1) return islands;
-  std::vector<Index> number(At(n), -1);
-  for (Index i = 0; i < n; ++i) {
-    Index& island = number[At(sets.Root(i))];
-    if (island < 0) {
-      island = static_cast<Index>(islands.size());
-      islands.emplace_back();
-    }
-    islands[At(island)].push_back(i);
-  }
+  if (found.count() == 1) return islands;
+  for (Index k = 0; k < found.count(); ++k) islands.emplace_back(found.rows(k).begin(), found.rows(k).end());
   return islands;
 }
 

@@ -117,7 +117,7 @@ int ModeSteps::FindProximalPoint(const ContactRows& rows, double eps, double wan
   *rho = residual(*phi);
   int steps = 0;
   bool moves = true;
-  while (steps<kStepsPerPoint&& * rho> wanted && moves && !answer->IsOver()) {
+  while (moves && steps < kStepsPerPoint && wanted < *rho && !answer->IsOver()) {
     rows.FindModes(*phi, gaps_, &modes_);
     ++answer->iterations();
     ++steps;

@@ -19,7 +19,7 @@ class ModeSteps {
     double eps = 1e-6;  ///< at first
     int sweeps = 0;     ///< where a step fails; 0: eps grows instead, and eight times ends the run
   };
-  /// For a problem of other matrix.
+  /// Forgets the matrix: the next run may be for another problem.
   void Reset() { sweeps_are_ready_ = false; }
   /// True where an answer passes. *phi: where to start from; the last iterate afterwards.
   bool Run(const ContactRows& rows, const Limits& limits, Eigen::VectorXd* phi, FrictionAnswer* answer);

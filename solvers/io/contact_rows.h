@@ -30,7 +30,7 @@ struct ContactRows {
 ContactRows RowsOfContacts(int dimension, std::span<const double> mu, TangentRows tangents,
                            const std::function<void(const std::string& expected, const std::string& found)>& reject);
 
-/// For writers of formats that have no place for some kinds of rows.
+/// What writers call whose format has no place for some kinds of rows.
 /// @param takes_bounded  whether the format has bounds; none but FCLib, which asks for itself, has friction
 /// @throws InputError naming the kind
 void RequireNoFriction(const LcpProblem& problem, bool takes_bounded);

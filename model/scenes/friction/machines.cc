@@ -14,7 +14,7 @@ constexpr double kCamRadius = 0.5;
 constexpr double kTipRadius = 0.1;
 constexpr double kLever = 1;  ///< from the pin to the centre of the tip
 
-/// Of the forces at the lever's tip about its pin, arms of the normal and of the tangential one.
+/// The lever arms about the pin of the normal and the tangential force at the tip.
 struct Arms {
   double normal, tangential;
 };

@@ -122,7 +122,7 @@ ContactSystem CardHouse(int levels, double angle, double mu) {
       for (const double side : {-1.0, 1.0}) {
         Body card = MakePlate(Capsule(1, kCardRadius), kCardDensity);
         card.x = {x + side * (kCardRadius + sin / 2), y + kCardRadius + cos / 2};
-        // Of the capsule the end at +x is the upper one.
+        // The capsule's end at +x is the upper one.
         card.theta = kPi / 2 + side * angle;
         cards.push_back(scene.Add("card", card));
         const Feature foot = scene.Piece(cards.back(), 3);
