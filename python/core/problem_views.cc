@@ -100,19 +100,24 @@ nb::object Bounded(const LcpProblem& problem) {
 void BindProblemViews(nb::module_& module) {
   auto problem = nb::borrow<nb::class_<LcpProblem>>(module.attr("Problem"));
   problem
-      .def_prop_ro("A", &DenseA,
+      .def_prop_ro("A", &DenseA, nb::sig("def A(self) -> numpy.typing.NDArray[numpy.float64]"),
                    "(n, n), F order: the Delassus matrix; of J made once, on the first request; read-only.")
-      .def_prop_ro("sparse_A", &SparseA, "A as a SciPy csr_array with both triangles and every diagonal entry.")
-      .def_prop_ro("J", &Factor, "(n, columns): the contact Jacobian as a SciPy csr_array; None where A was given.")
-      .def_prop_ro("inverse_mass", &InverseMass, "(columns,): the diagonal of M^-1; None where A was given.")
-      .def_prop_ro("bilateral", &Bilateral, "(n,) bool: rows with w = 0 and f free.")
-      .def_prop_ro("friction", &Friction,
-                   "dict of arrays row, normal, mu and slip of the friction rows; None: there are none.")
-      .def_prop_ro("bounded", &Bounded,
-                   "dict of arrays row, lower and upper of the bounded rows; None: there are none.")
+      .def_prop_ro("sparse_A", &SparseA, nb::sig("def sparse_A(self) -> typing.Any"),
+                   "A as a SciPy csr_array with both triangles and every diagonal entry.")
+      .def_prop_ro("J", &Factor, nb::sig("def J(self) -> typing.Any"),
+                   "(n, columns): the contact Jacobian as a SciPy csr_array; None where A was given.")
+      .def_prop_ro("inverse_mass", &InverseMass,
+                   nb::sig("def inverse_mass(self) -> numpy.typing.NDArray[numpy.float64] | None"),
+                   "(columns,): the diagonal of M^-1; None where A was given.")
+      .def_prop_ro("bilateral", &Bilateral, nb::sig("def bilateral(self) -> numpy.typing.NDArray[numpy.bool_]"),
+                   "(n,): rows with w = 0 and f free.")
+      .def_prop_ro("friction", &Friction, nb::sig("def friction(self) -> dict[str, numpy.typing.NDArray] | None"),
+                   "Arrays row, normal, mu and slip of the friction rows; None: there are none.")
+      .def_prop_ro("bounded", &Bounded, nb::sig("def bounded(self) -> dict[str, numpy.typing.NDArray] | None"),
+                   "Arrays row, lower and upper of the bounded rows; None: there are none.")
       .def(
           "_line", [](const LcpProblem& self, const std::string& id) { return FormatLcpRecord(self, false, {}, id); },
-          "The problem as a line of a problem file (docs/formats.md).");
+          nb::arg("id"), "The problem as a line of a problem file (docs/formats.md).");
 }
 
 }  // namespace lcpbench::python

@@ -4,6 +4,7 @@ Every worker of the campaign is a relay (_relay.py) that hands its socket over. 
 thread of this process, in C++ but for the calls of the function.
 """
 
+import contextlib
 import ctypes
 import inspect
 import os
@@ -95,10 +96,8 @@ class FunctionServer:
                 return
             server = threading.Thread(target=self._serve, args=(link, descriptors[0], name.decode()), daemon=True)
             server.start()
-            try:
+            with contextlib.suppress(OSError):
                 link.recv(1)
-            except OSError:
-                pass
             server.join(1)
             while server.is_alive():
                 ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(server.ident), ctypes.py_object(_Stopped))
@@ -112,4 +111,5 @@ class FunctionServer:
             pass
         finally:
             os.close(descriptor)
-            link.shutdown(socket.SHUT_RDWR)  # ends the relay
+            with contextlib.suppress(OSError):  # where it was killed
+                link.shutdown(socket.SHUT_RDWR)  # ends the relay
