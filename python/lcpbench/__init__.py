@@ -6,10 +6,10 @@
 """
 
 from ._command import command
-from ._core import (BatchAnswer, Certificate, Problem, RayVerdict, Result, Solver, SolverEntry, StepAnswer, StepSolver,
-                    Verdict, __version__, available_solvers, certify, limit_library_threads, solve, verify)
 from .campaigns import Campaign, run, tables
 from .scenes import Animation, Body, Edge, Row, Scene, generate, scene_families
+from ._core import (BatchAnswer, Certificate, Problem, RayVerdict, Result, Solver, SolverEntry, StepAnswer, StepSolver,
+                    Verdict, __version__, available_solvers, certify, limit_library_threads, solve, verify)
 
 
 def solve_batch(body, J, b, inverse_mass, starts, *, bilateral=None, f=None, tolerance=1e-9, threads=1):
@@ -18,7 +18,7 @@ def solve_batch(body, J, b, inverse_mass, starts, *, bilateral=None, f=None, tol
     return solver.solve_batch(body, J, b, inverse_mass, starts, bilateral=bilateral, f=f)
 
 
-__all__ = ["Animation", "BatchAnswer", "Body", "Campaign", "Certificate", "Edge", "Problem", "RayVerdict", "Result", "Row",
-           "Scene", "Solver", "SolverEntry", "StepAnswer", "StepSolver", "Verdict", "__version__", "available_solvers",
-           "certify", "command", "generate", "limit_library_threads", "run", "scene_families", "solve", "solve_batch",
-           "tables", "verify"]
+__all__ = ["BatchAnswer", "Certificate", "Problem", "RayVerdict", "Result", "Solver", "SolverEntry", "StepAnswer",
+           "StepSolver", "Verdict", "__version__", "available_solvers", "certify", "command", "limit_library_threads",
+           "solve", "solve_batch", "verify"]
+__all__ += ["Animation", "Body", "Campaign", "Edge", "Row", "Scene", "generate", "run", "scene_families", "tables"]
