@@ -40,10 +40,10 @@ NB_MODULE(_core, module) {
       "Returns how many BLAS reports.");
   BindProblem(module);
   BindProblemViews(module);
+  BindScenes(module);
+  BindFunctions(module);
   BindResult(module);
   BindSolvers(module);
   BindStep(module);
   BindExact(module);
-  BindScenes(module);
-  BindFunctions(module);
 }
