@@ -32,6 +32,13 @@ if(LCPBENCH_BUILD_BENCHMARKS)
     COMPONENT command
     FILES_MATCHING PATTERN "*.py" PATTERN "*.json" PATTERN "*.j2" PATTERN "*.css" PATTERN "*.js" PATTERN "tests" EXCLUDE
     PATTERN "__pycache__" EXCLUDE)
+  # The suites that need no more of the collection than a manifest and its answers.
+  foreach(suite smoke engine)
+    install(FILES "${PROJECT_SOURCE_DIR}/data/${suite}.json" DESTINATION "${CMAKE_INSTALL_DATADIR}/lcpbench/data"
+            COMPONENT command)
+    install(FILES "${PROJECT_SOURCE_DIR}/data/references/${suite}.jsonl.gz"
+            DESTINATION "${CMAKE_INSTALL_DATADIR}/lcpbench/data/references" COMPONENT command)
+  endforeach()
 endif()
 # For LCPBENCH_BUILD_TREE of another build.
 if(LCPBENCH_BUILD_BENCHMARKS)

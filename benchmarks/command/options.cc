@@ -206,19 +206,14 @@ MovingScene SceneOptions::Load() const {
   MovingScene loaded = LoadScene(scene, size, seed);
   if (!level.empty()) loaded.level = MotionLevelFromString(level);
   if (step > 0) loaded.step = step;
-  if (friction >= 0) {
-    for (Body& body : loaded.world.bodies) body.friction = friction;
-    loaded.world.friction.clear();
-  }
+  if (friction >= 0) SetFriction(friction, &loaded);
   return loaded;
 }
 
 std::pair<ContactSystem, AssembledLcp> SceneOptions::LoadProblem() const {
   const MovingScene moving = Load();
   ContactSystem system = LoadInstant(scene, size, seed, moving.level);
-  if (friction >= 0) {
-    for (Constraint& constraint : system.constraints) constraint.friction = friction;
-  }
+  if (friction >= 0) SetFriction(friction, &system);
   AssembledLcp lcp = AssembleInstant(system, moving.step);
   return {std::move(system), std::move(lcp)};
 }

@@ -7,7 +7,6 @@
 #include "benchmarks/drawing/drawn_scene.h"
 #include "model/contact/contact_row.h"
 #include "model/motion/contact_finder.h"
-#include "model/scene_file/scene_file.h"
 #include "model/scenes/scene.h"
 
 namespace lcpbench {
@@ -22,7 +21,10 @@ MovingScene LoadScene(const std::string& name_or_file, int size, std::uint64_t s
     const SceneFamily& family = FindScene(name_or_file);
     return {name_or_file, StartScene(name_or_file, size, seed), family.level, family.step, family.restitution};
   }
-  SceneFile file = ReadSceneFile(name_or_file);
+  return ToMovingScene(ReadSceneFile(name_or_file));
+}
+
+MovingScene ToMovingScene(SceneFile file) {
   MovingScene scene;
   scene.name = file.world.name;
   scene.world = std::move(file.world);
@@ -32,6 +34,15 @@ MovingScene LoadScene(const std::string& name_or_file, int size, std::uint64_t s
   scene.impact_law = file.impact_law;
   scene.resting_speed = file.resting_speed;
   return scene;
+}
+
+void SetFriction(double mu, MovingScene* scene) {
+  for (Body& body : scene->world.bodies) body.friction = mu;
+  scene->world.friction.clear();
+}
+
+void SetFriction(double mu, ContactSystem* system) {
+  for (Constraint& constraint : system->constraints) constraint.friction = mu;
 }
 
 ContactSystem LoadInstant(const std::string& name_or_file, int size, std::uint64_t seed,

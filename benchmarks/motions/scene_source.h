@@ -8,6 +8,7 @@
 #include "model/contact/system.h"
 #include "model/contact/world.h"
 #include "model/motion/make_motion.h"
+#include "model/scene_file/scene_file.h"
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {
@@ -33,6 +34,14 @@ struct MovingScene {
 /// @param size, seed  of families, size >= 1; files have neither
 /// @throws InputError naming the known families, or the file and what is wrong with it
 MovingScene LoadScene(const std::string& name_or_file, int size, std::uint64_t seed);
+
+/// A scene file's world, with what the file wishes for.
+MovingScene ToMovingScene(SceneFile file);
+
+/// Gives every contact this friction, whatever its bodies'.
+void SetFriction(double mu, MovingScene* scene);
+/// The same of the contacts of one instant.
+void SetFriction(double mu, ContactSystem* system);
 
 /// One instant: a family's problem as the benchmark solves it, its contacts listed; of a file its joints and the
 /// contacts found (InstantWithContacts).

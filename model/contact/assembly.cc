@@ -15,14 +15,15 @@
 #include "support/number_text.h"
 
 namespace lcpbench {
+
+const char* ToString(ConstraintType type) {
+  return std::array{"contact", "path joint", "pin", "rod", "rope"}[static_cast<size_t>(type)];
+}
+
 namespace {
 
 std::string SystemText(const ContactSystem& system) {
   return system.name.empty() ? "" : "system '" + system.name + "', ";
-}
-
-const char* TypeText(ConstraintType type) {
-  return std::array{"contact", "path joint", "pin", "rod", "rope"}[static_cast<size_t>(type)];
 }
 
 class Assembler {
@@ -149,7 +150,7 @@ class Assembler {
     const auto* vertex1 = std::get_if<Vertex>(&constraint.feature1);
     const auto* vertex2 = std::get_if<Vertex>(&constraint.feature2);
     if (vertex1 == nullptr || vertex2 == nullptr) {
-      throw InputError("a " + std::string(TypeText(constraint.type)) + " needs two vertices; feature 1: " +
+      throw InputError("a " + std::string(ToString(constraint.type)) + " needs two vertices; feature 1: " +
                        Describe(constraint.feature1) + "; feature 2: " + Describe(constraint.feature2));
     }
     RequireValid(constraint.feature1);
@@ -222,7 +223,7 @@ class Assembler {
   size_t Body1(size_t i) const { return static_cast<size_t>(system_.constraints[i].body1); }
   size_t Body2(size_t i) const { return static_cast<size_t>(system_.constraints[i].body2); }
   std::string ConstraintText(size_t i) const {
-    return SystemText(system_) + TypeText(system_.constraints[i].type) + " " + std::to_string(i);
+    return SystemText(system_) + ToString(system_.constraints[i].type) + " " + std::to_string(i);
   }
 
   const ContactSystem& system_;

@@ -9,6 +9,9 @@
 
 namespace lcpbench {
 
+/// "contact", "path joint", "pin", "rod" or "rope".
+const char* ToString(ConstraintType type);
+
 /// One row of an assembled system, with the geometry it came from (world frame).
 struct RowInfo {
   int constraint = 0;  ///< index into ContactSystem::constraints

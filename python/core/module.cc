@@ -1,8 +1,11 @@
 // The extension lcpbench._core: what Python calls.
 #include "python/core/arrays.h"
 #include "python/core/exact.h"
+#include "python/core/functions.h"
 #include "python/core/problem.h"
+#include "python/core/problem_views.h"
 #include "python/core/result.h"
+#include "python/core/scenes.h"
 #include "python/core/solver.h"
 #include "python/core/step.h"
 #include "solvers/lcp/memory_budget.h"
@@ -36,6 +39,9 @@ NB_MODULE(_core, module) {
       "Limits the threads of BLAS and OpenMP below the solvers, for the whole process, as the command does: to 1. "
       "Returns how many BLAS reports.");
   BindProblem(module);
+  BindProblemViews(module);
+  BindScenes(module);
+  BindFunctions(module);
   BindResult(module);
   BindSolvers(module);
   BindStep(module);

@@ -6,6 +6,8 @@
 """
 
 from ._command import command
+from .campaigns import Campaign, run, tables
+from .scenes import Animation, Body, Edge, Row, Scene, generate, scene_families
 from ._core import (BatchAnswer, Certificate, Problem, RayVerdict, Result, Solver, SolverEntry, StepAnswer, StepSolver,
                     Verdict, available_solvers, certify, limit_library_threads, solve, verify)
 from ._core import version as __version__
@@ -20,3 +22,4 @@ def solve_batch(body, J, b, inverse_mass, starts, *, bilateral=None, f=None, tol
 __all__ = ["BatchAnswer", "Certificate", "Problem", "RayVerdict", "Result", "Solver", "SolverEntry", "StepAnswer",
            "StepSolver", "Verdict", "__version__", "available_solvers", "certify", "command", "limit_library_threads",
            "solve", "solve_batch", "verify"]
+__all__ += ["Animation", "Body", "Campaign", "Edge", "Row", "Scene", "generate", "run", "scene_families", "tables"]

@@ -1,0 +1,79 @@
+"""qpsolvers' `solve_problem` and `solve_qp` with the solver "lcpbench", for problems with bounds only:
+
+    minimize 1/2 x.P x + q.x   subject to   lb <= x <= ub
+
+P symmetric and positive semidefinite. Its optimality conditions are the box LCP w = P x + q, which `lcpbench.solve`
+solves. Importing this module registers the solver; problems with G, h, A or b are refused.
+
+    import qpsolvers, lcpbench.qpsolvers
+    x = qpsolvers.solve_qp(P, q, lb=lb, ub=ub, solver="lcpbench")
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+from qpsolvers import Problem, Solution, available_solvers, dense_solvers, sparse_solvers
+from qpsolvers.exceptions import ProblemError
+from qpsolvers.solvers import solve_function
+
+from . import _core
+
+__all__ = ["solve_problem"]
+
+_NAME = "lcpbench"
+
+
+def solve_problem(problem: Problem, initvals: np.ndarray | None = None, verbose: bool = False, method: str = "auto",
+                  **options) -> Solution:
+    """Solves a quadratic program with bounds only.
+
+    initvals  (n,) warm start
+    verbose   prints the status and rho
+    method    a key of lcpbench.available_solvers()
+    options   of lcpbench.solve: tolerance (on rho), time_limit, max_iterations, settings of the method
+
+    The solution is `found` where the verifier passes it at the tolerance. `extras` has the method's status, iterations
+    and detail, rho and eta. Where lb > ub, and where the objective is unbounded, nothing is found.
+    Raises qpsolvers' ProblemError for G, h, A or b, and ValueError naming another argument.
+    """
+    begin = time.perf_counter()
+    P, q, G, h, A, b, lb, ub = problem.unpack()
+    if any(part is not None for part in (G, h, A, b)):
+        raise ProblemError("lcpbench takes problems with bounds only: expected G, h, A and b to be None")
+    n = len(q)
+    lower = np.full(n, -np.inf) if lb is None else np.asarray(lb, dtype=float)
+    upper = np.full(n, np.inf) if ub is None else np.asarray(ub, dtype=float)
+    solution = Solution(problem)
+    if np.any(lower > upper):
+        solution.found = False
+        solution.extras = {"status": "infeasible", "detail": "lb > ub"}
+        return solution
+    free = np.isneginf(lower) & np.isposinf(upper)
+    bounded = np.flatnonzero(~free & ~((lower == 0) & np.isposinf(upper)))
+    lcp = _core.Problem(P, q, bilateral=free, symmetric=True,
+                        bounded={"row": bounded, "lower": lower[bounded], "upper": upper[bounded]})
+    built = time.perf_counter()
+    result = _core.solve(lcp, solver=method, initial_f=initvals, **options)
+    solution.solve_time = time.perf_counter() - built
+    solution.build_time = built - begin
+    verdict = result.verdict
+    solution.found = bool(verdict.passes)
+    solution.extras = {"status": result.status, "iterations": result.iterations, "detail": result.detail,
+                       "rho": verdict.rho, "eta": verdict.eta}
+    if verbose:
+        print(f"lcpbench {method}: {result.status}, rho = {verdict.rho:.1e}")
+    if solution.found:
+        x, w = np.array(result.f), result.w
+        solution.x = x
+        solution.obj = float(0.5 * x @ (w - q) + q @ x)  # w = P x + q
+        solution.y = solution.z = np.empty(0)
+        solution.z_box = np.where((x <= lower) | (x >= upper), -w, 0.0)
+    return solution
+
+
+if _NAME not in available_solvers:
+    solve_function[_NAME] = solve_problem
+    for names in (available_solvers, dense_solvers, sparse_solvers):
+        names.append(_NAME)

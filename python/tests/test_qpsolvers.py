@@ -1,0 +1,61 @@
+"""qpsolvers: the KKT conditions of programs with bounds only; a refusal otherwise."""
+
+import lcpbench.qpsolvers  # noqa: F401
+import numpy as np
+import pytest
+import qpsolvers
+import scipy.sparse
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from qpsolvers.exceptions import ProblemError
+
+
+def program(seed, n, rank, kind):
+    random = np.random.default_rng(seed)
+    C = random.normal(size=(rank, n))
+    lower, upper = {
+        "both": (-random.uniform(0, 1, n), random.uniform(0, 1, n)),
+        "lower": (random.normal(size=n), None),
+        "upper": (None, random.normal(size=n)),
+        "zero": (np.zeros(n), None),
+        "fixed": (np.full(n, 0.5), np.full(n, 0.5)),
+        "mixed": (np.where(random.random(n) < 0.5, -np.inf, -1.0), np.where(random.random(n) < 0.5, np.inf, 1.0)),
+    }[kind]
+    return qpsolvers.Problem(C.T @ C, -C.T @ random.normal(size=rank), lb=lower, ub=upper)  # never unbounded
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.integers(0, 10**6), st.integers(1, 12), st.integers(1, 15),
+       st.sampled_from(["both", "lower", "upper", "zero", "fixed", "mixed"]), st.booleans())
+def test_solutions_satisfy_the_kkt_conditions(seed, n, rank, kind, sparse):
+    problem = program(seed, n, rank, kind)
+    if sparse:
+        problem.P = scipy.sparse.csc_matrix(problem.P)
+    solution = qpsolvers.solve_problem(problem, "lcpbench")
+    assert solution.found, solution.extras
+    assert solution.is_optimal(1e-6), solution.extras
+    P = problem.P.toarray() if sparse else problem.P
+    assert solution.obj == pytest.approx(0.5 * solution.x @ P @ solution.x + problem.q @ solution.x, abs=1e-9)
+
+
+def test_solve_qp_and_warm_starts():
+    P, q = np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([-1.0, 1.0])
+    x = qpsolvers.solve_qp(P, q, lb=np.zeros(2), solver="lcpbench")
+    assert x == pytest.approx([0.5, 0])
+    assert qpsolvers.solve_qp(P, q, lb=np.zeros(2), solver="lcpbench", initvals=x) == pytest.approx(x)
+    assert "lcpbench" in qpsolvers.available_solvers
+
+
+def test_what_has_no_solution_is_not_found():
+    assert qpsolvers.solve_qp(np.zeros((1, 1)), np.array([1.0]), ub=np.ones(1), solver="lcpbench") is None  # unbounded
+    crossed = qpsolvers.Problem(np.eye(1), np.zeros(1), lb=np.ones(1), ub=-np.ones(1))
+    assert qpsolvers.solve_problem(crossed, "lcpbench").found is False
+
+
+@pytest.mark.parametrize("more", [{"G": np.eye(2), "h": np.ones(2)}, {"A": np.ones((1, 2)), "b": np.ones(1)}])
+def test_other_constraints_are_refused(more):
+    problem = qpsolvers.Problem(np.eye(2), np.zeros(2), **more)
+    with pytest.raises(ProblemError, match="bounds only"):
+        qpsolvers.solve_problem(problem, "lcpbench")
+    with pytest.raises(ValueError, match="symmetric"):
+        qpsolvers.solve_problem(qpsolvers.Problem(np.array([[1.0, 2.0], [0.0, 1.0]]), np.zeros(2)), "lcpbench")
