@@ -6,6 +6,7 @@ SUITE   ?= quick
 RESULTS ?= build/results/$(basename $(notdir $(SUITE)))
 # Debian's Python modules belong to Debian's interpreter.
 PYTHON  ?= /usr/bin/python3
+PYTHON_VENV := build/python-venv
 
 # Motions that the report shows: with joints, piled, and at the acceleration level, where loose tolerances end at the
 # budget.
@@ -57,11 +58,12 @@ REFERENCE_RESULTS := $(REFERENCE)/core $(REFERENCE)/sequences --precision $(REFE
                      --curves $(REFERENCE)/curves $(REFERENCE_ABLATION) --pictures $(PICTURES)
 REFERENCE_OTHERS  := smoke pathological large sequences-qp
 
-.PHONY: $(BASELINE) $(V3) core help deps peers configure command build test report run pictures ablation calibrate record-engines fresh-benchmark scene-benchmark solver-curves slurm-try doc reference-report check format fuzz attack install clean
+.PHONY: $(BASELINE) $(V3) core help deps peers configure command build test python-test report run pictures ablation calibrate record-engines fresh-benchmark scene-benchmark solver-curves slurm-try doc reference-report check format fuzz attack install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
 	@echo "make test     install what is missing, build, run all tests"
+	@echo "make python-test   install the Python package into build/python-venv, on the libraries of the build, and run its tests"
 	@echo "make build    install what is missing, configure and build"
 	@echo "make core       the campaign behind the published numbers, on two processors (AGAIN=FOLDER compares with that one)"
 	@echo "make ablation   what our own checks, checks for peers, and instruction sets are worth: a build and a campaign (20 minutes)"
@@ -102,6 +104,16 @@ test: build
 	@rm -f $(BUILD)/Testing/tests.xml
 	@ctest --preset $(PRESET) -j $(JOBS) --output-junit Testing/tests.xml; status=$$?; \
 	  $(PYTHON) tests/skipped.py $(BUILD)/Testing/tests.xml; exit $$status
+
+# pip builds the extension alone, in build/python, with the tools of the environment itself.
+python-test: command
+	@[ -x $(PYTHON_VENV)/bin/python ] || $(PYTHON) -m venv $(PYTHON_VENV)
+	@$(PYTHON) -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")' \
+	  > build/python-requires.txt
+	@$(PYTHON_VENV)/bin/pip install -q -r build/python-requires.txt
+	@$(PYTHON_VENV)/bin/pip install -q --no-build-isolation -C build-dir=build/python \
+	  -C cmake.define.LCPBENCH_BUILD_TREE=$(CURDIR)/$(BUILD) '.[test]'
+	@$(PYTHON_VENV)/bin/python -m pytest -q
 
 # Only the command: a newcomer's first report should not wait for the tests to compile.
 command: configure

@@ -27,8 +27,15 @@ install(FILES "${PROJECT_BINARY_DIR}/lcpbenchConfig.cmake" "${PROJECT_BINARY_DIR
 install(FILES "${PROJECT_SOURCE_DIR}/cmake/FindIpopt.cmake" "${PROJECT_SOURCE_DIR}/cmake/FindCHOLMOD.cmake"
   "${PROJECT_SOURCE_DIR}/cmake/FindMPFR.cmake" DESTINATION "${LCPBENCH_INSTALL_CMAKEDIR}")
 if(LCPBENCH_BUILD_BENCHMARKS)
-  install(TARGETS lcpbench_command RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+  install(TARGETS lcpbench_command RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT command)
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/report/" DESTINATION "${CMAKE_INSTALL_DATADIR}/lcpbench/report"
+    COMPONENT command
     FILES_MATCHING PATTERN "*.py" PATTERN "*.json" PATTERN "*.j2" PATTERN "*.css" PATTERN "*.js" PATTERN "tests" EXCLUDE
     PATTERN "__pycache__" EXCLUDE)
+endif()
+# For LCPBENCH_BUILD_TREE of another build.
+if(LCPBENCH_BUILD_BENCHMARKS)
+  export(TARGETS lcpbench_warnings lcpbench_reproducible lcpbench_fast lcpbench_support lcpbench_lcp lcpbench_io
+    lcpbench_external lcpbench_exact lcpbench_model lcpbench_solvers lcpbench_campaign lcpbench_command
+    NAMESPACE lcpbench:: FILE "${PROJECT_BINARY_DIR}/lcpbench_build_tree.cmake")
 endif()

@@ -52,7 +52,7 @@ def box_of(path):
     """The box that a file is drawn in, or None."""
     folder = folder_of(path)
     top = folder.partition("/")[0]
-    if top == "benchmarks":
+    if top in ("benchmarks", "python"):
         return top
     if re.match(r"solvers/peers/(?!protocol$)", folder):
         return "solvers/peers/<library>"

@@ -16,7 +16,7 @@ sys.dont_write_bytecode = True
 
 import draw_includes  # noqa: E402  (docs/draw_includes.py)
 
-_OURS = ("support", "solvers", "model", "benchmarks", "tests", "examples")
+_OURS = ("support", "solvers", "model", "benchmarks", "tests", "examples", "python")
 
 # What a folder may include of ours; the first entry that fits the including file decides.
 _MAY_INCLUDE = (
@@ -25,12 +25,13 @@ _MAY_INCLUDE = (
     ("solvers/", r"(support|solvers)/"),
     ("model/", r"(support|solvers/lcp|model)/"),
     ("benchmarks/", r"(support|solvers|model|benchmarks)/"),
+    ("python/", r"(support|solvers|model|benchmarks|python)/"),
     ("tests/", r"(support|solvers|model|benchmarks|tests|examples)/"),
     ("", r"(support|solvers|model|benchmarks)/"),
 )
 
 # The registry depends on every solver, so nothing that a solver is made of may include it.
-_MAY_INCLUDE_REGISTRY = re.compile(r"(benchmarks|tests|examples|solvers/c)/|solvers/registry\.cc$")
+_MAY_INCLUDE_REGISTRY = re.compile(r"(benchmarks|tests|examples|solvers/c|python)/|solvers/registry\.cc$")
 
 # Generated headers without a template of the same name (*.in).
 _GENERATED = {"git_revision.h"}
@@ -43,7 +44,7 @@ _HISTORY = ("CHANGELOG.md", "report/reference/")
 # Headers of libraries that comments name.
 _FOREIGN_HEADERS = {"fclib.h"}
 
-_TOP = "support|solvers|model|benchmarks|tests|report|data|docs|cmake|examples"
+_TOP = "support|solvers|model|benchmarks|tests|report|data|docs|cmake|examples|python"
 _SUFFIX = "h|cc|py|md|json|cmake|sh"
 _CITED_PATH = re.compile(rf"(?<![\w/.$}}<>*-])((?:{_TOP})(?:/[\w.+-]+)*/[\w.+-]+\.(?:{_SUFFIX}))(?![\w/*])")
 _CITED_FOLDER = re.compile(rf"(?<![\w/.$}}<>*-])((?:{_TOP})(?:/[\w-]+)+)/(?![\w.*<{{$(%-])")
@@ -145,7 +146,7 @@ class Includes(_Tree):
         includes = [include for include in self.own_includes if include.target == "solvers/registry.h"]
         self.assertTrue(includes)
         wrong = [include for include in includes if not _MAY_INCLUDE_REGISTRY.match(include.source)]
-        self.assertNone(wrong, "solvers/registry.h depends on every solver and is for benchmarks/, tests/, examples/, solvers/c/:")
+        self.assertNone(wrong, "solvers/registry.h depends on every solver and is for benchmarks/, tests/, examples/, python/, solvers/c/:")
 
     def test_there_are_no_cycles(self):
         for what, is_checked, name in (

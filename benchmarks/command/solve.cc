@@ -7,7 +7,6 @@
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
 #include "benchmarks/measure/reference_solves.h"
-#include "solvers/exact/unique_forces.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/peers/protocol/external_solver.h"
@@ -73,7 +72,7 @@ struct Solve {
       if (least_norm) notes.least_norm = TakeLeastNorm(record.problem, &result);
       const Verdict verdict = Verify(record.problem, result, options.tolerance, &reference);
       if (summary) return counts.Add(result, verdict, reference);
-      if (verdict.passes) notes.f_unique = IsOnlyAnswer(record.problem, result.f);
+      if (verdict.passes) notes.f_unique = IsOnlyAnswer(record.problem, result.f, options.tolerance);
       std::cout << FormatSolveRecord(record, key, result, verdict, notes) << std::endl;
     });
     if (summary) {
@@ -99,17 +98,6 @@ struct Solve {
       if (verdict.false_infeasible) ++false_infeasible;
     }
   };
-
-  // By ranks; where those leave it open, another solution that is clearly a different one says no.
-  std::optional<bool> IsOnlyAnswer(const LcpProblem& problem, const Eigen::VectorXd& f) const {
-    constexpr Index kMostRows = 300;
-    constexpr double kClearly = 1e-3;
-    const std::optional<bool> known = UniqueForces(problem, f);
-    if (known || problem.size() > kMostRows) return known;
-    const LeastNormForces least = FindLeastNormForces(problem, f, {.tolerance = options.tolerance});
-    const bool differs = least.status == LcpStatus::kSolved && (least.f - f).norm() > kClearly * f.norm();
-    return differs ? std::optional<bool>(false) : std::nullopt;
-  }
 
   // The result's f becomes the one of least norm, or its detail says why not.
   std::optional<SolveNotes::LeastNorm> TakeLeastNorm(const LcpProblem& problem, LcpResult* result) const {

@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "solvers/exact/modes/mode_answer.h"
+#include "solvers/exact/unique_forces.h"
 #include "solvers/lcp/verify.h"
+#include "solvers/pivoting/least_norm.h"
 #include "solvers/registry.h"
 
 namespace lcpbench {
@@ -64,6 +66,16 @@ ModeGuess GuessModes(const LcpProblem& problem) {
     if (is_proved) break;
   }
   return guess;
+}
+
+std::optional<bool> IsOnlyAnswer(const LcpProblem& problem, const Eigen::VectorXd& f, double tolerance) {
+  constexpr Index kMostRows = 300;
+  constexpr double kClearly = 1e-3;
+  const std::optional<bool> known = UniqueForces(problem, f);
+  if (known || problem.size() > kMostRows) return known;
+  const LeastNormForces least = FindLeastNormForces(problem, f, {.tolerance = tolerance});
+  const bool differs = least.status == LcpStatus::kSolved && (least.f - f).norm() > kClearly * f.norm();
+  return differs ? std::optional<bool>(false) : std::nullopt;
 }
 
 std::optional<double> FindReferenceFloor(const LcpProblem& problem, double tolerance, double time_limit_s) {

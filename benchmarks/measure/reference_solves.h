@@ -26,6 +26,10 @@ struct ModeGuess {
 /// From the answers of solvers that take the rows, one after the other, until modes are proved.
 ModeGuess GuessModes(const LcpProblem& problem);
 
+/// Whether f, which passes `tolerance`, is the only solution: by ranks (unique_forces.h); where those leave it open, a
+/// solution of least norm that is clearly another one says no, up to 300 rows.
+std::optional<bool> IsOnlyAnswer(const LcpProblem& problem, const Eigen::VectorXd& f, double tolerance);
+
 /// The floor that all verdicts on one problem are relative to, found without any of the judged answers: where f is not
 /// unique, a solver that returns a huge self-stress must not loosen its own verdict.
 ///

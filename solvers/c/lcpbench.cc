@@ -2,7 +2,6 @@
 #include "solvers/c/lcpbench.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -207,57 +206,30 @@ lcpbench_error MakeProblem(const char* function, std::int64_t n, lcpbench_proble
   });
 }
 
-void RequireNoEntryTwice(const SparseMatrix& matrix, const char* name) {
-  for (Index i = 0; i < matrix.outerSize(); ++i) {
-    Index last = -1;
-    for (SparseMatrix::InnerIterator it(matrix, i); it; ++it) {
-      if (it.col() == last) {
-        throw InputError("indices: entry (" + std::to_string(i) + ", " + std::to_string(last) + ") of " + name +
-                         " is stored twice");
-      }
-      last = it.col();
-    }
-  }
-}
-
 // Throws what was found to be wrong.
 void RequireNothing(const std::string& wrong) {
   if (!wrong.empty()) throw InputError(wrong);
 }
 
-// The compressed arrays of `name`, checked. Going through the other order sorts the entries, in O(rows + columns +
-// entries).
+// The compressed arrays of `name`, checked.
 SparseMatrix ReadCompressed(const char* name, std::int64_t rows, std::int64_t columns, lcpbench_layout layout,
                             const std::int32_t* starts, const std::int32_t* indices, const double* values,
                             std::int64_t entries) {
-  using ByColumns = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
   RequireLayout(layout);
   RequireSize(entries, "entries");
   const bool by_columns = layout == LCPBENCH_COLUMN_MAJOR;
   const std::int64_t outer = by_columns ? columns : rows;
   const std::int64_t inner = by_columns ? rows : columns;
-  SparseMatrix matrix(rows, columns);
-  if (entries == 0 && (outer == 0 || (inner == 0 && starts == nullptr))) return matrix;
+  if (entries == 0 && (outer == 0 || (inner == 0 && starts == nullptr))) return {rows, columns};
   RequireNotNull(starts, "starts", "one number for every column (or row) and one more");
-  RequireNothing(WhyNotStarts({starts, static_cast<std::size_t>(outer) + 1}, entries, "starts", "entries"));
-  if (entries == 0) return matrix;
-  RequireNotNull(indices, "indices", "an array of indices");
-  RequireNotNull(values, "values", "an array of numbers");
-  for (std::int64_t k = 0; k < entries; ++k) {
-    if (indices[k] < 0 || indices[k] >= inner) {
-      Refuse(Place("indices", k), indices[k],
-             std::string(by_columns ? "a row" : "a column") + " of " + name + " in [0, " + std::to_string(inner) + ")");
-    }
-    if (!std::isfinite(values[k])) Refuse(Place("values", k), values[k], "a finite number");
+  const std::span<const int> begins(starts, static_cast<std::size_t>(outer) + 1);
+  RequireNothing(WhyNotStarts(begins, entries, "starts", "entries"));
+  if (entries > 0) {
+    RequireNotNull(indices, "indices", "an array of indices");
+    RequireNotNull(values, "values", "an array of numbers");
   }
-  if (by_columns) {
-    matrix = Eigen::Map<const ByColumns>(rows, columns, entries, starts, indices, values);
-  } else {
-    const ByColumns sorted = Eigen::Map<const SparseMatrix>(rows, columns, entries, starts, indices, values);
-    matrix = sorted;
-  }
-  RequireNoEntryTwice(matrix, name);
-  return matrix;
+  const auto count = static_cast<std::size_t>(entries);
+  return ToSparseMatrix({rows, columns, by_columns, begins, {indices, count}, {values, count}}, name);
 }
 
 Eigen::MatrixXd ReadDense(const double* A, std::int64_t n, lcpbench_layout layout) {

@@ -1,12 +1,53 @@
 #include "solvers/lcp/compressed_rows.h"
 
+#include <cmath>
 #include <cstddef>
+
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
 
+using SparseMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
+
 std::string Found(const char* name, std::size_t k, int found, const std::string& expected) {
   return std::string(name) + "[" + std::to_string(k) + "] is " + std::to_string(found) + ", " + expected;
+}
+
+// What is wrong with the entries where their order is free; "" where nothing is.
+std::string WhyNotEntries(const CompressedArrays& arrays, const char* name) {
+  const Eigen::Index inner = arrays.by_columns ? arrays.rows : arrays.columns;
+  for (std::size_t k = 0; k < arrays.indices.size(); ++k) {
+    if (arrays.indices[k] < 0 || arrays.indices[k] >= inner) {
+      return Found("indices", k, arrays.indices[k],
+                   std::string("expected ") + (arrays.by_columns ? "a row" : "a column") + " of " + name + " in [0, " +
+                       std::to_string(inner) + ")");
+    }
+    if (!std::isfinite(arrays.values[k])) {
+      return "values[" + std::to_string(k) + "] is " + std::to_string(arrays.values[k]) + ", expected a finite number";
+    }
+  }
+  return {};
+}
+
+// Of sorted rows.
+std::string WhyStoredTwice(const SparseMatrix& matrix, const char* name) {
+  for (Eigen::Index i = 0; i < matrix.outerSize(); ++i) {
+    Eigen::Index last = -1;
+    for (SparseMatrix::InnerIterator it(matrix, i); it; ++it) {
+      if (it.col() == last) {
+        return "indices: entry (" + std::to_string(i) + ", " + std::to_string(last) + ") of " + name +
+               " is stored twice";
+      }
+      last = it.col();
+    }
+  }
+  return {};
+}
+
+// Throws what was found to be wrong.
+void RequireNothing(const std::string& wrong) {
+  if (!wrong.empty()) throw InputError(wrong);
 }
 
 }  // namespace
@@ -38,6 +79,29 @@ std::string WhyNotColumns(std::span<const int> starts, std::span<const int> indi
     }
   }
   return {};
+}
+
+SparseMatrix ToSparseMatrix(const CompressedArrays& arrays, const char* name) {
+  using ByColumns = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
+  const auto entries = static_cast<Eigen::Index>(arrays.indices.size());
+  RequireNothing(WhyNotStarts(arrays.starts, entries, "starts", "entries"));
+  RequireNothing(WhyNotEntries(arrays, name));
+  const auto as = [&]<typename Order>(const Order&) {
+    return Eigen::Map<const Order>(arrays.rows, arrays.columns, entries, arrays.starts.data(), arrays.indices.data(),
+                                   arrays.values.data());
+  };
+  SparseMatrix matrix;
+  if (arrays.by_columns) {
+    matrix = as(ByColumns());
+  } else if (WhyNotColumns(arrays.starts, arrays.indices, arrays.columns, "indices").empty()) {
+    matrix = as(SparseMatrix());
+    return matrix;
+  } else {
+    const ByColumns sorted = as(SparseMatrix());  // going through the other order sorts the entries
+    matrix = sorted;
+  }
+  RequireNothing(WhyStoredTwice(matrix, name));
+  return matrix;
 }
 
 }  // namespace lcpbench

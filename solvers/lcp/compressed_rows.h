@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/SparseCore>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -18,5 +19,21 @@ std::string WhyNotStarts(std::span<const int> starts, std::int64_t end, const ch
 /// @param starts  for which WhyNotStarts found nothing
 std::string WhyNotColumns(std::span<const int> starts, std::span<const int> indices, std::int64_t columns,
                           const char* name);
+
+/// A compressed matrix as a caller's arrays hold it, by rows (CSR) or by columns (CSC).
+struct CompressedArrays {
+  Eigen::Index rows = 0, columns = 0;
+  bool by_columns = false;
+  std::span<const int> starts;   ///< a number for every row (or column) and one more
+  std::span<const int> indices;  ///< the columns (or rows) of the entries, in any order within a row (or column)
+  std::span<const double> values;
+};
+
+/// The same matrix as a SparseMatrix (problem.h), each array copied once where it is by rows whose columns ascend.
+/// O(rows + columns + entries)
+/// @param name  of the matrix, for messages
+/// @throws InputError naming the array, the place, what was expected and what was found: starts that do not fit,
+///         indices out of range or twice in one row, numbers that are not finite
+Eigen::SparseMatrix<double, Eigen::RowMajor, int> ToSparseMatrix(const CompressedArrays& arrays, const char* name);
 
 }  // namespace lcpbench

@@ -1,0 +1,127 @@
+#include "python/core/exact.h"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "benchmarks/measure/reference_solves.h"
+#include "solvers/exact/exact_lcp.h"
+#include "solvers/exact/modes/mode_search.h"
+
+namespace lcpbench::python {
+namespace {
+
+// What is proved; of problems with friction and bounded rows by their modes.
+struct Certificate {
+  std::string status, detail, modes;
+  bool certified = false;
+  bool complete = false;  // every solution is known of
+  std::vector<Rational> f, w, f_least_norm, ray;
+  std::optional<bool> f_unique, w_unique;
+  std::optional<Index> rank;
+};
+
+Certificate Plain(const LcpProblem& problem, double time_limit_s) {
+  ExactOptions options;
+  options.time_limit_s = time_limit_s;
+  options.guess = GuessBySolvers;
+  const ExactLcp exact = ExactFrom(problem);
+  ExactAnswer answer = SolveExactly(exact, options);
+  Certificate certificate;
+  const bool solved = answer.status == ExactAnswer::Status::kSolved;
+  const std::string fault = FindFault(exact, answer);
+  certificate.status = ToString(answer.status);
+  certificate.certified = fault.empty() && (solved || answer.status == ExactAnswer::Status::kInfeasible);
+  certificate.complete = certificate.certified;
+  certificate.detail = fault.empty() ? answer.detail : fault;
+  certificate.f = std::move(answer.f);
+  certificate.w = std::move(answer.w);
+  certificate.f_least_norm = std::move(answer.f_least_norm);
+  certificate.ray = std::move(answer.ray);
+  certificate.f_unique = answer.f_unique;
+  if (solved) certificate.w_unique = true;
+  certificate.rank = answer.rank;
+  return certificate;
+}
+
+Certificate ByModes(const LcpProblem& problem, double time_limit_s) {
+  ModeOptions options;
+  options.time_limit_s = time_limit_s;
+  options.guesses = [&] { return GuessModes(problem).modes; };
+  const ExactLcp exact = ExactFrom(problem);
+  ModeAnswer answer = SolveByModes(exact, options);
+  Certificate certificate;
+  const bool solved = answer.status == LcpReference::Status::kSolved;
+  const std::string fault = solved ? FindFaultOfModes(exact, answer.modes, answer.f) : "";
+  certificate.status = solved ? "solved" : answer.complete ? "infeasible" : "unknown";
+  certificate.certified = fault.empty() && (solved || answer.complete);
+  certificate.complete = answer.complete;
+  certificate.detail = fault.empty() ? answer.detail : fault;
+  certificate.modes = answer.modes;
+  certificate.f = std::move(answer.f);
+  certificate.w = std::move(answer.w);
+  certificate.ray = std::move(answer.ray);
+  certificate.f_unique = answer.f_unique;
+  certificate.w_unique = answer.w_unique;
+  return certificate;
+}
+
+Certificate Certify(const LcpProblem& problem, nb::handle time_limit) {
+  const double time_limit_s = ReadNumber(time_limit, "time_limit", ExactOptions().time_limit_s);
+  if (!(time_limit_s > 0)) Refuse("time_limit", "is " + std::to_string(time_limit_s) + ", expected a number > 0");
+  const nb::gil_scoped_release release;
+  return problem.is_plain() ? Plain(problem, time_limit_s) : ByModes(problem, time_limit_s);
+}
+
+// A list of fractions.Fraction; None where there is nothing.
+template <std::vector<Rational> Certificate::*member>
+nb::object Fractions(const Certificate& certificate) {
+  if ((certificate.*member).empty()) return nb::none();
+  const nb::object fraction = nb::module_::import_("fractions").attr("Fraction");
+  nb::list fractions;
+  for (const Rational& value : certificate.*member) fractions.append(fraction(value.str()));
+  return fractions;
+}
+
+}  // namespace
+
+void BindExact(nb::module_& module) {
+  nb::class_<Certificate>(module, "Certificate", "An answer in rational numbers, with what is proved of it.")
+      .def_ro("status", &Certificate::status, "'solved', 'infeasible', 'not semidefinite', 'time limit' or 'unknown'.")
+      .def_ro("certified", &Certificate::certified, "Checked in exact arithmetic from the definitions.")
+      .def_ro("complete", &Certificate::complete, "Whether all solutions were looked at.")
+      .def_prop_ro("f", &Fractions<&Certificate::f>, nb::sig("def f(self) -> list[fractions.Fraction] | None"),
+                   "(n,) a solution.")
+      .def_prop_ro("w", &Fractions<&Certificate::w>, nb::sig("def w(self) -> list[fractions.Fraction] | None"),
+                   "(n,) A f + b.")
+      .def_prop_ro("f_least_norm", &Fractions<&Certificate::f_least_norm>,
+                   nb::sig("def f_least_norm(self) -> list[fractions.Fraction] | None"),
+                   "(n,) the solution of least Euclidean norm.")
+      .def_prop_ro("ray", &Fractions<&Certificate::ray>, nb::sig("def ray(self) -> list[fractions.Fraction] | None"),
+                   "(n,) of an infeasible problem: y >= 0 on unilateral rows, A y = 0, b.y = -1.")
+      .def_ro("f_unique", &Certificate::f_unique, "Whether f is the only solution; None: not known.")
+      .def_ro("w_unique", &Certificate::w_unique, "Whether w is that of every solution; None: not known.")
+      .def_ro("rank", &Certificate::rank, "Of A; None: not looked at.")
+      .def_ro("modes", &Certificate::modes,
+              "Of f, a character a row, where there are friction or bounded rows: open O or o, closed C, stick S, "
+              "slip + or -, sliding k, joint B.")
+      .def_ro("detail", &Certificate::detail, "What is not known, and why.")
+      .def("__repr__", [](const Certificate& c) {
+        return "Certificate(status='" + c.status + "', certified=" + (c.certified ? "True)" : "False)");
+      });
+  module.def("certify", &Certify, nb::arg("problem"), nb::kw_only(), nb::arg("time_limit") = nb::none(),
+             nb::sig("def certify(problem: Problem, *, time_limit: float | None = None) -> Certificate"),
+             R"(Solves a problem in rational numbers: its doubles are taken as the numbers that they are.
+
+Plain problems need a symmetric positive semidefinite A, and take milliseconds for some tens of rows and seconds for
+some hundreds; of problems with friction or bounded rows all solutions are found up to six contacts, one above.
+
+time_limit  [s], looked at between exact solves; None: an hour
+Raises ValueError where A is not symmetric, or has more than 4000 rows.)");
+}
+
+}  // namespace lcpbench::python

@@ -1,0 +1,43 @@
+// The extension lcpbench._core: what Python calls.
+#include "python/core/arrays.h"
+#include "python/core/exact.h"
+#include "python/core/problem.h"
+#include "python/core/result.h"
+#include "python/core/solver.h"
+#include "python/core/step.h"
+#include "solvers/lcp/memory_budget.h"
+#include "solvers/linear_algebra/loaded_blas.h"
+#include "support/input_error.h"
+
+namespace lcpbench::python {
+namespace {
+
+// A caller's mistake is a ValueError, more memory than there is a MemoryError.
+void Translate(const std::exception_ptr& thrown, void* /*unused*/) {
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const InputError& error) {
+    PyErr_SetString(PyExc_ValueError, error.what());
+  } catch (const MemoryRefusal& error) {
+    PyErr_SetString(PyExc_MemoryError, error.what());
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench::python
+
+NB_MODULE(_core, module) {
+  using namespace lcpbench::python;
+  ImportNumpy();
+  nb::register_exception_translator(&Translate);
+  module.attr("__version__") = LCPBENCH_VERSION;
+  module.def(
+      "limit_library_threads", &lcpbench::LimitLibraryThreads, nb::arg("threads"),
+      "Limits the threads of BLAS and OpenMP below the solvers, for the whole process, as the command does: to 1. "
+      "Returns how many BLAS reports.");
+  BindProblem(module);
+  BindResult(module);
+  BindSolvers(module);
+  BindStep(module);
+  BindExact(module);
+}

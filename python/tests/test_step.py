@@ -1,0 +1,112 @@
+"""StepSolver: single steps, batches, output arrays."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import sparse
+
+import lcpbench
+
+
+def random_step(seed, rows, columns_per_body=3, bodies=None):
+    random = np.random.default_rng(seed)
+    bodies = bodies or 2 + rows // 2
+    first = random.integers(0, bodies, rows)
+    body = np.stack([first, (first + random.integers(1, bodies, rows)) % bodies], 1).astype(np.int32)
+    body[random.random(rows) < 0.2, 1] = -1
+    J = random.normal(size=(rows, 2 * columns_per_body))
+    J[body[:, 1] < 0, columns_per_body:] = 0
+    return body, J, random.normal(size=rows), random.uniform(0.1, 3, (bodies, columns_per_body))
+
+
+def as_factors(body, J, b, inverse_mass):
+    rows, columns_per_body = len(b), inverse_mass.shape[1]
+    side = body.repeat(columns_per_body, 1)
+    column = columns_per_body * side + np.tile(np.arange(columns_per_body), 2)
+    there = side >= 0
+    row = np.arange(rows)[:, None].repeat(2 * columns_per_body, 1)
+    matrix = sparse.csr_matrix((J[there], (row[there], column[there])), shape=(rows, inverse_mass.size))
+    return lcpbench.Problem(J=matrix, inverse_mass=inverse_mass.ravel(), b=b, columns_per_body=columns_per_body)
+
+
+@settings(deadline=None, max_examples=60)
+@given(seed=st.integers(0, 2**32 - 1), rows=st.integers(1, 60), columns=st.sampled_from([3, 6]))
+def test_a_step_is_the_problem_of_its_rows(seed, rows, columns):
+    arrays = random_step(seed, rows, columns)
+    problem = as_factors(*arrays)
+    answer = lcpbench.StepSolver().solve(*arrays)
+    judged = lcpbench.verify(problem, answer.f, status=answer.status)
+    assert not judged.false_success
+    assert answer.status == lcpbench.solve(problem).status
+
+
+@settings(deadline=None, max_examples=40)
+@given(seed=st.integers(0, 2**32 - 1), rows=st.integers(1, 40))
+def test_arrays_are_written_in_place(seed, rows):
+    arrays = random_step(seed, rows)
+    step = lcpbench.StepSolver()
+    alone = step.solve(*arrays).f
+    f, w = np.full(rows, np.nan), np.full(rows, np.nan)
+    answer = step.solve(*arrays, f=f, w=w)
+    assert answer.f is f and f.tobytes() == alone.tobytes()
+    np.testing.assert_allclose(w, lcpbench.solve(as_factors(*arrays)).w, atol=1e-7 * (1 + np.abs(arrays[2]).max()))
+    again = step.solve(*arrays, initial_f=f, f=f)  # a warm start in the output's own array
+    assert again.f is f and again.status == answer.status
+
+
+def test_single_precision_and_layouts_are_taken():
+    body, J, b, inverse_mass = random_step(3, 12)
+    J = J.astype(np.float32)
+    f = lcpbench.StepSolver().solve(body, J, b, inverse_mass).f
+    for other in ((body.astype(np.int64), J), (np.asfortranarray(body), J.reshape(-1, 2, 3)), (body.tolist(), J.astype(float))):
+        assert lcpbench.StepSolver().solve(*other, b, inverse_mass).f.tobytes() == f.tobytes()
+
+
+@settings(deadline=None, max_examples=20)
+@given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 60))
+def test_a_batch_is_its_problems(seed, count):
+    random = np.random.default_rng(seed)
+    parts = [random_step(int(random.integers(2**32)), int(random.integers(1, 12))) for _ in range(count)]
+    first = np.cumsum([0] + [len(part[3]) for part in parts])
+    body = np.concatenate([np.where(part[0] < 0, -1, part[0] + offset) for part, offset in zip(parts, first)])
+    arrays = [body.astype(np.int32)] + [np.concatenate([part[k] for part in parts]) for k in (1, 2, 3)]
+    starts = np.cumsum([0] + [len(part[2]) for part in parts])
+    batch = lcpbench.StepSolver(threads=2).solve_batch(*arrays, starts)
+    assert lcpbench.solve_batch(*arrays, starts).f.tobytes() == batch.f.tobytes()
+    assert len(batch) == count and batch.solved.dtype == bool and batch.rho.shape == batch.iterations.shape == (count,)
+    assert batch.solved.tolist() == [status == "solved" for status in batch.status]
+    for k, part in enumerate(parts):
+        judged = lcpbench.verify(as_factors(*part), batch.f[starts[k] : starts[k + 1]], status=batch.status[k])
+        assert not judged.false_success
+
+
+def test_friction_holds_in_a_step():
+    body, J = [[0, -1], [0, -1]], [[0.0, 1, 0, 0, 0, 0], [1.0, 0, 0, 0, 0, 0]]
+    friction = {"row": [1], "normal": [0], "mu": [0.5]}
+    answer = lcpbench.StepSolver().solve(body, J, [-10.0, 4.0], np.ones((1, 3)), friction=friction)
+    np.testing.assert_allclose(answer.f, [10, -4], rtol=1e-8)
+
+
+@pytest.mark.parametrize("change, name", [
+    ({"body": [[0, 9]] * 4}, "body"),
+    ({"body": [[0, 1]] * 3}, "body"),
+    ({"J": np.ones((4, 5))}, "J"),
+    ({"b": [0, 0, 0, np.nan]}, "b"),
+    ({"inverse_mass": np.ones(4)}, "inverse_mass"),
+    ({"inverse_mass": -np.ones((4, 3))}, "inverse_mass"),
+    ({"initial_f": [1.0]}, "initial_f"),
+    ({"f": np.ones(3)}, "f"),
+    ({"f": [0.0] * 4}, "f"),
+    ({"f": np.ones(8)[::2]}, "f"),
+    ({"w": np.ones(4, np.float32)}, "w"),
+])
+def test_what_is_wrong_is_named(change, name):
+    arguments = dict(zip(("body", "J", "b", "inverse_mass"), random_step(1, 4))) | change
+    with pytest.raises(ValueError, match=rf"\b{name.replace('_', '.')}\b"):
+        lcpbench.StepSolver().solve(**arguments)
+
+
+def test_starts_are_checked():
+    with pytest.raises(ValueError, match="^starts"):
+        lcpbench.solve_batch(*random_step(1, 4), [0, 3])
