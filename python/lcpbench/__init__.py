@@ -6,8 +6,9 @@
 """
 
 from ._command import command
-from ._core import (BatchAnswer, Certificate, Problem, RayVerdict, Result, Solver, SolverEntry, StepAnswer, StepSolver,
-                    Verdict, __version__, available_solvers, certify, limit_library_threads, solve, verify)
+from ._core import (BatchAnswer, Certificate, Derivative, Gradient, Problem, RayVerdict, Result, SolutionChange, Solver,
+                    SolverEntry, StepAnswer, StepSolver, Verdict, __version__, available_solvers, certify, derivative,
+                    limit_library_threads, solve, verify)
 
 
 def solve_batch(body, J, b, inverse_mass, starts, *, bilateral=None, f=None, tolerance=1e-9, threads=1):
@@ -16,6 +17,6 @@ def solve_batch(body, J, b, inverse_mass, starts, *, bilateral=None, f=None, tol
     return solver.solve_batch(body, J, b, inverse_mass, starts, bilateral=bilateral, f=f)
 
 
-__all__ = ["BatchAnswer", "Certificate", "Problem", "RayVerdict", "Result", "Solver", "SolverEntry", "StepAnswer",
-           "StepSolver", "Verdict", "__version__", "available_solvers", "certify", "command", "limit_library_threads",
-           "solve", "solve_batch", "verify"]
+__all__ = ["BatchAnswer", "Certificate", "Derivative", "Gradient", "Problem", "RayVerdict", "Result", "SolutionChange",
+           "Solver", "SolverEntry", "StepAnswer", "StepSolver", "Verdict", "__version__", "available_solvers", "certify",
+           "command", "derivative", "limit_library_threads", "solve", "solve_batch", "verify"]
