@@ -1,5 +1,6 @@
 // The extension lcpbench._core: what Python calls.
 #include "python/core/arrays.h"
+#include "python/core/derivative.h"
 #include "python/core/exact.h"
 #include "python/core/functions.h"
 #include "python/core/problem.h"
@@ -46,4 +47,5 @@ NB_MODULE(_core, module) {
   BindSolvers(module);
   BindStep(module);
   BindExact(module);
+  BindDerivative(module);
 }

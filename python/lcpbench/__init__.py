@@ -8,8 +8,9 @@
 from ._command import command
 from .campaigns import Campaign, run, tables
 from .scenes import Animation, Body, Edge, Row, Scene, generate, scene_families
-from ._core import (BatchAnswer, Certificate, Problem, RayVerdict, Result, Solver, SolverEntry, StepAnswer, StepSolver,
-                    Verdict, available_solvers, certify, limit_library_threads, solve, verify)
+from ._core import (BatchAnswer, Certificate, Derivative, Gradient, Problem, RayVerdict, Result, SolutionChange, Solver,
+                    SolverEntry, StepAnswer, StepSolver, Verdict, available_solvers, certify, derivative,
+                    limit_library_threads, solve, verify)
 from ._core import version as __version__
 
 
@@ -19,7 +20,7 @@ def solve_batch(body, J, b, inverse_mass, starts, *, bilateral=None, f=None, tol
     return solver.solve_batch(body, J, b, inverse_mass, starts, bilateral=bilateral, f=f)
 
 
-__all__ = ["BatchAnswer", "Certificate", "Problem", "RayVerdict", "Result", "Solver", "SolverEntry", "StepAnswer",
-           "StepSolver", "Verdict", "__version__", "available_solvers", "certify", "command", "limit_library_threads",
-           "solve", "solve_batch", "verify"]
-__all__ += ["Animation", "Body", "Campaign", "Edge", "Row", "Scene", "generate", "run", "scene_families", "tables"]
+__all__ = ["Animation", "BatchAnswer", "Body", "Campaign", "Certificate", "Derivative", "Edge", "Gradient", "Problem",
+           "RayVerdict", "Result", "Row", "Scene", "SolutionChange", "Solver", "SolverEntry", "StepAnswer", "StepSolver",
+           "Verdict", "__version__", "available_solvers", "certify", "command", "derivative", "generate",
+           "limit_library_threads", "run", "scene_families", "solve", "solve_batch", "tables", "verify"]
