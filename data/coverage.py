@@ -13,7 +13,8 @@ _DATA = Path(__file__).resolve().parent
 _README = _DATA / "README.md"
 _BEGIN = "<!-- coverage: written by data/coverage.py -->"
 _END = "<!-- end of coverage -->"
-_TIERS = ["smoke", "engine", "standard", "large", "pathological", "recorded", "literature", "nonsymmetric"]
+_TIERS = ["smoke", "engine", "standard", "large", "pathological", "recorded", "literature", "nonsymmetric",
+          "friction-engine", "friction", "friction-pathological", "painleve"]
 
 # (label, upper limit, inclusive)
 _SIZES = [("1–3", 3), ("4–30", 30), ("31–300", 300), ("301–3000", 3000), ("3001–20 000", 20_000), ("10⁵–10⁶", 10**6)]
@@ -148,7 +149,8 @@ def references(manifests):
         row = [name, len(found)]
         for field in ("w_bound", "energy_shift"):
             values = sorted(r[field] for r in found if field in r)
-            row += [f"{values[len(values) // 2]:.1e}", f"{values[-1]:.1e}"] if values else ["exact", "exact"]
+            unknown = ["exact" if name.startswith("certified") else "–"] * 2
+            row += [f"{values[len(values) // 2]:.1e}", f"{values[-1]:.1e}"] if values else unknown
         rows.append([str(cell).replace("0.0e+00", "0") for cell in row])
     return _table(["reference", "problems", "bound of w: median", "largest", "shift of b: median", "largest"], rows)
 
@@ -157,6 +159,21 @@ def refusals(manifests):
     """Candidates that were not taken, by tier and reason."""
     return _table(["refused", "candidates"], [[f"`{tier}`: {reason}", count] for tier, manifest in manifests.items()
                                               for reason, count in manifest["refused_by_reason"].items()])
+
+
+def friction(manifests):
+    """What the contacts of problems with friction do, and how many of these have which answers."""
+    rows = []
+    for tier, manifest in manifests.items():
+        chosen = [problem for problem in manifest["problems"] if "friction" in problem]
+        if not chosen:
+            continue
+        solved = [problem for problem in chosen if "open" in problem]
+        shares = [f"{100 * sum(p[key] for p in solved) / len(solved):.0f} %" for key in ("open", "stick", "slip")]
+        answers = [sum(p["reference"].get("status") == "infeasible" for p in chosen),
+                   *(sum(p["reference"].get("f_unique") is unique for p in solved) for unique in (True, False))]
+        rows.append([f"`{tier}`", len(chosen), *shares, *answers, len(chosen) - sum(answers)])
+    return _table(["tier", "problems", "open", "stick", "slip", "no solution", "one f", "several", "not known"], rows)
 
 
 def sequences(entries):
@@ -170,7 +187,7 @@ def sequences(entries):
 
 def text():
     manifests = {tier: json.loads((_DATA / f"{tier}.json").read_text(encoding="utf-8")) for tier in _TIERS}
-    entries = [entry for tier in ("sequences", "recorded")
+    entries = [entry for tier in ("sequences", "recorded", "friction-sequences")
                for entry in json.loads((_DATA / f"{tier}.json").read_text(encoding="utf-8"))["sequences"]]
     everything = [problem for manifest in manifests.values() for problem in manifest["problems"]]
     return "\n\n".join([
@@ -192,6 +209,9 @@ def text():
         fill_ups(manifests),
         "What few rows have as answer (`engine`, where nothing is refused):",
         small_answers(manifests["engine"]["problems"]),
+        "Problems with friction: means over the problems of the shares of their friction rows that are open, stick and "
+        "slip, and how many problems have no solution, one f or several:",
+        friction(manifests),
         "Sequences (rows: least / median / most; rows that came, went, became active, ceased to be; churn: all of "
         "these by rows, mean; still: problems without any):",
         sequences(entries),

@@ -246,12 +246,15 @@ void Members(auto& archive, Is<ReferenceSummary> auto& reference) {
   archive.Some("energy_shift", reference.energy_shift);
   archive.Some("w_bound", reference.w_bound);
   archive.Some("f_bound", reference.f_bound);
+  archive.Some("mu_shift", reference.mu_shift);
   archive.Some("detail", reference.detail);
   if constexpr (std::remove_reference_t<decltype(archive)>::kReads) {
     archive.OneOf("kind", {"certified", "bounded", "none"});
     archive.OneOf("status", {"solved", "infeasible"});
-    archive.OneOf("proof", {"active rows", "feasible point", "nearby problem"});
-    for (const char* name : {"energy_bound", "energy_shift", "w_bound", "f_bound"}) archive.Within(name, 0, kInfinity);
+    archive.OneOf("proof", {"active rows", "feasible point", "modes", "nearby problem"});
+    for (const char* name : {"energy_bound", "energy_shift", "w_bound", "f_bound", "mu_shift"}) {
+      archive.Within(name, 0, kInfinity);
+    }
   }
 }
 
@@ -325,13 +328,20 @@ void Members(auto& archive, Is<ManifestEntry> auto& entry) {
   Members(archive, entry.properties);
   std::optional<double> active;
   std::optional<Index> degenerate;
-  if (entry.answer) std::tie(active, degenerate) = std::tie(entry.answer->fraction_active, entry.answer->degenerate);
+  AnswerProperties answer = entry.answer.value_or(AnswerProperties{});
+  if (entry.answer) std::tie(active, degenerate) = std::tie(answer.fraction_active, answer.degenerate);
   archive.May("fraction_active", active);
   archive.May("degenerate", degenerate);
+  archive.Some("open", answer.open);
+  archive.Some("stick", answer.stick);
+  archive.Some("slip", answer.slip);
   if constexpr (std::remove_reference_t<decltype(archive)>::kReads) {
-    if (active) entry.answer = {*active, degenerate.value_or(0)};
-    archive.OneOf("grid", {"mass ratio", "redundancy", "condition", "active fraction", "curvature contrast"});
-    for (const char* share : {"redundancy", "fraction_active"}) archive.Within(share, 0, 1);
+    answer.fraction_active = active.value_or(0);
+    answer.degenerate = degenerate.value_or(0);
+    if (active) entry.answer = answer;
+    archive.OneOf("grid", {"mass ratio", "redundancy", "condition", "active fraction", "curvature contrast",
+                           "coefficient of friction"});
+    for (const char* share : {"redundancy", "fraction_active", "open", "stick", "slip"}) archive.Within(share, 0, 1);
     for (const char* ratio : {"condition", "mass_ratio"}) archive.Within(ratio, kLeastRatio, kInfinity);
   }
   archive.May("reference", entry.reference);

@@ -38,13 +38,14 @@ struct ReferenceSummary {
   std::optional<bool> f_unique;
   std::optional<Index> nullity_on_active;  ///< of A on the rows with w = 0
   std::optional<bool> strictly_complementary;
-  // Members of a bounded reference (bounded_reference.h).
+  // Members of a bounded reference (bounded_reference.h; with friction ModeProof, energy_shift being its b_shift).
   std::string proof;
   std::optional<double> energy_bound;
   std::optional<double> energy_shift;
   std::optional<double> w_bound;
   std::optional<double> f_bound;
-  std::string detail;  ///< why there is none, or what is not known
+  std::optional<double> mu_shift;  ///< with friction, of "nearby problem": ModeProof::mu_shift (solvers/exact/modes/)
+  std::string detail;              ///< why there is none, or what is not known
 };
 
 struct ManifestEntry {

@@ -220,6 +220,117 @@ Tier Recorded() {
   return tier;
 }
 
+// ----- with friction
+
+constexpr const char* kFrictionVersion = "4.0.0";
+const std::initializer_list<double> kFrictions = {0.1, 0.3, 0.6, 1};
+
+// Families without friction get it on every contact, which doubles their rows; the others have their own, drawn about
+// their thresholds.
+void AddFrictionGrid(const Scenes& scenes, std::initializer_list<int> contacts, std::initializer_list<double> frictions,
+                     Tier* tier) {
+  AddGrid("coefficient of friction", "friction", scenes, contacts, frictions, tier);
+}
+
+Tier FrictionEngine() {
+  Tier tier{"friction-engine", "One to three contacts with friction, as a physics engine's islands mostly are.", true,
+            true};
+  tier.version = kFrictionVersion;
+  tier.has_friction = true;
+  AddFrictionGrid(EveryScene(), {1, 2, 3}, kFrictions, &tier);
+  const std::vector<std::uint64_t> seeds = {1, 2, 3, 4, 5, 6};
+  Add({"rolling-discs", "ovals-rocking", "drum"}, {2, 4, 6}, kUnchanged, &tier, seeds);
+  Add({"slope-stacks", "ladders", "wheel-step", "wedge-jam", "pulled-chain"}, {4}, kUnchanged, &tier, seeds);
+  Add({"card-house"}, {6}, kUnchanged, &tier, seeds);
+  Add({"capstan"}, {2, 5, 8}, kUnchanged, &tier, seeds);
+  Add({"gears-friction"}, {9}, kUnchanged, &tier, seeds);
+  Add({"cam-lock"}, {6, 12, 18}, kUnchanged, &tier, seeds);
+  return tier;
+}
+
+Tier WithFriction() {
+  Tier tier{"friction",
+            "What solvers of Coulomb's law are compared on: all families, with and without thresholds of their own, at "
+            "4 to 10^4 rows.",
+            true, true};
+  tier.version = kFrictionVersion;
+  tier.has_friction = true;
+  AddFrictionGrid(EveryScene(), {4, 10, 25, 64}, kFrictions, &tier);
+  AddFrictionGrid(EveryScene(), {160}, {0.3}, &tier);
+  for (const SceneFamily& scene : FrictionScenes()) {
+    if (scene.key == "three-discs") {
+      Add({scene.key}, {10}, kUnchanged, &tier, {1, 2, 3, 4, 5, 6});
+    } else {
+      Add({scene.key}, {24, 40, 100}, kUnchanged, &tier, {1, 2, 3});
+      Add({scene.key}, {300}, kUnchanged, &tier);
+    }
+  }
+  AddFrictionGrid({"disc-pile", "boxes-and-discs", "chain-of-links", "tall-stacks"}, {400}, {0.3}, &tier);
+  AddFrictionGrid({"disc-pile", "ovals-in-bowl"}, {1500}, {0.3}, &tier);
+  Add({"slope-stacks", "pyramids", "card-house", "drum"}, {1000}, kUnchanged, &tier);
+  Add({"slope-stacks", "pyramids", "voussoir-arch", "wedge-jam"}, {3000, 10'000}, kUnchanged, &tier);
+  return tier;
+}
+
+Tier FrictionPathological() {
+  Tier tier{"friction-pathological",
+            "Problems with friction that are meant to break something, each of which says what.", false, true};
+  tier.version = kFrictionVersion;
+  tier.has_friction = true;
+  tier.has_literals = true;
+  const auto add = [&tier](const Scenes& scenes, std::initializer_list<int> contacts, double mu,
+                           const std::vector<Change>& changes, std::string_view purpose) {
+    std::vector<Change> with_friction = {{"friction", mu}};
+    with_friction.insert(with_friction.end(), changes.begin(), changes.end());
+    AddHard(scenes, contacts, {with_friction}, purpose, &tier);
+  };
+  add({"disc-pile", "tall-stacks", "chain-of-links"}, {20, 100}, 0.6, {{"mass-ratio", 1e8}},
+      "Mass ratios to 10^8: sweeps stall, and absolute tolerances lose the light bodies.");
+  for (const double clearance : {1e-3, 1e-6, 1e-9}) {
+    add({"disc-track", "roller-bearing"}, {20}, 0.3, {{"conformal", clearance}},
+        "Nearly conformal arcs: contacts in one place whose rows all but agree.");
+  }
+  add({"disc-pile", "rockers", "gear-train"}, {30}, 0.6, {{"scale-rows", 60}},
+      "Rows in units that differ by up to 2^120, and coefficients of friction by as much.");
+  add({"disc-pile", "ovals-in-bowl", "gear-train"}, {15, 75}, 0.6, {{"duplicate-rows", 1}},
+      "Every normal row twice, one of them with friction: how the two share the load decides how much it holds.");
+  add({"disc-pile", "ovals-in-bowl"}, {15, 75}, 0.6, {{"oppose-rows", 0.2}},
+      "Contacts with their opposites: normal forces without bound, and with them friction.");
+  add({"ovals-in-bowl"}, {30}, 0.6, {{"crowd-contacts", 1e-6}},
+      "Contacts that all but coincide: singular to rounding, and yet unique forces.");
+  for (const double mu : {10.0, 1e3, 1e6}) {
+    add({"disc-pile", "rounded-wall", "cam-follower", "spinning-drum"}, {30}, mu, {},
+        "Large coefficients of friction: the least normal force holds, and sliding contacts jam.");
+  }
+  add({"disc-pile", "rounded-wall", "ovals-in-bowl"}, {30}, 1e-6, {},
+      "Nearly no friction: what slides and what does not is decided by forces of a millionth.");
+  return tier;
+}
+
+Tier Painleve() {
+  Tier tier{"painleve",
+            "Accelerations of contacts that slide, stick or roll: problems with no, one or several solutions.", false,
+            true};
+  tier.version = kFrictionVersion;
+  tier.has_friction = true;
+  tier.has_literals = true;
+  return tier;
+}
+
+Tier FrictionSequences() {
+  Tier tier{"friction-sequences",
+            "Consecutive time steps of scenes in motion with friction: what warm starts are for."};
+  tier.version = kFrictionVersion;
+  constexpr int kSteps = 100;
+  // A family may have one size only, and needs two seeds then; with others the drum's balls do not stay in it.
+  for (const auto& [rows, seed] : {std::pair(40, 2), std::pair(120, 1)}) {
+    for (const SceneFamily& scene : FrictionScenes()) {
+      tier.sequences.push_back({{std::string(scene.key), rows, static_cast<std::uint64_t>(seed), {}}, kSteps});
+    }
+  }
+  return tier;
+}
+
 using Plan = std::pair<const char*, Tier (*)()>;
 constexpr Plan kPlans[] = {
     {"smoke", &Smoke},
@@ -231,6 +342,11 @@ constexpr Plan kPlans[] = {
     {kLiteratureTier, &Literature},
     {"recorded", &Recorded},
     {kNonsymmetricTier, &Nonsymmetric},
+    {"friction-engine", &FrictionEngine},
+    {"friction", &WithFriction},
+    {"friction-pathological", &FrictionPathological},
+    {"painleve", &Painleve},
+    {"friction-sequences", &FrictionSequences},
 };
 
 }  // namespace

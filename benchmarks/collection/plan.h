@@ -37,6 +37,8 @@ struct Tier {
   std::string purpose;
   bool refuses = false;    ///< trivial problems and problems without a solution, and tries the next seed
   bool has_files = false;  ///< of its problems and proved answers
+  /// Its problems have friction. Those by recipes are made on demand: they have no file.
+  bool has_friction = false;
   std::vector<Candidate> problems = {};
   std::vector<MotionCandidate> motions = {};
   std::vector<FillPlan> fill = {};
@@ -56,7 +58,8 @@ inline constexpr const char* kNonsymmetricTier = "nonsymmetric";
 /// is not what bodies in contact ask of a solver.
 inline constexpr const char* kLiteratureTier = "literature";
 
-/// smoke, engine, standard, large, sequences, pathological, literature, recorded, nonsymmetric.
+/// smoke, engine, standard, large, sequences, pathological, literature, recorded, nonsymmetric, friction-engine,
+/// friction, friction-pathological, painleve, friction-sequences.
 /// @throws InputError naming them
 Tier PlanTier(std::string_view name);
 const std::vector<std::string>& AllTiers();

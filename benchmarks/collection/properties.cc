@@ -165,6 +165,33 @@ ProblemProperties MeasureProperties(const LcpProblem& problem) {
   return measured;
 }
 
+namespace {
+
+double RootOfDiagonal(const LcpProblem& problem, Index i) {
+  return problem.DiagonalA()[i] > 0 ? std::sqrt(problem.DiagonalA()[i]) : 1;
+}
+
+void MeasureFriction(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w, double negligible,
+                     AnswerProperties* answer) {
+  const std::vector<FrictionRow>& rows = problem.friction_rows();
+  if (rows.empty()) return;
+  Index open = 0, slip = 0;
+  for (const FrictionRow& row : rows) {
+    if (std::abs(f[row.row]) * RootOfDiagonal(problem, row.row) > negligible) ++answer->friction_forces;
+    if (std::abs(f[row.normal]) * RootOfDiagonal(problem, row.normal) <= negligible) {
+      ++open;
+    } else if (row.slip != 0 || std::abs(w[row.row]) / RootOfDiagonal(problem, row.row) > negligible) {
+      ++slip;
+    }
+  }
+  const auto share = [&rows](Index count) { return static_cast<double>(count) / static_cast<double>(rows.size()); };
+  answer->open = share(open);
+  answer->slip = share(slip);
+  answer->stick = share(std::ssize(rows) - open - slip);
+}
+
+}  // namespace
+
 AnswerProperties MeasureAnswer(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w,
                                double negligible) {
   AnswerProperties answer;
@@ -173,21 +200,24 @@ AnswerProperties MeasureAnswer(const LcpProblem& problem, const Eigen::VectorXd&
   for (Index i = 0; i < problem.size(); ++i) {
     if (problem.kind(i) != RowKind::kUnilateral) continue;
     ++unilateral;
-    const double root = problem.DiagonalA()[i] > 0 ? std::sqrt(problem.DiagonalA()[i]) : 1;
+    const double root = RootOfDiagonal(problem, i);
     if (std::abs(w[i]) / root > negligible) continue;
     ++active;
     if (std::abs(f[i]) * root <= negligible) ++answer.degenerate;
   }
   if (unilateral > 0) answer.fraction_active = static_cast<double>(active) / static_cast<double>(unilateral);
+  MeasureFriction(problem, f, w, negligible, &answer);
   return answer;
 }
 
 std::string Triviality(const LcpProblem& problem, const AnswerProperties& answer) {
   bool no_force = true;
   for (Index i = 0; i < problem.size() && no_force; ++i) {
+    if (problem.kind(i) == RowKind::kFriction) continue;  // without a normal force there is none
     no_force = problem.is_bilateral(i) ? problem.b()[i] == 0 : problem.b()[i] >= 0;
   }
   if (no_force) return "f = 0";
+  if (!problem.friction_rows().empty()) return answer.friction_forces == 0 ? "no friction force" : "";
   if (answer.fraction_active >= 1 || static_cast<Index>(problem.bilateral_rows().size()) == problem.size()) {
     return "all rows active";
   }

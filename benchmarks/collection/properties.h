@@ -84,6 +84,10 @@ ProblemProperties MeasureProperties(const LcpProblem& problem);
 struct AnswerProperties {
   double fraction_active = 0;  ///< unilateral rows with w = 0, by unilateral rows
   Index degenerate = 0;        ///< unilateral rows with w = f = 0
+  Index friction_forces = 0;   ///< friction rows, sliding ones among them, with f != 0
+  /// Shares of the friction rows: with f = 0 on their normal row, and of the others with w = 0 (stick) and w != 0
+  /// (slip; sliding rows always). None without friction rows.
+  std::optional<double> open, stick, slip;
 };
 
 /// @param negligible  D^-1/2 w, D^1/2 f at most this are 0
@@ -92,7 +96,8 @@ AnswerProperties MeasureAnswer(const LcpProblem& problem, const Eigen::VectorXd&
 
 /// What a solver need not be good at: "f = 0" where that is the answer (b >= 0, b = 0 on bilateral rows), "all rows
 /// active" where w = 0 on all rows, so that -A^+ b or another solution of linear equations is one, "no active contact"
-/// where w > 0 on all unilateral rows, so that the bilateral ones decide the answer alone. Empty: none of these.
+/// where w > 0 on all unilateral rows, so that the bilateral ones decide the answer alone. With friction rows: "f = 0",
+/// and "no friction force" where f = 0 on all of these, so that a plain problem has the answer. Empty: none of these.
 std::string Triviality(const LcpProblem& problem, const AnswerProperties& answer);
 
 }  // namespace lcpbench

@@ -98,11 +98,19 @@ void WriteInfeasible(const LcpProblem& problem, const std::optional<Eigen::Vecto
   examined->reference_line = line.dump();
 }
 
-// Proves the answer of a problem with friction or bounded rows. Its w counts as that of every solution only where all
-// modes say so.
+std::optional<Eigen::VectorXd> Solve(const LcpProblem& problem, const ExamineOptions& options);
+
+// Proves the answer of a problem with friction or bounded rows, of many rows where its modes show in doubles. Its
+// w counts as that of every solution only where all modes say so.
 bool CertifyModes(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
   ModeOptions modes;
   modes.time_limit_s = options.time_limit_s;
+  modes.guesses = [&] {
+    const std::optional<Eigen::VectorXd> f = Solve(problem, options);
+    if (!f) return std::vector<std::string>();
+    return std::vector{ProveModes(problem, *f).modes, ModesOf(problem, *f)};
+  };
+  modes.follows_path = problem.size() <= options.path_up_to;
   const ExactLcp exact = ExactFrom(problem);
   const ModeAnswer answer = SolveByModes(exact, modes);
   ReferenceSummary& reference = examined->entry.reference;
@@ -112,6 +120,7 @@ bool CertifyModes(const LcpProblem& problem, const ExamineOptions& options, Exam
       WriteSolved(problem, ToDoubles(answer.f), ToDoubles(answer.w), answer.f_unique, answer.w_unique.value_or(false),
                   "f", examined);
       reference.detail = "modes " + answer.modes;
+      if (answer.pieces.size() > 1) reference.detail += ", of " + std::to_string(answer.pieces.size()) + " pieces";
       return true;
     case LcpReference::Status::kInfeasible: {
       std::optional<Eigen::VectorXd> ray;
@@ -261,6 +270,30 @@ void Write(const LcpProblem& problem, const BoundedReference& bounded, Examined*
   examined->reference_line = line.dump();
 }
 
+// A problem with friction or bounded rows. Nothing is known of other answers.
+void Write(const LcpProblem& problem, const ModeProof& proof, Examined* examined) {
+  constexpr double kNegligible = 1e-12;
+  ReferenceSummary& reference = examined->entry.reference;
+  reference = {};
+  reference.kind = "bounded";
+  reference.status = "solved";
+  reference.proof = ToString(proof.proof);
+  if (proof.proof == ModeProof::Proof::kModes) {
+    reference.f_bound = proof.f_bound;
+  } else {
+    reference.energy_shift = proof.b_shift;
+    reference.mu_shift = proof.mu_shift;
+  }
+  Eigen::VectorXd w;
+  problem.ComputeW(proof.f, &w);
+  examined->entry.answer = MeasureAnswer(problem, proof.f, w, kNegligible * LoadScale(problem));
+  Json line = LineOf(problem, reference);
+  line["proof"] = reference.proof;
+  line["w_unique"] = false;
+  line["f"] = ToJson(proof.f);
+  examined->reference_line = line.dump();
+}
+
 // A problem that has an exact ray: solvable but for roundings?
 void LookNearby(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
   const std::optional<Eigen::VectorXd> f = Solve(problem, options);
@@ -303,8 +336,8 @@ std::optional<KnownAnswer> References::Find(const LcpProblem& problem) const {
   if (record.Has("kind")) record["kind"].Choice<bool>({{"certified", true}, {"bounded", true}});
   const bool is_unique = record.Knows("f_unique") && record["f_unique"].Boolean();
   if (answer.reference.status == Status::kInfeasible) return answer;
-  const Eigen::VectorXd w = Numbers(record["w"], problem.size());
-  if (!record.Has("w_unique") || record["w_unique"].Boolean()) answer.reference.w = w;
+  const bool is_w_unique = !record.Has("w_unique") || record["w_unique"].Boolean();
+  if (is_w_unique) answer.reference.w = Numbers(record["w"], problem.size());
   answer.f = Numbers(record[record.Has("f_minnorm") ? "f_minnorm" : "f"], problem.size());
   answer.reference.floor = RoundingFloor(problem, answer.f);
   if (is_unique) answer.reference.f = answer.f;
@@ -334,13 +367,15 @@ Examined Examine(const LcpProblem& problem, const ExamineOptions& options,
   const std::optional<Eigen::VectorXd> f = Solve(problem, options);
   if (!f.has_value()) {
     examined.entry.reference.detail = "not solved to 1e-9";
-  } else if (problem.size() <= options.bounded_up_to && problem.facts().positive_semidefinite && problem.is_plain()) {
+  } else if (problem.size() <= options.bounded_up_to && !problem.is_plain()) {
+    const bool is_small = problem.size() <= options.modes_up_to;
+    Write(problem, is_small ? ProveModes(problem, *f) : ProveNearby(problem, *f), &examined);
+  } else if (problem.size() <= options.bounded_up_to && problem.facts().positive_semidefinite) {
     Write(problem, Bound(problem, *f, options), &examined);
   } else {
     examined.entry.reference.detail = problem.size() > options.bounded_up_to
                                           ? "none above " + std::to_string(options.bounded_up_to) + " rows"
-                                      : problem.is_plain() ? "A is not known to be positive semidefinite"
-                                                           : "no proof with friction or bounded rows was found";
+                                          : "A is not known to be positive semidefinite";
     constexpr double kNegligible = 1e-8;
     examined.entry.answer = MeasureAnswer(problem, *f, ComputeMetrics(problem, *f).w, kNegligible * LoadScale(problem));
   }

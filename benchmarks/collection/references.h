@@ -17,6 +17,11 @@ inline constexpr double kRounding = 0x1p-44;
 struct ExamineOptions {
   /// Up to this many rows answers are proved in exact arithmetic, above they are refined and bounded.
   Index exact_up_to = 250;
+  /// Up to this many rows Lemke's path along modes is followed exactly where no answer in doubles has the right ones.
+  Index path_up_to = 40;
+  /// Up to this many rows answers with friction or bounded rows are proved by their modes in doubles, at n^3; above,
+  /// how near a problem is that they solve exactly.
+  Index modes_up_to = 2000;
   /// Above this many rows there is no reference, and how the answer lies is known to a solver's tolerance only.
   Index bounded_up_to = 20'000;
   double time_limit_s = 300;       ///< for one exact answer (it is bounded then) and one bounded one

@@ -16,7 +16,7 @@ struct SequenceProblem {
   /// For each row the index of the same row in the problem before, or -1: it was not there. Rows are the same by
   /// RowMatching in a motion, and by the engine's own names of contacts and rows in a recording.
   const std::vector<int>& previous;
-  const LcpResult* result;  ///< the exact answer that drives a motion; null of a recording, which the engine drove
+  const LcpResult* result;  ///< the answer that drives a motion; null of a recording, which the engine drove
 };
 
 /// Makes a sequence's problems, in order, the same bits on every machine.

@@ -68,7 +68,7 @@ struct Build {
     const Manifest& manifest = built.manifest;
     if (tier.has_files) {
       write(manifest.references, built.references);
-      if (!tier.has_literals && !tier.has_recordings) write(ProblemFileOf(tier), built.problems);
+      if (!tier.has_friction && !tier.has_literals && !tier.has_recordings) write(ProblemFileOf(tier), built.problems);
     }
     if (!built.motion_problems.empty()) write(kMotionProblems, built.motion_problems);
     WriteTextFile(path, FormatManifest(manifest));

@@ -213,11 +213,11 @@ void ParseReference(const JsonField& record, std::size_t n, bool is_plain, Matri
 }
 
 constexpr const char* kKnownMembers[] = {
-    "id",       "n",        "A",       "J",     "invM",     "b",           "bilateral", "joint",
-    "contacts", "status",   "w",       "f",     "rank_A",   "f_minnorm",   "f_unique",  "columns_per_body",
-    "category", "family",   "base",    "floor", "previous", "symmetrized", "licence",   "provenance",
-    "motion",   "friction", "bounded", "modes", "pieces",   "complete",    "f_exact",   "w_exact",
-    "w_unique", "solvable"};
+    "id",       "n",        "A",       "J",      "invM",     "b",           "bilateral", "joint",
+    "contacts", "status",   "w",       "f",      "rank_A",   "f_minnorm",   "f_unique",  "columns_per_body",
+    "category", "family",   "base",    "floor",  "previous", "symmetrized", "licence",   "provenance",
+    "motion",   "friction", "bounded", "modes",  "pieces",   "complete",    "f_exact",   "w_exact",
+    "w_unique", "solvable", "origin",  "purpose"};
 
 // What other tools use these for, which a problem does not have.
 constexpr std::pair<const char*, const char*> kForeignMembers[] = {

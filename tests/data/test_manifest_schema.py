@@ -1,9 +1,12 @@
 """The published JSON Schema of manifests accepts the collection's, and they keep what data/README.md promises."""
 
 import functools
+import gzip
+import json
 import subprocess
 import sys
 import unittest
+from fractions import Fraction
 from pathlib import Path
 
 from schema_case import json_of, validator_of
@@ -11,7 +14,8 @@ from schema_case import json_of, validator_of
 _DATA = Path(__file__).resolve().parents[2] / "data"
 sys.path.insert(0, str(_DATA))
 import coverage  # noqa: E402
-_TIERS = ["smoke", "engine", "standard", "large", "sequences", "pathological", "literature", "nonsymmetric"]
+_TIERS = ["smoke", "engine", "standard", "large", "sequences", "pathological", "literature", "nonsymmetric",
+          "friction-engine", "friction", "friction-pathological", "painleve", "friction-sequences"]
 
 
 @functools.cache
@@ -55,8 +59,62 @@ class Collection(unittest.TestCase):
         self.assertLessEqual({100, 1024, 10_000, 99_856, 1_000_000}, sizes)
 
     def test_pathological_problems_say_what_they_break(self):
-        for problem in _manifest("pathological")["problems"]:
-            self.assertTrue(problem.get("purpose", "").endswith("."), problem["id"])
+        for tier in ("pathological", "friction-pathological", "painleve"):
+            for problem in _manifest(tier)["problems"]:
+                self.assertTrue(problem.get("purpose", "").endswith("."), problem["id"])
+
+    def test_problems_with_friction_have_some_and_shares_of_what_it_does(self):
+        for tier, least, most in (("friction-engine", 2, 18), ("friction", 4, 10_000)):
+            problems = _manifest(tier)["problems"]
+            for problem in problems:
+                self.assertGreater(problem["friction"], 0, problem["id"])
+                self.assertTrue(least <= problem["rows"] <= most, problem["id"])
+                if problem["reference"]["kind"] == "none":
+                    continue
+                self.assertAlmostEqual(problem["open"] + problem["stick"] + problem["slip"], 1, 3, problem["id"])
+                self.assertLess(problem["open"], 1, problem["id"])
+                self.assertEqual(problem["reference"]["status"], "solved", problem["id"])
+            self.assertLessEqual(sum(p["reference"]["kind"] == "none" for p in problems), len(problems) / 100)
+            self.assertEqual(len({problem["family"] for problem in problems if "grid" not in problem}),
+                             {"friction-engine": 12, "friction": 15}[tier])
+        self.assertLessEqual(max(p["friction"] for p in _manifest("friction-engine")["problems"]), 3)
+
+    def test_accelerations_have_none_one_or_several_answers(self):
+        references = [problem["reference"] for problem in _manifest("painleve")["problems"]]
+        self.assertEqual({reference["kind"] for reference in references}, {"certified"})
+        self.assertGreaterEqual(sum(r["status"] == "infeasible" for r in references), 10)
+        self.assertGreaterEqual(sum(r.get("f_unique") is False for r in references), 10)
+        self.assertGreaterEqual(sum(r.get("f_unique") is True for r in references), 10)
+
+    def test_sliding_tips_have_the_answers_of_painleve(self):
+        # The law of one sliding contact, w = (A_nn - s mu A_nt) f + b_n, in the rationals that the doubles are.
+        references = {problem["id"]: problem["reference"] for problem in _manifest("painleve")["problems"]}
+        seen = set()
+        with gzip.open(_DATA / "problems/painleve.jsonl.gz", "rt", encoding="utf-8") as lines:
+            for record in map(json.loads, lines):
+                if record["family"] != "sliding-rod":
+                    continue
+                friction = record["friction"]
+                factor = Fraction(friction["slip"][0]) * Fraction(friction["mu"][0])
+                slope = sum(Fraction(n) * Fraction(m) * (Fraction(n) - factor * Fraction(t))
+                            for n, t, m in zip(*record["J"], record["invM"]))
+                sign, load = (slope > 0) - (slope < 0), (record["b"][0] > 0) - (record["b"][0] < 0)
+                has_two = sign < 0 < load or sign == load == 0
+                has_none = sign <= 0 and load < 0
+                reference = references[record["id"]]
+                self.assertEqual(reference["status"], "infeasible" if has_none else "solved", record["id"])
+                if not has_none:
+                    self.assertEqual(reference["f_unique"], not has_two, record["id"])
+                seen.add((sign, load))
+        self.assertEqual(seen, {(1, -1), (1, 1), (0, -1), (0, 0), (0, 1), (-1, -1), (-1, 0), (-1, 1)})
+
+    def test_sequences_with_friction_are_thirty_of_a_hundred_steps(self):
+        sequences = _manifest("friction-sequences")["sequences"]
+        self.assertEqual([sequence["steps"] for sequence in sequences], [100] * 30)
+
+    def test_what_friction_stores_is_small(self):
+        files = [path for path in _DATA.rglob("*") if path.name.startswith(("friction", "painleve"))]
+        self.assertLessEqual(sum(path.stat().st_size for path in files), 5_000_000)
 
     def test_steps_of_motions_are_thirty_percent_of_the_weight(self):
         problems = _manifest("standard")["problems"]

@@ -54,13 +54,22 @@ void SweepSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, 
       v[static_cast<std::size_t>(it.col())] += inverse_mass[it.col()] * (it.value() * force);
     }
   };
+  std::vector<const FrictionRow*> friction(static_cast<std::size_t>(n), nullptr);
+  for (const FrictionRow& row : problem.friction_rows()) friction[static_cast<std::size_t>(row.row)] = &row;
   Eigen::VectorXd& f = result->f;
+  // The force nearest to `wanted` that the law allows beside the present normal forces.
+  const auto clamped = [&](Index i, double wanted) {
+    if (problem.is_bilateral(i)) return wanted;
+    const FrictionRow* row = friction[static_cast<std::size_t>(i)];
+    if (row == nullptr) return std::max(wanted, 0.0);
+    const double bound = row->mu * f[row->normal];
+    return std::clamp(wanted, -bound, bound);
+  };
   double load = 0;
   for (Index i = 0; i < n; ++i) {
     if (D[i] > 0) load = std::max(load, std::abs(problem.b()[i]) / std::sqrt(D[i]));
     if (options.initial_f == nullptr) continue;
-    const double guess = (*options.initial_f)[i];
-    f[i] = problem.is_bilateral(i) ? guess : std::max(guess, 0.0);
+    f[i] = clamped(i, (*options.initial_f)[i]);
     if (f[i] != 0) push(i, f[i]);
   }
   // The change of D^1/2 f_i.
@@ -68,8 +77,7 @@ void SweepSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, 
     if (!(D[i] > 0)) return 0.0;
     double w = problem.b()[i];
     for (SparseMatrix::InnerIterator it(J, i); it; ++it) w += it.value() * v[static_cast<std::size_t>(it.col())];
-    const double wanted = f[i] - w / D[i];
-    const double next = problem.is_bilateral(i) ? wanted : std::max(wanted, 0.0);
+    const double next = clamped(i, f[i] - w / D[i]);
     const double change = next - f[i];
     if (change != 0) push(i, change);
     f[i] = next;
@@ -110,10 +118,14 @@ std::string FollowScene(const MovingScene& scene, LcpSolver& solver, int steps,
 std::string ForEachSequenceProblem(
     const Recipe& start, int steps,
     const std::function<void(const LcpProblem& problem, const MotionProblem& met)>& handle) {
-  ExactSolver solver;
+  ExactSolver exact;
+  SweepSolver sweeps;
   const std::string id = RecipeId(start) + "-motion-";
   int number = 0;
   const MovingScene scene = LoadScene(start.scene, start.rows, start.seed);
+  const bool has_friction = !scene.world.friction.empty() ||
+                            std::ranges::any_of(scene.world.bodies, [](const Body& body) { return body.friction > 0; });
+  LcpSolver& solver = has_friction ? static_cast<LcpSolver&>(sweeps) : exact;
   return FollowScene(scene, solver, steps, [&](const MotionProblem& met) {
     handle(WithId(met.problem, id + std::to_string(number++)), met);
     return true;

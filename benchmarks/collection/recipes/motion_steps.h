@@ -14,15 +14,16 @@ namespace lcpbench {
 // size and has the same bits on every machine.
 
 /// Projected Gauss-Seidel sweeps over J and M^-1, forwards and backwards in turn, started warm: until no force changes
-/// by more than kChange of the largest load, at most kMostSweeps. Scalar arithmetic in a fixed order, compiled as the
-/// model is: the same bits on every x86-64 machine. What is left over is what engines leave, undone by the next steps'
-/// depth terms.
+/// by more than kChange of the largest load, at most kMostSweeps. A friction row is clamped to the bounds of the
+/// moment. Scalar arithmetic in a fixed order, compiled as the model is: the same bits on every x86-64 machine. What is
+/// left over is what engines leave, undone by the next steps' depth terms.
 class SweepSolver final : public LcpSolver {
  public:
   static constexpr double kChange = 1e-8;
   static constexpr int kMostSweeps = 200;
 
   std::string WhyUnsupported(const LcpProblem& problem) const override;
+  bool TakesFriction() const override { return true; }
 
  protected:
   void DoPrepare(const LcpProblem&) override {}
@@ -36,8 +37,9 @@ class SweepSolver final : public LcpSolver {
 std::string FollowScene(const MovingScene& scene, LcpSolver& solver, int steps,
                         const std::function<bool(const MotionProblem& met)>& handle);
 
-/// Lets a scene move under forces from exact arithmetic, rounded once (exact_solver.h), so that the problems met have
-/// the same bits on every machine, and calls `handle` with every problem that SequenceWriter would write: of a step's
+/// Lets a scene move under forces from exact arithmetic, rounded once (exact_solver.h), or with friction, where exact
+/// answers need not exist and cost seconds, by SweepSolver; so that the problems met have the same bits on every
+/// machine. Calls `handle` with every problem that SequenceWriter would write: of a step's
 /// acceleration problems the first, impacts and time steps all. The problem is given an id of its own,
 /// "<scene>-n<rows>-s<seed>-motion-<number from 0>".
 /// @param start  its changes are none

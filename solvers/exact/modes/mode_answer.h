@@ -48,6 +48,7 @@ struct ModeOptions {
   double (*now)() = &SteadyNow;  ///< the clock of the time limit
   /// Called above most_modes: modes that are tried first, in turn; not trusted.
   std::function<std::vector<std::string>()> guesses = {};
+  bool follows_path = true;  ///< where no guess is right; seconds to hours
 };
 
 /// What is wrong with f as a solution in these modes, from the definitions alone; "" where it is one.

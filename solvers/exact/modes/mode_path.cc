@@ -302,6 +302,10 @@ ModeAnswer SolveAlongModes(const ExactLcp& problem, const ModeOptions& options) 
     finish();
     return answer;
   }
+  if (!options.follows_path) {
+    answer.detail = "no guess has the modes of a solution";
+    return answer;
+  }
   std::vector<char> has_tangent(At(problem.size), 0);
   bool takes = problem.bounded.empty();
   for (const ExactFrictionRow& row : problem.friction) {
