@@ -60,13 +60,17 @@ void Declare(CLI::App* app, Options* options) {
                   "Of the collection by name, or paths [default: those of the suite core, where nothing else is named]")
       ->delimiter(',');
   app->add_option("--files", from.files, "Problems, JSON lines (.gz as well) or another format")->delimiter(',');
-  app->add_option("--scenes", from.scenes, "Scene families as they are placed, or all")->delimiter(',');
-  app->add_option("--motions", from.motions, "Scene families, steps of whose motions are taken, or all")
+  app->add_option("--scenes", from.scenes, "Scene families as they are placed; all, or friction: all of them")
+      ->delimiter(',');
+  app->add_option("--motions", from.motions, "Scene families, steps of whose motions are taken, or as --scenes")
       ->delimiter(',');
   app->add_option("--sizes", from.sizes, "Rows of scenes and motions")->delimiter(',')->check(AtLeast(1));
   app->add_option("--seeds", from.seeds, "Of scenes and motions [default: three that the collection does not have]")
       ->delimiter(',');
   app->add_option("--steps", from.steps, "Taken of a motion")->check(AtLeast(1))->capture_default_str();
+  app->add_flag(
+      "--relaxed", from.relaxed,
+      "Besides, the relaxation of each problem with friction: plain, with as many rows, of the origin relaxed");
   app->add_option("--most-rows", options->plan.most_rows, "No larger problems")
       ->check(AtLeast(1))
       ->capture_default_str();

@@ -33,6 +33,8 @@ class SolverOfSteps final : public LcpSolver {
     for (const StepArrays& step : steps_) rows_.push_back(step.View());
   }
 
+  bool TakesFriction() const override { return true; }
+
  protected:
   void DoPrepare(const LcpProblem& /*problem*/) override {}
   void DoSolve(const LcpProblem& /*problem*/, const LcpOptions& /*options*/, LcpResult* /*result*/) override {
@@ -54,6 +56,8 @@ class SolverOfSteps final : public LcpSolver {
 class SolverOfProblems final : public LcpSolver {
  public:
   explicit SolverOfProblems(std::unique_ptr<LcpSolver> solver) : solver_(std::move(solver)) {}
+
+  bool TakesFriction() const override { return true; }
 
  protected:
   void DoPrepare(const LcpProblem& /*problem*/) override {}

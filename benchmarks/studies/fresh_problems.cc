@@ -10,17 +10,20 @@
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
 #include "model/scenes/scene.h"
+#include "solvers/friction/relaxation.h"
+#include "solvers/registry.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
 
 // ManifestEntry::origin, and what it is called here.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kOrigins{{{"placed", "placed"},
+constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kOrigins{{{"placed", "placed"},
                                                                                  {"motion", "motions"},
                                                                                  {"recorded", "engines"},
                                                                                  {"literature", "literature"},
-                                                                                 {"given", "given"}}};
+                                                                                 {"given", "given"},
+                                                                                 {"relaxed", "relaxed"}}};
 
 std::size_t OriginOf(const ManifestEntry& entry) {
   const auto* found =
@@ -41,9 +44,10 @@ template <typename Visit>
 void ForEachStart(const std::vector<std::string>& named, const FreshSources& sources, const Visit& visit) {
   std::vector<std::string_view> families;
   for (const std::string& name : named) {
-    if (name != "all") families.push_back(FindScene(name).key);
-    for (const SceneFamily& family : AllScenes()) {
-      if (name == "all") families.push_back(family.key);
+    if (name == "all" || name == "friction") {
+      for (const SceneFamily& family : name == "all" ? AllScenes() : FrictionScenes()) families.push_back(family.key);
+    } else {
+      families.push_back(FindScene(name).key);
     }
   }
   for (const std::string_view scene : families) {
@@ -60,6 +64,7 @@ FreshProblems::FreshProblems(const FreshSources& sources, const CampaignPlan& pl
     manifests_.push_back(sets_.emplace_back(std::make_unique<ProblemSet>(path))->manifest);
   }
   manifests_.emplace_back();
+  if (sources.relaxed) relaxing_ = MakeSolver("relaxation");
   for (const std::string& path : sources.files) {
     ReadEachProblem(path, {},
                     [this](const LcpRecord& record, const std::string& /*where*/, const std::string& /*line*/) {
@@ -91,6 +96,8 @@ void FreshProblems::Keep(const LcpProblem& problem, const char* origin, const st
   entry.origin = origin;
   entry.properties.rows = problem.size();
   made_.push_back(problem);
+  const bool is_relaxed = relaxing_ != nullptr && !problem.is_plain() && relaxing_->WhyRefused(problem).empty();
+  if (is_relaxed) Keep(RelaxationOf(problem), "relaxed", base);
 }
 
 void FreshProblems::AddScenes(const FreshSources& sources) {

@@ -11,6 +11,7 @@
 #include "benchmarks/campaign/campaign_plan.h"
 #include "benchmarks/collection/manifest.h"
 #include "solvers/lcp/problem.h"
+#include "solvers/lcp/solver.h"
 
 namespace lcpbench {
 
@@ -18,11 +19,12 @@ namespace lcpbench {
 struct FreshSources {
   std::vector<std::string> manifests;  ///< paths
   std::vector<std::string> files;      ///< of problems, in any format that is read; JSON lines may be compressed
-  std::vector<std::string> scenes;     ///< families, as they are placed; "all"
-  std::vector<std::string> motions;    ///< families, steps of whose motions are taken (TakeSteps); "all"
+  std::vector<std::string> scenes;     ///< families, as they are placed; "all", "friction"
+  std::vector<std::string> motions;    ///< families, steps of whose motions are taken (TakeSteps); as `scenes`
   std::vector<int> sizes;              ///< rows of `scenes` and `motions`
   std::vector<std::uint64_t> seeds;    ///< of both
   int steps = 2;                       ///< of a motion
+  bool relaxed = false;                ///< of each problem with friction its relaxation, too, as an origin of its own
   std::size_t most_problems = 0;       ///< of a stream; 0: all
 };
 
@@ -45,7 +47,8 @@ class FreshProblems {
   FreshProblems(const FreshProblems&) = delete;
   FreshProblems& operator=(const FreshProblems&) = delete;
 
-  /// By size class, and within by origin: placed, motions (both scenes of ours), engines (recorded), literature, given.
+  /// By size class, and within by origin: placed, motions (both scenes of ours), engines (recorded), literature, given,
+  /// relaxed.
   std::vector<FreshStream*> streams();
   /// Makes or reads the stream's problems where that is not done; those of other streams of large problems go.
   /// @throws InputError as ProblemSource::Get
@@ -56,6 +59,7 @@ class FreshProblems {
   void AddMotions(const FreshSources& sources, Index most_rows);
   void Keep(const LcpProblem& problem, const char* origin, const std::string& base);
 
+  std::unique_ptr<LcpSolver> relaxing_;  // where relaxations are wanted: the solver, which knows what it takes
   std::vector<std::unique_ptr<ProblemSet>> sets_;
   std::vector<Manifest> manifests_;                               // of the sets, and that of made_
   std::vector<LcpProblem> made_;                                  // what is of no manifest

@@ -11,6 +11,8 @@ StepArrays StepArrays::Of(const LcpProblem& problem) {
   const Index p = arrays.columns_per_body = problem.columns_per_body();
   const Eigen::VectorXd& m = problem.inverse_mass();
   arrays.inverse_mass.assign(m.begin(), m.end());
+  arrays.friction = problem.friction_rows();
+  arrays.bounded = problem.bounded_rows();
   for (Index i = 0; i < problem.size(); ++i) {
     std::int32_t body[2] = {-1, -1};
     std::vector<double> numbers(At(2 * p), 0);
@@ -36,6 +38,16 @@ void StepArrays::Add(std::int32_t first, std::int32_t second, const std::vector<
 
 void StepArrays::Append(const StepArrays& others) {
   const auto first = static_cast<std::int32_t>(bodies());
+  const Index rows_before = rows();
+  for (FrictionRow row : others.friction) {
+    row.row += rows_before;
+    row.normal += rows_before;
+    friction.push_back(row);
+  }
+  for (BoundedRow row : others.bounded) {
+    row.row += rows_before;
+    bounded.push_back(row);
+  }
   for (const std::int32_t of : others.body) body.push_back(of < 0 ? -1 : first + of);
   J.insert(J.end(), others.J.begin(), others.J.end());
   b.insert(b.end(), others.b.begin(), others.b.end());
@@ -60,6 +72,8 @@ StepRows StepArrays::View(bool single) const {
   const bool has_joints = std::any_of(bilateral.begin(), bilateral.end(), [](unsigned char is) { return is != 0; });
   view.bilateral = has_joints ? bilateral.data() : nullptr;
   view.inverse_mass = inverse_mass.data();
+  view.friction = friction;
+  view.bounded = bounded;
   return view;
 }
 
@@ -82,6 +96,8 @@ LcpProblem ProblemOf(const StepRows& rows) {
   J.setFromTriplets(entries.begin(), entries.end());
   RowBounds bounds;
   if (rows.bilateral != nullptr) bounds.bilateral.assign(rows.bilateral, rows.bilateral + rows.rows);
+  bounds.friction.assign(rows.friction.begin(), rows.friction.end());
+  bounds.bounded.assign(rows.bounded.begin(), rows.bounded.end());
   MatrixFacts facts;
   facts.columns_per_body = rows.columns_per_body;
   return LcpProblem::FromFactors("step", J, Eigen::Map<const Eigen::VectorXd>(rows.inverse_mass, p * rows.bodies),

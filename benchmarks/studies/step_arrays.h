@@ -17,6 +17,8 @@ struct StepArrays {
   std::vector<double> b;
   std::vector<unsigned char> bilateral;
   std::vector<double> inverse_mass;
+  std::vector<FrictionRow> friction;
+  std::vector<BoundedRow> bounded;
 
   /// Those of a problem with two-body rows.
   static StepArrays Of(const LcpProblem& problem);

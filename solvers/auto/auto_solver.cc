@@ -12,6 +12,7 @@
 #include "solvers/auto/auto_portfolio.h"
 #include "solvers/auto/auto_rules.h"
 #include "solvers/auto/band_pivoting.h"
+#include "solvers/auto/friction_row_solver.h"
 #include "solvers/auto/matrix_arrays.h"
 #include "solvers/auto/row_solver.h"
 #include "solvers/friction/friction_portfolio.h"
@@ -32,6 +33,8 @@ using Judgement = SmallPivoting::Answer::Judgement;
 // Fewer idle rows than one in so many are not likely to cut an island into pieces of a tableau's size: the longest
 // piece of a chain cut at random is some ln(cuts) times the mean one.
 constexpr Index kRowsPerCut = 16;
+
+constexpr double kLeastTime = 1e-9;  // [s]: limits are > 0
 
 }  // namespace
 
@@ -64,6 +67,7 @@ class AutoEngine {
  public:
   explicit AutoEngine(const AutoOptions& options);
   bool takes_other_laws() const { return !options_.only.has_value(); }
+  static constexpr bool kReadsFriction = true;
   static constexpr bool kSolvesByFaces = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const;
@@ -85,7 +89,7 @@ class AutoEngine {
                    LcpResult* result) const;
   bool TryTableauOfMatrix(const LcpOptions& options, const Deadline* deadline, LcpResult* result);
 
-  void PrepareFriction(const LcpProblem& problem);
+  void SolveFriction(const LcpProblem& problem, LcpOptions options, const Deadline* deadline, LcpResult* result);
   void PrepareProblem(const LcpProblem& problem);
   void PrepareDividing(const LcpProblem& problem, bool islands_are_known);
   void PrepareWhole(const LcpProblem& problem) {
@@ -125,7 +129,10 @@ class AutoEngine {
   AutoFacts matrix_facts_;
   BandPivoting band_;
 
-  std::unique_ptr<FrictionPortfolio> friction_;  // of problems that are not plain; made for the first one
+  // Of problems that are not plain; made for the first one, the portfolio for the first that rows in place leave open.
+  std::unique_ptr<FrictionRowSolver> friction_rows_;
+  std::unique_ptr<FrictionPortfolio> friction_;
+  bool friction_is_ready_ = false;  // for the prepared problem
 
   // The prepared problem.
   bool problem_is_ready_ = false;
@@ -182,6 +189,7 @@ bool AutoEngine::IsReadInPlace(MatrixForm form, Index rows) const {
 // Arrays that are not taken become an LcpProblem.
 AutoEngine::Taken AutoEngine::Take(const ProblemArrays& arrays) {
   if (!IsReadInPlace(arrays.form, arrays.rows)) return Taken::kNothing;
+  if (arrays.form != MatrixForm::kFactors && !arrays.friction.empty()) return Taken::kNothing;
   if (arrays.form != MatrixForm::kFactors) return matrix_.Take(arrays) ? Taken::kMatrix : Taken::kNothing;
   return step_.Take(arrays) ? Taken::kRows : Taken::kNothing;
 }
@@ -205,12 +213,19 @@ bool AutoEngine::SolveRows(const StepRows& rows, const LcpOptions& options, cons
   rows_.Reserve(rows.rows, rows.bodies);
   if (gaps_.size() < rows.rows) gaps_.resize(rows.rows);
   const double* const initial_f = options.initial_f == nullptr ? nullptr : options.initial_f->data();
-  const RowAnswer answer = rows_.Solve(rows, options.tolerance, deadline, initial_f, result->f.data(), gaps_.data());
+  RowAnswer answer;
+  if (rows.friction.empty()) {
+    answer = rows_.Solve(rows, options.tolerance, deadline, initial_f, result->f.data(), gaps_.data());
+  } else {
+    if (friction_rows_ == nullptr) friction_rows_ = std::make_unique<FrictionRowSolver>(&rows_);
+    friction_rows_->Reserve(rows.rows, rows.bodies);
+    answer = friction_rows_->Solve(rows, options.tolerance, deadline, initial_f, result->f.data(), nullptr);
+  }
   if (!answer.fits && options_.only.has_value()) Refuse("an island has more rows than it takes", result);
   if (!answer.solved) return false;
   result->status = LcpStatus::kSolved;
   result->iterations = answer.iterations;
-  result->detail = "rows";
+  result->detail = rows.friction.empty() ? "rows" : friction_rows_->method();
   return true;
 }
 
@@ -351,31 +366,35 @@ void AutoEngine::SolveRest(const LcpProblem& problem, const LcpOptions& options,
   }
 }
 
-void AutoEngine::PrepareFriction(const LcpProblem& problem) {
+// What rows in place leave open.
+void AutoEngine::SolveFriction(const LcpProblem& problem, LcpOptions options, const Deadline* deadline,
+                               LcpResult* result) {
   if (friction_ == nullptr) {
     AutoOptions plain = options_;
+    plain.reads_in_place = true;
     friction_ =
         std::make_unique<FrictionPortfolio>(RelaxationOptions{[plain] { return std::make_unique<AutoSolver>(plain); }});
   }
-  friction_->Prepare(problem);
+  if (!std::exchange(friction_is_ready_, true)) friction_->Prepare(problem);
+  if (deadline != nullptr) options.time_limit_s = std::max(deadline->Remaining(), kLeastTime);
+  friction_->Solve(problem, options, result);
 }
 
 void AutoEngine::Prepare(const LcpProblem& problem) {
-  if (!problem.is_plain()) return PrepareFriction(problem);
-  problem_is_ready_ = false;
+  friction_is_ready_ = problem_is_ready_ = false;
   taken_ = Taken::kNothing;
   was_asked_in_place_ = std::exchange(asked_in_place_, false);
   if (!was_asked_in_place_ && IsReadInPlace(problem.given_form(), problem.size())) {
     if (problem.has_factors()) {
       if (step_.Take(problem)) taken_ = Taken::kRows;
-    } else {
+    } else if (problem.is_plain()) {
       given_ = ProblemArrays::Of(problem);
       std::fill(given_.b.begin(), given_.b.end(), 0.0);  // that of Solve's problem takes its place
       taken_ = Take(given_);
     }
     if (taken_ == Taken::kRows) rows_.Reserve(step_.rows().rows, step_.rows().bodies);
   }
-  if (taken_ == Taken::kNothing) PrepareProblem(problem);
+  if (taken_ == Taken::kNothing && problem.is_plain()) PrepareProblem(problem);
 }
 
 // Large problems by factors are looked at by columns of J first: A is not formed where one island has most rows.
@@ -421,7 +440,6 @@ void AutoEngine::PrepareDividing(const LcpProblem& problem, bool islands_are_kno
 }
 
 void AutoEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  if (!problem.is_plain()) return friction_->Solve(problem, options, result);
   // Reading the clock costs a tenth of the smallest problems, which a tableau ends in no time.
   std::optional<Deadline> limit;
   if (std::isfinite(options.time_limit_s) && problem.size() > SmallPivoting::kRowsWithoutClock) limit.emplace(options);
@@ -432,6 +450,7 @@ void AutoEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lcp
     if (taken_ == Taken::kMatrix) given_.b.assign(problem.b().begin(), problem.b().end());
     if (SolveInPlace(rows, options, limit.has_value() ? &*limit : nullptr, result)) return;
   }
+  if (!problem.is_plain()) return SolveFriction(problem, options, limit.has_value() ? &*limit : nullptr, result);
   if (!problem_is_ready_) PrepareProblem(problem);
   whole_.facts().tableau_failed = (is_taken || was_asked_in_place_) && problem.size() <= tableau_rows_;
   SolveProblem(problem, options, limit.value_or(Deadline(options)), result);

@@ -728,6 +728,8 @@ lcpbench_error lcpbench_step_reserve(lcpbench_step* step, int64_t max_rows, int6
     RequireSize(max_rows, "max_rows");
     RequireSize(max_bodies, "max_bodies");
     step->solver.Reserve(max_rows, max_bodies);
+    step->friction.reserve(static_cast<std::size_t>(max_rows));
+    step->bounded.reserve(static_cast<std::size_t>(max_rows));
   });
 }
 

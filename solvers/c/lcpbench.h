@@ -408,7 +408,9 @@ LCPBENCH_API lcpbench_error lcpbench_step_create(const lcpbench_step_options* op
 /// @param max_rows,max_bodies  in [0, 2^31)
 LCPBENCH_API lcpbench_error lcpbench_step_reserve(lcpbench_step* step, int64_t max_rows, int64_t max_bodies);
 
-/// Solves. A solve that fails is LCPBENCH_OK with a status that says so. Steps with friction or bounded rows allocate.
+/// Solves. A solve that fails is LCPBENCH_OK with a status that says so. After lcpbench_step_reserve it allocates where
+/// lcpbench_step_fallbacks counts it only: with friction rows mostly where an island (rows that share bodies) has more
+/// than 128 rows, and always with bounded rows and no friction.
 /// @param step       not NULL
 /// @param rows       the arrays of this step
 /// @param initial_f  warm start: n numbers, finite, 0 for new rows, in another array than f; NULL: a cold start
@@ -421,9 +423,10 @@ LCPBENCH_API lcpbench_error lcpbench_step_solve(lcpbench_step* step, const lcpbe
                                                 lcpbench_step_answer* answer, size_t size);
 
 /// Solves many problems, from cold starts. Problem k has the rows starts[k] .. starts[k + 1] - 1 of `rows`; bodies that
-/// can move belong to one problem each.
+/// can move belong to one problem each, as do a friction row and its normal row. With friction or bounded rows each
+/// problem is solved as lcpbench_step_solve does, in the same bits, side by side in threads.
 /// @param step     not NULL
-/// @param rows     the arrays of all problems, one after the other, without friction and bounded rows
+/// @param rows     the arrays of all problems, one after the other
 /// @param starts   count + 1 numbers that do not fall, the first 0 and the last rows->rows
 /// @param count    problems, >= 0
 /// @param f        rows->rows numbers, written: the forces

@@ -1,9 +1,9 @@
 #include "solvers/friction/contact_path.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <random>
 
 #include "support/array_index.h"
@@ -31,13 +31,33 @@ double ContactPath::BoundOf(Index row) const {
   return state.side > 0 ? at->lower : at->upper;
 }
 
+void ContactPath::Reserve(Index max_rows) {
+  state_.reserve(At(max_rows));
+  owner_.reserve(At(max_rows));
+  position_.reserve(At(max_rows + 1));
+  variable_.reserve(At(max_rows));
+  room_.reserve(At((max_rows + 4) * max_rows));
+  basis_.Reserve(max_rows);
+}
+
+void ContactPath::SetViews() {
+  room_.resize(At((n_ + 4) * n_));
+  double* at = room_.data();
+  for (View<Eigen::VectorXd>* const view : {&cover_, &column_, &direction_, &value_}) {
+    new (view) View<Eigen::VectorXd>(at, n_);
+    at += n_;
+  }
+  new (&inverse_) View<Eigen::MatrixXd>(at, n_, n_);
+}
+
 void ContactPath::Start(const ContactRows& rows, unsigned seed) {
   rows_ = &rows;
   n_ = rows.size();
+  SetViews();
   std::mt19937 random(seed + 1);
   state_.clear();
   owner_.assign(At(n_), -1);
-  cover_.setZero(n_);
+  cover_.setZero();
   const auto own = [&](Index row) { owner_[At(row)] = static_cast<Index>(state_.size()); };
   for (const ContactRows::Contact& contact : rows.contacts()) {
     State state{.normal = contact.normal, .tangent = contact.tangent, .cell = Cell::kOpen};
@@ -65,10 +85,7 @@ void ContactPath::Start(const ContactRows& rows, unsigned seed) {
     own(row);
     state_.push_back({.cell = Cell::kDropped});
   }
-  inverse_.setZero(n_, n_);
-  value_.resize(n_);
-  direction_.resize(n_);
-  column_.resize(n_);
+  inverse_.setZero();
   position_.resize(At(n_ + 1));
   variable_.resize(At(n_));
   for (Index i = 0; i < n_; ++i) {
@@ -145,12 +162,16 @@ void ContactPath::Pivot(Index position) {
 // Inverse and values from the variables of the basis.
 bool ContactPath::Renew() {
   if (updates_ >= kMostUpdates) {
-    Eigen::MatrixXd basis(n_, n_);
+    basis_.Start(n_);
     for (Index p = 0; p < n_; ++p) {
       SetColumn(variable_[At(p)]);
-      basis.col(p) = column_;
+      for (Index i = 0; i < n_; ++i) {
+        if (column_[i] != 0) basis_.Add(i, p, column_[i]);
+      }
     }
-    inverse_ = basis.partialPivLu().inverse();
+    if (!basis_.Factorize()) return false;
+    inverse_.setIdentity();
+    for (Index p = 0; p < n_; ++p) basis_.Solve(inverse_.col(p).data());
     updates_ = 0;
   }
   column_ = -rows_->b();
@@ -254,7 +275,8 @@ void ContactPath::Cross(const Wall& wall) {
 }
 
 void ContactPath::GetForces(Eigen::VectorXd* phi) const {
-  phi->setZero(n_);
+  ContactRows::Lengthen(n_, phi);
+  phi->head(n_).setZero();
   for (Index row = 0; row < n_; ++row) {
     const State& state = Of(row);
     if (state.cell == Cell::kJoint) {
@@ -321,17 +343,16 @@ ContactPath::End ContactPath::Follow(const ContactRows& rows, unsigned seed, dou
   return End::kLimit;
 }
 
-bool FollowPaths(const ContactRows& rows, unsigned seeds, ContactPath* path, ModeSteps* newton, FrictionAnswer* answer,
-                 ContactPath::End* end) {
+bool FollowPaths(const ContactRows& rows, unsigned seeds, ContactPath* path, ModeSteps* newton, Eigen::VectorXd* phi,
+                 FrictionAnswer* answer, ContactPath::End* end) {
   constexpr double kEps = 1e-7;
   constexpr ModeSteps::Limits kAfterwards{.steps = 15, .eps = 1e-8};
-  Eigen::VectorXd phi;
   for (const double eps : {0.0, kEps}) {
     for (unsigned seed = 0; seed < seeds && !answer->IsOver(); ++seed) {
-      *end = path->Follow(rows, seed, eps, answer, &phi);
+      *end = path->Follow(rows, seed, eps, answer, phi);
       if (*end != ContactPath::End::kReached) continue;
-      if (answer->Take(phi) || newton->Polish(rows, phi, answer)) return true;
-      if (eps > 0 && newton->Run(rows, kAfterwards, &phi, answer)) return true;
+      if (answer->Take(*phi) || newton->Polish(rows, *phi, answer)) return true;
+      if (eps > 0 && newton->Run(rows, kAfterwards, phi, answer)) return true;
     }
   }
   return false;
@@ -345,9 +366,9 @@ void ContactPathSolver::Prepare(const LcpProblem& problem) {
 void ContactPathSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   constexpr unsigned kSeeds = 3;
   rows_.SetB(problem);
-  FrictionAnswer answer(rows_, problem, options, result);
+  FrictionAnswer answer(rows_, &problem, options, result);
   ContactPath::End end = ContactPath::End::kLimit;
-  if (FollowPaths(rows_, kSeeds, &path_, &newton_, &answer, &end)) return;
+  if (FollowPaths(rows_, kSeeds, &path_, &newton_, &phi_, &answer, &end)) return;
   const char* const why[] = {"rounding: the end of the path does not pass", "secondary ray",
                              "rounding spoils the basis", "limit of pivots"};
   answer.Fail(why[static_cast<int>(end)]);

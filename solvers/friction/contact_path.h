@@ -8,6 +8,7 @@
 #include "solvers/friction/contact_rows.h"
 #include "solvers/friction/friction_answer.h"
 #include "solvers/friction/mode_steps.h"
+#include "solvers/friction/profile_lu.h"
 
 /// Internal to solvers/.
 namespace lcpbench {
@@ -28,6 +29,8 @@ class ContactPath {
     kLimit,     ///< of pivots, or of the answer's iterations or time
   };
 
+  /// For problems of up to so many rows.
+  void Reserve(Index max_rows);
   /// @param seed  of d
   /// @param eps   added to the diagonal of A, so that no rows are dependent
   /// @param phi   n, written where it ended at kReached
@@ -50,6 +53,7 @@ class ContactPath {
     double step = 0;
   };
 
+  void SetViews();
   void Start(const ContactRows& rows, unsigned seed);
   void StartJoints();
   State& Of(Index row) { return state_[static_cast<size_t>(owner_[static_cast<size_t>(row)])]; }
@@ -78,18 +82,22 @@ class ContactPath {
   std::vector<Index> owner_;     // n, in state_
   std::vector<Index> position_;  // n + 1, of each row's variable and z; -1: not in the basis
   std::vector<Index> variable_;  // n, by position
-  Eigen::VectorXd cover_;        // d
-  Eigen::MatrixXd inverse_;
-  Eigen::VectorXd column_, direction_, value_;  // n: value_ and direction_ by position
+  // Views of room_: d; the basis's inverse; a column, the direction and values, both by position.
+  template <typename Matrix>
+  using View = Eigen::Map<Matrix>;
+  View<Eigen::VectorXd> cover_{nullptr, 0}, column_{nullptr, 0}, direction_{nullptr, 0}, value_{nullptr, 0};
+  View<Eigen::MatrixXd> inverse_{nullptr, 0, 0};
+  std::vector<double> room_;
+  ProfileLu basis_;
   Index entering_ = -1;
   double entered_ = 0;  // value of the entering variable
   int updates_ = 0;
 };
 
 /// Paths of some seeds, each polished and judged; then the same on A + 1e-7 with Newton's method after it. True where
-/// an answer passes. *end: of the latest path.
-bool FollowPaths(const ContactRows& rows, unsigned seeds, ContactPath* path, ModeSteps* newton, FrictionAnswer* answer,
-                 ContactPath::End* end);
+/// an answer passes. *end: of the latest path. *phi: room.
+bool FollowPaths(const ContactRows& rows, unsigned seeds, ContactPath* path, ModeSteps* newton, Eigen::VectorXd* phi,
+                 FrictionAnswer* answer, ContactPath::End* end);
 
 /// The solver `lemke` for problems that are not plain: FollowPaths. Own limit 50 n + 1000 pivots a path; a secondary
 /// ray is kNumericalFailure, as it proves nothing.
@@ -102,6 +110,7 @@ class ContactPathSolver {
   ContactRows rows_;
   ContactPath path_;
   ModeSteps newton_;
+  Eigen::VectorXd phi_;
 };
 
 }  // namespace lcpbench

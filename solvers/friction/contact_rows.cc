@@ -22,6 +22,9 @@ constexpr double kTermsBesideRows = 64;
 // Up to so many rows the dense A is formed sooner than the sparse one.
 constexpr Index kFewRows = 100;
 
+// Bodies in space have so many columns.
+constexpr Index kMostColumnsPerBody = 6;
+
 double Square(double x) { return x * x; }
 
 }  // namespace
@@ -34,24 +37,115 @@ std::string ContactRows::WhyUnsupported(const LcpProblem& problem) {
   return WhyNotSymmetric(problem);
 }
 
-void ContactRows::Prepare(const LcpProblem& problem) {
-  const Index n = problem.size();
-  const Eigen::VectorXd& diagonal = problem.DiagonalA();
+void ContactRows::Reserve(Index max_rows, Index max_bodies) {
+  start_.reserve(At(max_rows) + 1);
+  end_.reserve(At(max_rows));
+  value_.reserve(At(max_rows * max_rows));
+  jacobian_.reserve(At(2 * kMostColumnsPerBody * max_rows));
+  sides_.Reserve(max_rows, max_bodies);
+  for (std::vector<double>* const numbers : {&root_, &inverse_root_}) numbers->reserve(At(max_rows));
+  for (std::vector<Index>* const numbers : {&first_, &next_, &joints_}) numbers->reserve(At(max_rows));
+  kind_.reserve(At(max_rows));
+  contacts_.reserve(At(max_rows));
+  bounded_.reserve(At(max_rows));
+  for (Eigen::VectorXd* const numbers : {&b_, &phi_, &omega_, &magnitude_, &hidden_}) Lengthen(max_rows, numbers);
+}
+
+void ContactRows::SetRoots(Index n, const double* diagonal, Index stride) {
   root_.assign(At(n), 1);
   inverse_root_.resize(At(n));
   for (Index i = 0; i < n; ++i) {
-    if (diagonal[i] > 0) root_[At(i)] = std::sqrt(diagonal[i]);
+    if (diagonal[i * stride] > 0) root_[At(i)] = std::sqrt(diagonal[i * stride]);
     inverse_root_[At(i)] = 1 / root_[At(i)];
   }
+}
+
+void ContactRows::Prepare(const LcpProblem& problem) {
+  SetRoots(problem.size(), problem.DiagonalA().data(), 1);
   TakeMatrix(problem);
+  joints_ = problem.bilateral_rows();
+  SetLaws(problem.friction_rows(), problem.bounded_rows());
+  SetB(problem);
+}
+
+void ContactRows::Prepare(const StepRows& step, std::span<const std::int32_t> part,
+                          std::span<const FrictionRow> friction, std::span<const BoundedRow> bounded) {
+  const Index n = std::ssize(part);
+  WithNumbers(step, [&](const auto* J, auto p) { Assemble<p>(step, J, part); });
+  SetRoots(n, value_.data(), n + 1);
+  joints_.clear();
+  Lengthen(n, &b_);
+  for (Index i = 0; i < n; ++i) {
+    double* const row = value_.data() + i * n;
+    for (Index j = start_[At(i)]; j < end_[At(i)]; ++j) row[j] *= inverse_root_[At(i)] * inverse_root_[At(j)];
+    const std::int32_t given = part[At(i)];
+    b_[i] = step.b[given] * inverse_root_[At(i)];
+    if (step.bilateral != nullptr && step.bilateral[given] != 0) joints_.push_back(i);
+  }
+  SetLaws(friction, bounded);
+  SetScale();
+}
+
+// A by the bodies that rows share, as SmallPivoting has it.
+template <Index p, typename Real>
+void ContactRows::Assemble(const StepRows& step, const Real* J, std::span<const std::int32_t> part) {
+  const Index n = std::ssize(part);
+  is_dense_ = true;
+  value_.assign(At(n * n), 0);
+  start_.resize(At(n));
+  end_.resize(At(n));
+  jacobian_.resize(At(2 * p * n));
+  sides_.Reserve(n, step.bodies);
+  for (Index i = 0; i < n; ++i) {
+    const Index given = part[At(i)];
+    double* const own = jacobian_.data() + 2 * p * i;
+    for (Index c = 0; c < 2 * p; ++c) own[c] = static_cast<double>(J[2 * p * given + c]);
+    const std::int32_t bodies[2] = {step.body[2 * given], step.body[2 * given + 1]};
+    const bool is_joined = bodies[0] == bodies[1];
+    for (Index c = 0; c < p && is_joined; ++c) own[c] += own[p + c];
+    double* const row = value_.data() + i * n;
+    start_[At(i)] = i;
+    end_[At(i)] = i + 1;
+    for (Index side = 0; side < (is_joined ? 1 : 2); ++side) {
+      const Index body = bodies[side];
+      if (body < 0) continue;
+      double momentum[p];
+      bool moves = false;
+      for (Index c = 0; c < p; ++c) {
+        momentum[c] = step.inverse_mass[body * p + c] * own[side * p + c];
+        row[i] += momentum[c] * own[side * p + c];
+        moves = moves || step.inverse_mass[body * p + c] > 0;
+      }
+      if (!moves) continue;
+      sides_.ForEach(body, [&](std::int32_t other) {
+        const Index j = other / 2;
+        if (j == i) return;
+        const double* const its = jacobian_.data() + p * other;
+        double sum = row[j];
+        for (Index c = 0; c < p; ++c) sum += momentum[c] * its[c];
+        row[j] = value_[At(j * n + i)] = sum;
+        start_[At(i)] = std::min(start_[At(i)], j);
+        end_[At(j)] = i + 1;
+      });
+      sides_.Add(body, static_cast<std::int32_t>(2 * i + side));
+    }
+  }
+  for (const std::int32_t given : part) {
+    for (Index side = Index{2} * given; side < Index{2} * given + 2; ++side) {
+      if (step.body[side] >= 0) sides_.Forget(step.body[side]);
+    }
+  }
+}
+
+void ContactRows::SetLaws(std::span<const FrictionRow> friction, std::span<const BoundedRow> bounded) {
+  const Index n = size();
   // The friction rows of a normal row are a list: first_[normal], next_[tangent], ...
-  const std::vector<FrictionRow>& friction = problem.friction_rows();
   first_.assign(At(n), -1);
   next_.assign(friction.size(), -1);
   kind_.assign(At(n), RowKind::kUnilateral);
   is_sliding_ = false;
   is_paired_ = true;
-  for (Index k = static_cast<Index>(friction.size()) - 1; k >= 0; --k) {
+  for (Index k = std::ssize(friction) - 1; k >= 0; --k) {
     const FrictionRow& row = friction[At(k)];
     next_[At(k)] = std::exchange(first_[At(row.normal)], k);
     is_paired_ = is_paired_ && next_[At(k)] < 0;
@@ -59,11 +153,10 @@ void ContactRows::Prepare(const LcpProblem& problem) {
     is_sliding_ = is_sliding_ || row.slip != 0;
   }
   bounded_.clear();
-  for (const BoundedRow& row : problem.bounded_rows()) {
+  for (const BoundedRow& row : bounded) {
     bounded_.push_back({row.row, row.lower * root_[At(row.row)], row.upper * root_[At(row.row)]});
     kind_[At(row.row)] = RowKind::kBounded;
   }
-  joints_ = problem.bilateral_rows();
   for (const Index i : joints_) kind_[At(i)] = RowKind::kBilateral;
   contacts_.clear();
   for (Index i = 0; i < n; ++i) {
@@ -75,11 +168,11 @@ void ContactRows::Prepare(const LcpProblem& problem) {
       contacts_.push_back({i, row.row, mu, row.mu, row.slip, k != first_[At(i)]});
     }
   }
-  SetB(problem);
 }
 
 void ContactRows::TakeMatrix(const LcpProblem& problem) {
   const Index n = problem.size();
+  is_dense_ = false;
   start_.assign(1, 0);
   column_.clear();
   value_.clear();
@@ -101,8 +194,12 @@ void ContactRows::TakeMatrix(const LcpProblem& problem) {
 }
 
 void ContactRows::SetB(const LcpProblem& problem) {
-  b_.resize(size());
+  Lengthen(size(), &b_);
   for (Index i = 0; i < size(); ++i) b_[i] = problem.b()[i] / root_[At(i)];
+  SetScale();
+}
+
+void ContactRows::SetScale() {
   double plain = 0, answered = 0, all = 0;
   for (const Index i : joints_) plain += Square(b_[i]);
   for (const Contact& contact : contacts_) plain += contact.is_further ? 0 : Square(b_[contact.normal]);
@@ -121,8 +218,16 @@ void ContactRows::SetB(const LcpProblem& problem) {
 }
 
 void ContactRows::ComputeGaps(const Eigen::VectorXd& phi, Eigen::VectorXd* omega) const {
-  omega->resize(size());
+  Lengthen(size(), omega);
   for (Index i = 0; i < size(); ++i) (*omega)[i] = Gap(i, phi);
+}
+
+void ContactRows::ComputeGapsOf(const Eigen::VectorXd& f, Eigen::VectorXd* w) const {
+  const Index n = size();
+  Lengthen(n, &phi_);
+  for (Index i = 0; i < n; ++i) phi_[i] = root_[At(i)] * f[i];
+  ComputeGaps(phi_, w);
+  for (Index i = 0; i < n; ++i) (*w)[i] *= root_[At(i)];
 }
 
 double ContactRows::Rho(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega) const {
@@ -166,7 +271,7 @@ void ContactRows::FindModes(const Eigen::VectorXd& phi, const Eigen::VectorXd& o
 }
 
 void ContactRows::ToScaled(const Eigen::VectorXd& f, Eigen::VectorXd* phi) const {
-  phi->resize(size());
+  Lengthen(size(), phi);
   for (const Index i : joints_) (*phi)[i] = root_[At(i)] * f[i];
   for (const Contact& contact : contacts_) {
     const double normal = std::max(root_[At(contact.normal)] * f[contact.normal], 0.0);
@@ -189,7 +294,8 @@ double ContactRows::LoadOf(const Contact& contact) const {
 }
 
 void ContactRows::ToForces(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega, Eigen::VectorXd* f) const {
-  f->setZero(size());
+  Lengthen(size(), f);
+  f->head(size()).setZero();
   for (const Index i : joints_) (*f)[i] = phi[i] / root_[At(i)];
   for (const Contact& contact : contacts_) {
     const RowMode mode = ModeOf(contact, phi, omega);
@@ -218,12 +324,9 @@ double ContactRows::BackwardError(Index row, double defect) const {
 
 bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance) const {
   const Index n = size();
-  phi_.resize(n);
-  magnitude_.resize(n);
-  hidden_.resize(n);
+  for (Eigen::VectorXd* const numbers : {&phi_, &omega_, &magnitude_, &hidden_}) Lengthen(n, numbers);
   for (Index i = 0; i < n; ++i) phi_[i] = root_[At(i)] * f[i];
-  omega_.resize(n);
-  const double forces = phi_.lpNorm<1>();
+  const double forces = phi_.head(n).lpNorm<1>();
   const double unit = (static_cast<double>(n) + kTermsBesideRows) * std::numeric_limits<double>::epsilon();
   for (Index i = 0; i < n; ++i) {
     double sum = b_[i], size = std::abs(b_[i]);
@@ -235,7 +338,7 @@ bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance) cons
     magnitude_[i] = size;
     hidden_[i] = unit * (forces + size);
   }
-  if (!(Rho(phi_, omega_) + hidden_.norm() / scale_ <= tolerance)) return false;
+  if (!(Rho(phi_, omega_) + hidden_.head(n).norm() / scale_ <= tolerance)) return false;
   double worst = 0;
   const auto raise = [&](double error) { worst = std::max(worst, error); };
   for (const Index i : joints_) raise(BackwardError(i, std::abs(omega_[i])));

@@ -1,10 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "solvers/lcp/problem.h"
+#include "solvers/lcp/step_rows.h"
+#include "solvers/linear_algebra/sides_of_bodies.h"
 
 /// Internal to solvers/.
 namespace lcpbench {
@@ -20,6 +24,8 @@ enum class RowMode : unsigned char {
 
 /// A problem with friction in scaled variables, phi = D^1/2 f and omega = D^-1/2 w with D = diag A (1 where that is 0):
 /// omega = A phi + b. What all methods of this folder start from [docs/friction.md sections 4, 5].
+///
+/// Vectors have n numbers or more, of which the first n count: workspace that is long enough is never made anew.
 class ContactRows {
  public:
   /// A unilateral row and its friction row. One with several friction rows is as many contacts, the later ones
@@ -45,6 +51,12 @@ class ContactRows {
 
   /// O(nnz A); allocates.
   void Prepare(const LcpProblem& problem);
+  /// Of the rows `part` of a step, ascending, which share no moving body with others, under laws whose rows are counted
+  /// in the part. A is dense: for up to some hundred rows.  O(rows^2); allocates where it has met no part as large
+  void Prepare(const StepRows& step, std::span<const std::int32_t> part, std::span<const FrictionRow> friction,
+               std::span<const BoundedRow> bounded);
+  /// For parts of up to so many rows and bodies with a lesser number than that.
+  void Reserve(Index max_rows, Index max_bodies);
   /// From here on with the b of a problem that shares the matrix of the prepared one.  O(n)
   void SetB(const LcpProblem& problem);
 
@@ -53,7 +65,7 @@ class ContactRows {
   const std::vector<Contact>& contacts() const { return contacts_; }        ///< by normal row
   const std::vector<Index>& joints() const { return joints_; }              ///< bilateral rows
   const std::vector<Bounded>& bounded() const { return bounded_; }          ///< by row
-  const Eigen::VectorXd& b() const { return b_; }                           ///< n, scaled
+  auto b() const { return b_.head(size()); }                                ///< n, scaled
   /// Plain and friction rows only, up to one a contact: what the relaxation takes.
   bool can_relax() const { return bounded_.empty() && !is_sliding_ && is_paired_; }
   bool is_paired() const { return is_paired_; }  ///< up to one friction row a contact
@@ -61,6 +73,12 @@ class ContactRows {
   /// Calls visit(column, entry) over the scaled row.
   template <typename Visit>
   void VisitRow(Index row, const Visit& visit) const {
+    if (is_dense_) {
+      const double* const entry = value_.data() + row * size();
+      const Index end = end_[static_cast<size_t>(row)];
+      for (Index j = start_[static_cast<size_t>(row)]; j < end; ++j) visit(j, entry[j]);
+      return;
+    }
     for (Index e = start_[static_cast<size_t>(row)]; e < start_[static_cast<size_t>(row) + 1]; ++e) {
       visit(column_[static_cast<size_t>(e)], value_[static_cast<size_t>(e)]);
     }
@@ -84,18 +102,33 @@ class ContactRows {
   void ToForces(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega, Eigen::VectorXd* f) const;
   /// Whether f passes the tier for certain: rho and backward error in double, with what rounding can hide on top.
   bool IsSurelyRight(const Eigen::VectorXd& f, double tolerance) const;
+  /// *w = A f + b, in the problem's units.  O(nnz A)
+  void ComputeGapsOf(const Eigen::VectorXd& f, Eigen::VectorXd* w) const;
+  /// Makes *vector at least so long; what it holds then is not defined.
+  static void Lengthen(Index size, Eigen::VectorXd* vector) {
+    if (vector->size() < size) vector->resize(size);
+  }
 
  private:
   void TakeMatrix(const LcpProblem& problem);
+  template <Index p, typename Real>
+  void Assemble(const StepRows& step, const Real* J, std::span<const std::int32_t> part);
+  void SetRoots(Index n, const double* diagonal, Index stride);
+  void SetLaws(std::span<const FrictionRow> friction, std::span<const BoundedRow> bounded);
+  void SetScale();
   RowMode ModeOf(const Contact& contact, const Eigen::VectorXd& phi, const Eigen::VectorXd& omega) const;
   double LoadOf(const Contact& contact) const;
   double BackwardError(Index row, double defect) const;
 
-  std::vector<Index> start_;  // compressed rows of D^-1/2 A D^-1/2
+  // D^-1/2 A D^-1/2 by compressed rows; or, dense, row i between the columns start_[i] and end_[i].
+  bool is_dense_ = false;
+  std::vector<Index> start_, end_;
   std::vector<int> column_;
   std::vector<double> value_;
   std::vector<double> root_, inverse_root_;  // D^1/2, D^-1/2
   std::vector<Index> first_, next_;          // of Prepare
+  SidesOfBodies sides_;                      // of Assemble, as jacobian_: 2 p numbers a row
+  std::vector<double> jacobian_;
   std::vector<RowKind> kind_;
   std::vector<Contact> contacts_;
   std::vector<Index> joints_;

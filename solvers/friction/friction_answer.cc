@@ -5,33 +5,40 @@
 namespace lcpbench {
 
 bool FrictionAnswer::Take(const Eigen::VectorXd& phi) {
-  if (!phi.allFinite()) return false;
-  rows_.ComputeGaps(phi, &gaps_);
-  rows_.ToForces(phi, gaps_, &f_);
-  return Judge(rows_.Rho(phi, gaps_));
+  rows_.ComputeGaps(phi, &room_.gaps);
+  return Take(phi, room_.gaps);
+}
+
+bool FrictionAnswer::Take(const Eigen::VectorXd& phi, const Eigen::VectorXd& gaps) {
+  if (!phi.head(rows_.size()).allFinite()) return false;
+  rows_.ToForces(phi, gaps, &room_.f);
+  return Judge(rows_.Rho(phi, gaps));
 }
 
 bool FrictionAnswer::TakeForces(const Eigen::VectorXd& f) {
-  f_ = f;
-  rows_.ToScaled(f, &phi_);
-  rows_.ComputeGaps(phi_, &gaps_);
-  return Judge(rows_.Rho(phi_, gaps_));
+  const Index n = rows_.size();
+  ContactRows::Lengthen(n, &room_.f);
+  room_.f.head(n) = f.head(n);
+  rows_.ToScaled(f, &room_.phi);
+  rows_.ComputeGaps(room_.phi, &room_.gaps);
+  return Judge(rows_.Rho(room_.phi, room_.gaps));
 }
 
-// Of f_; rho in double.
+// Of the f in the room; rho in double.
 bool FrictionAnswer::Judge(double rho) {
   constexpr double kNear = 10;
-  if (!f_.allFinite()) return false;
-  bool passes = rows_.IsSurelyRight(f_, options_.tolerance);
-  if (!passes && rho <= kNear * options_.tolerance) {
-    const Metrics metrics = ComputeMetrics(problem_, f_);
+  const auto f = room_.f.head(rows_.size());
+  if (!f.allFinite()) return false;
+  bool passes = rows_.IsSurelyRight(room_.f, options_.tolerance);
+  if (!passes && problem_ != nullptr && rho <= kNear * options_.tolerance) {
+    const Metrics metrics = ComputeMetrics(*problem_, f);
     passes = PassesTier(metrics, options_.tolerance);
     rho = metrics.rho;
   }
   const bool has_passed = result_->status == LcpStatus::kSolved;
   if (passes == has_passed ? rho < rho_ : passes) {
     rho_ = rho;
-    result_->f.swap(f_);
+    result_->f.head(rows_.size()) = f;
   }
   if (passes) result_->status = LcpStatus::kSolved;
   return passes;
@@ -46,7 +53,7 @@ bool FrictionAnswer::GetBest(Eigen::VectorXd* phi) const {
 void FrictionAnswer::Fail(const char* detail) const {
   result_->detail = detail;
   // What rounding of sums in double hid.
-  if (PassesTier(ComputeMetrics(problem_, result_->f), options_.tolerance)) {
+  if (PassesTier(ComputeMetrics(*problem_, result_->f), options_.tolerance)) {
     result_->status = LcpStatus::kSolved;
     return;
   }

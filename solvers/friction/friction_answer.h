@@ -15,16 +15,27 @@ namespace lcpbench {
 /// The answer of one solve of a problem with friction: keeps the best candidate and judges it as the verifier does.
 class FrictionAnswer {
  public:
-  /// @param rows    of `problem`, with its b
-  /// @param result  its f takes the best candidate
-  FrictionAnswer(const ContactRows& rows, const LcpProblem& problem, const LcpOptions& options, LcpResult* result)
-      : rows_(rows), problem_(problem), options_(options), result_(result) {
+  /// What a candidate is compared and kept in; of one solve after the other.
+  struct Room {
+    Eigen::VectorXd phi, gaps, f;
+  };
+  /// @param rows     of `problem`, with its b
+  /// @param problem  nullptr where there is none: then candidates pass by `rows` alone, or not
+  /// @param result   its f, of n numbers or more, takes the best candidate
+  /// @param room     nullptr: its own
+  FrictionAnswer(const ContactRows& rows, const LcpProblem* problem, const LcpOptions& options, LcpResult* result,
+                 Room* room = nullptr)
+      : rows_(rows), problem_(problem), options_(options), result_(result), room_(room == nullptr ? own_ : *room) {
     if (std::isfinite(options.time_limit_s)) deadline_.emplace(options);
   }
+  FrictionAnswer(const FrictionAnswer&) = delete;
+  FrictionAnswer& operator=(const FrictionAnswer&) = delete;
 
   /// Whether this candidate, n scaled forces, passes; result->status is kSolved then, and its f is kept.
   /// O(nnz), and of one whose rho is small enough and near the limit the verifier's cost.
   bool Take(const Eigen::VectorXd& phi);
+  /// The same where its gaps are known.
+  bool Take(const Eigen::VectorXd& phi, const Eigen::VectorXd& gaps);
   /// The same of n forces in the problem's units, which are kept bit by bit.
   bool TakeForces(const Eigen::VectorXd& f);
   /// The best candidate so far, scaled. False without one.
@@ -32,7 +43,7 @@ class FrictionAnswer {
   /// rho of the best candidate; infinite without one.
   double rho() const { return rho_; }
 
-  const LcpProblem& problem() const { return problem_; }                                ///< that is solved
+  const LcpProblem& problem() const { return *problem_; }                               ///< that is solved
   const LcpOptions& options() const { return options_; }                                ///< of the solve
   double tolerance() const { return options_.tolerance; }                               ///< of rho
   bool IsLate() const { return deadline_.has_value() && deadline_->Expired(); }         ///< whether time is up
@@ -50,12 +61,13 @@ class FrictionAnswer {
   bool Judge(double rho);
 
   const ContactRows& rows_;
-  const LcpProblem& problem_;
+  const LcpProblem* const problem_;
   const LcpOptions& options_;
   std::optional<Deadline> deadline_;  // none where time is not limited: reading the clock costs
   LcpResult* const result_;
   double rho_ = std::numeric_limits<double>::infinity();
-  Eigen::VectorXd phi_, gaps_, f_;
+  Room own_;
+  Room& room_;
 };
 
 }  // namespace lcpbench

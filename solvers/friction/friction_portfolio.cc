@@ -12,9 +12,6 @@
 namespace lcpbench {
 namespace {
 
-// Modes are tried one by one up to so many contacts, joints beside them.
-constexpr size_t kFewContacts = 3;
-constexpr Index kFewRows = 12;
 // Rounds of the relaxation before the path along modes, the first unshifted, and after it.
 constexpr int kFirstRounds = 4, kMostRounds = 60;
 // Above so many contacts the path comes last; above so many rows its dense inverse is not worth while.
@@ -46,7 +43,7 @@ void FrictionPortfolio::Prepare(const LcpProblem& problem) {
       problem.bounded_rows().empty() &&
       std::ranges::all_of(problem.friction_rows(), [](const FrictionRow& row) { return row.mu == 0; });
   std::vector<std::vector<Index>> islands;
-  if (!is_plain && problem.size() > kFewRows) islands = IslandsOf(problem);
+  if (!is_plain && problem.size() > ModeSteps::kFewRows) islands = IslandsOf(problem);
   parts_.resize(std::max(islands.size(), size_t{1}));
   for (size_t k = 0; k < parts_.size(); ++k) {
     Part& part = parts_[k];
@@ -107,7 +104,7 @@ void FrictionPortfolio::SolvePart(Part* part, const LcpProblem& problem, const L
   part->contacts.SetB(problem);
   newton_.Reset();
   rounds_.Start(rows);
-  FrictionAnswer answer(rows, problem, options, result);
+  FrictionAnswer answer(rows, &problem, options, result);
   const char* const method = Ask(rows, &answer, result);
   if (method != nullptr) {
     result->detail = method;
@@ -119,19 +116,16 @@ void FrictionPortfolio::SolvePart(Part* part, const LcpProblem& problem, const L
 
 // The method that answered; nullptr if none did.
 const char* FrictionPortfolio::Ask(const ContactRows& rows, FrictionAnswer* answer, LcpResult* result) {
-  constexpr ModeSteps::Limits kWarm{.steps = 3, .eps = 1e-10}, kCold{.steps = 30, .eps = 1e-8};
+  constexpr ModeSteps::Limits kCold{.steps = 30, .eps = 1e-8};
   constexpr ModeSteps::Limits kInTurns{.steps = 200, .eps = 1e-6, .sweeps = 50};
   constexpr int kFirstSweeps = 200, kPoints = 200;
   const bool has_friction =
       std::ranges::any_of(rows.contacts(), [](const ContactRows::Contact& contact) { return contact.can_stick(); });
-  if (!has_friction && rows.can_relax() && AskRounds(rows, 1, answer) != nullptr) return "no friction";
-  if (answer->options().initial_f != nullptr) {
-    rows.ToScaled(*answer->options().initial_f, &phi_);
-    if (answer->Take(phi_) || newton_.Run(rows, kWarm, &phi_, answer)) return "warm modes";
-  }
-  if (rows.contacts().size() <= kFewContacts && rows.size() <= kFewRows && AskAllModes(rows, answer)) return "modes";
+  const auto ask_rounds = [&](int count) { return rounds_.Run(rows, count, &newton_, &phi_, answer); };
+  if (!has_friction && rows.can_relax() && ask_rounds(1) != nullptr) return "no friction";
+  if (const char* method = newton_.Begin(rows, answer)) return method;
   if (rows.can_relax()) {
-    if (const char* method = AskRounds(rows, kFirstRounds, answer)) return method;
+    if (const char* method = ask_rounds(kFirstRounds)) return method;
     if (!rounds_.is_solved() && FindRay(*answer, result)) return kRay;
   } else {
     phi_.setZero(rows.size());
@@ -142,7 +136,7 @@ const char* FrictionPortfolio::Ask(const ContactRows& rows, FrictionAnswer* answ
   if (!answer->GetBest(&phi_)) phi_.setZero(rows.size());
   if (newton_.Approach(rows, kPoints, &phi_, answer)) return "proximal points";
   if (rows.can_relax()) {
-    if (AskRounds(rows, kMostRounds - kFirstRounds, answer) != nullptr) return "shift to 60 rounds";
+    if (ask_rounds(kMostRounds - kFirstRounds) != nullptr) return "shift to 60 rounds";
   }
   if (!answer->GetBest(&phi_)) phi_.setZero(rows.size());
   if (newton_.Sweep(rows, kFirstSweeps, &phi_, answer) || newton_.Run(rows, kInTurns, &phi_, answer)) {
@@ -152,60 +146,11 @@ const char* FrictionPortfolio::Ask(const ContactRows& rows, FrictionAnswer* answ
   return nullptr;
 }
 
-const char* FrictionPortfolio::AskRounds(const ContactRows& rows, int rounds, FrictionAnswer* answer) {
-  for (int k = 0; k < rounds && !answer->IsOver(); ++k) {
-    bool is_relaxed = false;
-    const bool is_first = rounds_.is_unshifted();
-    if (!rounds_.Run(rows, &newton_, &phi_, answer, &is_relaxed)) {
-      if (!rounds_.is_solved()) break;
-      continue;
-    }
-    if (!is_first) return "shift";
-    return is_relaxed ? "relaxation" : "mode-newton";
-  }
-  return nullptr;
-}
-
-// A few Newton steps from 0, which find most, then mode after mode.
-bool FrictionPortfolio::AskAllModes(const ContactRows& rows, FrictionAnswer* answer) {
-  constexpr int kSteps = 4;
-  const size_t contacts = rows.contacts().size();
-  phi_.setZero(rows.size());
-  const auto try_modes = [&](const Eigen::VectorXd& center) {
-    ++answer->iterations();
-    if (!factor_.Solve(rows, modes_, center, 0, &start_)) return false;
-    rows.ComputeGaps(start_, &gaps_);
-    return rows.Rho(start_, gaps_) <= answer->tolerance() && answer->Take(start_);
-  };
-  rows.ComputeGaps(phi_, &gaps_);
-  for (int k = 0; k < kSteps; ++k) {
-    rows.FindModes(phi_, gaps_, &modes_);
-    if (try_modes(phi_)) return true;
-    if (!start_.allFinite()) break;
-    phi_ = start_;
-  }
-  if (!rows.bounded().empty()) return false;
-  phi_.setZero();
-  constexpr RowMode kModes[] = {RowMode::kOpen, RowMode::kStick, RowMode::kUp, RowMode::kDown};
-  const size_t all = size_t{1} << (2 * contacts);
-  for (size_t code = 0; code < all && !answer->IsOver(); ++code) {
-    bool is_new = true;
-    for (size_t k = 0; k < contacts; ++k) {
-      modes_[k] = kModes[(code >> (2 * k)) % 4];
-      if (modes_[k] == RowMode::kOpen || rows.contacts()[k].can_stick()) continue;
-      is_new = is_new && modes_[k] == RowMode::kStick;
-      modes_[k] = RowMode::kClosed;
-    }
-    if (is_new && try_modes(phi_)) return true;
-  }
-  return false;
-}
-
 bool FrictionPortfolio::AskPaths(const ContactRows& rows, FrictionAnswer* answer) {
   constexpr unsigned kSeeds = 2;
   ContactPath::End end = ContactPath::End::kLimit;
   return rows.is_paired() && rows.size() <= kMostRowsOfPath &&
-         FollowPaths(rows, kSeeds, &path_, &newton_, answer, &end);
+         FollowPaths(rows, kSeeds, &path_, &newton_, &phi_, answer, &end);
 }
 
 // Whether the contacts cannot be kept apart even without friction: then no friction helps [docs/friction.md section 2].

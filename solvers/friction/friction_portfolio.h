@@ -21,7 +21,7 @@ namespace lcpbench {
 class FrictionPortfolio {
  public:
   /// @param plain  of the relaxation: what makes the solver of plain problems
-  explicit FrictionPortfolio(const RelaxationOptions& plain) : plain_(plain), rounds_(plain) {}
+  explicit FrictionPortfolio(const RelaxationOptions& plain) : plain_(plain), rounds_(RelaxProblems(plain)) {}
   void Prepare(const LcpProblem& problem);                                              ///< LcpSolver::DoPrepare
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);  ///< LcpSolver::DoSolve
 
@@ -34,8 +34,6 @@ class FrictionPortfolio {
   };
   void SolvePart(Part* part, const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
   const char* Ask(const ContactRows& rows, FrictionAnswer* answer, LcpResult* result);
-  const char* AskRounds(const ContactRows& rows, int rounds, FrictionAnswer* answer);
-  bool AskAllModes(const ContactRows& rows, FrictionAnswer* answer);
   bool AskPaths(const ContactRows& rows, FrictionAnswer* answer);
   bool FindRay(const FrictionAnswer& answer, LcpResult* result) const;
 
@@ -43,10 +41,8 @@ class FrictionPortfolio {
   ModeSteps newton_;
   ShiftRounds rounds_;
   ContactPath path_;
-  ModeFactor factor_;
   std::vector<Part> parts_;
-  std::vector<RowMode> modes_;
-  Eigen::VectorXd phi_, gaps_, start_;
+  Eigen::VectorXd phi_;
 };
 
 }  // namespace lcpbench

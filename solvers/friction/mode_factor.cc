@@ -16,8 +16,10 @@ void ModeFactor::AddUnknown(Index row) {
 void ModeFactor::SetModes(const ContactRows& rows, const std::vector<RowMode>& modes) {
   equation_.clear();
   unknown_.assign(At(rows.size()), -1);
-  coefficient_.setZero(rows.size());
-  fixed_.setZero(rows.size());
+  for (Eigen::VectorXd* const numbers : {&coefficient_, &fixed_}) {
+    ContactRows::Lengthen(rows.size(), numbers);
+    numbers->head(rows.size()).setZero();
+  }
   size_t k = 0;
   for (const ContactRows::Contact& contact : rows.contacts()) {
     const RowMode mode = modes[k++];
@@ -43,74 +45,64 @@ void ModeFactor::SetModes(const ContactRows& rows, const std::vector<RowMode>& m
   }
 }
 
+void ModeFactor::Reserve(Index max_rows) {
+  for (std::vector<Index>* const numbers : {&equation_, &unknown_}) numbers->reserve(At(max_rows));
+  for (Eigen::VectorXd* const numbers : {&coefficient_, &fixed_, &y_, &refined_})
+    ContactRows::Lengthen(max_rows, numbers);
+  dense_.Reserve(std::min(max_rows, kMostDense));
+}
+
+// phi of the unknowns y_.
+void ModeFactor::Expand(Index n, Eigen::VectorXd* phi) const {
+  for (Index i = 0; i < n; ++i) {
+    (*phi)[i] = fixed_[i] + (unknown_[At(i)] < 0 ? 0 : coefficient_[i] * y_[unknown_[At(i)]]);
+  }
+}
+
+// From center, brought into these modes, by the factor at hand.
+bool ModeFactor::Correct(const ContactRows& rows, const Eigen::VectorXd& center, Eigen::VectorXd* phi) {
+  const Index n = rows.size(), m = size();
+  for (Index k = 0; k < m; ++k) y_[k] = center[equation_[At(k)]];
+  Expand(n, phi);
+  // A correction of what the center gives in these modes: less is lost to rounding.
+  for (Index k = 0; k < m; ++k) y_[k] = -rows.Gap(equation_[At(k)], *phi);
+  if (m > kMostDense) {
+    y_.head(m) = lu_.solve(Eigen::VectorXd(y_.head(m)));
+  } else {
+    dense_.Solve(y_.data());
+  }
+  if (!y_.head(m).allFinite()) return false;
+  for (Index k = 0; k < m; ++k) y_[k] += (*phi)[equation_[At(k)]];
+  Expand(n, phi);
+  return true;
+}
+
 bool ModeFactor::Solve(const ContactRows& rows, const std::vector<RowMode>& modes, const Eigen::VectorXd& center,
                        double eps, Eigen::VectorXd* phi) {
   SetModes(rows, modes);
-  const Index n = rows.size(), m = static_cast<Index>(equation_.size());
-  // A correction of what the center gives in these modes: less is lost to rounding.
-  const auto expand = [&] {
-    for (Index i = 0; i < n; ++i) {
-      (*phi)[i] = fixed_[i] + (unknown_[At(i)] < 0 ? 0 : coefficient_[i] * y_[unknown_[At(i)]]);
-    }
-  };
-  if (y_.size() < m) y_.resize(m);
-  phi->resize(n);
-  for (Index k = 0; k < m; ++k) y_[k] = center[equation_[At(k)]];
-  expand();
-  for (Index k = 0; k < m; ++k) y_[k] = -rows.Gap(equation_[At(k)], *phi);
-  if (m > 0 && !(m <= kMostDense ? SolveDense(rows, eps) : SolveSparse(rows, eps))) return false;
-  if (!y_.head(m).allFinite()) return false;
-  for (Index k = 0; k < m; ++k) y_[k] += center[equation_[At(k)]];
-  expand();
-  return true;
+  ContactRows::Lengthen(size(), &y_);
+  ContactRows::Lengthen(rows.size(), phi);
+  if (!(size() > kMostDense ? FactorizeSparse(rows, eps) : FactorizeDense(rows, eps))) return false;
+  return Correct(rows, center, phi);
 }
 
-// Gaussian elimination with partial pivoting, in place.
-bool ModeFactor::SolveDense(const ContactRows& rows, double eps) {
-  const Index m = static_cast<Index>(equation_.size());
-  if (dense_.rows() < m) {
-    const Index room = std::min(kMostDense, 2 * m);
-    dense_.resize(room, room);
-  }
-  auto K = dense_.topLeftCorner(m, m);
-  K.setZero();
-  for (Index k = 0; k < m; ++k) {
+void ModeFactor::Refine(const ContactRows& rows, Eigen::VectorXd* phi) {
+  ContactRows::Lengthen(rows.size(), &refined_);
+  if (Correct(rows, *phi, &refined_)) phi->swap(refined_);
+}
+
+bool ModeFactor::FactorizeDense(const ContactRows& rows, double eps) {
+  dense_.Start(size());
+  for (Index k = 0; k < size(); ++k) {
     rows.VisitRow(equation_[At(k)], [&](Index j, double a) {
-      if (unknown_[At(j)] >= 0) K(k, unknown_[At(j)]) += a * coefficient_[j];
+      if (unknown_[At(j)] >= 0 && a != 0) dense_.Add(k, unknown_[At(j)], a * coefficient_[j]);
     });
-    K(k, k) += eps;
+    dense_.Add(k, k, eps);
   }
-  double* const y = y_.data();
-  const Index stride = dense_.rows();
-  for (Index k = 0; k < m; ++k) {
-    double* const pivots = dense_.data() + k * stride;
-    Index pivot = k;
-    for (Index i = k + 1; i < m; ++i) {
-      if (std::abs(pivots[i]) > std::abs(pivots[pivot])) pivot = i;
-    }
-    if (!(std::abs(pivots[pivot]) > 0)) return false;
-    std::swap(pivots[k], pivots[pivot]);
-    std::swap(y[k], y[pivot]);
-    const double inverse = 1 / pivots[k];
-    for (Index i = k + 1; i < m; ++i) pivots[i] *= inverse;
-    for (Index j = k + 1; j < m; ++j) {
-      double* const column = dense_.data() + j * stride;
-      std::swap(column[k], column[pivot]);
-      const double factor = column[k];
-      if (factor == 0) continue;
-      for (Index i = k + 1; i < m; ++i) column[i] -= factor * pivots[i];
-    }
-    for (Index i = k + 1; i < m; ++i) y[i] -= y[k] * pivots[i];
-  }
-  for (Index k = m - 1; k >= 0; --k) {
-    const double* const column = dense_.data() + k * stride;
-    y[k] /= column[k];
-    for (Index i = 0; i < k; ++i) y[i] -= y[k] * column[i];
-  }
-  return true;
+  return dense_.Factorize();
 }
 
-bool ModeFactor::SolveSparse(const ContactRows& rows, double eps) {
+bool ModeFactor::FactorizeSparse(const ContactRows& rows, double eps) {
   const Index m = static_cast<Index>(equation_.size());
   std::vector<Eigen::Triplet<double, int>> entries;
   for (Index k = 0; k < m; ++k) {
@@ -123,9 +115,7 @@ bool ModeFactor::SolveSparse(const ContactRows& rows, double eps) {
   sparse_.resize(m, m);
   sparse_.setFromTriplets(entries.begin(), entries.end());
   lu_.compute(sparse_);
-  if (lu_.info() != Eigen::Success) return false;
-  y_.head(m) = lu_.solve(Eigen::VectorXd(y_.head(m)));
-  return true;
+  return lu_.info() == Eigen::Success;
 }
 
 }  // namespace lcpbench

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "solvers/friction/contact_rows.h"
+#include "solvers/friction/profile_lu.h"
 
 /// Internal to solvers/.
 namespace lcpbench {
@@ -15,27 +16,38 @@ namespace lcpbench {
 /// nonsymmetric where a contact slips.
 class ModeFactor {
  public:
-  /// Up to so many unknowns the factor is dense, O(m^3), and nothing is allocated after the first such solve.
+  /// Up to so many unknowns the factor is dense, within the profile that K has in the order of the rows: O(m^3) at
+  /// most, and nothing is allocated where as many have been met or reserved.
   static constexpr Index kMostDense = 128;
 
+  /// For problems of up to so many rows.
+  void Reserve(Index max_rows);
   /// phi of these modes with omega_E = -eps (phi - center)_E: the modes' own solution for eps = 0.
   /// @param modes   of ContactRows::FindModes
   /// @param center  n
   /// @return false where K + eps is singular in double; *phi is not to be used then
   bool Solve(const ContactRows& rows, const std::vector<RowMode>& modes, const Eigen::VectorXd& center, double eps,
              Eigen::VectorXd* phi);
+  /// The same about *phi, which the last solve has given, by its factor: what eps and rounding have left of omega_E.
+  /// O(m^2 + nnz A)
+  void Refine(const ContactRows& rows, Eigen::VectorXd* phi);
 
  private:
   void SetModes(const ContactRows& rows, const std::vector<RowMode>& modes);
   void AddUnknown(Index row);
-  bool SolveDense(const ContactRows& rows, double eps);
-  bool SolveSparse(const ContactRows& rows, double eps);
+  void Expand(Index n, Eigen::VectorXd* phi) const;
+  bool Correct(const ContactRows& rows, const Eigen::VectorXd& center, Eigen::VectorXd* phi);
+  bool FactorizeDense(const ContactRows& rows, double eps);
+  bool FactorizeSparse(const ContactRows& rows, double eps);
+
+  Index size() const { return static_cast<Index>(equation_.size()); }  // m
 
   std::vector<Index> equation_;          // rows, in the order of the unknowns
   std::vector<Index> unknown_;           // n, -1: none
   Eigen::VectorXd coefficient_, fixed_;  // n: phi_i = coefficient_i y_unknown + fixed_i
   Eigen::VectorXd y_;                    // right-hand side, then the correction
-  Eigen::MatrixXd dense_;                // at least m x m
+  Eigen::VectorXd refined_;              // n
+  ProfileLu dense_;
   Eigen::SparseMatrix<double> sparse_;
   Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> lu_;
 };

@@ -26,7 +26,7 @@ class ModeNewtonEngine {
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
     constexpr int kFirstSweeps = 20, kSweeps = 50, kPoints = 100;
     rows_.SetB(problem);
-    FrictionAnswer answer(rows_, problem, options, result);
+    FrictionAnswer answer(rows_, &problem, options, result);
     rows_.ToScaled(options.initial_f == nullptr ? result->f : *options.initial_f, &phi_);
     if (answer.Take(phi_) || newton_.Sweep(rows_, kFirstSweeps, &phi_, &answer)) return;
     if (newton_.Run(rows_, {.sweeps = kSweeps}, &phi_, &answer)) return;

@@ -16,6 +16,8 @@ constexpr int kMostFailures = 8;
 // Of proximal points: eps at first, its limits and factors; Newton steps for one, and how few of them let eps fall.
 constexpr double kFirstWeight = 1e-2, kLeastWeight = 1e-8, kMostWeight = 10, kMoreWeight = 10, kLessWeight = 0.3;
 constexpr int kStepsPerPoint = 30, kFewSteps = 5;
+// rho above which the modes are wrong, rather than their solution inexact.
+constexpr double kWorthRefining = 1e-4;
 // Answers are refined to this part of the tolerance.
 constexpr double kFineEnough = 1e-4;
 // Sweeps at a time: more after so many failures; and in all.
@@ -24,6 +26,28 @@ constexpr int kPatience = 3, kMostSweepsAtOnce = 400, kMostSweeps = 2000;
 constexpr int kSweepsPerCheck = 5;
 
 }  // namespace
+
+void ModeSteps::Reserve(Index max_rows) {
+  factor_.Reserve(max_rows);
+  for (std::vector<RowMode>* const modes : {&modes_, &tried_}) modes->reserve(static_cast<size_t>(max_rows));
+  for (Eigen::VectorXd* const numbers : {&gaps_, &next_, &trial_, &center_, &start_}) {
+    ContactRows::Lengthen(max_rows, numbers);
+  }
+}
+
+// The solution of modes_, as next_ with gaps_. Whether it passes.
+bool ModeSteps::TryModes(const ContactRows& rows, const Eigen::VectorXd& center, double eps, FrictionAnswer* answer) {
+  ++answer->iterations();
+  if (!factor_.Solve(rows, modes_, center, eps, &next_)) return false;
+  rows.ComputeGaps(next_, &gaps_);
+  double rho = rows.Rho(next_, gaps_);
+  if (rho > kFineEnough * answer->tolerance() && rho < kWorthRefining) {
+    factor_.Refine(rows, &next_);
+    rows.ComputeGaps(next_, &gaps_);
+    rho = rows.Rho(next_, gaps_);
+  }
+  return rho <= answer->tolerance() && answer->Take(next_, gaps_);
+}
 
 bool ModeSteps::Sweep(const ContactRows& rows, int count, Eigen::VectorXd* phi, FrictionAnswer* answer) {
   if (!sweeps_are_ready_) sweeps_.Prepare(answer->problem());
@@ -45,10 +69,17 @@ bool ModeSteps::Sweep(const ContactRows& rows, int count, Eigen::VectorXd* phi, 
   return false;
 }
 
-// From *phi towards next_: the longest of t = 1, 1/2, ... that reduces |r| enough. *next: rho there.
+// trial_ at t of the way from phi to next_.
+void ModeSteps::SetTrial(Index n, double t, const Eigen::VectorXd& phi) {
+  ContactRows::Lengthen(n, &trial_);
+  trial_.head(n) = phi.head(n) + t * (next_.head(n) - phi.head(n));
+}
+
+// From *phi towards next_: the longest of t = 1, 1/2, ... that reduces |r| enough; then gaps_ are those of *phi. *next:
+// rho there.
 bool ModeSteps::TryStep(const ContactRows& rows, double rho, Eigen::VectorXd* phi, double* next) {
   for (double t = 1; t >= kShortestStep; t /= 2) {
-    trial_ = *phi + t * (next_ - *phi);
+    SetTrial(rows.size(), t, *phi);
     rows.ComputeGaps(trial_, &gaps_);
     *next = rows.Rho(trial_, gaps_);
     if (!(*next <= (1 - kDecrease * t) * rho)) continue;
@@ -68,17 +99,64 @@ bool ModeSteps::Refine(const ContactRows& rows, const Eigen::VectorXd& phi, Fric
   return true;
 }
 
+const char* ModeSteps::Begin(const ContactRows& rows, FrictionAnswer* answer) {
+  constexpr Limits kWarm{.steps = 3, .eps = 1e-10};
+  constexpr int kSteps = 5;
+  if (answer->options().initial_f != nullptr) {
+    rows.ToScaled(*answer->options().initial_f, &start_);
+    if (answer->Take(start_) || Run(rows, kWarm, &start_, answer)) return "warm modes";
+  }
+  if (rows.contacts().size() > kFewContacts || rows.size() > kFewRows) return nullptr;
+  ContactRows::Lengthen(rows.size(), &start_);
+  start_.head(rows.size()).setZero();
+  return Iterate(rows, kSteps, &start_, answer) || TryAll(rows, answer) ? "modes" : nullptr;
+}
+
+bool ModeSteps::Iterate(const ContactRows& rows, int steps, Eigen::VectorXd* phi, FrictionAnswer* answer) {
+  constexpr double kEps = 1e-13;
+  rows.ComputeGaps(*phi, &gaps_);
+  for (int k = 0; k < steps && !answer->IsOver(); ++k) {
+    rows.FindModes(*phi, gaps_, &modes_);
+    if (k > 0 && modes_ == tried_) return false;
+    if (TryModes(rows, *phi, kEps, answer)) return true;
+    if (!next_.head(rows.size()).allFinite()) return false;
+    phi->swap(next_);
+    tried_.swap(modes_);
+  }
+  return false;
+}
+
+bool ModeSteps::TryAll(const ContactRows& rows, FrictionAnswer* answer) {
+  constexpr RowMode kModes[] = {RowMode::kOpen, RowMode::kStick, RowMode::kUp, RowMode::kDown};
+  if (!rows.bounded().empty()) return false;
+  const size_t contacts = rows.contacts().size(), all = size_t{1} << (2 * contacts);
+  modes_.resize(contacts);
+  ContactRows::Lengthen(rows.size(), &center_);
+  center_.head(rows.size()).setZero();
+  for (size_t code = 0; code < all && !answer->IsOver(); ++code) {
+    bool is_new = true;
+    for (size_t k = 0; k < contacts; ++k) {
+      modes_[k] = kModes[(code >> (2 * k)) % 4];
+      if (modes_[k] == RowMode::kOpen || rows.contacts()[k].can_stick()) continue;
+      is_new = is_new && modes_[k] == RowMode::kStick;
+      modes_[k] = RowMode::kClosed;
+    }
+    if (is_new && TryModes(rows, center_, 0, answer)) return true;
+  }
+  return false;
+}
+
 bool ModeSteps::Run(const ContactRows& rows, const Limits& limits, Eigen::VectorXd* phi, FrictionAnswer* answer) {
   double eps = limits.eps;
   int failures = 0, sweeps = limits.sweeps, all_sweeps = 0;
   rows.ComputeGaps(*phi, &gaps_);
   double rho = rows.Rho(*phi, gaps_);
   for (int step = 0; step < limits.steps && !answer->IsOver(); ++step) {
-    rows.ComputeGaps(*phi, &gaps_);
     rows.FindModes(*phi, gaps_, &modes_);
     ++answer->iterations();
     double next = rho;
     const bool is_regular = factor_.Solve(rows, modes_, *phi, eps, &next_);
+    if (is_regular && eps <= limits.eps) factor_.Refine(rows, &next_);
     if (!is_regular) eps = std::max(100 * eps, 1e-10);
     // What passes need not have a smaller |r|: at rounding only the backward error may still be wrong.
     if (is_regular && rho <= answer->tolerance() && answer->Take(next_)) return Refine(rows, next_, answer);
@@ -98,8 +176,9 @@ bool ModeSteps::Run(const ContactRows& rows, const Limits& limits, Eigen::Vector
     } else {
       if (++failures > kMostFailures) break;
       eps = std::min(eps / kGoodStep, kMostEps);
+      rows.ComputeGaps(*phi, &gaps_);
     }
-    if (rho <= answer->tolerance() && answer->Take(*phi)) return Refine(rows, *phi, answer);
+    if (rho <= answer->tolerance() && answer->Take(*phi, gaps_)) return Refine(rows, *phi, answer);
   }
   if (rho < answer->rho()) answer->Take(*phi);
   return false;
@@ -109,9 +188,10 @@ bool ModeSteps::Run(const ContactRows& rows, const Limits& limits, Eigen::Vector
 // residual.
 int ModeSteps::FindProximalPoint(const ContactRows& rows, double eps, double wanted, double* rho, Eigen::VectorXd* phi,
                                  FrictionAnswer* answer) {
+  const Index n = rows.size();
   const auto residual = [&](const Eigen::VectorXd& at) {
     rows.ComputeGaps(at, &gaps_);
-    gaps_ += eps * (at - center_);
+    gaps_.head(n) += eps * (at.head(n) - center_.head(n));
     return rows.Rho(at, gaps_);
   };
   *rho = residual(*phi);
@@ -124,7 +204,7 @@ int ModeSteps::FindProximalPoint(const ContactRows& rows, double eps, double wan
     moves = false;
     if (!factor_.Solve(rows, modes_, center_, eps, &next_)) break;
     for (double t = 1; t >= kShortestStep && !moves; t /= 2) {
-      trial_ = *phi + t * (next_ - *phi);
+      SetTrial(rows.size(), t, *phi);
       const double next = residual(trial_);
       if (!(next <= (1 - kDecrease * t) * *rho)) continue;
       moves = true;
@@ -161,7 +241,8 @@ bool ModeSteps::Approach(const ContactRows& rows, int points, Eigen::VectorXd* p
 bool ModeSteps::Polish(const ContactRows& rows, const Eigen::VectorXd& phi, FrictionAnswer* answer) {
   constexpr int kSolves = 4;
   for (const double eps : {1e-8, 1e-10, 1e-6}) {
-    trial_ = phi;
+    ContactRows::Lengthen(rows.size(), &trial_);
+    trial_.head(rows.size()) = phi.head(rows.size());
     for (int k = 0; k < kSolves && !answer->IsLate(); ++k) {
       rows.ComputeGaps(trial_, &gaps_);
       rows.FindModes(trial_, gaps_, &modes_);

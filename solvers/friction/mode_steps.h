@@ -13,6 +13,8 @@ namespace lcpbench {
 /// The method of mode-newton by itself, see mode_newton.h.
 class ModeSteps {
  public:
+  static constexpr size_t kFewContacts = 3;
+  static constexpr Index kFewRows = 12;  ///< of these contacts, joints beside them
   /// How far a run goes.
   struct Limits {
     int steps = 200;
@@ -21,6 +23,15 @@ class ModeSteps {
   };
   /// Forgets the matrix: the next run may be for another problem.
   void Reset() { sweeps_are_ready_ = false; }
+  /// For problems of up to so many rows, all but Sweep.
+  void Reserve(Index max_rows);
+  /// What is asked first: the modes of options.initial_f; of few contacts (kFewContacts), Iterate from 0 and TryAll.
+  /// The one that answered; nullptr if none did.
+  const char* Begin(const ContactRows& rows, FrictionAnswer* answer);
+  /// Up to `steps` steps of full length from *phi, which find most small problems. True where an answer passes.
+  bool Iterate(const ContactRows& rows, int steps, Eigen::VectorXd* phi, FrictionAnswer* answer);
+  /// The modes of few contacts, all of them one by one. True where an answer passes.  O(4^contacts m^3)
+  bool TryAll(const ContactRows& rows, FrictionAnswer* answer);
   /// True where an answer passes. *phi: where to start from; the last iterate afterwards.
   bool Run(const ContactRows& rows, const Limits& limits, Eigen::VectorXd* phi, FrictionAnswer* answer);
   /// Proximal points: each solves the problem of A + eps about the last, eps not small, by Newton steps with a line
@@ -35,13 +46,15 @@ class ModeSteps {
   int FindProximalPoint(const ContactRows& rows, double eps, double wanted, double* rho, Eigen::VectorXd* phi,
                         FrictionAnswer* answer);
   bool Refine(const ContactRows& rows, const Eigen::VectorXd& phi, FrictionAnswer* answer);
+  bool TryModes(const ContactRows& rows, const Eigen::VectorXd& center, double eps, FrictionAnswer* answer);
+  void SetTrial(Index n, double t, const Eigen::VectorXd& phi);
   bool TryStep(const ContactRows& rows, double rho, Eigen::VectorXd* phi, double* next);
 
   ModeFactor factor_;
   ContactSweeps sweeps_;
   bool sweeps_are_ready_ = false;
-  std::vector<RowMode> modes_;
-  Eigen::VectorXd gaps_, next_, trial_, center_, f_;
+  std::vector<RowMode> modes_, tried_;
+  Eigen::VectorXd gaps_, next_, trial_, center_, start_, f_;
 };
 
 }  // namespace lcpbench

@@ -8,6 +8,11 @@
 
 namespace lcpbench {
 
+/// The relaxation of a problem with up to one friction row a contact, without sliding and bounded rows, as a plain
+/// problem: rows J_n + mu J_t and J_n - mu J_t take the place of a contact's rows n and t, at the place of n; a contact
+/// with mu = 0 keeps its row n alone. O(nnz) from factors.
+LcpProblem RelaxationOf(const LcpProblem& problem);
+
 /// Options of RelaxationSolver.
 struct RelaxationOptions {
   /// Makes the solver of the relaxed problem, which is plain: `auto` in the registry. Not a setting.
@@ -29,7 +34,7 @@ struct RelaxationOptions {
 /// and bounded rows, and several friction rows a contact. Status, iterations, ray and guarantees are those of `auto` on
 /// the relaxed problem, but for two: a ray of that is not one of the given problem, so that kInfeasible becomes
 /// kNumericalFailure, as does kSolved where Verdict::model_rho is above the tolerance and the rounding floor.
-/// Cost: the product of the rows, O(nnz), and one solve.
+/// Cost: RelaxationOf and one solve.
 using RelaxationSolver = EngineSolver<RelaxationOptions, class RelaxationEngine>;
 extern template class EngineSolver<RelaxationOptions, RelaxationEngine>;
 

@@ -15,7 +15,7 @@ ShiftOptions ShiftOptions::FromSettings(const Settings& settings) {
 class ShiftEngine {
  public:
   explicit ShiftEngine(const ShiftOptions& options)
-      : plain_(options.make_plain()), relaxation_({options.make_plain}), rounds_({options.make_plain}) {}
+      : plain_(options.make_plain()), relaxation_({options.make_plain}), rounds_(RelaxProblems({options.make_plain})) {}
   static constexpr bool kTakesFriction = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const { return relaxation_.WhyUnsupported(problem); }
@@ -29,11 +29,8 @@ class ShiftEngine {
     constexpr int kMostRounds = 60;
     rows_.SetB(problem);
     rounds_.Start(rows_);
-    FrictionAnswer answer(rows_, problem, options, result);
-    bool is_relaxed = false;
-    for (int round = 0; round < kMostRounds && !answer.IsOver(); ++round) {
-      if (rounds_.Run(rows_, &newton_, &phi_, &answer, &is_relaxed)) return;
-    }
+    FrictionAnswer answer(rows_, &problem, options, result);
+    if (rounds_.Run(rows_, kMostRounds, &newton_, &phi_, &answer) != nullptr) return;
     answer.Fail("no fixed point of the shift within 60 rounds");
   }
 

@@ -1,35 +1,71 @@
 #include "solvers/friction/shift_rounds.h"
 
 #include <cmath>
+#include <memory>
 
 namespace lcpbench {
 
-bool ShiftRounds::Run(const ContactRows& rows, ModeSteps* newton, Eigen::VectorXd* phi, FrictionAnswer* answer,
-                      bool* is_relaxed) {
-  constexpr ModeSteps::Limits kAfterwards{.steps = 8, .eps = 1e-8};
-  const LcpProblem& problem = answer->problem();
-  LcpOptions options = answer->options();
-  options.max_iterations = 0;
-  options.time_limit_s = answer->Remaining();
-  if (!(options.time_limit_s > 0)) return false;
-  if (relaxed_.f.size() == rows.size() && shift_.any()) {
-    start_ = relaxed_.f;
-    options.initial_f = &start_;
+void ShiftRounds::Reserve(Index max_rows) {
+  for (Eigen::VectorXd* const numbers : {&shift_, &f_, &start_, &gaps_}) ContactRows::Lengthen(max_rows, numbers);
+}
+
+void ShiftRounds::Start(const ContactRows& rows) {
+  Reserve(rows.size());
+  shift_.head(rows.size()).setZero();
+  is_shifted_ = false;
+  status_ = LcpStatus::kNotRun;
+}
+
+const char* ShiftRounds::Run(const ContactRows& rows, int count, ModeSteps* newton, Eigen::VectorXd* phi,
+                             FrictionAnswer* answer) {
+  for (int k = 0; k < count && !answer->IsOver(); ++k) {
+    if (const char* method = RunOne(rows, newton, phi, answer)) return method;
+    if (!is_solved()) break;
   }
-  relaxation_.Solve(problem.WithB(problem.b() + shift_), options, &relaxed_);
+  return nullptr;
+}
+
+const char* ShiftRounds::RunOne(const ContactRows& rows, ModeSteps* newton, Eigen::VectorXd* phi,
+                                FrictionAnswer* answer) {
+  constexpr ModeSteps::Limits kAfterwards{.steps = 8, .eps = 1e-8};
+  if (!(answer->Remaining() > 0)) return nullptr;
+  start_.swap(f_);
+  const bool is_first = !is_shifted_;
+  status_ = relax_(*answer, shift_, is_first ? nullptr : &start_, &f_);
   ++answer->iterations();
-  *is_relaxed = true;
-  if (relaxed_.status == LcpStatus::kUnsupported || relaxed_.status == LcpStatus::kTimeLimit) return false;
-  if (!relaxed_.f.allFinite()) return false;
-  if (answer->TakeForces(relaxed_.f)) return true;
-  rows.ToScaled(relaxed_.f, phi);
+  const auto f = f_.head(rows.size());
+  if (status_ == LcpStatus::kUnsupported || status_ == LcpStatus::kTimeLimit || !f.allFinite()) return nullptr;
+  if (answer->TakeForces(f_)) return is_first ? "relaxation" : "shift";
+  rows.ToScaled(f_, phi);
   rows.ComputeGaps(*phi, &gaps_);
   for (const ContactRows::Contact& contact : rows.contacts()) {
     if (!contact.can_stick()) continue;
-    shift_[contact.normal] = contact.given_mu * std::abs(gaps_[contact.tangent]) * rows.root(contact.tangent);
+    double& shift = shift_[contact.normal];
+    shift = contact.given_mu * std::abs(gaps_[contact.tangent]) * rows.root(contact.tangent);
+    is_shifted_ = is_shifted_ || shift != 0;
   }
-  *is_relaxed = false;
-  return newton->Run(rows, kAfterwards, phi, answer);
+  return newton->Run(rows, kAfterwards, phi, answer) ? (is_first ? "mode-newton" : "shift") : nullptr;
+}
+
+ShiftRounds::Relax RelaxProblems(const RelaxationOptions& options) {
+  const auto solver = std::make_shared<RelaxationSolver>(options);
+  const auto result = std::make_shared<LcpResult>();
+  return [solver, result](const FrictionAnswer& answer, const Eigen::VectorXd& shift, const Eigen::VectorXd* start,
+                          Eigen::VectorXd* f) {
+    const LcpProblem& problem = answer.problem();
+    const Index n = problem.size();
+    LcpOptions of_round = answer.options();
+    of_round.max_iterations = 0;
+    of_round.time_limit_s = answer.Remaining();
+    Eigen::VectorXd initial_f;
+    if (start != nullptr) {
+      initial_f = start->head(n);
+      of_round.initial_f = &initial_f;
+    }
+    solver->Solve(problem.WithB(problem.b() + shift.head(n)), of_round, result.get());
+    f->head(n) = result->f;
+    return result->status;
+  };
 }
 
 }  // namespace lcpbench

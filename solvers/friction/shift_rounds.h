@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
+#include <utility>
 
 #include "solvers/friction/mode_steps.h"
 #include "solvers/friction/relaxation.h"
@@ -11,23 +13,33 @@ namespace lcpbench {
 /// The rounds of `shift` by themselves, see shift.h.
 class ShiftRounds {
  public:
-  /// @param options  of the relaxation
-  explicit ShiftRounds(const RelaxationOptions& options) : relaxation_(options) {}
+  /// A relaxation: of the gaps b + shift, in the problem's units, within the limits of the answer.
+  /// @param shift  n
+  /// @param start  n, forces of the round before; nullptr: a cold start
+  /// @param f      n, written: forces, zeros where there are none
+  using Relax = std::function<LcpStatus(const FrictionAnswer& answer, const Eigen::VectorXd& shift,
+                                        const Eigen::VectorXd* start, Eigen::VectorXd* f)>;
+
+  explicit ShiftRounds(Relax relax) : relax_(std::move(relax)) {}
+  /// For problems of up to so many rows.
+  void Reserve(Index max_rows);
   /// Forgets the shift; for a solve of a problem whose ContactRows are `rows`.
-  void Start(const ContactRows& rows) { shift_.setZero(rows.size()); }
+  void Start(const ContactRows& rows);
   /// Whether the latest relaxation was solved: it may have no solution.
-  bool is_solved() const { return relaxed_.status == LcpStatus::kSolved; }
-  /// Whether the next round is the relaxation itself.
-  bool is_unshifted() const { return !shift_.any(); }
-  /// One round. True where an answer passes, of the relaxation or of Newton's method. *phi: the forces of the round.
-  /// *is_relaxed: whether it is the relaxation's own.
-  bool Run(const ContactRows& rows, ModeSteps* newton, Eigen::VectorXd* phi, FrictionAnswer* answer, bool* is_relaxed);
+  bool is_solved() const { return status_ == LcpStatus::kSolved; }
+  /// Up to `count` rounds. The method that answered; nullptr if none did. *phi: the forces of the last round.
+  const char* Run(const ContactRows& rows, int count, ModeSteps* newton, Eigen::VectorXd* phi, FrictionAnswer* answer);
 
  private:
-  RelaxationSolver relaxation_;
-  LcpResult relaxed_;
-  Eigen::VectorXd shift_;  // n, of b in the problem's units
-  Eigen::VectorXd start_, gaps_;
+  const char* RunOne(const ContactRows& rows, ModeSteps* newton, Eigen::VectorXd* phi, FrictionAnswer* answer);
+
+  const Relax relax_;
+  LcpStatus status_ = LcpStatus::kNotRun;
+  bool is_shifted_ = false;
+  Eigen::VectorXd shift_, f_, start_, gaps_;  // n
 };
+
+/// By RelaxationSolver, of answer.problem().
+ShiftRounds::Relax RelaxProblems(const RelaxationOptions& options);
 
 }  // namespace lcpbench

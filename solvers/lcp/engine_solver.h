@@ -26,6 +26,7 @@ namespace lcpbench {
 ///     bool SolveArrays(const ProblemArrays&, const LcpOptions&, LcpResult*);   optional: LcpSolver::DoSolveArrays
 ///     static constexpr bool kTakesFriction, kTakesBounded, kSolvesByFaces;     optional: LcpSolver::TakesFriction,
 ///     TakesBounded, SolvesByFaces
+///     static constexpr bool kReadsFriction;                            optional: SolveArrays takes friction rows
 ///     bool takes_other_laws() const;                                   the same where options decide about both
 /// none of them virtual. No engine sees extreme numbers: such a problem is brought into range first (RangeScaling), and
 /// what is claimed of it judged by the verifier. A solver that offers more than LcpSolver derives from this class.
@@ -127,6 +128,8 @@ template <typename Options, typename Engine>
 bool EngineSolver<Options, Engine>::DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options,
                                                   LcpResult* result) {
   if constexpr (requires { engine_->SolveArrays(arrays, options, result); }) {
+    constexpr bool kReadsFriction = requires { Engine::kReadsFriction; };
+    if (!kReadsFriction && !arrays.friction.empty()) return false;
     return engine_->SolveArrays(arrays, options, result);
   }
   return false;

@@ -134,7 +134,8 @@ void LcpSolver::SolveArrays(const ProblemArrays& arrays, const LcpOptions& optio
     prepared_.reset();  // DoSolveArrays may use what was prepared for other arrays
     try {
       const bool is_plain = arrays.friction.empty() && arrays.bounded.empty();
-      if (is_plain && DoSolveArrays(arrays, options, result)) return;
+      const bool is_read = is_plain || (TakesFriction() && !arrays.friction.empty());
+      if (is_read && DoSolveArrays(arrays, options, result)) return;
     } catch (const InputError&) {
       throw;
     } catch (const MemoryRefusal& refusal) {

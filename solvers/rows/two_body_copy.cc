@@ -97,6 +97,8 @@ bool TwoBodyCopy::Take(const ProblemArrays& arrays) {
   if (!of_loads.is_within()) return false;
   rows_.b = arrays.b.data();
   rows_.bilateral = arrays.bilateral.empty() ? nullptr : arrays.bilateral.data();
+  rows_.friction = arrays.friction;
+  rows_.bounded = arrays.bounded;
   return TakeFactors({arrays.rows, arrays.columns, count, arrays.row_start.data(), arrays.column.data(),
                       arrays.value.data(), arrays.inverse_mass.data()},
                      p);
@@ -108,6 +110,8 @@ bool TwoBodyCopy::Take(const LcpProblem& problem) {
   rows_.b = nullptr;
   const std::vector<unsigned char>& bilateral = problem.bounds().bilateral;
   rows_.bilateral = bilateral.empty() ? nullptr : bilateral.data();
+  rows_.friction = problem.friction_rows();
+  rows_.bounded = problem.bounded_rows();
   return TakeFactors({problem.size(), J.cols(), J.nonZeros(), J.outerIndexPtr(), J.innerIndexPtr(), J.valuePtr(),
                       problem.inverse_mass().data()},
                      problem.columns_per_body());

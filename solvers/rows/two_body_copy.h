@@ -8,7 +8,7 @@
 namespace lcpbench {
 
 /// Arrays in compressed rows, as two-body rows: the entries of J on bodies that move, copied to their places, and all
-/// numbers checked on the way.
+/// numbers of A and b checked on the way. Lists of friction and bounded rows are those of the arrays, unchecked.
 class TwoBodyCopy {
  public:
   /// False if a row acts on more than two bodies that can move, a number is extreme, or the arrays are wrong, which

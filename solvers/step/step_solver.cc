@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "solvers/auto/auto_solver.h"
+#include "solvers/auto/friction_row_solver.h"
 #include "solvers/auto/row_solver.h"
 #include "solvers/batch/row_batch.h"
 #include "solvers/lcp/residual.h"
@@ -101,16 +102,55 @@ class OwnBodies {
   std::vector<double> inverse_mass_;
 };
 
+// Friction rows and their normal rows in one problem each.
+void RequireLawsWithinProblems(const StepRows& rows, std::span<const std::int32_t> start) {
+  const auto problem_of = [&](Index row) { return std::ranges::upper_bound(start, row) - start.begin(); };
+  for (const FrictionRow& row : rows.friction) {
+    if (problem_of(row.row) == problem_of(row.normal)) continue;
+    throw InputError("step rows: friction: row " + std::to_string(row.row) + ": normal is " +
+                     std::to_string(row.normal) + ", expected a row of the same problem");
+  }
+}
+
+// The friction and bounded rows of a step, and those of some of its rows, counted among these.
+class LawsByRow {
+ public:
+  explicit LawsByRow(const StepRows& rows)
+      : friction_(rows.friction.begin(), rows.friction.end()), bounded_(rows.bounded.begin(), rows.bounded.end()) {
+    std::ranges::sort(friction_, {}, &FrictionRow::row);
+    std::ranges::sort(bounded_, {}, &BoundedRow::row);
+  }
+  void Take(Index first, Index last, std::vector<FrictionRow>* friction, std::vector<BoundedRow>* bounded) const {
+    TakeOf(friction_, first, last, friction);
+    TakeOf(bounded_, first, last, bounded);
+    for (FrictionRow& row : *friction) row.normal -= first;
+  }
+
+ private:
+  template <typename Row>
+  static void TakeOf(const std::vector<Row>& all, Index first, Index last, std::vector<Row>* part) {
+    part->assign(std::ranges::lower_bound(all, first, {}, &Row::row),
+                 std::ranges::lower_bound(all, last, {}, &Row::row));
+    for (Row& row : *part) row.row -= first;
+  }
+
+  std::vector<FrictionRow> friction_;
+  std::vector<BoundedRow> bounded_;
+};
+
 }  // namespace
 
 struct StepSolver::Implementation {
   explicit Implementation(const StepOptions& given)
-      : options(given), rows(given.instructions), batch(given.instructions) {}
+      : options(given), rows(given.instructions), friction(&rows), batch(given.instructions) {}
 
   StepOptions options;
   RowSolver rows;
+  FrictionRowSolver friction;
   RowBatch batch;
   OwnBodies own_bodies;
+  std::vector<FrictionRow> friction_of_part;
+  std::vector<BoundedRow> bounded_of_part;
   std::int64_t left = 0;
   std::unique_ptr<AutoSolver> others;
   LcpResult result;
@@ -134,22 +174,48 @@ struct StepSolver::Implementation {
       has_own_bodies = true;
       is_in_range = CheckRows(of, start);
     }
-    if (is_in_range && IsPlain(of)) {
-      rows.Reserve(of.rows, of.bodies);
-      if (w == nullptr && unwanted_w.size() < of.rows) unwanted_w.resize(of.rows);
-      std::optional<Deadline> limit;
-      if (of.rows > SmallPivoting::kRowsWithoutClock && std::isfinite(options.time_limit_s)) {
-        limit.emplace(SolveOptions());
-      }
-      const Deadline* const deadline = limit.has_value() ? &*limit : nullptr;
-      double* const gaps_of_rows = w == nullptr ? unwanted_w.data() : w;
-      const RowAnswer answer = rows.Solve(of, options.tolerance, deadline, start, f, gaps_of_rows);
+    if (is_in_range) {
+      const RowAnswer answer = SolveRows(of, start, f, w);
       if (answer.solved) return {LcpStatus::kSolved, answer.iterations, answer.rho};
     }
     return Ask(has_own_bodies ? of : own_bodies.Take(of), start, f, w);
   }
 
-  // What RowSolver leaves open. `f` holds what it reached.
+  RowAnswer SolveRows(const StepRows& of, const double* start, double* f, double* w) {
+    std::optional<Deadline> limit;
+    if (of.rows > SmallPivoting::kRowsWithoutClock && std::isfinite(options.time_limit_s)) {
+      limit.emplace(SolveOptions());
+    }
+    const Deadline* const deadline = limit.has_value() ? &*limit : nullptr;
+    if (!IsPlain(of)) {
+      friction.Reserve(of.rows, of.bodies);
+      return friction.Solve(of, options.tolerance, deadline, start, f, w);
+    }
+    rows.Reserve(of.rows, of.bodies);
+    if (w == nullptr && unwanted_w.size() < of.rows) unwanted_w.resize(of.rows);
+    double* const gaps_of_rows = w == nullptr ? unwanted_w.data() : w;
+    return rows.Solve(of, options.tolerance, deadline, start, f, gaps_of_rows);
+  }
+
+  // A problem of a batch: the rows first to last - 1.
+  StepAnswer SolvePart(const StepRows& of, const LawsByRow& laws, Index first, Index last, double* f) {
+    StepRows part = PartOf(of, first, last);
+    if (!IsPlain(of)) {
+      laws.Take(first, last, &friction_of_part, &bounded_of_part);
+      part.friction = friction_of_part;
+      part.bounded = bounded_of_part;
+    }
+    ++left;
+    try {
+      return Solve(own_bodies.Take(part), true, nullptr, f + first, nullptr);
+    } catch (const InputError&) {
+      CheckRows(of, nullptr);  // names the row by its place among all
+      if (!IsPlain(of)) LcpProblem::FromArrays(ToArrays(of));
+      throw;
+    }
+  }
+
+  // What rows in place leave open. `f` holds what it reached.
   StepAnswer Ask(const StepRows& of, const double* start, double* f, double* w) {
     ++fallbacks;
     if (others == nullptr)
@@ -197,7 +263,7 @@ StepSolver::~StepSolver() = default;
 
 void StepSolver::Reserve(Index max_rows, Index max_bodies) {
   for (const auto& own : threads_) {
-    own->rows.Reserve(max_rows, max_bodies);
+    own->friction.Reserve(max_rows, max_bodies);  // and own->rows
     own->own_bodies.Reserve(max_rows);
     if (own->unwanted_w.size() < max_rows) own->unwanted_w.resize(max_rows);
   }
@@ -218,28 +284,22 @@ std::int64_t StepSolver::Sum(std::int64_t Implementation::*count) const {
 // What becomes of the problems of a batch.
 class StepSolver::BatchReceiver final : public RowBatch::Receiver {
  public:
-  BatchReceiver(Implementation* own, const StepRows& rows, std::span<const std::int32_t> start, double* f,
-                std::span<StepAnswer> answers)
-      : own_(*own), rows_(rows), start_(start), f_(f), answers_(answers) {}
+  BatchReceiver(Implementation* own, const StepRows& rows, const LawsByRow& laws, std::span<const std::int32_t> start,
+                double* f, std::span<StepAnswer> answers)
+      : own_(*own), rows_(rows), laws_(laws), start_(start), f_(f), answers_(answers) {}
 
   void Take(std::int32_t problem, int pivots, double rho) override {
     answers_[static_cast<std::size_t>(problem)] = {LcpStatus::kSolved, pivots, rho};
   }
   void Leave(std::int32_t problem) override {
     const auto k = static_cast<std::size_t>(problem);
-    ++own_.left;
-    try {
-      const StepRows part = own_.own_bodies.Take(PartOf(rows_, start_[k], start_[k + 1]));
-      answers_[k] = own_.Solve(part, true, nullptr, f_ + start_[k], nullptr);
-    } catch (const InputError&) {
-      CheckRows(rows_, nullptr);  // names the row by its place among all
-      throw;
-    }
+    answers_[k] = own_.SolvePart(rows_, laws_, start_[k], start_[k + 1], f_);
   }
 
  private:
   Implementation& own_;
   const StepRows& rows_;
+  const LawsByRow& laws_;
   std::span<const std::int32_t> start_;
   double* f_;
   std::span<StepAnswer> answers_;
@@ -253,17 +313,23 @@ void StepSolver::SolveBatch(const StepRows& rows, std::span<const std::int32_t> 
   for (std::size_t k = 0; k < answers.size(); ++k) {
     if (start[k + 1] < start[k]) throw InputError("start must ascend, entry " + std::to_string(k + 1) + " does not");
   }
-  if (!IsPlain(rows)) {
-    throw InputError(std::string("step rows: batches take no ") + (rows.friction.empty() ? "bounded" : "friction") +
-                     " rows, expected a Solve for each problem");
-  }
+  const LawsByRow laws(rows);
+  // Lanes take plain rows only.
+  const bool has_lanes = IsPlain(rows);
+  if (!has_lanes) RequireLawsWithinProblems(rows, start);
   // Arrays, and what the first row has; lanes look at the rest as they read it.
-  CheckRows(rows.rows > 0 ? PartOf(rows, 0, 1) : rows, nullptr);
+  CheckRows(rows.rows > 0 && has_lanes ? PartOf(rows, 0, 1) : rows, nullptr);
+  constexpr std::size_t kProblemsAtOnce = 16;
   std::atomic<std::size_t> next = 0;
   const auto run = [&](Implementation* own) {
     try {
-      BatchReceiver receiver(own, rows, start, f, answers);
-      own->batch.Solve(rows, start, own->options.tolerance, &next, f, &receiver);
+      BatchReceiver receiver(own, rows, laws, start, f, answers);
+      if (has_lanes) return own->batch.Solve(rows, start, own->options.tolerance, &next, f, &receiver);
+      for (std::size_t first = next.fetch_add(kProblemsAtOnce); first < answers.size();
+           first = next.fetch_add(kProblemsAtOnce)) {
+        const std::size_t last = std::min(first + kProblemsAtOnce, answers.size());
+        for (std::size_t k = first; k < last; ++k) receiver.Leave(static_cast<std::int32_t>(k));
+      }
     } catch (...) {
       own->error = std::current_exception();
       next = answers.size();  // the others need not go on
@@ -274,7 +340,8 @@ void StepSolver::SolveBatch(const StepRows& rows, std::span<const std::int32_t> 
     own->error = nullptr;
   }
   std::vector<std::thread> others;
-  const std::size_t useful = std::min(threads_.size(), answers.size() / RowBatch::kBlock);
+  const std::size_t useful =
+      std::min(threads_.size(), answers.size() / (has_lanes ? RowBatch::kBlock : kProblemsAtOnce));
   try {
     for (std::size_t k = 1; k < useful; ++k) others.emplace_back(run, threads_[k].get());
   } catch (const std::system_error&) {  // as many as there are

@@ -18,7 +18,8 @@ struct StepOptions {
   double time_limit_s = std::numeric_limits<double>::infinity();  ///< of one Solve, wall clock [s], > 0
   InstructionSet instructions = InstructionSet::kBest;            ///< of kernels; refused where the machine lacks them
   /// Of one SolveBatch, in [1, 1024], the caller's among them: they are started, and their results waited for, in each
-  /// call, as many as there are blocks of 512 problems. Results are the same with any number.
+  /// call, as many as there are blocks of 512 problems, of 16 with friction or bounded rows. Results are the same with
+  /// any number.
   int threads = 1;
 };
 
@@ -42,11 +43,13 @@ struct StepAnswer {
 /// asked, whose factorizations allocate. Method, guaranteed class (every A = J M^-1 J^T) and checks are those of
 /// RowSolver and AutoSolver; kSolved is claimed only for an f that passed.
 ///
-/// Steps with friction or bounded rows are for AutoSolver; they allocate.
+/// Steps with friction rows, and bounded rows beside them, are solved in the same way by FrictionRowSolver, which
+/// allocates nothing where every island has up to FrictionRowSolver::kMostRows (128) rows. What it leaves open is
+/// AutoSolver's and allocates, as do steps with bounded rows and no friction.
 ///
 /// The input is checked in the same call: NaN, infinity, negative masses, bodies out of range, and friction and bounded
-/// rows that LcpProblem refuses are refused. Bodies
-/// that no row names do not count: their inverse masses may be anything, in Solve and in SolveBatch.
+/// rows that LcpProblem refuses are refused. Bodies that no row names do not count: their inverse masses may be
+/// anything, in Solve and in SolveBatch.
 /// One object serves one thread at a time. The same rows and start give the same bits, whatever came before.
 class StepSolver {
  public:
@@ -69,12 +72,14 @@ class StepSolver {
   /// start[k + 1] - 1 of `rows`. From arrays to forces by one problem per SIMD lane (RowBatch); what lanes do not
   /// solve, and problems of more than RowBatch::kMaxRows rows, as Solve. Lanes give an upper bound of rho, at most 4
   /// times too large. A problem's bits depend on it alone, not on its neighbours. time_limit_s is that of one problem.
+  /// Where any problem has friction or bounded rows there are no lanes: each one is solved as Solve does, in its bits,
+  /// side by side in threads. These allocate a copy of the lists.
   /// @param start    one number more than there are problems, ascending from 0 to rows.rows
   /// @param f        rows.rows numbers, written
   /// @param answers  one per problem, written
   /// With options.threads > 1 it allocates what threads need.
-  /// @throws InputError as Solve, for `start`, and for friction and bounded rows, which lanes do not take; then f and
-  /// answers may be written in part
+  /// @throws InputError as Solve, for `start`, and for a friction row whose normal row is of another problem; then f
+  /// and answers may be written in part
   void SolveBatch(const StepRows& rows, std::span<const std::int32_t> start, double* f, std::span<StepAnswer> answers);
 
   /// How many solves went to AutoSolver since the construction: those that allocate.
