@@ -7,8 +7,7 @@
 
 from ._command import command
 from ._core import (BatchAnswer, Certificate, Problem, RayVerdict, Result, Solver, SolverEntry, StepAnswer, StepSolver,
-                    Verdict, available_solvers, certify, limit_library_threads, solve, verify)
-from ._core import version as __version__
+                    Verdict, __version__, available_solvers, certify, limit_library_threads, solve, verify)
 
 
 def solve_batch(body, J, b, inverse_mass, starts, *, bilateral=None, f=None, tolerance=1e-9, threads=1):
