@@ -111,8 +111,8 @@ python-test: command
 	@$(PYTHON) -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")' \
 	  > build/python-requires.txt
 	@$(PYTHON_VENV)/bin/pip install -q -r build/python-requires.txt
-	@$(PYTHON_VENV)/bin/pip install -q --no-build-isolation -C build-dir=build/python \
-	  -C cmake.define.LCPBENCH_BUILD_TREE=$(CURDIR)/$(BUILD) '.[test]'
+	@$(PYTHON_VENV)/bin/pip install -q --no-build-isolation --config-settings=build-dir=build/python \
+	  --config-settings=cmake.define.LCPBENCH_BUILD_TREE=$(CURDIR)/$(BUILD) '.[test]'
 	@$(PYTHON_VENV)/bin/python -m pytest -q
 
 # Only the command: a newcomer's first report should not wait for the tests to compile.

@@ -203,13 +203,19 @@ Raises ValueError naming the argument.)")
       .def("__init__", &InitProblem, nb::arg("A") = nb::none(), nb::arg("b") = nb::none(), nb::kw_only(),
            nb::arg("J") = nb::none(), nb::arg("inverse_mass") = nb::none(), nb::arg("bilateral") = nb::none(),
            nb::arg("friction") = nb::none(), nb::arg("bounded") = nb::none(), nb::arg("symmetric") = false,
-           nb::arg("positive_semidefinite") = false, nb::arg("columns_per_body") = 3)
+           nb::arg("positive_semidefinite") = false, nb::arg("columns_per_body") = 3,
+           nb::sig("def __init__(self, A: object | None = None, b: numpy.typing.ArrayLike | None = None, *, "
+                   "J: object | None = None, inverse_mass: numpy.typing.ArrayLike | None = None, "
+                   "bilateral: numpy.typing.ArrayLike | None = None, friction: object | None = None, "
+                   "bounded: object | None = None, symmetric: bool = False, positive_semidefinite: bool = False, "
+                   "columns_per_body: int = 3) -> None"))
       .def("__len__", &LcpProblem::size, "The number of rows n.")
       .def_prop_ro("size", &LcpProblem::size, "The number of rows n.")
       .def_prop_ro("form", &FormOf, "How A was given: 'dense', 'sparse' or 'factors'.")
       .def_prop_ro(
           "b", [](nb::handle self) { return ViewOf(nb::cast<const LcpProblem&>(self).b(), self); },
-          "(n,): gap accelerations at zero force; read-only.");
+          nb::sig("def b(self) -> numpy.typing.NDArray[numpy.float64]"),
+          "(n,) gap accelerations at zero force; read-only.");
 }
 
 }  // namespace lcpbench::python

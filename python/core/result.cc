@@ -134,11 +134,13 @@ It passes tier T where f is finite, rho <= T and eta <= sqrt(T).)")
                       v.metrics.rho, v.metrics.backward_error, v.best_tier);
         return std::string(text);
       });
-  module.def("verify", &VerifyForces, nb::arg("problem"), nb::arg("f"), nb::kw_only(), nb::arg("tolerance") = 1e-9,
-             nb::arg("status") = "solved", nb::arg("ray") = nb::none(),
-             nb::sig("def verify(problem: Problem, f: ArrayLike, *, tolerance: float = 1e-9, status: str = 'solved', "
-                     "ray: ArrayLike | None = None) -> Verdict"),
-             R"(Judges forces, whoever found them.
+  module.def(
+      "verify", &VerifyForces, nb::arg("problem"), nb::arg("f"), nb::kw_only(), nb::arg("tolerance") = 1e-9,
+      nb::arg("status") = "solved", nb::arg("ray") = nb::none(),
+      nb::sig(
+          "def verify(problem: Problem, f: numpy.typing.ArrayLike, *, tolerance: float = 1e-9, status: str = 'solved', "
+          "ray: numpy.typing.ArrayLike | None = None) -> Verdict"),
+      R"(Judges forces, whoever found them.
 
 f       (n,)
 status  what is claimed of f, as Result.status

@@ -19,10 +19,10 @@ namespace lcpbench::python {
 namespace {
 
 constexpr const char* kSolveSignature =
-    "def solve(A: ArrayLike | SparseLike | Problem | None = None, b: ArrayLike | None = None, *, "
-    "J: ArrayLike | SparseLike | None = None, inverse_mass: ArrayLike | None = None, "
-    "bilateral: ArrayLike | None = None, friction: object | None = None, bounded: object | None = None, "
-    "solver: str = 'auto', tolerance: float = 1e-9, initial_f: ArrayLike | None = None, "
+    "def solve(A: object | None = None, b: numpy.typing.ArrayLike | None = None, *, "
+    "J: object | None = None, inverse_mass: numpy.typing.ArrayLike | None = None, "
+    "bilateral: numpy.typing.ArrayLike | None = None, friction: object | None = None, bounded: object | None = None, "
+    "solver: str = 'auto', tolerance: float = 1e-9, initial_f: numpy.typing.ArrayLike | None = None, "
     "time_limit: float | None = None, max_iterations: int = 0, **settings) -> Result";
 constexpr const char* kSolve = R"(Solves one problem: w = A f + b under the laws of its rows (see Problem).
 
@@ -250,10 +250,10 @@ Arguments as of `solve`. Threads take turns.)")
                    "None, max_iterations: int = 0, **settings) -> None"))
       .def_prop_ro("key", &Solver::key, "The solver's key.")
       .def("setup", &Solver::Setup, nb::arg("problem"), "Takes a problem, and prepares what does not depend on b.")
-      .def("update", &Solver::Update, nb::arg("b"), nb::sig("def update(self, b: ArrayLike) -> None"),
+      .def("update", &Solver::Update, nb::arg("b"), nb::sig("def update(self, b: numpy.typing.ArrayLike) -> None"),
            "(n,): the same matrix with another b.")
       .def("solve", &Solver::Solve, nb::arg("initial_f") = nb::none(),
-           nb::sig("def solve(self, initial_f: ArrayLike | None = None) -> Result"),
+           nb::sig("def solve(self, initial_f: numpy.typing.ArrayLike | None = None) -> Result"),
            "initial_f: (n,) warm start. A hard problem is a status.");
 }
 

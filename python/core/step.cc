@@ -37,7 +37,7 @@ struct GivenRows {
       size_of_J = J.size;
     }
     rows.columns_per_body = size_of_J == 12 * rows.rows && rows.rows > 0 ? 6 : 3;
-    RequireSize("J", size_of_J, 2 * rows.columns_per_body, "6 n (in the plane) or 12 n (in space)");
+    RequireSize("J", size_of_J, Index{2} * rows.columns_per_body, "6 n (in the plane) or 12 n (in space)");
     if (inverse_mass.size % rows.columns_per_body != 0) {
       Refuse("inverse_mass", "has " + std::to_string(inverse_mass.size) + " entries, expected " +
                                  std::to_string(rows.columns_per_body) + " for each body");
@@ -252,16 +252,20 @@ Threads take turns.)")
       .def("solve", &Step::Solve, nb::arg("body"), nb::arg("J"), nb::arg("b"), nb::arg("inverse_mass"), nb::kw_only(),
            nb::arg("bilateral") = nb::none(), nb::arg("friction") = nb::none(), nb::arg("bounded") = nb::none(),
            nb::arg("initial_f") = nb::none(), nb::arg("f") = nb::none(), nb::arg("w") = nb::none(),
-           nb::sig("def solve(self, body: ArrayLike, J: ArrayLike, b: ArrayLike, inverse_mass: ArrayLike, *, "
-                   "bilateral: ArrayLike | None = None, friction: object | None = None, bounded: object | None = None, "
-                   "initial_f: ArrayLike | None = None, f: NDArray[numpy.float64] | None = None, "
-                   "w: NDArray[numpy.float64] | None = None) -> StepAnswer"),
+           nb::sig(
+               "def solve(self, body: numpy.typing.ArrayLike, J: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike, "
+               "inverse_mass: numpy.typing.ArrayLike, *, "
+               "bilateral: numpy.typing.ArrayLike | None = None, friction: object | None = None, bounded: object | "
+               "None = None, "
+               "initial_f: numpy.typing.ArrayLike | None = None, f: numpy.typing.NDArray[numpy.float64] | None = None, "
+               "w: numpy.typing.NDArray[numpy.float64] | None = None) -> StepAnswer"),
            kStep)
       .def("solve_batch", &Step::SolveBatch, nb::arg("body"), nb::arg("J"), nb::arg("b"), nb::arg("inverse_mass"),
            nb::arg("starts"), nb::kw_only(), nb::arg("bilateral") = nb::none(), nb::arg("f") = nb::none(),
-           nb::sig("def solve_batch(self, body: ArrayLike, J: ArrayLike, b: ArrayLike, inverse_mass: ArrayLike, "
-                   "starts: ArrayLike, *, bilateral: ArrayLike | None = None, "
-                   "f: NDArray[numpy.float64] | None = None) -> BatchAnswer"),
+           nb::sig("def solve_batch(self, body: numpy.typing.ArrayLike, J: numpy.typing.ArrayLike, b: "
+                   "numpy.typing.ArrayLike, inverse_mass: numpy.typing.ArrayLike, "
+                   "starts: numpy.typing.ArrayLike, *, bilateral: numpy.typing.ArrayLike | None = None, "
+                   "f: numpy.typing.NDArray[numpy.float64] | None = None) -> BatchAnswer"),
            kBatch)
       .def("_time", &Step::Time)
       .def_prop_ro("fallbacks", &Step::fallbacks, "How many solves went to solvers that allocate.");

@@ -4,10 +4,15 @@ import os
 import sys
 from pathlib import Path
 
+_FOLDER = Path(__file__).parent
+# The programs of other projects' solvers, where the package has them: the extension would look beside Python.
+if (_FOLDER / "libexec").is_dir():
+    os.environ.setdefault("LCPBENCH_WORKER_DIR", str(_FOLDER / "libexec" / "lcpbench"))
+
 
 def command() -> Path:
     """Where the program lcpbench is that has the solvers of this package."""
-    return Path(__file__).parent / "bin" / "lcpbench"
+    return _FOLDER / "bin" / "lcpbench"
 
 
 def main():
