@@ -7,7 +7,6 @@
 #include <limits>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "support/input_error.h"
 
@@ -87,16 +86,6 @@ Vector<T> Read(nb::handle value, const char* name, int dimensions) {
   return {std::move(owner), static_cast<const T*>(PyArray_DATA(array)), PyArray_SIZE(array)};
 }
 
-// In order F, read-only.
-nb::object View(const void* values, int type, std::vector<npy_intp> shape, nb::handle owner) {
-  nb::object array = nb::steal(PyArray_New(&PyArray_Type, static_cast<int>(shape.size()), shape.data(), type, nullptr,
-                                           const_cast<void*>(values), 0, NPY_ARRAY_FARRAY_RO, nullptr));
-  if (!array.is_valid()) throw nb::python_error();
-  Py_INCREF(owner.ptr());  // which the array takes
-  if (PyArray_SetBaseObject(AsArray(array), owner.ptr()) != 0) throw nb::python_error();
-  return array;
-}
-
 }  // namespace
 
 void Refuse(const char* name, const std::string& what) { throw InputError(std::string(name) + ": " + what); }
@@ -157,17 +146,14 @@ nb::object NewVector(Index size, T** data) {
   return array;
 }
 
-template <typename T>
-nb::object ViewOf(const T* values, Index size, nb::handle owner) {
-  return View(values, kType<T>, {size}, owner);
-}
-
 nb::object ViewOf(const Eigen::VectorXd& values, nb::handle owner) {
-  return ViewOf(values.data(), values.size(), owner);
-}
-
-nb::object ViewOf(const Eigen::MatrixXd& values, nb::handle owner) {
-  return View(values.data(), NPY_DOUBLE, {values.rows(), values.cols()}, owner);
+  npy_intp shape = values.size();
+  nb::object array = nb::steal(PyArray_New(&PyArray_Type, 1, &shape, NPY_DOUBLE, nullptr,
+                                           const_cast<double*>(values.data()), 0, NPY_ARRAY_CARRAY_RO, nullptr));
+  if (!array.is_valid()) throw nb::python_error();
+  Py_INCREF(owner.ptr());  // which the array takes
+  if (PyArray_SetBaseObject(AsArray(array), owner.ptr()) != 0) throw nb::python_error();
+  return array;
 }
 
 bool IsFloatArray(nb::handle value) { return PyArray_Check(value.ptr()) && PyArray_TYPE(AsArray(value)) == NPY_FLOAT; }
@@ -204,8 +190,6 @@ template Vector<unsigned char> ReadVector(nb::handle value, const char* name, In
 template Vector<double> ReadFlat(nb::handle value, const char* name);
 template Vector<float> ReadFlat(nb::handle value, const char* name);
 template Vector<std::int32_t> ReadFlat(nb::handle value, const char* name);
-template nb::object ViewOf(const double* values, Index size, nb::handle owner);
-template nb::object ViewOf(const int* values, Index size, nb::handle owner);
 template nb::object NewVector(Index size, double** data);
 template nb::object NewVector(Index size, std::int32_t** data);
 template nb::object NewVector(Index size, std::int64_t** data);

@@ -61,11 +61,8 @@ double* ReadOutput(nb::handle value, const char* name, Index size);
 template <typename T>
 nb::object NewVector(Index size, T** data);
 
-/// A read-only array that shows the memory of `owner`, which it keeps alive. T: double or int.
-template <typename T>
-nb::object ViewOf(const T* values, Index size, nb::handle owner);
-nb::object ViewOf(const Eigen::VectorXd& values, nb::handle owner);  ///< as above
-nb::object ViewOf(const Eigen::MatrixXd& values, nb::handle owner);  ///< as above, (rows, columns) in order F
+/// A read-only array that shows the memory of `owner`, which it keeps alive.
+nb::object ViewOf(const Eigen::VectorXd& values, nb::handle owner);
 
 /// What NumPy makes of an argument: the array itself, or a new one.
 /// @throws InputError naming the argument

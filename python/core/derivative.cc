@@ -162,7 +162,9 @@ void BindDerivative(nb::module_& module) {
       .def_prop_ro(
           "f_unique",
           [](const DerivativeOfProblem& self) { return self.derivative.forces() == Derivative::Forces::kUnique; },
-          "Whether f is the only solution; with friction or bounded rows: the only one in its modes.")
+          "Whether f is the only solution (with friction or bounded rows: in its modes), as no rows that are closed or "
+          "may "
+          "close depend on each other.")
       .def_prop_ro("forces", &ForcesKey,
                    "Whose derivative it is: 'unique'; of plain problems 'least-norm', of all solutions; else "
                    "'nearest', of the solutions in the modes of f.")

@@ -34,7 +34,7 @@ NB_MODULE(_core, module) {
   using namespace lcpbench::python;
   ImportNumpy();
   nb::register_exception_translator(&Translate);
-  module.attr("version") = LCPBENCH_VERSION;
+  module.attr("__version__") = LCPBENCH_VERSION;
   module.def(
       "limit_library_threads", &lcpbench::LimitLibraryThreads, nb::arg("threads"),
       "Limits the threads of BLAS and OpenMP below the solvers, for the whole process, as the command does: to 1. "

@@ -173,78 +173,6 @@ void InitProblem(LcpProblem* self, nb::handle A, nb::handle b, nb::handle J, nb:
   new (self) LcpProblem(std::move(problem));
 }
 
-// The parts of a problem, as arrays that show its memory.
-
-nb::object ReadA(nb::handle self) {
-  const auto& problem = nb::cast<const LcpProblem&>(self);
-  const Eigen::MatrixXd* A = nullptr;
-  {
-    const nb::gil_scoped_release release;
-    A = &problem.DenseA();
-  }
-  return ViewOf(*A, self);
-}
-
-nb::object ReadJ(nb::handle self) {
-  const auto& problem = nb::cast<const LcpProblem&>(self);
-  if (!problem.has_factors()) return nb::none();
-  const SparseMatrix& J = problem.J();
-  const nb::object values = ViewOf(J.valuePtr(), J.nonZeros(), self);
-  const nb::object columns = ViewOf(J.innerIndexPtr(), J.nonZeros(), self);
-  const nb::object starts = ViewOf(J.outerIndexPtr(), J.rows() + 1, self);
-  return nb::module_::import_("scipy.sparse")
-      .attr("csr_array")(nb::make_tuple(values, columns, starts),
-                         nb::arg("shape") = nb::make_tuple(J.rows(), J.cols()));
-}
-
-nb::object ReadInverseMass(nb::handle self) {
-  const auto& problem = nb::cast<const LcpProblem&>(self);
-  return problem.has_factors() ? ViewOf(problem.inverse_mass(), self) : nb::none();
-}
-
-nb::object ReadBilateralRows(const LcpProblem& problem) {
-  std::int64_t* rows = nullptr;
-  nb::object array = NewVector(static_cast<Index>(problem.bilateral_rows().size()), &rows);
-  std::ranges::copy(problem.bilateral_rows(), rows);
-  return array;
-}
-
-// A dict of arrays of the members of rows.
-template <typename Row>
-class Members {
- public:
-  explicit Members(const std::vector<Row>& rows) : rows_(rows) {}
-  template <typename T, typename Member>
-  Members& Add(const char* name, Member Row::*member) {
-    T* values = nullptr;
-    dict_[name] = NewVector(static_cast<Index>(rows_.size()), &values);
-    for (const Row& row : rows_) *values++ = row.*member;
-    return *this;
-  }
-  nb::object dict() const { return rows_.empty() ? nb::none() : nb::object(dict_); }
-
- private:
-  const std::vector<Row>& rows_;
-  nb::dict dict_;
-};
-
-nb::object ReadFrictionRows(const LcpProblem& problem) {
-  return Members(problem.friction_rows())
-      .Add<std::int64_t>("row", &FrictionRow::row)
-      .Add<std::int64_t>("normal", &FrictionRow::normal)
-      .Add<double>("mu", &FrictionRow::mu)
-      .Add<std::int64_t>("slip", &FrictionRow::slip)
-      .dict();
-}
-
-nb::object ReadBoundedRows(const LcpProblem& problem) {
-  return Members(problem.bounded_rows())
-      .Add<std::int64_t>("row", &BoundedRow::row)
-      .Add<double>("lower", &BoundedRow::lower)
-      .Add<double>("upper", &BoundedRow::upper)
-      .dict();
-}
-
 const char* FormOf(const LcpProblem& problem) {
   switch (problem.given_form()) {
     case MatrixForm::kDense:
@@ -287,21 +215,7 @@ Raises ValueError naming the argument.)")
       .def_prop_ro(
           "b", [](nb::handle self) { return ViewOf(nb::cast<const LcpProblem&>(self).b(), self); },
           nb::sig("def b(self) -> numpy.typing.NDArray[numpy.float64]"),
-          "(n,) gap accelerations at zero force; read-only.")
-      .def_prop_ro("A", &ReadA, nb::sig("def A(self) -> numpy.typing.NDArray[numpy.float64]"),
-                   "(n, n), formed when it is first read; read-only.")
-      .def_prop_ro("J", &ReadJ, nb::sig("def J(self) -> object"),
-                   "(n, columns) scipy.sparse.csr_array that shows the problem's memory; None where A was given.")
-      .def_prop_ro("inverse_mass", &ReadInverseMass,
-                   nb::sig("def inverse_mass(self) -> numpy.typing.NDArray[numpy.float64] | None"),
-                   "(columns,), read-only; None where A was given.")
-      .def_prop_ro("bilateral", &ReadBilateralRows, nb::sig("def bilateral(self) -> numpy.typing.NDArray[numpy.int64]"),
-                   "Indices of bilateral rows.")
-      .def_prop_ro("friction", &ReadFrictionRows,
-                   nb::sig("def friction(self) -> dict[str, numpy.typing.NDArray] | None"),
-                   "row, normal, mu and slip of friction rows by ascending row; None where there are none.")
-      .def_prop_ro("bounded", &ReadBoundedRows, nb::sig("def bounded(self) -> dict[str, numpy.typing.NDArray] | None"),
-                   "row, lower and upper of bounded rows by ascending row; None where there are none.");
+          "(n,) gap accelerations at zero force; read-only.");
 }
 
 }  // namespace lcpbench::python

@@ -9,9 +9,8 @@ from ._command import command
 from .campaigns import Campaign, run, tables
 from .scenes import Animation, Body, Edge, Row, Scene, generate, scene_families
 from ._core import (BatchAnswer, Certificate, Derivative, Gradient, Problem, RayVerdict, Result, SolutionChange, Solver,
-                    SolverEntry, StepAnswer, StepSolver, Verdict, available_solvers, certify, derivative,
+                    SolverEntry, StepAnswer, StepSolver, Verdict, __version__, available_solvers, certify, derivative,
                     limit_library_threads, solve, verify)
-from ._core import version as __version__
 
 
 def solve_batch(body, J, b, inverse_mass, starts, *, bilateral=None, f=None, tolerance=1e-9, threads=1):

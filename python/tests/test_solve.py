@@ -154,24 +154,6 @@ def test_a_problem_serves_many_solves():
     assert lcpbench.verify(problem, result.f + 1).false_success
 
 
-@settings(deadline=None, max_examples=40)
-@given(seed=st.integers(0, 2**32 - 1), rows=st.integers(1, 30), form=st.sampled_from(FORMS), laws=st.sampled_from(LAWS))
-def test_a_problem_shows_what_it_was_given(seed, rows, form, laws):
-    arguments = random_problem(seed, rows, form, laws)
-    problem = lcpbench.Problem(**arguments)
-    parts = {name: getattr(problem, name) for name in ("b", "bilateral", "friction", "bounded")}
-    if form == "factors":
-        parts |= {"J": problem.J, "inverse_mass": problem.inverse_mass}
-        again = problem.J @ np.diag(problem.inverse_mass) @ problem.J.T
-        np.testing.assert_allclose(problem.A, again, rtol=1e-12, atol=1e-12)
-    else:
-        given = arguments["A"]
-        np.testing.assert_array_equal(problem.A, given.toarray() if form == "sparse" else given)
-        parts["A"] = given if form == "sparse" else problem.A
-        assert problem.J is None and problem.inverse_mass is None
-    assert lcpbench.solve(**parts).f.tobytes() == lcpbench.solve(**arguments).f.tobytes()
-
-
 def test_two_columns_of_equal_contacts_share_their_force():
     J, inverse_mass = np.array([[1.0, 0, 0], [1.0, 0, 0]]), np.ones(3)
     assert lcpbench.solve(J=J, inverse_mass=inverse_mass, b=[-1.0, -1.0]).f_unique is False

@@ -105,7 +105,7 @@ class Mode {
   }
 
   template <typename Factorization>
-  void Take(std::shared_ptr<Factorization> factor) {
+  void Take(const std::shared_ptr<Factorization>& factor) {
     solve_ = [factor](const Vector& x) -> Vector { return factor->solve(x); };
     solve_transposed_ = [factor](const Vector& x) -> Vector { return factor->transpose().solve(x); };
   }

@@ -32,9 +32,10 @@ struct SolutionChange {
 
 /// The gradient of a number L in the data.
 struct ProblemGradient {
-  Eigen::VectorXd b;            ///< n
-  Eigen::VectorXd mu;           ///< a number for each of LcpProblem::friction_rows()
-  Eigen::MatrixXd left, right;  ///< n x 1, or n x 2: dL/dA_ij = (left right^T)_ij, each entry by itself
+  Eigen::VectorXd b;      ///< n
+  Eigen::VectorXd mu;     ///< a number for each of LcpProblem::friction_rows()
+  Eigen::MatrixXd left;   ///< n x 1, or n x 2: dL/dA_ij = (left right^T)_ij, each entry by itself
+  Eigen::MatrixXd right;  ///< see left
 
   /// Of the entries of A, n x n; of an A that stays symmetric its symmetric part says the same.
   Eigen::MatrixXd A() const { return left * right.transpose(); }
@@ -80,8 +81,8 @@ class Derivative {
   /// Whose derivative it is.
   enum class Forces {
     kUnique,     ///< of the only f; of problems that are not plain: of the only one in its modes
-    kLeastNorm,  ///< of the f of least norm
-    kNearest,    ///< of the nearest f in its modes
+    kLeastNorm,  ///< of the f of least norm: closed rows, or rows that may close, depend on each other
+    kNearest,    ///< of the nearest f in its modes: their equations depend on each other
   };
 
   /// @param f  n forces that solve the problem

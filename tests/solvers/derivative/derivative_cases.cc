@@ -165,6 +165,33 @@ DerivativeCase FrictionCase(unsigned seed, bool degenerate) {
   return {degenerate ? "friction, degenerate" : "friction, strict", problem, f, std::move(change), opening};
 }
 
+DerivativeCase CopiedFrictionCase(unsigned seed) {
+  DerivativeCase test = FrictionCase(seed, false);
+  for (unsigned next = seed + 1000; test.f[0] == 0 || test.change.mu->size() > 2; next += 1000) {
+    test = FrictionCase(next, false);
+  }
+  const Index n = test.problem.size();
+  SparseMatrix P(n + 2, n);
+  for (Index i = 0; i < n + 2; ++i) P.insert(i, i < n ? i : i - n) = 1;
+  RowBounds bounds = test.problem.bounds();
+  bounds.bilateral.resize(At(n + 2), 0);
+  FrictionRow copy = bounds.friction.front();
+  copy.row = n + 1;
+  copy.normal = n;
+  bounds.friction.push_back(copy);
+  test.problem = test.problem.WithRows(P, P * test.problem.b(), bounds);
+  test.f = (P * test.f).eval();
+  test.f.head(2) *= 0.75;
+  test.f.tail(2) *= 0.25;
+  test.change.J = SparseMatrix(P * *test.change.J);
+  test.change.b = (P * *test.change.b).eval();
+  Eigen::VectorXd dmu(test.change.mu->size() + 1);
+  dmu << *test.change.mu, (*test.change.mu)[0];
+  test.change.mu = dmu;
+  test.kind = "friction, not unique, strict";
+  return test;
+}
+
 ExactLcp PerturbedExactly(const LcpProblem& problem, const ProblemChange& change, const Rational& t) {
   ExactLcp exact = ExactFrom(problem);
   const Index n = problem.size(), m = problem.J().cols();
@@ -201,13 +228,16 @@ std::vector<ExactChange> ExactChanges(const DerivativeCase& test) {
   }
   RationalVector f;
   for (const double force : test.f) f.emplace_back(force);
+  const RationalVector w = GapsOf(at_0, f);
+  const bool is_unique = test.kind.find("not unique") == std::string::npos;
   std::vector<ExactChange> changes;
   for (const ModePiece& piece : SolveByModes(at_t, {}).pieces) {
-    if (piece.dimension > 0) continue;
-    const RationalVector& to = piece.f.vertices.front();
+    if (is_unique && piece.dimension > 0) continue;
+    const RationalVector& f_t = piece.f.vertices.front();
+    const RationalVector w_t = GapsOf(at_t, f_t);
     bool is_near = true;
-    for (size_t i = 0; i < f.size(); ++i) is_near = is_near && abs(to[i] - f[i]) < near;
-    if (is_near) changes.push_back({quotient(f, to), quotient(GapsOf(at_0, f), GapsOf(at_t, to))});
+    for (size_t i = 0; i < f.size(); ++i) is_near = is_near && abs(is_unique ? f_t[i] - f[i] : w_t[i] - w[i]) < near;
+    if (is_near) changes.push_back({is_unique ? quotient(f, f_t) : Eigen::VectorXd(), quotient(w, w_t)});
   }
   return changes;
 }

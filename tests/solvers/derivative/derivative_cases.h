@@ -26,16 +26,21 @@ DerivativeCase PlainCase(unsigned seed);
 /// @param degenerate  contacts touch without force, friction is at its bound without slip, mu is 0 without slip, ...
 DerivativeCase FrictionCase(unsigned seed, bool degenerate);
 
+/// A strictly complementary FrictionCase whose first contact carries force, and once more an equal contact, along
+/// directions that keep them equal.
+DerivativeCase CopiedFrictionCase(unsigned seed);
+
 /// The problem at t along the direction, exact in every number.
 ExactLcp PerturbedExactly(const LcpProblem& problem, const ProblemChange& change, const Rational& t);
 
 /// The exact derivative along the direction, rounded.
 struct ExactChange {
-  Eigen::VectorXd f, w;
+  Eigen::VectorXd f;  ///< empty where it is not known
+  Eigen::VectorXd w;
 };
 /// By solutions at t = 2^-120, in rationals: they differ from the derivative by a part of about 2^-100. All those near
-/// f: none where the problem loses its solution, several where it branches. Of plain problems the forces of least norm.
-/// Solutions that are not unique in their modes are left out.
+/// f: none where the problem loses its solution, several where it branches. Of plain problems the forces of least norm;
+/// of CopiedFrictionCase those near w, without f.
 std::vector<ExactChange> ExactChanges(const DerivativeCase& test);
 
 }  // namespace lcpbench
