@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "solvers/friction/few_contacts.h"
 #include "solvers/lcp/number_range.h"
 #include "support/array_index.h"
 
@@ -81,13 +82,18 @@ bool FrictionRowSolver::TakeLaws(const StepRows& rows) {
 RowAnswer FrictionRowSolver::Solve(const StepRows& rows, double tolerance, const Deadline* deadline,
                                    const double* initial_f, double* f, double* w) {
   RowAnswer answer;
+  method_ = "";
+  rows_of_method_ = 0;
+  // As many friction rows as others: the check of the laws is its own.
+  if (rows.bounded.empty() && TakeFew(rows, rows.rows, rows.friction, tolerance, initial_f, f, w, &answer)) {
+    answer.solved = true;
+    return answer;
+  }
   const bool has_friction = std::ranges::any_of(rows.friction, [](const FrictionRow& row) { return row.mu > 0; });
   if (!has_friction || !TakeLaws(rows)) return answer;
   step_ = &rows;
   deadline_ = deadline;
   options_.tolerance = tolerance;
-  method_ = "";
-  rows_of_method_ = 0;
   if (rows.rows <= ModeSteps::kFewRows) {
     answer.solved = SolvePart({all_.data(), At(rows.rows)}, initial_f, f, w, &answer);
     return answer;
@@ -103,8 +109,29 @@ RowAnswer FrictionRowSolver::Solve(const StepRows& rows, double tolerance, const
   return answer;
 }
 
+// Few contacts alone: the rows of `friction`, as many others, and none besides.
+bool FrictionRowSolver::TakeFew(const StepRows& rows, Index size, std::span<const FrictionRow> friction,
+                                double tolerance, const double* initial_f, double* f, double* w, RowAnswer* answer) {
+  double rho = 0;
+  if (!FewContacts::Solve(rows, size, friction, tolerance, initial_f, f, w, &rho, &answer->iterations)) return false;
+  answer->rho = std::max(answer->rho, rho);
+  NameMethod("modes", size);
+  return true;
+}
+
+void FrictionRowSolver::NameMethod(const char* method, Index size) {
+  if (size > rows_of_method_) method_ = method;
+  rows_of_method_ = std::max(rows_of_method_, size);
+}
+
 bool FrictionRowSolver::SolvePart(Part part, const double* initial_f, double* f, double* w, RowAnswer* answer) {
   const Index n = std::ssize(part);
+  friction_.clear();
+  for (const std::int32_t row : part) {
+    const std::int32_t law = law_[At(row)];
+    if (law >= 0 && law < std::ssize(step_->friction)) friction_.push_back(step_->friction[At(law)]);
+  }
+  if (n < step_->rows && TakeFew(*step_, n, friction_, options_.tolerance, initial_f, f, w, answer)) return true;
   TakePart(part);
   options_.initial_f = initial_f == nullptr ? nullptr : &start_;
   for (Index i = 0; i < n && initial_f != nullptr; ++i) start_[i] = initial_f[part[At(i)]];
@@ -116,8 +143,7 @@ bool FrictionRowSolver::SolvePart(Part part, const double* initial_f, double* f,
   const char* const method = Ask(&found);
   answer->iterations += result_.iterations;
   if (method == nullptr) return false;
-  if (n > rows_of_method_) method_ = method;
-  rows_of_method_ = std::max(rows_of_method_, n);
+  NameMethod(method, n);
   answer->rho = std::max(answer->rho, found.rho());
   for (Index i = 0; i < n; ++i) f[part[At(i)]] = result_.f[i];
   if (w == nullptr) return true;
@@ -126,22 +152,18 @@ bool FrictionRowSolver::SolvePart(Part part, const double* initial_f, double* f,
   return true;
 }
 
-// Laws and rows of a part.
+// Laws and rows of a part, whose friction rows are in friction_.
 void FrictionRowSolver::TakePart(Part part) {
-  friction_.clear();
   bounded_.clear();
-  for (std::size_t i = 0; i < part.size(); ++i) place_[At(part[i])] = static_cast<std::int32_t>(i);
-  for (const std::int32_t row : part) {
-    const std::int32_t law = law_[At(row)];
-    if (law < 0) continue;
-    const auto count = std::ssize(step_->friction);
-    if (law < count) {
-      FrictionRow& taken = friction_.emplace_back(step_->friction[At(law)]);
-      taken.row = place_[At(row)];
-      taken.normal = place_[At(taken.normal)];
-    } else {
-      bounded_.emplace_back(step_->bounded[At(law - count)]).row = place_[At(row)];
-    }
+  const auto count = std::ssize(step_->friction);
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    place_[At(part[i])] = static_cast<std::int32_t>(i);
+    const std::int32_t law = law_[At(part[i])];
+    if (law >= count) bounded_.emplace_back(step_->bounded[At(law - count)]).row = static_cast<Index>(i);
+  }
+  for (FrictionRow& row : friction_) {
+    row.row = place_[At(row.row)];
+    row.normal = place_[At(row.normal)];
   }
   contacts_.Prepare(*step_, part, friction_, bounded_);
   part_ = part;

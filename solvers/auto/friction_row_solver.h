@@ -20,11 +20,12 @@ namespace lcpbench {
 
 /// From a step's rows with friction to forces: what AutoSolver and StepSolver ask first, as RowSolver is of plain rows.
 ///
-/// Each island (RowIslands) has a dense A, and is solved by what FrictionPortfolio begins with: the modes of initial_f;
-/// of few contacts, modes one by one; rounds of the shifted relaxation, whose rows are rows of a step as well and
-/// RowSolver's, with Newton steps on modes after each; Lemke's path along modes. What does not pass for certain
-/// (ContactRows::IsSurelyRight), steps without friction (all mu = 0), wrong lists of laws and islands of more than
-/// kMostRows rows are left to the caller. Only Reserve allocates.
+/// Islands (RowIslands) of up to three contacts alone are solved in registers (FewContacts). Each other one has a
+/// dense A, and is solved by what FrictionPortfolio begins with: the modes of initial_f; of few contacts, modes one by
+/// one; rounds of the shifted relaxation, whose rows are rows of a step as well and RowSolver's, with Newton steps on
+/// modes after each; Lemke's path along modes. What does not pass for certain (ContactRows::IsSurelyRight), steps
+/// without friction (all mu = 0), wrong lists of laws and islands of more than kMostRows rows are left to the caller.
+/// Only Reserve allocates.
 class FrictionRowSolver {
  public:
   static constexpr Index kMostRows = ModeFactor::kMostDense;  ///< of an island
@@ -45,6 +46,9 @@ class FrictionRowSolver {
  private:
   using Part = std::span<const std::int32_t>;
   bool TakeLaws(const StepRows& rows);
+  bool TakeFew(const StepRows& rows, Index size, std::span<const FrictionRow> friction, double tolerance,
+               const double* initial_f, double* f, double* w, RowAnswer* answer);
+  void NameMethod(const char* method, Index size);
   void TakePart(Part part);
   bool SolvePart(Part part, const double* initial_f, double* f, double* w, RowAnswer* answer);
   const char* Ask(FrictionAnswer* answer);

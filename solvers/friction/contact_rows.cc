@@ -12,20 +12,13 @@ namespace lcpbench {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// As the verifier's: defects up to this part of a contact's loads count as none, rho is relative to no less than that
-// part of all loads.
-constexpr double kPartOfLoad = 0x1p-46;
-constexpr double kLeastScale = 0x1p-20;
-// Roundings of a sum over a row, beside one for each term.
-constexpr double kTermsBesideRows = 64;
-
 // Up to so many rows the dense A is formed sooner than the sparse one.
 constexpr Index kFewRows = 100;
 
 // Bodies in space have so many columns.
 constexpr Index kMostColumnsPerBody = 6;
 
-double Square(double x) { return x * x; }
+double Square(double x) { return ContactLaw::Square(x); }
 
 }  // namespace
 
@@ -213,8 +206,7 @@ void ContactRows::SetScale() {
     answered += std::min(Square(b_[contact.tangent]), Square(contact.mu) * plain);
     all += Square(b_[contact.tangent]);
   }
-  scale_ = std::max(std::sqrt(plain + answered), kLeastScale * std::sqrt(all));
-  if (scale_ == 0) scale_ = 1;
+  scale_ = ContactLaw::Scale(plain, answered, all);
 }
 
 void ContactRows::ComputeGaps(const Eigen::VectorXd& phi, Eigen::VectorXd* omega) const {
@@ -241,8 +233,7 @@ double ContactRows::Rho(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega
     if (contact.slip != 0) {
       sum += Square(along + contact.slip * contact.mu * normal);
     } else {
-      const double most = contact.mu * std::max(normal, 0.0);
-      sum += Square(along - std::clamp(along - omega[contact.tangent], -most, most));
+      sum += Square(ContactLaw::Residual(contact.mu, normal, along, omega[contact.tangent]));
     }
   }
   for (const Bounded& row : bounded_) {
@@ -253,11 +244,8 @@ double ContactRows::Rho(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega
 
 RowMode ContactRows::ModeOf(const Contact& contact, const Eigen::VectorXd& phi, const Eigen::VectorXd& omega) const {
   const double normal = phi[contact.normal] - omega[contact.normal];
-  if (!(normal > 0)) return RowMode::kOpen;
-  if (!contact.can_stick()) return RowMode::kClosed;
-  const double along = phi[contact.tangent] - omega[contact.tangent];
-  if (std::abs(along) <= contact.mu * normal) return RowMode::kStick;
-  return along < 0 ? RowMode::kUp : RowMode::kDown;
+  if (!contact.can_stick()) return normal > 0 ? RowMode::kClosed : RowMode::kOpen;
+  return ContactLaw::ModeOf(contact.mu, normal, phi[contact.tangent] - omega[contact.tangent]);
 }
 
 void ContactRows::FindModes(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega,
@@ -300,17 +288,14 @@ void ContactRows::ToForces(const Eigen::VectorXd& phi, const Eigen::VectorXd& om
   for (const Contact& contact : contacts_) {
     const RowMode mode = ModeOf(contact, phi, omega);
     const double along = contact.tangent < 0 ? 0 : phi[contact.tangent];
-    const double least = kPartOfLoad * LoadOf(contact);
+    const double least = ContactLaw::kPartOfLoad * LoadOf(contact);
     if (mode == RowMode::kOpen || (phi[contact.normal] < least && std::abs(along) < least)) continue;
     const double normal = std::max(phi[contact.normal], 0.0) / root_[At(contact.normal)];
     (*f)[contact.normal] = normal;
     if (contact.tangent < 0) continue;
     const double most = contact.given_mu * normal;
-    double& tangent = (*f)[contact.tangent];
-    tangent = std::clamp(along / root_[At(contact.tangent)], -most, most);
-    if (contact.slip != 0) tangent = -contact.slip * most;
-    if (mode == RowMode::kUp) tangent = -most;
-    if (mode == RowMode::kDown) tangent = most;
+    (*f)[contact.tangent] =
+        contact.slip != 0 ? -contact.slip * most : ContactLaw::Friction(mode, most, along / root_[At(contact.tangent)]);
   }
   for (const Bounded& row : bounded_) {
     (*f)[row.row] = std::clamp(phi[row.row], row.lower, row.upper) / root_[At(row.row)];
@@ -327,7 +312,7 @@ bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance) cons
   for (Eigen::VectorXd* const numbers : {&phi_, &omega_, &magnitude_, &hidden_}) Lengthen(n, numbers);
   for (Index i = 0; i < n; ++i) phi_[i] = root_[At(i)] * f[i];
   const double forces = phi_.head(n).lpNorm<1>();
-  const double unit = (static_cast<double>(n) + kTermsBesideRows) * std::numeric_limits<double>::epsilon();
+  const double unit = (static_cast<double>(n) + ContactLaw::kTermsBesideRows) * std::numeric_limits<double>::epsilon();
   for (Index i = 0; i < n; ++i) {
     double sum = b_[i], size = std::abs(b_[i]);
     VisitRow(i, [&](Index j, double a) {
@@ -348,11 +333,7 @@ bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance) cons
     if (!contact.can_stick()) continue;
     const double most = contact.given_mu * f[contact.normal], along = f[contact.tangent];
     if (most == 0 && along == 0) continue;
-    const double gap = omega_[contact.tangent];
-    const double stick = std::abs(along) <= most ? std::abs(gap) : kInfinity;
-    const double up = along == -most ? -gap : kInfinity;
-    const double down = along == most ? gap : kInfinity;
-    raise(BackwardError(contact.tangent, std::min({stick, up, down})));
+    raise(BackwardError(contact.tangent, ContactLaw::Defect(most, along, omega_[contact.tangent])));
   }
   for (const Bounded& row : bounded_) {
     const double gap = omega_[row.row];

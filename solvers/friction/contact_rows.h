@@ -6,21 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "solvers/friction/contact_law.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/step_rows.h"
 #include "solvers/linear_algebra/sides_of_bodies.h"
 
 /// Internal to solvers/.
 namespace lcpbench {
-
-/// Where a contact or a bounded row stands on the graph of its law.
-enum class RowMode : unsigned char {
-  kOpen,    ///< f = 0; of a contact
-  kClosed,  ///< w_n = 0; f_t follows from f_n (sliding), or is 0
-  kStick,   ///< w = 0; of a bounded row: between its bounds
-  kUp,      ///< slips with w_t >= 0, f_t = -mu f_n; of a bounded row: at its lower bound
-  kDown,    ///< slips with w_t <= 0, f_t = mu f_n; of a bounded row: at its upper bound
-};
 
 /// A problem with friction in scaled variables, phi = D^1/2 f and omega = D^-1/2 w with D = diag A (1 where that is 0):
 /// omega = A phi + b. What all methods of this folder start from [docs/friction.md sections 4, 5].
