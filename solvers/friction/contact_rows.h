@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,6 +66,9 @@ class ContactRows {
       visit(column_[static_cast<size_t>(e)], value_[static_cast<size_t>(e)]);
     }
   }
+  /// G = D^-1/2 J M^-1/2, n x columns that a row acts on: A = G G^T. nullptr where the problem is not given by factors.
+  /// O(nnz J) at the first call after Prepare.
+  const SparseMatrix* OnBodies() const;
   /// omega_i at phi.
   double Gap(Index row, const Eigen::VectorXd& phi) const {
     double sum = b_[row];
@@ -91,7 +95,9 @@ class ContactRows {
   double LoadOf(const Contact& contact) const;
   double BackwardError(Index row, double defect) const;
 
-  std::vector<Index> start_;  // compressed rows of D^-1/2 A D^-1/2
+  std::optional<LcpProblem> problem_;  // prepared, for OnBodies
+  mutable SparseMatrix on_bodies_;     // no columns: not made
+  std::vector<Index> start_;           // compressed rows of D^-1/2 A D^-1/2
   std::vector<int> column_;
   std::vector<double> value_;
   std::vector<double> root_, inverse_root_;  // D^1/2, D^-1/2

@@ -6,6 +6,14 @@
 #include "support/array_index.h"
 
 namespace lcpbench {
+namespace {
+
+// Diagonal pivots, which keep the order, are taken down to this part of the largest in their column.
+constexpr double kLeastPivot = 1e-3;
+// Below, too many digits are lost through the bodies.
+constexpr double kLeastEpsOnBodies = 1e-9;
+
+}  // namespace
 
 void ModeFactor::AddUnknown(Index row) {
   unknown_[At(row)] = static_cast<Index>(equation_.size());
@@ -58,7 +66,12 @@ bool ModeFactor::Solve(const ContactRows& rows, const std::vector<RowMode>& mode
   for (Index k = 0; k < m; ++k) y_[k] = center[equation_[At(k)]];
   expand();
   for (Index k = 0; k < m; ++k) y_[k] = -rows.Gap(equation_[At(k)], *phi);
-  if (m > 0 && !(m <= kMostDense ? SolveDense(rows, eps) : SolveSparse(rows, eps))) return false;
+  const bool by_bodies = m > kMostDense && eps >= kLeastEpsOnBodies && rows.OnBodies() != nullptr;
+  if (m > 0 && !(m <= kMostDense ? SolveDense(rows, eps)
+                 : by_bodies     ? SolveOnBodies(rows, eps)
+                                 : SolveSparse(rows, eps))) {
+    return false;
+  }
   if (!y_.head(m).allFinite()) return false;
   for (Index k = 0; k < m; ++k) y_[k] += center[equation_[At(k)]];
   expand();
@@ -110,6 +123,56 @@ bool ModeFactor::SolveDense(const ContactRows& rows, double eps) {
   return true;
 }
 
+// K = G_E H^T with H = B^T G, so (K + eps)^-1 r = (r - G_E v) / eps with (eps + H^T G_E) v = H^T r: a matrix of the
+// bodies' graph, however many rows act on them. What is lost in the difference, u / eps, corrections bring back.
+bool ModeFactor::SolveOnBodies(const ContactRows& rows, double eps) {
+  constexpr int kCorrections = 3;
+  constexpr double kFine = 1e-15;
+  const SparseMatrix& G = *rows.OnBodies();
+  const auto m = static_cast<Index>(equation_.size());
+  std::vector<Eigen::Triplet<double, int>> entries;
+  for (Index row = 0; row < rows.size(); ++row) {
+    if (unknown_[At(row)] < 0) continue;
+    const Index equation = equation_[At(unknown_[At(row)])];
+    for (SparseMatrix::InnerIterator h(G, row); h; ++h) {
+      for (SparseMatrix::InnerIterator g(G, equation); g; ++g) {
+        entries.emplace_back(static_cast<int>(h.col()), static_cast<int>(g.col()),
+                             coefficient_[row] * h.value() * g.value());
+      }
+    }
+  }
+  for (int k = 0; k < G.cols(); ++k) entries.emplace_back(k, k, eps);
+  sparse_.resize(G.cols(), G.cols());
+  sparse_.setFromTriplets(entries.begin(), entries.end());
+  lu_.setPivotThreshold(kLeastPivot);
+  lu_.compute(sparse_);
+  if (lu_.info() != Eigen::Success) return false;
+  const Eigen::VectorXd wanted = y_.head(m);
+  Eigen::VectorXd rest = wanted, y = Eigen::VectorXd::Zero(m), forces(rows.size()), v;
+  const auto to_bodies = [&](const Eigen::VectorXd& unknowns) {
+    for (Index row = 0; row < rows.size(); ++row) {
+      forces[row] = unknown_[At(row)] < 0 ? 0 : coefficient_[row] * unknowns[unknown_[At(row)]];
+    }
+    v.noalias() = G.transpose() * forces;
+  };
+  const auto subtract = [&](const Eigen::VectorXd& at, Eigen::VectorXd* from) {
+    const Eigen::VectorXd gaps = G * at;
+    for (Index k = 0; k < m; ++k) (*from)[k] -= gaps[equation_[At(k)]];
+  };
+  for (int k = 0; k < kCorrections; ++k) {
+    to_bodies(rest);
+    v = lu_.solve(v);
+    subtract(v, &rest);
+    y += rest / eps;
+    to_bodies(y);
+    rest = wanted - eps * y;
+    subtract(v, &rest);
+    if (!(rest.lpNorm<Eigen::Infinity>() > kFine * wanted.lpNorm<Eigen::Infinity>())) break;
+  }
+  y_.head(m) = y;
+  return true;
+}
+
 bool ModeFactor::SolveSparse(const ContactRows& rows, double eps) {
   const Index m = static_cast<Index>(equation_.size());
   std::vector<Eigen::Triplet<double, int>> entries;
@@ -122,6 +185,7 @@ bool ModeFactor::SolveSparse(const ContactRows& rows, double eps) {
   }
   sparse_.resize(m, m);
   sparse_.setFromTriplets(entries.begin(), entries.end());
+  lu_.setPivotThreshold(kLeastPivot);
   lu_.compute(sparse_);
   if (lu_.info() != Eigen::Success) return false;
   y_.head(m) = lu_.solve(Eigen::VectorXd(y_.head(m)));

@@ -12,7 +12,8 @@ namespace lcpbench {
 /// The linear system of a choice of modes [docs/friction.md section 5]: unknowns are the normal forces of closed
 /// contacts, the tangential forces of those that stick, the forces of joints and of bounded rows between their bounds;
 /// equations say that the gaps of the same rows are 0. phi = B y + what is at a bound, K = A_E,: B: square, and
-/// nonsymmetric where a contact slips.
+/// nonsymmetric where a contact slips. Many unknowns of a problem given by factors are solved for through the
+/// velocities of the bodies, by a sparse LU of their graph; of others by one of K.
 class ModeFactor {
  public:
   /// Up to so many unknowns the factor is dense, O(m^3), and nothing is allocated after the first such solve.
@@ -30,6 +31,7 @@ class ModeFactor {
   void AddUnknown(Index row);
   bool SolveDense(const ContactRows& rows, double eps);
   bool SolveSparse(const ContactRows& rows, double eps);
+  bool SolveOnBodies(const ContactRows& rows, double eps);
 
   std::vector<Index> equation_;          // rows, in the order of the unknowns
   std::vector<Index> unknown_;           // n, -1: none
@@ -37,7 +39,7 @@ class ModeFactor {
   Eigen::VectorXd y_;                    // right-hand side, then the correction
   Eigen::MatrixXd dense_;                // at least m x m
   Eigen::SparseMatrix<double> sparse_;
-  Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> lu_;
+  Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::AMDOrdering<int>> lu_;
 };
 
 }  // namespace lcpbench
