@@ -79,7 +79,7 @@ help:
 	@echo "make check    formatting, lint, and whether the public headers are documented"
 	@echo "make format   reformat our own code"
 	@echo "make fuzz     feed every reader of files mutated ones, each for FUZZ_SECONDS (now: $(FUZZ_SECONDS))"
-	@echo "make attack   problems of known status at extreme scales, by all own solvers (ATTACK_PROBLEMS, ATTACK_SEED; at most an hour)"
+	@echo "make attack   problems of known status at extreme scales, also with friction, by all own solvers (ATTACK_PROBLEMS, ATTACK_SEED; at most an hour)"
 	@echo "make install  install library, headers and command (PREFIX=/usr/local)"
 	@echo "make clean    remove build/"
 	@echo "PRESET=release|debug|asan|tsan chooses the build (now: $(PRESET))"
@@ -224,6 +224,7 @@ fuzz: deps
 attack: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target attack
 	@$(BUILD)/tests/attack --problems $(ATTACK_PROBLEMS) --first $(ATTACK_SEED) --each-tier --threads $(JOBS)
+	@$(BUILD)/tests/attack --friction --problems $(ATTACK_PROBLEMS) --first $(ATTACK_SEED) --limit 0.5 --threads $(JOBS)
 
 install: build
 	@cmake --install $(BUILD) $(if $(PREFIX),--prefix $(PREFIX))

@@ -143,11 +143,12 @@ class PgsEngine final : public FirstOrderEngine {
     const auto check = [&] {
       contacts_.GetForces(&f);
       const Metrics metrics = ComputeMetrics(problem, f);
-      if (metrics.rho < least || least == std::numeric_limits<double>::infinity()) {
+      const bool passes = PassesTier(metrics, options.tolerance);  // which the least rho need not do
+      if (passes || metrics.rho < least || least == std::numeric_limits<double>::infinity()) {
         least = metrics.rho;
         result->f = f;
       }
-      return PassesTier(metrics, options.tolerance);
+      return passes;
     };
     std::int64_t next_check = 0;
     while (result->iterations < limit && !deadline.Expired()) {

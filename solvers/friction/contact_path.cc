@@ -19,6 +19,8 @@ constexpr double kDependent = 1e-10;
 // The inverse is made anew after so many updates, and after one by a smaller pivot.
 constexpr int kMostUpdates = 50;
 constexpr double kSmallPivot = 1e-7;
+// z below this part of where it started is 0: self-stresses at rest (b.f = 0) end there in rays.
+constexpr double kVanished = 1e-12;
 
 // In [0, 1), the same on every machine.
 double Draw(std::mt19937* random) { return static_cast<double>((*random)()) * 0x1p-32; }
@@ -103,7 +105,7 @@ void ContactPath::StartJoints() {
     if (Of(i).cell != Cell::kDropped) continue;
     Of(i).cell = Cell::kJoint;
     SetColumn(i);
-    direction_.noalias() = inverse_ * column_;
+    SetDirection();
     if (std::abs(direction_[i]) > kDependent) {
       Pivot(i);
     } else {
@@ -134,6 +136,14 @@ void ContactPath::SetColumn(Index variable) {
     AddForce(variable, state.side);
   } else {
     column_[variable] = state.normal == variable ? -1 : -state.side;
+  }
+}
+
+// Of column_, of which few entries are not 0.
+void ContactPath::SetDirection() {
+  direction_.setZero();
+  for (Index j = 0; j < n_; ++j) {
+    if (column_[j] != 0) direction_ += column_[j] * inverse_.col(j);
   }
 }
 
@@ -316,6 +326,7 @@ ContactPath::End ContactPath::Follow(const ContactRows& rows, unsigned seed, dou
   }
   entered_ = first.step;
   value_ -= first.step * direction_;
+  const double vanished = kVanished * first.step;
   const std::int64_t limit = 50 * n_ + 1000;
   for (std::int64_t pivot = 0; pivot < limit && !answer->IsOver(); ++pivot) {
     ++answer->iterations();
@@ -327,7 +338,7 @@ ContactPath::End ContactPath::Follow(const ContactRows& rows, unsigned seed, dou
     if (!Renew()) return End::kSingular;
     Cross(first);
     SetColumn(row);
-    direction_.noalias() = inverse_ * column_;
+    SetDirection();
     const double z = ValueOf(n_), rate = DirectionOf(n_);
     first = FirstWall();
     if (rate < 0 && z <= -rate * first.step) {
@@ -336,7 +347,11 @@ ContactPath::End ContactPath::Follow(const ContactRows& rows, unsigned seed, dou
       GetForces(phi);
       return End::kReached;
     }
-    if (first.row < 0) return End::kRay;
+    if (first.row < 0) {
+      if (z > vanished) return End::kRay;
+      GetForces(phi);
+      return End::kReached;
+    }
     entered_ = first.step;
     value_ -= first.step * direction_;
   }

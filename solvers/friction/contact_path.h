@@ -63,6 +63,7 @@ class ContactPath {
   double BoundOf(Index row) const;
   void SetColumn(Index variable);
   void AddForce(Index row, double factor);
+  void SetDirection();
   double ValueOf(Index variable) const;
   double DirectionOf(Index variable) const;
   void Pivot(Index position);

@@ -54,6 +54,8 @@ void ContactRows::SetRoots(Index n, const double* diagonal, Index stride) {
 }
 
 void ContactRows::Prepare(const LcpProblem& problem) {
+  problem_ = problem;
+  on_bodies_.resize(0, 0);
   SetRoots(problem.size(), problem.DiagonalA().data(), 1);
   TakeMatrix(problem);
   joints_ = problem.bilateral_rows();
@@ -63,6 +65,7 @@ void ContactRows::Prepare(const LcpProblem& problem) {
 
 void ContactRows::Prepare(const StepRows& step, std::span<const std::int32_t> part,
                           std::span<const FrictionRow> friction, std::span<const BoundedRow> bounded) {
+  problem_.reset();
   const Index n = std::ssize(part);
   WithNumbers(step, [&](const auto* J, auto p) { Assemble<p>(step, J, part); });
   SetRoots(n, value_.data(), n + 1);
@@ -184,6 +187,27 @@ void ContactRows::TakeMatrix(const LcpProblem& problem) {
     }
     start_.push_back(static_cast<Index>(value_.size()));
   }
+}
+
+const SparseMatrix* ContactRows::OnBodies() const {
+  if (!problem_ || !problem_->has_factors()) return nullptr;
+  if (on_bodies_.cols() > 0) return &on_bodies_;
+  const SparseMatrix& J = problem_->J();
+  std::vector<int> place(At(J.cols()), -1);
+  int columns = 0;
+  std::vector<Eigen::Triplet<double, int>> entries;
+  for (Index i = 0; i < size(); ++i) {
+    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
+      const double entry = it.value() * inverse_root_[At(i)] * std::sqrt(problem_->inverse_mass()[it.col()]);
+      if (entry == 0) continue;
+      int& column = place[At(it.col())];
+      if (column < 0) column = columns++;
+      entries.emplace_back(static_cast<int>(i), column, entry);
+    }
+  }
+  on_bodies_.resize(size(), columns);
+  on_bodies_.setFromTriplets(entries.begin(), entries.end());
+  return &on_bodies_;
 }
 
 void ContactRows::SetB(const LcpProblem& problem) {

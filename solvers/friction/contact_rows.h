@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -75,6 +76,9 @@ class ContactRows {
       visit(column_[static_cast<size_t>(e)], value_[static_cast<size_t>(e)]);
     }
   }
+  /// G = D^-1/2 J M^-1/2, n x columns that a row acts on: A = G G^T. nullptr where the problem is not given by factors.
+  /// O(nnz J) at the first call after Prepare.
+  const SparseMatrix* OnBodies() const;
   /// omega_i at phi.
   double Gap(Index row, const Eigen::VectorXd& phi) const {
     double sum = b_[row];
@@ -112,6 +116,8 @@ class ContactRows {
   double LoadOf(const Contact& contact) const;
   double BackwardError(Index row, double defect) const;
 
+  std::optional<LcpProblem> problem_;  // prepared, for OnBodies
+  mutable SparseMatrix on_bodies_;     // no columns: not made
   // D^-1/2 A D^-1/2 by compressed rows; or, dense, row i between the columns start_[i] and end_[i].
   bool is_dense_ = false;
   std::vector<Index> start_, end_;

@@ -6,6 +6,14 @@
 #include "support/array_index.h"
 
 namespace lcpbench {
+namespace {
+
+// Diagonal pivots, which keep the order, are taken down to this part of the largest in their column.
+constexpr double kLeastPivot = 1e-3;
+// Below, too many digits are lost through the bodies.
+constexpr double kLeastEpsOnBodies = 1e-9;
+
+}  // namespace
 
 void ModeFactor::AddUnknown(Index row) {
   unknown_[At(row)] = static_cast<Index>(equation_.size());
@@ -66,7 +74,9 @@ bool ModeFactor::Correct(const ContactRows& rows, const Eigen::VectorXd& center,
   Expand(n, phi);
   // A correction of what the center gives in these modes: less is lost to rounding.
   for (Index k = 0; k < m; ++k) y_[k] = -rows.Gap(equation_[At(k)], *phi);
-  if (m > kMostDense) {
+  if (on_bodies_ != nullptr) {
+    SolveOnBodies(rows);
+  } else if (m > kMostDense) {
     y_.head(m) = lu_.solve(Eigen::VectorXd(y_.head(m)));
   } else {
     dense_.Solve(y_.data());
@@ -82,7 +92,12 @@ bool ModeFactor::Solve(const ContactRows& rows, const std::vector<RowMode>& mode
   SetModes(rows, modes);
   ContactRows::Lengthen(size(), &y_);
   ContactRows::Lengthen(rows.size(), phi);
-  if (!(size() > kMostDense ? FactorizeSparse(rows, eps) : FactorizeDense(rows, eps))) return false;
+  on_bodies_ = size() > kMostDense && eps >= kLeastEpsOnBodies ? rows.OnBodies() : nullptr;
+  if (!(size() <= kMostDense    ? FactorizeDense(rows, eps)
+        : on_bodies_ != nullptr ? FactorizeOnBodies(rows, eps)
+                                : FactorizeSparse(rows, eps))) {
+    return false;
+  }
   return Correct(rows, center, phi);
 }
 
@@ -102,6 +117,60 @@ bool ModeFactor::FactorizeDense(const ContactRows& rows, double eps) {
   return dense_.Factorize();
 }
 
+// K = G_E H^T with H = B^T G, so (K + eps)^-1 r = (r - G_E v) / eps with (eps + H^T G_E) v = H^T r: a matrix of the
+// bodies' graph, however many rows act on them. What is lost in the difference, u / eps, corrections bring back.
+bool ModeFactor::FactorizeOnBodies(const ContactRows& rows, double eps) {
+  const SparseMatrix& G = *on_bodies_;
+  std::vector<Eigen::Triplet<double, int>> entries;
+  for (Index row = 0; row < rows.size(); ++row) {
+    if (unknown_[At(row)] < 0) continue;
+    const Index equation = equation_[At(unknown_[At(row)])];
+    for (SparseMatrix::InnerIterator h(G, row); h; ++h) {
+      for (SparseMatrix::InnerIterator g(G, equation); g; ++g) {
+        entries.emplace_back(static_cast<int>(h.col()), static_cast<int>(g.col()),
+                             coefficient_[row] * h.value() * g.value());
+      }
+    }
+  }
+  for (int k = 0; k < G.cols(); ++k) entries.emplace_back(k, k, eps);
+  sparse_.resize(G.cols(), G.cols());
+  sparse_.setFromTriplets(entries.begin(), entries.end());
+  lu_.setPivotThreshold(kLeastPivot);
+  lu_.compute(sparse_);
+  eps_ = eps;
+  return lu_.info() == Eigen::Success;
+}
+
+void ModeFactor::SolveOnBodies(const ContactRows& rows) {
+  constexpr int kCorrections = 3;
+  constexpr double kFine = 1e-15;
+  const SparseMatrix& G = *on_bodies_;
+  const Index m = size();
+  const Eigen::VectorXd wanted = y_.head(m);
+  Eigen::VectorXd rest = wanted, y = Eigen::VectorXd::Zero(m), forces(rows.size()), v;
+  const auto to_bodies = [&](const Eigen::VectorXd& unknowns) {
+    for (Index row = 0; row < rows.size(); ++row) {
+      forces[row] = unknown_[At(row)] < 0 ? 0 : coefficient_[row] * unknowns[unknown_[At(row)]];
+    }
+    v.noalias() = G.transpose() * forces;
+  };
+  const auto subtract = [&](const Eigen::VectorXd& at, Eigen::VectorXd* from) {
+    const Eigen::VectorXd gaps = G * at;
+    for (Index k = 0; k < m; ++k) (*from)[k] -= gaps[equation_[At(k)]];
+  };
+  for (int k = 0; k < kCorrections; ++k) {
+    to_bodies(rest);
+    v = lu_.solve(v);
+    subtract(v, &rest);
+    y += rest / eps_;
+    to_bodies(y);
+    rest = wanted - eps_ * y;
+    subtract(v, &rest);
+    if (!(rest.lpNorm<Eigen::Infinity>() > kFine * wanted.lpNorm<Eigen::Infinity>())) break;
+  }
+  y_.head(m) = y;
+}
+
 bool ModeFactor::FactorizeSparse(const ContactRows& rows, double eps) {
   const Index m = static_cast<Index>(equation_.size());
   std::vector<Eigen::Triplet<double, int>> entries;
@@ -114,6 +183,7 @@ bool ModeFactor::FactorizeSparse(const ContactRows& rows, double eps) {
   }
   sparse_.resize(m, m);
   sparse_.setFromTriplets(entries.begin(), entries.end());
+  lu_.setPivotThreshold(kLeastPivot);
   lu_.compute(sparse_);
   return lu_.info() == Eigen::Success;
 }

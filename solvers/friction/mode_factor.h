@@ -13,7 +13,8 @@ namespace lcpbench {
 /// The linear system of a choice of modes [docs/friction.md section 5]: unknowns are the normal forces of closed
 /// contacts, the tangential forces of those that stick, the forces of joints and of bounded rows between their bounds;
 /// equations say that the gaps of the same rows are 0. phi = B y + what is at a bound, K = A_E,: B: square, and
-/// nonsymmetric where a contact slips.
+/// nonsymmetric where a contact slips. Many unknowns of a problem given by factors are solved for through the
+/// velocities of the bodies, by a sparse LU of their graph; of others by one of K.
 class ModeFactor {
  public:
   /// Up to so many unknowns the factor is dense, within the profile that K has in the order of the rows: O(m^3) at
@@ -39,6 +40,8 @@ class ModeFactor {
   bool Correct(const ContactRows& rows, const Eigen::VectorXd& center, Eigen::VectorXd* phi);
   bool FactorizeDense(const ContactRows& rows, double eps);
   bool FactorizeSparse(const ContactRows& rows, double eps);
+  bool FactorizeOnBodies(const ContactRows& rows, double eps);
+  void SolveOnBodies(const ContactRows& rows);
 
   Index size() const { return static_cast<Index>(equation_.size()); }  // m
 
@@ -48,8 +51,10 @@ class ModeFactor {
   Eigen::VectorXd y_;                    // right-hand side, then the correction
   Eigen::VectorXd refined_;              // n
   ProfileLu dense_;
+  const SparseMatrix* on_bodies_ = nullptr;  // G of the rows, where lu_ is of the bodies; eps_ is what it was made with
+  double eps_ = 0;
   Eigen::SparseMatrix<double> sparse_;
-  Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> lu_;
+  Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::AMDOrdering<int>> lu_;
 };
 
 }  // namespace lcpbench

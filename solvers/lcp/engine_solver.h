@@ -120,8 +120,10 @@ void EngineSolver<Options, Engine>::DoSolve(const LcpProblem& problem, const Lcp
   if (!scaling_) scaling_.emplace(problem);  // of b alone
   scaling_->SolveScaled(problem, options, result,
                         [this](const LcpProblem& scaled, const LcpOptions& wanted, LcpResult* found) {
+                          if (!scaled.is_plain()) engine_->Prepare(scaled);  // its bounds are scaled with b
                           engine_->Solve(scaled, wanted, found);
                         });
+  if (!problem.is_plain() && !problem.has_extreme_matrix()) engine_->Prepare(problem);  // for another b
 }
 
 template <typename Options, typename Engine>

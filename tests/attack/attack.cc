@@ -1,8 +1,11 @@
 // Problems of known status at extreme scales, by all own solvers: nothing false may be claimed, no solve may outlast
 // its limit, and `auto` must be right. Exit status 1 where that does not hold.
 //
-//     attack [--nearly-dependent] [--problems N] [--first SEED] [--threads N] [--each-tier] [--solvers KEY,KEY]
-//     [--limit SECONDS]
+//     attack [--friction | --nearly-dependent] [--problems N] [--first SEED] [--threads N] [--each-tier]
+//     [--solvers KEY,KEY] [--limit SECONDS]
+//
+// --friction: with friction, sliding and bounded rows, by the solvers that take some of them. Whether there is a
+// solution cannot be told of every such problem, so that `auto` may fail on them.
 //
 // --nearly-dependent: other problems, with two or three nearly dependent rows (nearly_dependent.h). "of a solvable"
 // counts solvable ones of these that are called infeasible within rounding.
@@ -40,6 +43,7 @@ struct Plan {
   unsigned problems = 100;
   unsigned threads = 1;
   bool each_tier = false;
+  bool friction = false;
   bool nearly_dependent = false;
   double limit_s = 2;
   std::string solvers;  // "": all
@@ -76,11 +80,12 @@ std::vector<Solver> SolversOf(const Plan& plan) {
   std::vector<Solver> solvers;
   for (const SolverEntry& entry : AllSolvers()) {
     if (entry.origin != SolverOrigin::kOwn || !entry.available) continue;
+    if (plan.friction && !entry.takes_friction && !entry.takes_bounded) continue;
     solvers.push_back({entry.key, [make = entry.make](const LcpProblem& problem, const LcpOptions& options) {
                          return SolveWith(make({}).get(), problem, options);
                        }});
   }
-  solvers.push_back({"batch", &SolveInLanes});
+  if (!plan.friction) solvers.push_back({"batch", &SolveInLanes});
   if (!plan.solvers.empty()) {
     const std::string wanted = "," + plan.solvers + ",";
     std::erase_if(solvers,
@@ -95,15 +100,16 @@ enum Outcome {
   kWithinRounding,
   kOfSolvable,
   kHonestFailure,
+  kRefused,
   kFalseSuccess,
   kWrongInfeasible,
   kOverLimit,
   kNotRight,
   kOutcomes
 };
-constexpr std::array<const char*, kOutcomes> kNames{"solved",           "proved",         "within rounding",
-                                                    "of a solvable",    "honest failure", "false success",
-                                                    "wrong infeasible", "over the limit", "not right"};
+constexpr std::array<const char*, kOutcomes> kNames{"solved",         "proved",   "within rounding", "of a solvable",
+                                                    "honest failure", "refused",  "false success",   "wrong infeasible",
+                                                    "over the limit", "not right"};
 
 // Processor time of this thread, for the limit too: what else runs on the machine does not count.
 double CpuSeconds() {
@@ -122,7 +128,10 @@ Outcome Judge(const AttackProblem& attack, const Solver& solver, const LcpResult
     if (!verdict.false_infeasible) return kWithinRounding;
     return attack.is_nearly_infeasible ? kOfSolvable : kWrongInfeasible;
   }
-  const bool must_be_right = solver.key == "auto" || solver.key == "batch";
+  const bool is_known =
+      attack.test.problem.is_plain() && attack.test.reference.status != LcpReference::Status::kUnknown;
+  const bool must_be_right = is_known && (solver.key == "auto" || solver.key == "batch");
+  if (result.status == LcpStatus::kUnsupported && !must_be_right) return kRefused;
   const bool may_fail = !must_be_right || (attack.may_fail && result.status == LcpStatus::kNumericalFailure);
   return may_fail ? kHonestFailure : kNotRight;
 }
@@ -144,7 +153,8 @@ class Attack {
 
  private:
   void AttackWith(unsigned seed) {
-    const AttackProblem attack = plan_.nearly_dependent ? MakeNearlyDependentProblem(seed) : MakeAttackProblem(seed);
+    const AttackProblem attack =
+        plan_.nearly_dependent ? MakeNearlyDependentProblem(seed) : MakeAttackProblem(seed, plan_.friction);
     std::vector<double> tiers(std::begin(kTiers), std::end(kTiers));
     if (!plan_.each_tier) tiers = {kTiers[seed % std::size(kTiers)]};
     LcpOptions options{.time_limit_s = plan_.limit_s};
@@ -216,6 +226,10 @@ int Main(int argc, char** argv) {
     const std::string_view option = argv[i];
     if (option == "--each-tier") {
       plan.each_tier = true;
+      continue;
+    }
+    if (option == "--friction") {
+      plan.friction = true;
       continue;
     }
     if (option == "--nearly-dependent") {

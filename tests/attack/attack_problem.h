@@ -15,8 +15,12 @@ namespace lcpbench {
 /// (unsolvable), 0 or barely positive. Then powers of two, which round nothing:
 ///     A -> S A S,  b -> t S b,  f -> t S^-1 f,  w -> t S w,  J_ik -> S_ii J_ik / c_k,  m_k -> m_k c_k^2
 /// with S up to 2^+-500 (2^-900 by factors), t up to 2^+-1450, given as dense or sparse A or by factors.
+///
+/// With friction, rows are contacts, joints, friction rows of any number a contact, sliding and bounded rows, mu is 0
+/// to 1e6 before it is scaled with the rows, S up to 2^+-300; f and w are planted in every mode. Rays are of contacts,
+/// joints and bounded rows without a bound. Some problems have any b: whether there is a solution is not known of them.
 struct AttackProblem {
-  TestProblem test;       ///< with status and w
+  TestProblem test;       ///< with status, and w where it is unique
   Eigen::VectorXd proof;  ///< a solution f, or a ray y
   /// A warm start, near a solution but for some rows; of some problems.
   std::optional<Eigen::VectorXd> start = std::nullopt;
@@ -28,7 +32,7 @@ struct AttackProblem {
 };
 
 /// The same seed gives the same problem, with one standard library. The verifier has accepted its proof, without any
-/// rounding (forces beyond the range excepted).
-AttackProblem MakeAttackProblem(unsigned seed);
+/// rounding (forces beyond the range excepted, and problems of unknown status).
+AttackProblem MakeAttackProblem(unsigned seed, bool with_friction);
 
 }  // namespace lcpbench
