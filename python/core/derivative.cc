@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "python/core/problem.h"
 #include "python/core/result.h"
 #include "solvers/derivative/derivative.h"
 
@@ -24,26 +25,9 @@ struct GradientOfProblem {
   ProblemGradient gradient;
 };
 
-// An array, or a SciPy sparse matrix. None: nothing.
 std::optional<SparseMatrix> ReadChange(nb::handle value, const char* name) {
   if (value.is_none()) return std::nullopt;
-  if (IsArray(value) || !nb::hasattr(value, "tocoo")) {
-    const DenseMatrix read = ReadMatrix(value, name);
-    using ByRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    if (read.by_columns) return Eigen::Map<const Eigen::MatrixXd>(read.data, read.rows, read.columns).sparseView();
-    return Eigen::Map<const ByRows>(read.data, read.rows, read.columns).sparseView();
-  }
-  const nb::object entries = value.attr("tocoo")();
-  const auto row = ReadVector<std::int64_t>(entries.attr("row"), name);
-  const auto column = ReadVector<std::int64_t>(entries.attr("col"), name, row.size, "entries");
-  const auto data = ReadVector<double>(entries.attr("data"), name, row.size, "entries");
-  std::vector<Eigen::Triplet<double, int>> triplets;
-  for (Index k = 0; k < row.size; ++k) {
-    triplets.emplace_back(static_cast<int>(row.data[k]), static_cast<int>(column.data[k]), data.data[k]);
-  }
-  SparseMatrix matrix(nb::cast<Index>(entries.attr("shape")[0]), nb::cast<Index>(entries.attr("shape")[1]));
-  matrix.setFromTriplets(triplets.begin(), triplets.end());
-  return matrix;
+  return GivenProblem::ReadSparseMatrix(value, name);
 }
 
 std::optional<Eigen::VectorXd> ReadOptional(nb::handle value, const char* name) {
@@ -96,6 +80,11 @@ nb::object Degenerate(const DerivativeOfProblem& self) {
   return array.attr("astype")("bool");
 }
 
+const LcpProblem& RequireFactors(const GradientOfProblem& self) {
+  if (!self.problem.has_factors()) Refuse("J", "expected a problem given by J and inverse_mass");
+  return self.problem;
+}
+
 const char* ForcesKey(const DerivativeOfProblem& self) {
   switch (self.derivative.forces()) {
     case Derivative::Forces::kUnique:
@@ -138,11 +127,12 @@ void BindChange(nb::module_& module) {
           nb::sig("def A(self) -> numpy.typing.NDArray[numpy.float64]"),
           "(n, n), each entry by itself; where A stays symmetric, its symmetric part says the same.")
       .def_prop_ro(
-          "J", [](const GradientOfProblem& self) { return Copy(self.gradient.J(self.problem)); },
+          "J", [](const GradientOfProblem& self) { return Copy(self.gradient.J(RequireFactors(self))); },
           nb::sig("def J(self) -> numpy.typing.NDArray[numpy.float64]"),
           "(n, columns), of problems given by J: also of entries that are 0.")
       .def_prop_ro(
-          "inverse_mass", [](const GradientOfProblem& self) { return Copy(self.gradient.InverseMass(self.problem)); },
+          "inverse_mass",
+          [](const GradientOfProblem& self) { return Copy(self.gradient.InverseMass(RequireFactors(self))); },
           nb::sig("def inverse_mass(self) -> numpy.typing.NDArray[numpy.float64]"),
           "(columns,), of problems given by J.");
 }

@@ -79,18 +79,26 @@ GivenProblem::GivenProblem(const ProblemArguments& arguments) {
   if (has_factors == arguments.inverse_mass.is_none()) {
     Refuse("inverse_mass", has_factors ? "is missing" : "is for J, found A");
   }
-  const nb::handle matrix = has_factors ? arguments.J : arguments.A;
-  const char* const name = has_factors ? "J" : "A";
-  if (IsSparse(matrix)) {
-    sparse_ = ReadSparse(matrix, name);
-  } else {
-    dense_ = ReadMatrix(matrix, name);
-  }
+  TakeMatrix(has_factors ? arguments.J : arguments.A, has_factors ? "J" : "A");
   form_ = has_factors ? MatrixForm::kFactors : sparse_ ? MatrixForm::kSparse : MatrixForm::kDense;
   if (has_factors) inverse_mass_ = ReadFlat<double>(arguments.inverse_mass, "inverse_mass");
   b_ = ReadVector<double>(arguments.b, "b");
   bounds_ = {ReadBilateral(arguments.bilateral, b_.size), ReadFriction(arguments.friction),
              ReadBounded(arguments.bounded)};
+}
+
+SparseMatrix GivenProblem::ReadSparseMatrix(nb::handle matrix, const char* name) {
+  GivenProblem given;
+  given.TakeMatrix(matrix, name);
+  return given.MakeFactor(name);
+}
+
+void GivenProblem::TakeMatrix(nb::handle matrix, const char* name) {
+  if (IsSparse(matrix)) {
+    sparse_ = ReadSparse(matrix, name);
+  } else {
+    dense_ = ReadMatrix(matrix, name);
+  }
 }
 
 GivenProblem::Sparse GivenProblem::ReadSparse(nb::handle value, const char* name) {
@@ -129,8 +137,8 @@ SparseMatrix GivenProblem::MakeSparse(const char* name) const {
 }
 
 // J, without its zeros where it is given with them.
-SparseMatrix GivenProblem::MakeFactor() const {
-  if (sparse_) return MakeSparse("J");
+SparseMatrix GivenProblem::MakeFactor(const char* name) const {
+  if (sparse_) return MakeSparse(name);
   using ByRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   if (!dense_->by_columns) {
     return Eigen::Map<const ByRows>(dense_->data, dense_->rows, dense_->columns).sparseView(1.0, 0.0);
@@ -143,7 +151,7 @@ LcpProblem GivenProblem::Make(const MatrixFacts& facts) const {
     return Eigen::Map<const Eigen::VectorXd>(read.data, read.size);
   };
   if (form_ == MatrixForm::kFactors) {
-    return LcpProblem::FromFactors("", MakeFactor(), vector(inverse_mass_), vector(b_), bounds_, facts);
+    return LcpProblem::FromFactors("", MakeFactor("J"), vector(inverse_mass_), vector(b_), bounds_, facts);
   }
   if (form_ == MatrixForm::kSparse) return LcpProblem::FromSparse("", MakeSparse("A"), vector(b_), bounds_, facts);
   const auto [rows, columns] = std::pair(dense_->rows, dense_->columns);

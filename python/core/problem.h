@@ -28,7 +28,12 @@ class GivenProblem {
   /// @throws InputError naming the argument, and MemoryRefusal
   LcpProblem Make(const MatrixFacts& facts = {}) const;
 
+  /// A matrix alone: an array, without its zeros, or a SciPy sparse matrix.
+  /// @throws InputError naming the argument
+  static SparseMatrix ReadSparseMatrix(nb::handle matrix, const char* name);
+
  private:
+  GivenProblem() = default;
   struct Sparse {
     Vector<std::int32_t> starts, indices;
     Vector<double> values;
@@ -36,7 +41,8 @@ class GivenProblem {
   };
   static Sparse ReadSparse(nb::handle value, const char* name);
   SparseMatrix MakeSparse(const char* name) const;
-  SparseMatrix MakeFactor() const;
+  void TakeMatrix(nb::handle matrix, const char* name);
+  SparseMatrix MakeFactor(const char* name) const;
 
   MatrixForm form_ = MatrixForm::kDense;
   std::optional<Sparse> sparse_;      // of A, or of J

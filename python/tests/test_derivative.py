@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from problems import FORMS, LAWS, random_problem
 from scipy import sparse
+from test_arguments import ANYTHING
 
 import lcpbench
-from problems import FORMS, LAWS, random_problem
 
 
 def random_change(arguments, random):
@@ -95,6 +98,18 @@ def test_refusals_name_the_argument(arguments, name):
         derivative.jvp(**arguments)
     with pytest.raises(ValueError, match="w_bar"):
         derivative.vjp(w_bar=[1.0])
+    with pytest.raises(ValueError, match="J"):
+        derivative.vjp(w_bar=[1.0, 0.0]).J
+
+
+@settings(deadline=None, max_examples=300)
+@given(given=st.dictionaries(st.sampled_from(["dA", "dJ", "dinverse_mass", "db", "dmu"]), ANYTHING, min_size=1))
+def test_jvp_answers_or_says_what_is_wrong(given):
+    problem = lcpbench.Problem(J=np.eye(2), inverse_mass=np.ones(2), b=[-1.0, 0.0])
+    try:
+        assert lcpbench.derivative(problem, [1.0, 0.0]).jvp(**given).f.shape == (2,)
+    except (ValueError, TypeError) as error:
+        assert str(error)
 
 
 def test_forces_that_do_not_solve_are_refused():

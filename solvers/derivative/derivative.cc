@@ -320,6 +320,7 @@ struct Derivative::Point {
       }
       load.c[row.row] = -Slip(row.row) * (*change.mu)[k] * f[row.normal];
     }
+    if (!load.r.allFinite() || !load.c.allFinite()) throw InputError("derivative: expected finite changes");
     return load;
   }
 
