@@ -46,6 +46,7 @@ bool ProfileLu::Factorize() {
     pivot_[At(k)] = pivot;
     std::swap(pivots[k], pivots[pivot]);
     const double inverse = 1 / pivots[k];
+    pivots[k] = inverse;
     for (Index i = k + 1; i < end; ++i) pivots[i] *= inverse;
     for (Index j = k + 1; j <= last_column_[At(k)]; ++j) {
       double* const column = entry_.data() + j * m_;
@@ -68,7 +69,7 @@ void ProfileLu::Solve(double* y) const {
   // Row i reaches column k from `first` on.
   for (Index k = m_ - 1, first = m_ - 1; k >= 0; --k) {
     const double* const column = entry_.data() + k * m_;
-    y[k] /= column[k];
+    y[k] *= column[k];
     first = std::min(first, k);
     while (first > 0 && last_column_[At(first - 1)] >= k) --first;
     for (Index i = first; i < k; ++i) y[i] -= y[k] * column[i];

@@ -30,7 +30,8 @@ class ProfileLu {
   void FindReach();
 
   Index m_ = 0;
-  std::vector<double> entry_;  // by columns; then L, whose columns are not exchanged with later pivots, and U
+  // By columns; then L, whose columns are not exchanged with later pivots, and U, the inverse on its diagonal.
+  std::vector<double> entry_;
   // The last row and column that column k and row k reach, at first of the matrix; the row that was exchanged with k.
   std::vector<Index> last_row_, last_column_, pivot_;
 };
