@@ -31,4 +31,6 @@ if(LCPBENCH_BUILD_BENCHMARKS)
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/report/" DESTINATION "${CMAKE_INSTALL_DATADIR}/lcpbench/report"
     FILES_MATCHING PATTERN "*.py" PATTERN "*.json" PATTERN "*.j2" PATTERN "*.css" PATTERN "*.js" PATTERN "tests" EXCLUDE
     PATTERN "__pycache__" EXCLUDE)
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/python/lcpbench/formats" DESTINATION "${CMAKE_INSTALL_DATADIR}/lcpbench"
+    COMPONENT command FILES_MATCHING PATTERN "*.py" PATTERN "__pycache__" EXCLUDE)
 endif()

@@ -43,7 +43,7 @@ _HISTORY = ("CHANGELOG.md", "report/reference/")
 # Headers of libraries that comments name.
 _FOREIGN_HEADERS = {"fclib.h"}
 
-_TOP = "support|solvers|model|benchmarks|tests|report|data|docs|cmake|examples"
+_TOP = "support|solvers|model|benchmarks|tests|report|data|docs|cmake|examples|python"
 _SUFFIX = "h|cc|py|md|json|cmake|sh"
 _CITED_PATH = re.compile(rf"(?<![\w/.$}}<>*-])((?:{_TOP})(?:/[\w.+-]+)*/[\w.+-]+\.(?:{_SUFFIX}))(?![\w/*])")
 _CITED_FOLDER = re.compile(rf"(?<![\w/.$}}<>*-])((?:{_TOP})(?:/[\w-]+)+)/(?![\w.*<{{$(%-])")
