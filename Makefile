@@ -30,7 +30,7 @@ CORE = --suite core --external "auto-baseline=$(CURDIR)/$(BASELINE)/lcpbench ser
 # How long and with which new inputs `make fuzz` goes on.
 FUZZ_SECONDS ?= 60
 FUZZ_CORPUS  := build/fuzz/corpus
-FUZZ_FORMATS := json_lines matrix_market siconos_text protocol journal
+FUZZ_FORMATS := json_lines matrix_market protocol journal
 FUZZ_FLAGS    = -max_total_time=$(FUZZ_SECONDS) -max_len=8192 -timeout=20 -rss_limit_mb=1024 -malloc_limit_mb=512 \
                 -artifact_prefix=build/fuzz/ -print_final_stats=1
 
@@ -210,16 +210,14 @@ fuzz: deps
 	@command -v clang++ > /dev/null || { echo "make fuzz needs clang and libclang-rt-14-dev (apt-get install)"; exit 2; }
 	@cmake --preset fuzz > build/configure-fuzz.log 2>&1 || { cat build/configure-fuzz.log; exit 1; }
 	@cmake --build --preset fuzz -j $(JOBS)
-	@mkdir -p $(FUZZ_CORPUS) $(foreach format,$(FUZZ_FORMATS) fclib_file,$(FUZZ_CORPUS)-$(format))
+	@mkdir -p $(FUZZ_CORPUS) $(foreach format,$(FUZZ_FORMATS),$(FUZZ_CORPUS)-$(format))
 	@build/fuzz/tests/fuzz/scene_reader_fuzzer $(FUZZ_FLAGS) -dict=tests/fuzz/scene.dict \
 	  $(FUZZ_CORPUS) data/scenes tests/fuzz/corpus
 	@for format in $(FUZZ_FORMATS); do \
 	  build/fuzz/tests/fuzz/$${format}_fuzzer $(FUZZ_FLAGS) \
 	    $(FUZZ_CORPUS)-$$format tests/fuzz/$${format}_corpus || exit 1; \
 	done
-# Every file is read by a child of its own: what little memory the sanitizer holds back is what little a fork copies.
-	@ASAN_OPTIONS=quarantine_size_mb=8 build/fuzz/tests/fuzz/fclib_file_fuzzer $(FUZZ_FLAGS) -max_len=32768 \
-	  $(FUZZ_CORPUS)-fclib_file tests/fuzz/fclib_file_corpus
+	@$(PYTHON) python/tests/formats/fuzz.py --seconds $(FUZZ_SECONDS)
 
 attack: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target attack

@@ -8,13 +8,10 @@
 #include <set>
 #include <utility>
 
-#include "benchmarks/collection/npz_file.h"
-#include "solvers/io/fclib_file.h"
+#include "benchmarks/collection/format_program.h"
 #include "solvers/io/file_ending.h"
 #include "solvers/io/gzip_file.h"
 #include "solvers/io/matrix_market.h"
-#include "solvers/io/qps_text.h"
-#include "solvers/io/siconos_text.h"
 #include "solvers/io/text_words.h"
 #include "solvers/linear_algebra/islands.h"
 #include "support/exit_status.h"
@@ -26,11 +23,9 @@ namespace lcpbench {
 namespace {
 
 LcpProblem ReadMarket(const std::string& path, const ReadingOptions&) { return ReadMarketProblem(path).problem; }
-LcpProblem ReadFclib(const std::string& path, const ReadingOptions& options) {
-  return ReadFclibProblem(path, {options.fclib_triplets, options.tangents()}).problem;
-}
-LcpProblem ReadSiconos(const std::string& path, const ReadingOptions& options) {
-  return ReadSiconosProblem(path, options.tangents());
+template <const char* format>
+void Write(const LcpProblem& problem, const std::string& path) {
+  WriteWithPython(problem, format, path);
 }
 
 void WriteJsonLine(const LcpProblem& problem, const std::string& path) {
@@ -50,13 +45,15 @@ LcpProblem WithoutFrictionRows(const LcpProblem& problem) {
   return problem.WithRows(P, P * problem.b(), BoundsOfRows(problem, kept));
 }
 
+constexpr char kHdf5[] = "hdf5", kSiconos[] = "dat", kQps[] = "qps", kNpz[] = "npz";
+
 const std::vector<ProblemFormat>& Formats() {
   static const std::vector<ProblemFormat> formats{{"jsonl", {}, true, nullptr, WriteJsonLine},
                                                   {"mtx", {".mtx"}, true, ReadMarket, WriteMarketProblem},
-                                                  {"hdf5", {".hdf5", ".h5"}, false, ReadFclib, WriteFclibProblem},
-                                                  {"dat", {".dat"}, true, ReadSiconos, WriteSiconosProblem},
-                                                  {"qps", {".qps", ".mps"}, true, nullptr, WriteQpsProblem},
-                                                  {"npz", {".npz"}, false, nullptr, WriteNpzProblem}};
+                                                  {kHdf5, {".hdf5", ".h5"}, false, ReadWithPython, Write<kHdf5>},
+                                                  {kSiconos, {".dat"}, true, ReadWithPython, Write<kSiconos>},
+                                                  {kQps, {".qps", ".mps"}, true, ReadWithPython, Write<kQps>},
+                                                  {kNpz, {".npz"}, false, ReadWithPython, Write<kNpz>}};
   return formats;
 }
 
@@ -190,9 +187,7 @@ const ProblemFormat& FormatNamed(const std::string& name) {
 }
 
 LcpProblem ReadProblemFile(const std::string& path, const ReadingOptions& options) {
-  const ProblemFormat& format = UsableFormatOfFile(path);
-  if (format.read == nullptr) throw InputError(path + ": files of " + format.name + " can be written, but not read");
-  return format.read(path, options);
+  return UsableFormatOfFile(path).read(path, options);
 }
 
 int ForEachLine(const std::vector<std::string>& files,

@@ -6,34 +6,31 @@
 #include <string_view>
 #include <vector>
 
-#include "solvers/io/fclib_file.h"
 #include "solvers/io/json_lines.h"
 
 namespace lcpbench {
 
 /// How problems are read, where a user may choose.
 struct ReadingOptions {
-  FclibTriplets fclib_triplets = FclibTriplets::kByRanges;
+  /// What the list p of FCLib's triplets has: "rows-first" (fclib.h) or "columns-first" (Siconos). "": what the ranges
+  /// of the indices allow, refused where both fit.
+  std::string fclib_triplets;
   /// Friction rows are dropped, in all formats.
   bool without_friction = false;
-  /// Of FCLib's and Siconos' contacts in space both tangents are read (TangentRows::kBox).
+  /// Of FCLib's and Siconos' contacts in space both tangents are read, a friction row each: a square in the place of
+  /// the disc.
   bool box_friction = false;
   /// A whose LcpProblem::Asymmetry() is not 0 and at most this becomes (A + A^T) / 2, dense or sparse as it was.
   std::optional<double> symmetrize;
-
-  /// Which tangent rows of a contact are read.
-  TangentRows tangents() const {
-    return without_friction ? TangentRows::kNone : box_friction ? TangentRows::kBox : TangentRows::kOne;
-  }
 };
 
-/// A file format of problems: json_lines.h, matrix_market.h, fclib_file.h, siconos_text.h, qps_text.h or npz_file.h.
+/// A file format of problems: solvers/io/json_lines.h, solvers/io/matrix_market.h, or one of format_program.h.
 struct ProblemFormat {
   const char* name;  ///< "jsonl", "mtx", "hdf5", "dat", "qps", "npz"
   /// Endings of its files, in small letters (EndingOf). Files with any other ending, and -, are JSON lines.
   std::vector<std::string_view> endings;
   bool is_text;  ///< may be compressed by gzip, with .gz after the ending
-  /// The problem of a file; null of JSON lines, where a file has many, and where files are written only.
+  /// The problem of a file; null of JSON lines, where a file has many.
   /// @throws InputError as the format's reader
   LcpProblem (*read)(const std::string& path, const ReadingOptions& options);
   /// One problem to a file. @throws InputError where the format cannot hold it or it cannot be written
@@ -50,7 +47,7 @@ const ProblemFormat& UsableFormatOfFile(const std::string& path);
 const ProblemFormat& FormatNamed(const std::string& name);
 
 /// The problem of a file of any format but JSON lines.
-/// @throws InputError as the format's reader, and for formats that are written only
+/// @throws InputError as the format's reader
 LcpProblem ReadProblemFile(const std::string& path, const ReadingOptions& options);
 
 /// ReadEachLine (gzip_file.h) for several files, going on after a line or file that is refused with InputError (one

@@ -34,8 +34,8 @@ struct Convert {
   void Declare(CLI::App& app) {
     app.add_option(
            "FILE", files,
-           "JSON lines, - for standard input; name.mtx with name_b.mtx beside it; Siconos' name.dat; all of them "
-           "also with .gz; FCLib's name.hdf5 (or .h5)")
+           "JSON lines, - for standard input; name.mtx with name_b.mtx beside it; Siconos' name.dat; a quadratic "
+           "program's name.qps (or .mps); all of them also with .gz; name.npz of qpsolvers; FCLib's name.hdf5 (or .h5)")
         ->required();
     app.add_option("-o,--output", output,
                    "name.mtx, name.hdf5, name.h5, name.dat, or, as a quadratic program, name.qps or name.npz (of "

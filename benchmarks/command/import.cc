@@ -27,7 +27,7 @@ bool IsJsonLines(const fs::path& path) {
 
 // A file of one problem in another format; of Matrix Market name.mtx, and no part of one.
 bool IsProblemFile(const fs::path& path) {
-  if (FormatOfFile(path.string()).read == nullptr) return false;
+  if (FormatOfFile(path.string()).is_lines()) return false;
   const std::string stem = IdOfFile(path.string());
   const std::vector<std::string> parts = {"_b", "_x", "_J", "_invM", "_bilateral"};
   return EndingOf(path.string()).format != ".mtx" ||
@@ -43,7 +43,9 @@ std::set<fs::path> ProblemFiles(const std::string& folder) {
     if (item.is_regular_file() && (IsJsonLines(item.path()) || IsProblemFile(item.path()))) files.insert(item.path());
   }
   if (files.empty()) {
-    throw InputError(folder + ": expected files *.jsonl, *.mtx, *.dat, also with .gz, *.hdf5 or *.h5, found none");
+    throw InputError(
+        folder +
+        ": expected files *.jsonl, *.mtx, *.dat, *.qps, *.mps, also with .gz, *.npz, *.hdf5 or *.h5, found none");
   }
   return files;
 }
@@ -59,7 +61,9 @@ struct Import {
     manifest.version = "1";
     manifest.purpose = "Imported problems.";
     manifest.references = kReferencesName;
-    app.add_option("FOLDER", folder, "With files *.jsonl, name.mtx, *.dat, also with .gz, *.hdf5, *.h5")->required();
+    app.add_option("FOLDER", folder,
+                   "With files *.jsonl, name.mtx, *.dat, *.qps, *.mps, also with .gz, *.npz, *.hdf5, *.h5")
+        ->required();
     app.add_option("--name", manifest.name, "Of the set [default: the folder's]");
     app.add_option("--set-version", manifest.version, "Of the set");
     app.add_option("--provenance", provenance, "Where the problems come from")->required();

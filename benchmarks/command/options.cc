@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
 #include <sstream>
 #include <utility>
 
@@ -134,11 +133,9 @@ void AddToleranceOption(CLI::App& command, double* tolerance) {
 }
 
 void AddReadingOptions(CLI::App& command, ReadingOptions* reading) {
-  const std::map<std::string, FclibTriplets> forms = {{"rows-first", FclibTriplets::kRowsFirst},
-                                                      {"columns-first", FclibTriplets::kColumnsFirst}};
   command
-      .add_option_function<std::string>(
-          "--fclib-triplets", [reading, forms](const std::string& form) { reading->fclib_triplets = forms.at(form); },
+      .add_option(
+          "--fclib-triplets", reading->fclib_triplets,
           "Whether p of FCLib's triplets has rows (rows-first, fclib.h) or columns (columns-first, Siconos) [default: "
           "what the ranges of the indices allow; refused where both fit]")
       ->check(CLI::IsMember({"rows-first", "columns-first"}));

@@ -1,7 +1,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <string>
@@ -10,7 +9,7 @@
 #include "benchmarks/command/commands.h"
 #include "build_info.h"
 #include "support/input_error.h"
-#include "support/program_folder.h"
+#include "support/python_program.h"
 
 namespace lcpbench {
 namespace {
@@ -32,17 +31,9 @@ constexpr ReportCommand kCommands[] = {
 
 }  // namespace
 
-// The interpreter is $LCPBENCH_PYTHON, else Debian's, which its pandas, SciPy, matplotlib and Jinja2 belong to and
-// which need not be the first on PATH.
 int RunReportCommand(const std::string& name, const std::vector<std::string>& words) {
-  // That of an installed command is the one installed with it.
-  const std::string installed = ProgramFolder() + "/" + kReportScriptFromProgram;
-  const std::string script = std::filesystem::exists(installed) ? installed : kReportScript;
-  if (!std::filesystem::exists(script)) {
-    throw InputError(name + ": the script is neither at " + installed + " nor at " + kReportScript);
-  }
-  const char* chosen = std::getenv("LCPBENCH_PYTHON");
-  std::vector<std::string> command = {chosen != nullptr ? chosen : "/usr/bin/python3", script, name};
+  std::vector<std::string> command = PythonCommand(kReportScriptFromProgram, kReportScript);
+  command.push_back(name);
   if (name == "tune") {
     const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
     command.insert(command.end(), {"--lcpbench", self, "--data", kDataFolder});

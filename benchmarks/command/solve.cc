@@ -42,8 +42,8 @@ struct Solve {
     AddSettingsOption(app, &settings);
     app.add_option(
            "FILE", files,
-           "JSON lines, - for standard input; name.mtx with name_b.mtx beside it; Siconos' name.dat; all of them "
-           "also with .gz; FCLib's name.hdf5 (or .h5)")
+           "JSON lines, - for standard input; name.mtx with name_b.mtx beside it; Siconos' name.dat; a quadratic "
+           "program's name.qps (or .mps); all of them also with .gz; name.npz of qpsolvers; FCLib's name.hdf5 (or .h5)")
         ->required();
     AddReadingOptions(app, &reading);
     named.Declare(app);

@@ -11,7 +11,6 @@
 #include <string_view>
 #include <utility>
 
-#include "solvers/io/contact_rows.h"
 #include "solvers/io/file_ending.h"
 #include "solvers/io/gzip_file.h"
 #include "solvers/io/same_bits.h"
@@ -100,6 +99,17 @@ void RequireShape(const MarketMatrix& matrix, Index rows, Index columns, const s
   if (matrix.rows == rows && matrix.columns == columns) return;
   throw InputError(path + ": expected " + std::to_string(rows) + " x " + std::to_string(columns) + " entries, found " +
                    std::to_string(matrix.rows) + " x " + std::to_string(matrix.columns));
+}
+
+void RequirePlain(const LcpProblem& problem) {
+  const auto refuse = [&](const std::string& kind, const std::string& expected) {
+    throw InputError("problem '" + problem.id() + "' has " + kind +
+                     " rows, which the format has no place for; expected " + expected);
+  };
+  if (!problem.friction_rows().empty()) {
+    refuse("friction", "JSON lines, FCLib, or --without-friction, which drops them");
+  }
+  if (!problem.bounded_rows().empty()) refuse("bounded", "JSON lines");
 }
 
 }  // namespace
@@ -221,7 +231,7 @@ MarketProblem ReadMarketProblem(const std::string& path) {
 }
 
 void WriteMarketProblem(const LcpProblem& problem, const std::string& path) {
-  RequireNoFriction(problem, false);
+  RequirePlain(problem);
   std::vector<std::unique_ptr<TextOrGzipOutput>> written;
   std::set<std::string> parts;
   const auto write = [&](const char* part, const auto& format, const auto& content) {

@@ -49,19 +49,8 @@ std::string_view TextWords::Word() {
   return word;
 }
 
-std::string_view TextWords::WordOfAnyLine() {
-  std::string_view word = Word();
-  while (word.empty() && NextLine()) word = Word();
-  return word;
-}
-
-std::string_view TextWords::PeekOfAnyLine() {
-  const std::string_view word = WordOfAnyLine();
-  if (!word.empty()) rest_ = std::string_view(line_).substr(static_cast<std::size_t>(word.data() - line_.data()));
-  return word;
-}
-
-std::int64_t TextWords::Integer(std::int64_t least, std::int64_t most, const std::string& what, std::string_view word) {
+std::int64_t TextWords::Integer(std::int64_t least, std::int64_t most, const std::string& what) {
+  const std::string_view word = Word();
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   const bool is_whole = error == std::errc() && end == word.data() + word.size();
@@ -74,27 +63,6 @@ double TextWords::Number() {
   const std::optional<double> value = ParseNumber(word);
   if (!value) Reject("a finite number", word);
   return *value;
-}
-
-std::int64_t TextWords::IntegerOfAnyLine(std::int64_t least, std::int64_t most, const std::string& what) {
-  const std::string_view word = WordOfAnyLine();
-  if (word.empty()) RejectEnd(what);
-  return Integer(least, most, what, word);
-}
-
-std::vector<double> TextWords::NumbersOfAnyLine(std::int64_t count, const std::string& what) {
-  std::vector<double> values;
-  for (std::int64_t k = 0; k < count; ++k) {
-    const auto expected = [&] {
-      return "number " + std::to_string(k + 1) + " of the " + std::to_string(count) + " of " + what;
-    };
-    const std::string_view word = WordOfAnyLine();
-    if (word.empty()) RejectEnd(expected());
-    const std::optional<double> value = ParseNumber(word);
-    if (!value) Reject(expected() + " to be finite", word);
-    values.push_back(*value);
-  }
-  return values;
 }
 
 void TextWords::Expect(std::string_view expected) {

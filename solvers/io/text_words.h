@@ -6,7 +6,6 @@
 #include <istream>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace lcpbench {
 
@@ -24,23 +23,11 @@ class TextWords {
   bool NextData(char comment);
   /// The next word of this line, "" at its end.
   std::string_view Word();
-  /// The next word, of this line or a later one. "" at the end of the file only.
-  std::string_view WordOfAnyLine();
-  /// What WordOfAnyLine() will give.
-  std::string_view PeekOfAnyLine();
 
   /// Word() as a number. @throws InputError for a word that is not a number, or outside the range
-  std::int64_t Integer(std::int64_t least, std::int64_t most, const std::string& what) {
-    return Integer(least, most, what, Word());
-  }
-  /// `word`, which may be a part of Word().
-  std::int64_t Integer(std::int64_t least, std::int64_t most, const std::string& what, std::string_view word);
+  std::int64_t Integer(std::int64_t least, std::int64_t most, const std::string& what);
   /// Word() as a finite number. @throws InputError for any other word
   double Number();
-  /// The same for WordOfAnyLine().
-  std::int64_t IntegerOfAnyLine(std::int64_t least, std::int64_t most, const std::string& what);
-  /// `count` numbers. Memory in proportion to those that are there, whatever was promised.
-  std::vector<double> NumbersOfAnyLine(std::int64_t count, const std::string& what);
   /// @throws InputError where Word() is another one; "" for the end of the line
   void Expect(std::string_view expected);
 

@@ -74,7 +74,7 @@ class QpFiles(unittest.TestCase):
                             _ = data[name]
                 with numpy.load(self.folder / "p.npz", allow_pickle=True) as data:
                     for name in _ABSENT:
-                        self.assertIsNone(data[name])
+                        self.assertIsNone(data[name].item())
                 for P, q, lower in [read, _qps((self.folder / "p.qps").read_text())]:
                     self.assertTrue(numpy.array_equal(P, A))
                     self.assertTrue(numpy.array_equal(q, problem["b"]))

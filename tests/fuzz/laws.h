@@ -10,8 +10,6 @@ namespace lcpbench {
 /// Either a problem that is written and read back bit for bit, or an InputError of one line that begins with the place.
 std::string BrokenJsonLineLaw(const std::string& text);
 std::string BrokenMatrixMarketLaw(const std::string& text);
-std::string BrokenSiconosLaw(const std::string& text);
-std::string BrokenFclibLaw(const std::string& bytes);  // in fclib_law.cc, for which HDF5 is needed
 
 /// The promises of scene_file.h: a valid world, which survives being written and read and whose contacts are found and
 /// assembled, or an InputError of one line. In scene_law.cc, for which the model is needed.

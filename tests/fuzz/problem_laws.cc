@@ -4,7 +4,6 @@
 
 #include "solvers/io/json_lines.h"
 #include "solvers/io/matrix_market.h"
-#include "solvers/io/siconos_text.h"
 #include "tests/fuzz/error_law.h"
 #include "tests/solvers/lcp/same_problem.h"
 
@@ -37,23 +36,6 @@ std::string BrokenMatrixMarketLaw(const std::string& text) {
     WriteMarketMatrix(sparse, written);
     *is_read = true;
     return SameBits(ReadMarketMatrix(written, "file").ToSparse(), sparse) ? "" : "another matrix";
-  });
-}
-
-std::string BrokenSiconosLaw(const std::string& text) {
-  // Friction is read and not written. Words are few in small texts: two thirds of them are read without it.
-  const TangentRows tangents = text.size() % 3 == 0 ? TangentRows::kBox : TangentRows::kNone;
-  return BrokenReadingLaw("file:", [&](bool* is_read) -> std::string {
-    std::istringstream input(text);
-    std::stringstream written;
-    const LcpProblem problem = ReadSiconosText(input, "file", "id", tangents);
-    if (!problem.b().allFinite()) return "b is not finite";
-    if (!problem.is_plain()) return "";
-    WriteSiconosText(problem, written);
-    *is_read = true;
-    const LcpProblem back = ReadSiconosText(written, "file", "id");
-    if (back.given_form() != problem.given_form()) return "another form";
-    return DifferenceOfProblems(back, problem);
   });
 }
 

@@ -109,7 +109,6 @@ TEST(JsonLines, ExactOracleRecordsAreReadWhole) {
 TEST(ProblemLaws, HoldForTheCorporaAndTheirChanges) {
   ExpectLawHolds(BrokenJsonLineLaw, "json_lines_corpus", 20000, ChangesOfText());
   ExpectLawHolds(BrokenMatrixMarketLaw, "matrix_market_corpus", 20000, ChangesOfText());
-  ExpectLawHolds(BrokenSiconosLaw, "siconos_text_corpus", 20000, ChangesOfText());
 }
 
 }  // namespace

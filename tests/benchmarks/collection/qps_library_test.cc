@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "solvers/io/qps_text.h"
+#include "benchmarks/collection/problem_formats.h"
 #include "tests/solvers/test_problems.h"
 #include "tests/support/refusal.h"
 
@@ -22,7 +22,7 @@ TEST_F(QpsReader, ReadsTheProblemBitForBit) {
     if (problem.size() == 0) continue;
     SCOPED_TRACE(problem.id());
     mixed += problem.bilateral_rows().empty() ? 0 : 1;
-    WriteQpsProblem(problem, Path("p.qps"));
+    FormatNamed("qps").write(problem, Path("p.qps"));
     CoinMpsIO reader;
     reader.messageHandler()->setLogLevel(0);
     ASSERT_EQ(reader.readMps(Path("p.qps").c_str(), ""), 0);

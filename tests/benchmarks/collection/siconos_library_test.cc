@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "solvers/io/siconos_text.h"
+#include "benchmarks/collection/problem_formats.h"
 #include "tests/solvers/lcp/same_problem.h"
 #include "tests/solvers/test_problems.h"
 #include "tests/support/refusal.h"
@@ -34,7 +34,7 @@ void ExpectSame(const LcpProblem& problem, NumericsMatrix* M, const double* q) {
 }
 
 void ExpectReadByTheLibrary(const LcpProblem& problem, const std::string& path) {
-  WriteSiconosProblem(problem, path);
+  FormatNamed("dat").write(problem, path);
   if (problem.bilateral_rows().empty()) {
     LinearComplementarityProblem* read = newLCP();
     linearComplementarity_newFromFilename(read, path.c_str());
@@ -82,7 +82,7 @@ TEST_F(SiconosLibrary, WritesFilesThatWeRead) {
     linearComplementarity_printInFile(given, file);
     std::fclose(file);
     freeLinearComplementarityProblem(given);
-    EXPECT_EQ(DifferenceOfProblems(ReadSiconosProblem(path_), problem), "");
+    EXPECT_EQ(DifferenceOfProblems(ReadProblemFile(path_, {}), problem), "");
   }
 }
 
@@ -105,7 +105,7 @@ TEST_F(SiconosLibrary, WritesMixedFilesThatWeRead) {
   mixedLinearComplementarity_printInFile(&given, file);
   std::fclose(file);
   std::free(given.M);
-  const LcpProblem read = ReadSiconosProblem(path_);
+  const LcpProblem read = ReadProblemFile(path_, {});
   EXPECT_EQ(read.DenseA(), (Eigen::Map<const Eigen::Matrix3d>(M)));
   EXPECT_EQ(read.b(), (Eigen::Map<const Eigen::Vector3d>(q)));
   EXPECT_EQ(read.bilateral_rows(), std::vector<Index>{1});

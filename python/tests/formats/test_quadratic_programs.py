@@ -1,0 +1,161 @@
+"""QPS and npz files: round trips bit for bit, what is refused, and that nothing of an npz file is unpickled."""
+
+import io
+import pickle
+import tempfile
+import unittest
+import zipfile
+from pathlib import Path
+
+import numpy as np
+from stored_problems import FormatError, StoredProblem, difference, formats, generated, quadratic
+
+
+def _npz(**arrays):
+    stream = io.BytesIO()
+    np.savez(stream, **{name: np.array(values, dtype=object if values is None else None) for name, values in arrays.items()})
+    return stream.getvalue()
+
+
+def _qps(*lines):
+    return "\n".join(["NAME x", "ROWS", " N obj", "COLUMNS", " f1 obj -1", " f2 obj 2", "RHS", *lines, "ENDATA"]) + "\n"
+
+
+class QuadraticPrograms(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def load(self, name, content):
+        path = self.folder / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return formats.load(path)[0]
+
+    def assertRefused(self, name, content, words):
+        with self.assertRaises(FormatError) as caught:
+            self.load(name, content)
+        said = str(caught.exception)
+        self.assertTrue(said.startswith(f"{self.folder / name}:"), said)
+        self.assertIn(words, said)
+        self.assertNotIn("\n", said)
+
+    def test_problems_come_back_bit_for_bit(self):
+        random = np.random.default_rng(5)
+        for problem in generated(40):
+            unilateral = np.setdiff1d(np.arange(len(problem.b)), problem.bilateral)[::2]
+            if unilateral.size:
+                lower = np.where(random.random(unilateral.size) < 0.3, -np.inf, -random.random(unilateral.size))
+                upper = np.where((random.random(unilateral.size) < 0.3) & np.isfinite(lower), np.inf, random.random(unilateral.size))
+                problem.bounded = {"row": unilateral, "lower": lower, "upper": upper}
+            A = problem.entries()
+            for name in ("p.npz", "p.qps", "p.MPS", "p.qps.gz"):
+                with self.subTest(problem.id, name=name):
+                    formats.save(problem, self.folder / name)
+                    back = formats.load(self.folder / name)[0]
+                    self.assertTrue(np.array_equal(back.entries().toarray(), A.toarray()))
+                    same = StoredProblem(problem.id, problem.b, A=back.A, bilateral=problem.bilateral, bounded=problem.bounded)
+                    self.assertEqual(difference(back, same), "")
+
+    def test_the_text_has_the_lower_triangle_and_free_joints(self):
+        A = np.array([[0.1, -1, 0], [-1, 3, 2], [0, 2, 4]])
+        self.assertEqual(quadratic.write_qps(StoredProblem("a b\n", np.array([-1, 0, 0.1]), A=A, bilateral=np.array([1]))).decode(),
+                         "NAME a_b_\nROWS\n N obj\nCOLUMNS\n f1 obj -1\n f2 obj 0\n f3 obj 0.10000000000000001\nRHS\nBOUNDS\n"
+                         " FR bounds f2\nQUADOBJ\n f1 f1 0.10000000000000001\n f1 f2 -1\n f2 f2 3\n f2 f3 2\n f3 f3 4\nENDATA\n")
+        bounded = {"row": np.array([0, 1, 3]), "lower": np.array([-1, -np.inf, 1]), "upper": np.array([0.5, -2, np.inf])}
+        text = quadratic.write_qps(StoredProblem("p", np.zeros(4), A=np.eye(4), bounded=bounded)).decode()
+        self.assertIn("BOUNDS\n LO bounds f1 -1\n UP bounds f1 0.5\n MI bounds f2\n UP bounds f2 -2\n LO bounds f4 1\nQUADOBJ\n", text)
+
+    def test_what_is_no_qp_is_not_written(self):
+        unsymmetric = StoredProblem("u", np.ones(2), A=np.array([[1.0, 2], [3, 1]]))
+        friction = StoredProblem("f", np.ones(2), A=np.eye(2), friction={"row": np.array([1]), "normal": np.array([0]), "mu": np.array([0.5])})
+        for write in (quadratic.write_qps, quadratic.write_npz):
+            with self.assertRaisesRegex(FormatError, "problem 'u': expected a symmetric A, as that of a QP is, found an asymmetry of 1; --sym"):
+                write(unsymmetric)
+            with self.assertRaisesRegex(FormatError, "problem 'f' has friction rows, which the format has no place for; expected JSON lines"):
+                write(friction)
+
+    def test_reads_what_others_write(self):
+        problem = self.load("p.qps", _qps(" RHS obj -3", "* a remark", "BOUNDS", " UP B f1 4", " FX B f2 1", "QUADOBJ", " f1 f1 2 f2 -1", " f2 f2 3"))
+        self.assertEqual(problem.entries().toarray().tolist(), [[2, -1], [-1, 3]])
+        self.assertEqual((problem.b.tolist(), problem.bounded["lower"].tolist(), problem.bounded["upper"].tolist()), ([-1, 2], [0, 1], [4, 1]))
+        whole = self.load("p.mps", _qps("BOUNDS", " FR f2", "QMATRIX", " f1 f1 2", " f1 f2 -1", " f2 f1 -1", " f2 f2 3"))
+        self.assertEqual((whole.entries().toarray().tolist(), whole.bilateral.tolist()), ([[2, -1], [-1, 3]], [1]))
+        P = np.array([[2.0, -1], [-1, 3]])
+        none = dict.fromkeys("GhAb")
+        for order in "CF":
+            for kind in ("<f8", ">f8"):
+                problem = self.load("p.npz", _npz(P=np.array(P, dtype=kind, order=order), q=[1.0, 2], lb=[0.0, -np.inf], ub=None, **none))
+                self.assertEqual((problem.A.tolist(), problem.bilateral.tolist(), problem.bounded), (P.tolist(), [1], None))
+        # No bounds at all, as for qpsolvers: all free.
+        self.assertEqual(self.load("p.npz", _npz(P=P, q=[1.0, 2])).bilateral.tolist(), [0, 1])
+
+    def test_what_is_wrong_with_a_qps_file_is_told_with_its_line(self):
+        for lines, words in (([" RHS c1 3"], ":8: expected no constraints but bounds"), (["RANGES", " r c1 1"], ":9: expected no constraints"),
+                             (["BOUNDS", " BV B f1"], "expected a bound LO, UP, FX, FR, MI or PL, found 'BV'"),
+                             (["BOUNDS", " UP B f1 -4"], "a lower bound before"), (["BOUNDS", " UP B f3 4"], "a column of the section COLUMNS, found 'f3'"),
+                             (["BOUNDS", " LO B f1 5", " UP B f1 4"], "bounds with a number between them, found 5.0 and 4.0 of variable 1"),
+                             (["BOUNDS", " LO B f1 nan"], "a finite number, found 'nan'"), (["BOUNDS", " LO B f1 1e999"], "found '1e999'"),
+                             (["QUADOBJ", " f1 f2 1", " f2 f1 1"], "one triangle of the matrix"), (["QMATRIX", " f1 f2 1"], "a symmetric matrix"),
+                             (["QUADOBJ", " f1 f2"], "columns with their values"), (["QUADOBJ", "QMATRIX"], "every section once"),
+                             (["OBJSENSE", " MAX"], "expected a section NAME, ROWS"), (["QUADOBJ", " f1 f1 1e308", " f1 f1 1e308"], "whose sum is finite")):
+            with self.subTest(lines):
+                self.assertRefused("p.qps", _qps(*lines), words)
+        self.assertRefused("p.qps", _qps().replace("ENDATA\n", ""), ":7: expected ENDATA, found the end of the file")
+        self.assertRefused("p.qps", _qps().replace(" N obj", " N obj\n L c1"), "one row N, the objective")
+        self.assertRefused("p.qps", _qps().replace("f2 obj", "f1 obj 3\n f2 obj 4\n f1 obj"), "all entries of a column together")
+        self.assertRefused("p.qps", b"", "p.qps:1: expected ENDATA, found the end of the file")
+        self.assertRefused("p.qps.gz", b"\x1f\x8bno gzip", "damaged or incomplete")
+
+    def test_what_is_wrong_with_an_npz_file_is_told_with_its_array(self):
+        P, q = np.eye(2), np.ones(2)
+        for arrays, words in (({"P": P}, "q: expected an array of numbers, none"), ({"q": q}, "P: expected an array of numbers, found none"),
+                              ({"P": np.eye(3), "q": q}, "P: expected 2 x 2 numbers, found 3 x 3"), ({"P": q, "q": q}, "P: expected 2 dimensions"),
+                              ({"P": P, "q": np.ones(2, dtype=int)}, "q: expected 64-bit IEEE numbers, found int64"),
+                              ({"P": P, "q": np.array(["a", "b"])}, "q: expected 64-bit IEEE numbers, found <U1"),
+                              ({"P": P.astype(np.float32), "q": q}, "found float32"), ({"P": P * np.nan, "q": q}, "P: expected finite numbers"),
+                              ({"P": P, "q": q, "lb": np.full(2, np.nan)}, "lb: expected numbers, found others"),
+                              ({"P": P, "q": q, "lb": np.ones(3)}, "lb: expected 2 numbers, found 3"),
+                              ({"P": P, "q": q, "lb": q, "ub": -q}, "bounds with a number between them"),
+                              ({"P": P, "q": q, "G": P, "h": q}, "G: expected None, as an LCP has no constraints but bounds"),
+                              ({"P": np.array([[1.0, 2], [3, 1]]), "q": q}, "a symmetric matrix of the quadratic terms")):
+            with self.subTest(words):
+                self.assertRefused("p.npz", _npz(**arrays), words.replace(", none", ", found none"))
+        self.assertRefused("p.npz", b"PK no zip", "expected an npz file (zip)")
+        whole = _npz(P=P, q=q)
+        for k in range(1, 20):
+            self.assertRefused("p.npz", whole[:len(whole) * k // 20], "")
+
+    def test_nothing_is_unpickled(self):
+        ran = self.folder / "ran"
+
+        class Hostile:
+            def __reduce__(self):
+                return open, (str(ran), "w")
+        for name, content in (("G", Hostile()), ("P", {}), ("h", [None])):
+            stream = io.BytesIO()
+            with zipfile.ZipFile(stream, "w") as archive:
+                for member, values in {"P": np.eye(1), "q": np.ones(1), name: None}.items():
+                    with archive.open(f"{member}.npy", "w") as file:
+                        if values is None:
+                            np.lib.format.write_array_header_1_0(file, {"descr": "|O", "fortran_order": False, "shape": ()})
+                            file.write(pickle.dumps(content, protocol=3))
+                        else:
+                            np.lib.format.write_array(file, values)
+            self.assertRefused("p.npz", stream.getvalue(), f"{name}: expected ")
+        self.assertFalse(ran.exists())
+
+    def test_promises_of_an_npz_file_are_not_believed(self):
+        for shape in ((10**6, 10**6), (-1, 2), (2**63, 2), (2, 2, 2), ()):
+            stream = io.BytesIO()
+            with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+                with archive.open("q.npy", "w") as file:
+                    np.lib.format.write_array(file, np.ones(10**6))
+                with archive.open("P.npy", "w") as file:
+                    np.lib.format.write_array_header_2_0(file, {"descr": "<f8", "fortran_order": False, "shape": shape})
+                    file.write(bytes(1000))
+            self.assertRefused("p.npz", stream.getvalue(), "P: expected")
+
+
+if __name__ == "__main__":
+    unittest.main()
