@@ -162,7 +162,7 @@ void RangeScaling::GiveBack(const LcpProblem& problem, const LcpOptions& options
     // A ray needs no forces.
     if (result->status != LcpStatus::kInfeasible) return fail("forces leave the range of doubles");
   }
-  if (result->status == LcpStatus::kSolved && !Verify(problem, *result, options.tolerance).passes) {
+  if (result->status == LcpStatus::kSolved && Verify(problem, *result, options.tolerance).false_success) {
     return fail("forces, or gaps, leave the range of doubles");
   }
   if (result->status != LcpStatus::kInfeasible || !result->farkas_ray.has_value()) return;
