@@ -46,7 +46,9 @@ struct ContactLaw {
   static double Defect(double most, double along, double gap) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const double stick = std::abs(along) <= most ? std::abs(gap) : kInfinity;
-    return std::min({stick, along == -most ? -gap : kInfinity, along == most ? gap : kInfinity});
+    const double up = along == -most ? -gap : kInfinity;
+    const double down = along == most ? gap : kInfinity;
+    return std::min({stick, up, down});
   }
   /// S of the loads of unilateral, bilateral and bounded rows, of friction rows as far as friction answers them, and of
   /// all, each summed up in squares.

@@ -26,7 +26,7 @@ struct StepRows {
   const double* b = nullptr;                 ///< n
   const unsigned char* bilateral = nullptr;  ///< n, 1: a joint; nullptr: every row is unilateral
   const double* inverse_mass = nullptr;      ///< p bodies, >= 0; 0: cannot move
-  std::span<const FrictionRow> friction = {};  ///< as RowBounds; for StepSolver::Solve and RowIslands, as `bounded`
+  std::span<const FrictionRow> friction = {};  ///< as RowBounds; read by StepSolver and RowIslands, as `bounded`
   std::span<const BoundedRow> bounded = {};    ///< as RowBounds
 };
 
