@@ -60,7 +60,7 @@ def format_of(path: Path) -> tuple[_Format, str, bool]:
         if plain.suffix.lower() in one.endings:
             if is_gzip and not one.is_text:
                 raise FormatError(f"{path}: files of {one.name} are not compressed by gzip, expected a name like {plain.name}")
-            return one, plain.stem, is_gzip
+            return one, os.fsencode(plain.stem).decode(errors="replace"), is_gzip  # a name may be any bytes
     endings = ", ".join(ending for one in _FORMATS for ending in one.endings)
     raise FormatError(f"{path}: expected a name that ends in one of {endings}, of text also with .gz")
 

@@ -6,6 +6,7 @@ as a QPS file [Maros, Meszaros, A repository of convex quadratic programming pro
 qpsolvers' Problem.save writes. Programs with constraints other than bounds are refused: they are no LCP of this form.
 """
 
+import codecs
 import io
 import pickle
 import pickletools
@@ -21,6 +22,7 @@ from .words import Words
 
 _MOST_NPZ_ROWS = 23_000  # 4 GB of P, the most that zip has without extensions
 _ABSENT = "GhAb"  # constraints
+codecs.lookup("cp437")  # of names in archives: a process that reads can import nothing more
 
 
 def _require_qp(problem: StoredProblem) -> None:
