@@ -19,14 +19,20 @@ if ! { [ -x "$tidy" ] && [ ! "$pinned" -nt "$tidy" ]; }; then
     tidy=clang-tidy
   }
 fi
-# clang does not know every option of GCC, nor its precompiled headers: without them every file must include what it uses.
-sed -e 's/ -fno-tree-loop-distribute-patterns//' -e 's/ -Winvalid-pch -include [^ ]*cmake_pch\.hxx//' "$build/compile_commands.json" > build/lint/compile_commands.json
-# Files of peers that are not installed are not compiled.
-git ls-files 'support/*.cc' 'model/*.cc' 'solvers/*.cc' 'benchmarks/*.cc' | while read -r file; do
-  if grep -q "\"file\": \"$PWD/$file\"" "$build/compile_commands.json"; then echo "$file"; fi
-done | xargs -P "$(nproc)" -n 4 "$tidy" -p build/lint --quiet --extra-arg=-Wno-unknown-warning-option --extra-arg=-Wno-deprecated-declarations \
-  --extra-arg=-Wreserved-identifier 2> build/clang-tidy.log || {
-  echo "clang-tidy found something (see above)" >&2
-  exit 1
-}
+# The Python extension has a build of its own (make python-test).
+for tree in "$build" build/python; do
+  [ -f "$tree/compile_commands.json" ] || continue
+  lint=build/lint/$(basename "$tree")
+  mkdir -p "$lint"
+  # clang does not know every option of GCC, nor its precompiled headers: without them every file must include what it uses.
+  sed -e 's/ -fno-tree-loop-distribute-patterns//' -e 's/ -Winvalid-pch -include [^ ]*cmake_pch\.hxx//' "$tree/compile_commands.json" > "$lint/compile_commands.json"
+  # Files of peers that are not installed are not compiled.
+  git ls-files 'support/*.cc' 'model/*.cc' 'solvers/*.cc' 'benchmarks/*.cc' 'python/*.cc' | while read -r file; do
+    if grep -q "\"file\": \"$PWD/$file\"" "$tree/compile_commands.json"; then echo "$file"; fi
+  done | xargs -r -P "$(nproc)" -n 4 "$tidy" -p "$lint" --quiet --extra-arg=-Wno-unknown-warning-option --extra-arg=-Wno-deprecated-declarations \
+    --extra-arg=-Wreserved-identifier 2> build/clang-tidy.log || {
+    echo "clang-tidy found something (see above)" >&2
+    exit 1
+  }
+done
 echo "formatting, lint and documentation are clean"

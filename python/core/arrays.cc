@@ -47,7 +47,7 @@ nb::object Convert(nb::handle value, const char* name, int type, int dimensions,
                      " dimensions");
   }
   // An empty list is an array of float64.
-  if (PyArray_SIZE(AsArray(array)) == 0) flags |= NPY_ARRAY_FORCECAST;
+  if (PyArray_SIZE(AsArray(array)) == 0 && PyArray_TYPE(AsArray(array)) == NPY_DOUBLE) flags |= NPY_ARRAY_FORCECAST;
   array = nb::steal(PyArray_FromArray(AsArray(array), PyArray_DescrFromType(type), flags));
   if (!array.is_valid()) Refuse(name, std::string("expected ") + expected + ": " + TakePythonError());
   return array;

@@ -215,7 +215,7 @@ Raises ValueError naming the argument.)")
       .def_prop_ro(
           "b", [](nb::handle self) { return ViewOf(nb::cast<const LcpProblem&>(self).b(), self); },
           nb::sig("def b(self) -> numpy.typing.NDArray[numpy.float64]"),
-          "(n,): gap accelerations at zero force; read-only.");
+          "(n,) gap accelerations at zero force; read-only.");
 }
 
 }  // namespace lcpbench::python

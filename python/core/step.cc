@@ -37,7 +37,7 @@ struct GivenRows {
       size_of_J = J.size;
     }
     rows.columns_per_body = size_of_J == 12 * rows.rows && rows.rows > 0 ? 6 : 3;
-    RequireSize("J", size_of_J, 2 * rows.columns_per_body, "6 n (in the plane) or 12 n (in space)");
+    RequireSize("J", size_of_J, Index{2} * rows.columns_per_body, "6 n (in the plane) or 12 n (in space)");
     if (inverse_mass.size % rows.columns_per_body != 0) {
       Refuse("inverse_mass", "has " + std::to_string(inverse_mass.size) + " entries, expected " +
                                  std::to_string(rows.columns_per_body) + " for each body");
