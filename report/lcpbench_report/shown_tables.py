@@ -407,7 +407,7 @@ def motions(motion: pd.DataFrame | None, friction: bool = False) -> list[tuple[s
                          *(int(last[of]) for of in ("solves", "failed", "not_passed")),
                          f"**{last['false_successes']}**" if last["false_successes"] else 0, last["stopped"]])
         columns = ["solver", "tolerance", *figures.values(), "time a step", "solves", "failed", "not passed", "false", "stopped"]
-        found.append((scene, level, Table(columns, rows, "ll" + "r" * 9 + "l")))
+        found.append((scene, level, Table(columns, rows, "ll" + "r" * 9 + "w")))
     return found
 
 
