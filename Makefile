@@ -13,6 +13,11 @@ PYTHON_VENV := build/python-venv
 MOTION_RESULTS ?= build/results/motion
 MOTION = --scenes gear-train,disc-pile,disc-track --size 16 --steps 100 --budget 0.5
 
+# What errors of friction do to motions: solvers that are exact, loose, and stopped early.
+FRICTION_RESULTS ?= build/results/friction-motion
+FRICTION_MOTION = --scenes data/scenes/slabs_on_slope.json,data/scenes/arch_of_stones.json,data/scenes/sliding_block.json \
+                  --solvers auto@1e-9,relaxation@1e-9,pgs@1e-6,pgs@1e-3,pgs@50,pgs@10,pgs@10@cold --steps 120
+
 # Pictures of the scene families with their forces, for the report's gallery.
 PICTURES     ?= build/results/pictures
 PICTURE_SIZE ?= 24
@@ -56,7 +61,9 @@ REFERENCE         := report/reference
 REFERENCE_ABLATION := --ablation $(REFERENCE)/ablation
 REFERENCE_RESULTS := $(REFERENCE)/core $(REFERENCE)/sequences --precision $(REFERENCE)/precision --motion $(REFERENCE)/motion \
                      --curves $(REFERENCE)/curves $(REFERENCE_ABLATION) --pictures $(PICTURES)
-REFERENCE_OTHERS  := smoke pathological large sequences-qp
+REFERENCE_OTHERS  := smoke pathological large sequences-qp friction
+# Of a report: folders besides that of its name, and studies.
+MORE_friction     := $(REFERENCE)/friction-pathological --motion $(REFERENCE)/friction-motion --pictures $(PICTURES)
 
 .PHONY: $(BASELINE) $(V3) core help deps peers configure command build test python-test report run pictures ablation calibrate record-engines fresh-benchmark scene-benchmark solver-curves slurm-try doc reference-report check format fuzz attack install clean
 
@@ -134,17 +141,17 @@ pictures: command
 
 report: run pictures
 	@$(BUILD)/lcpbench motion $(MOTION) --output $(MOTION_RESULTS)
-	@$(BUILD)/lcpbench report $(RESULTS) --motion $(MOTION_RESULTS) --pictures $(PICTURES) --output build/report/index.html
+	@$(BUILD)/lcpbench motion $(FRICTION_MOTION) --output $(FRICTION_RESULTS)
+	@$(BUILD)/lcpbench report $(RESULTS) --motion $(MOTION_RESULTS) $(FRICTION_RESULTS) --pictures $(PICTURES) --output build/report/index.html
 	@echo "report: $(CURDIR)/build/report/index.html"
 
 # The report of the committed results. What is committed of it: its summary, and the numbers in README.md and docs/.
 reference-report: pictures
 	@$(PYTHON) report/report.py report $(REFERENCE_RESULTS) -o build/reference/index.html
 	@cp build/reference/summary.md $(REFERENCE)/
-	@for suite in $(REFERENCE_OTHERS); do \
-	  $(PYTHON) report/report.py report $(REFERENCE)/$$suite -o build/reference/$$suite/index.html && \
-	  cp build/reference/$$suite/summary.md $(REFERENCE)/$$suite-summary.md || exit 1; \
-	done
+	@$(foreach suite,$(REFERENCE_OTHERS), \
+	  $(PYTHON) report/report.py report $(REFERENCE)/$(suite) $(MORE_$(suite)) -o build/reference/$(suite)/index.html && \
+	  cp build/reference/$(suite)/summary.md $(REFERENCE)/$(suite)-summary.md || exit 1;)
 	@$(PYTHON) report/report.py headline $(REFERENCE)/core $(REFERENCE)/sequences $(REFERENCE_ABLATION) --update README.md docs/*.md
 	@echo "report: $(CURDIR)/build/reference/index.html, with figures and tables beside it"
 

@@ -160,7 +160,7 @@ def _moved(options: argparse.Namespace) -> int:
 
 
 @_command("report", _file("campaigns", nargs="+", metavar="FOLDER", help="written by `lcpbench run`"),
-          _file("--motion", help="a folder written by `lcpbench motion`"),
+          _file("--motion", nargs="+", default=[], help="folders written by `lcpbench motion`"),
           _file("--precision", help="a campaign of `--suite precision`"),
           _file("--ablation", help="a campaign of `--suite ablation`"),
           _file("--curves", help="a folder written by `make solver-curves`"),

@@ -13,6 +13,7 @@ struct MotionCommand {
   // One at the acceleration level, where b holds curvature and no error is stabilised away within it, and two piles.
   std::vector<std::string> scenes = {"disc-track", "disc-pile", "boxes-and-discs"};
   SceneOptions start{.size = 20};
+  std::vector<std::string> solvers;
   MotionStudy study;
   std::string output = "build/results/motion";
 
@@ -22,23 +23,24 @@ struct MotionCommand {
     app.add_option("--scenes", scenes,
                    "Scene keys or scene files (.json), each with @acceleration or @velocity or its own level")
         ->delimiter(',');
-    app.add_option("--solvers", study.solvers, "Only these solvers")->delimiter(',');
-    app.add_option("--tolerances", study.tolerances, "Direct methods run at the least one only")
+    app.add_option("--solvers", solvers,
+                   "Only these solvers, each with @TOLERANCE, @ITERATIONS at which its solves end, or @cold starts")
+        ->delimiter(',');
+    app.add_option("--tolerances", study.tolerances,
+                   "Direct methods, and what iterations end, run at the least one only")
         ->delimiter(',')
         ->check(Tolerance());
     start.AddSizeAndSeed(app);
     app.add_option("--steps", study.steps, "Steps of --dt each")->check(AtLeast(1));
     start.AddStep(app);
-    app.add_option("--max-iterations", study.max_iterations,
-                   "Stops every solve after so many sweeps, pivots or steps of the solver's own [default: its limit]")
-        ->check(AtLeast(0));
     start.AddFriction(app);
     app.add_option("--budget", study.budget_s, "Seconds per motion; longer ones are stopped")->check(PositiveSeconds());
     app.add_option("-o,--output", output, "Folder of motion.csv");
     app.footer(
         "Drift: change of energy over the motion. Energy error and distance: largest deviation from the reference, "
-        "the\nsame motion driven by auto at 1e-12. Energies over its largest kinetic energy. Touching bodies are "
-        "chaotic:\na distance grows with time whatever its cause. With friction: the gap in which a contact bears "
+        "the\nsame motion driven by auto at 1e-12. Energies over its largest kinetic energy, or what its loads "
+        "give in one step.\nTouching bodies are chaotic: a distance grows with time whatever its cause. With friction: "
+        "the gap in which a contact bears "
         "force, how far\ncontacts creep although friction could hold them, the energy that friction creates. "
         "us/step: time inside the\nsolver (set-up too; with peers also the way to their process).");
   }
@@ -50,11 +52,12 @@ struct MotionCommand {
       start.level = at == std::string::npos ? "" : text.substr(at + 1);
       study.scenes.push_back(start.Load());
     }
-    if (study.solvers.empty()) {
+    if (solvers.empty()) {
       for (const SolverEntry& entry : AllSolvers()) {
-        if (entry.available) study.solvers.push_back(entry.key);
+        if (entry.available) solvers.push_back(entry.key);
       }
     }
+    for (const std::string& driver : solvers) study.drivers.push_back(ParseMotionDriver(driver));
     study.size = start.size;
     study.seed = start.seed;
     const Interruption interruption;

@@ -29,6 +29,7 @@ struct SceneCommand {
   void Declare(CLI::App& app) {
     app.add_option("SCENE", start.scene, "Scene key (lcpbench list scenes) or scene file")->required();
     start.AddSizeAndSeed(app);
+    start.AddStep(app);
     start.AddFriction(app);
     app.add_option("--solver", solver, "Solver key; default: the first whose answer is verified");
     start.AddLevel(app);
@@ -89,8 +90,10 @@ struct SceneCommand {
       throw InputError("--output: expected a file that ends in .svg or .json, found '" + output + "'");
     }
     const MovingScene scene = LoadAndMove();
+    // Time steps leave gaps that nobody sees.
+    const double touching = scene.level == MotionLevel::kVelocity ? 1e-3 : kFoundGap;
     const auto [system, lcp] =
-        time > 0 ? ProblemOf(InstantWithContacts(scene.world, scene.level), scene.step) : start.LoadProblem();
+        time > 0 ? ProblemOf(InstantWithContacts(scene.world, scene.level, touching), scene.step) : start.LoadProblem();
     std::optional<PictureSolution> solution = SolveForPicture(lcp.problem, solver, start.budget_s);
     if (solution && !lcp.problem.is_plain()) {
       // Impulses and velocities of a time step, as forces and accelerations.
@@ -100,7 +103,7 @@ struct SceneCommand {
     PictureExtras extras;
     extras.loads = &scene.world.loads;
     if (solution) extras.caption = solution->caption;
-    if (time > 0) extras.caption = "t = " + Short(time) + " s, " + extras.caption;
+    if (time > 0) extras.caption = "t = " + Short(time) + " s" + (solution ? ", " : "") + extras.caption;
     WriteTextFile(output,
                   RenderSvg(system, lcp, solution ? &solution->f : nullptr, solution ? &solution->w : nullptr, extras));
     return 0;

@@ -1,11 +1,15 @@
 #include "benchmarks/motions/motion_study.h"
 
 #include <algorithm>
+#include <boost/algorithm/string/split.hpp>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <span>
+#include <system_error>
 
 #include "benchmarks/measure/budget_clock.h"
 #include "benchmarks/measure/progress.h"
@@ -39,11 +43,23 @@ double Distance(const Instant& a, const Instant& b) {
   return largest;
 }
 
+/// Kinetic energy that the loads give bodies at rest in a time h.
+double EnergyOfLoads(const std::vector<Body>& bodies, double h) {
+  double energy = 0;
+  for (const Body& body : bodies) {
+    if (body.fixed) continue;
+    energy += h * h / 2 * (Dot(body.force, body.force) / body.mass + body.torque * body.torque / body.inertia);
+  }
+  return energy;
+}
+
 /// The reference motion at the multiples of the scene's step.
 struct Reference {
   std::vector<Instant> instants;
-  double scale = 0;  ///< largest kinetic energy [J]
+  double scale = 0;  ///< MotionStudy's of energies [J]
 };
+
+constexpr const char* kCold = "cold";
 
 /// What a row of motion.csv is written from.
 struct Sample {
@@ -64,7 +80,7 @@ constexpr Column kColumns[] = {
     {"level", [](const Sample& s) { return std::string(ToString(s.outcome.level)); }},
     {"size", [](const Sample& s) { return std::to_string(s.study.size); }},
     {"seed", [](const Sample& s) { return std::to_string(s.study.seed); }},
-    {"solver", [](const Sample& s) { return s.outcome.solver; }},
+    {"solver", [](const Sample& s) { return s.outcome.driver.solver; }},
     {"tolerance", [](const Sample& s) { return Csv::Cell(s.outcome.tolerance); }},
     {"step", [](const Sample& s) { return std::to_string(s.outcome.steps); }},
     {"time", [](const Sample& s) { return Csv::Cell(s.outcome.time); }},
@@ -77,7 +93,8 @@ constexpr Column kColumns[] = {
     {"lost_gap", [](const Sample& s) { return Csv::Cell(s.since_last.lost_gap); }},
     {"creep", [](const Sample& s) { return Csv::Cell(s.outcome.creep); }},
     {"created", [](const Sample& s) { return Csv::Cell(s.outcome.created); }},
-    {"max_iterations", [](const Sample& s) { return std::to_string(s.study.max_iterations); }},
+    {"max_iterations", [](const Sample& s) { return std::to_string(s.outcome.driver.max_iterations); }},
+    {"start", [](const Sample& s) { return std::string(s.outcome.driver.warm_start ? "warm" : kCold); }},
     {"solve_time_s", [](const Sample& s) { return Csv::Cell(s.outcome.solve_time_s); }},
     {"solves", [](const Sample& s) { return std::to_string(s.outcome.solves); }},
     {"failed", [](const Sample& s) { return std::to_string(s.outcome.failed); }},
@@ -123,7 +140,7 @@ class Study {
   Reference RunReference(const MovingScene& scene) {
     constexpr double kPatience = 3;  // without it nothing can be compared
     const std::unique_ptr<LcpSolver> solver = MakeSolver(kDrivingSolver);
-    const std::unique_ptr<Motion> motion = Start(scene, kReferenceTolerance, 0, solver.get());
+    const std::unique_ptr<Motion> motion = Start(scene, kReferenceTolerance, {}, solver.get());
     Reference reference;
     const auto note = [&] {
       reference.instants.push_back(InstantOf(motion->world()));
@@ -132,21 +149,25 @@ class Study {
     note();
     // Where it stops early, the solvers' motions are compared with what there is.
     Drive(
-        scene, "reference", kPatience, motion.get(), [](const MotionProblem&) {},
+        scene, "reference", kPatience, motion.get(),
+        [&](const MotionProblem& met) {
+          reference.scale = std::max(reference.scale, EnergyOfLoads(met.system.bodies, scene.step));
+        },
         [&](int, const std::string& stopped) {
           if (stopped.empty()) note();
         });
     return reference;
   }
 
-  MotionOutcome Run(const MovingScene& scene, const Reference& reference, const std::string& key, double tolerance) {
+  MotionOutcome Run(const MovingScene& scene, const Reference& reference, const MotionDriver& driver,
+                    double tolerance) {
     MotionOutcome outcome;
     outcome.scene = scene.name;
     outcome.level = scene.level;
-    outcome.solver = key;
+    outcome.driver = driver;
     outcome.tolerance = tolerance;
-    const std::unique_ptr<LcpSolver> solver = MakeSolver(key);
-    const std::unique_ptr<Motion> motion = Start(scene, tolerance, study_.max_iterations, solver.get());
+    const std::unique_ptr<LcpSolver> solver = MakeSolver(driver.solver);
+    const std::unique_ptr<Motion> motion = Start(scene, tolerance, driver, solver.get());
     const double scale = reference.scale > 0 ? reference.scale : 1;
     const double start = reference.instants.front().energy;
     const int interval = std::max(1, study_.steps / kSamples);
@@ -177,7 +198,7 @@ class Study {
       if (!verdict.passes) ++outcome.not_passed;
       if (verdict.false_success) ++outcome.false_successes;
     };
-    Drive(scene, key, 1, motion.get(), judge, [&](int k, const std::string& stopped) {
+    Drive(scene, ToString(driver), 1, motion.get(), judge, [&](int k, const std::string& stopped) {
       outcome.stopped = stopped;
       if (stopped.empty()) outcome.steps = k;
       outcome.time = motion->time();
@@ -198,13 +219,13 @@ class Study {
   }
 
  private:
-  std::unique_ptr<Motion> Start(const MovingScene& scene, double tolerance, std::int64_t max_iterations,
+  std::unique_ptr<Motion> Start(const MovingScene& scene, double tolerance, const MotionDriver& driver,
                                 LcpSolver* solver) const {
     LcpOptions lcp;
     lcp.tolerance = tolerance;
-    lcp.max_iterations = max_iterations;
+    lcp.max_iterations = driver.max_iterations;
     lcp.time_limit_s = study_.budget_s;
-    return StartMotion(scene, lcp, *solver);
+    return StartMotion(scene, lcp, *solver, driver.warm_start);
   }
 
   // Calls judge(problem) for what the motion's observer meets, and done(k, why the motion stopped) after every step.
@@ -240,19 +261,20 @@ class Study {
   ProgressBar* bar_;
 };
 
-std::vector<double> TolerancesOf(const MotionStudy& study, const std::string& solver) {
-  if (FindSolver(solver).uses_tolerance) return study.tolerances;
+std::vector<double> TolerancesOf(const MotionStudy& study, const MotionDriver& driver) {
+  if (driver.tolerance > 0) return {driver.tolerance};
+  if (FindSolver(driver.solver).uses_tolerance && driver.max_iterations == 0) return study.tolerances;
   return {*std::min_element(study.tolerances.begin(), study.tolerances.end())};
 }
 
 void RequireValid(const MotionStudy& study) {
   if (study.scenes.empty()) throw InputError("motion: expected at least one scene");
-  if (study.solvers.empty()) throw InputError("motion: expected at least one solver");
+  if (study.drivers.empty()) throw InputError("motion: expected at least one solver");
   if (study.tolerances.empty()) throw InputError("motion: expected at least one tolerance");
   for (const double tolerance : study.tolerances) {
     if (!(tolerance > 0 && tolerance < 1)) throw InputError("motion: tolerances: expected numbers in (0, 1)");
   }
-  for (const std::string& solver : study.solvers) MakeSolver(solver);
+  for (const MotionDriver& driver : study.drivers) MakeSolver(driver.solver);
   if (study.steps < 1) throw InputError("motion: steps: expected a number >= 1");
   if (!(study.budget_s > 0)) throw InputError("motion: budget: expected seconds > 0");
 }
@@ -279,7 +301,7 @@ struct TableColumn {
   bool of_friction = false;  ///< left out where nothing has any
 };
 constexpr TableColumn kTableColumns[] = {
-    {"solver", [](const MotionOutcome& o) { return o.solver; }},
+    {"solver", [](const MotionOutcome& o) { return ToString(o.driver); }},
     {"tolerance", [](const MotionOutcome& o) { return Short(o.tolerance); }},
     {"energy drift", [](const MotionOutcome& o) { return Text("%+.3e", o.energy_drift); }},
     {"energy error", [](const MotionOutcome& o) { return Short(o.energy_error); }},
@@ -318,23 +340,51 @@ std::string Aligned(const std::vector<MotionOutcome>& block) {
 
 }  // namespace
 
+MotionDriver ParseMotionDriver(const std::string& text) {
+  std::vector<std::string> parts;
+  boost::algorithm::split(parts, text, [](char c) { return c == '@'; });
+  MotionDriver driver{.solver = parts.front()};
+  for (const std::string& part : std::span(parts).subspan(1)) {
+    double number = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), number);
+    const bool is_number = error == std::errc() && end == part.data() + part.size();
+    constexpr double kMost = 1e15;  // a whole number as a double
+    if (part == kCold) {
+      driver.warm_start = false;
+    } else if (is_number && number > 0 && number < 1) {
+      driver.tolerance = number;
+    } else if (is_number && number >= 1 && number <= kMost && number == std::floor(number)) {
+      driver.max_iterations = static_cast<std::int64_t>(number);
+    } else {
+      throw InputError("--solvers: " + text + ": expected after @ a tolerance below 1, a number of iterations or '" +
+                       kCold + "', found '" + part + "'");
+    }
+  }
+  return driver;
+}
+
+std::string ToString(const MotionDriver& driver) {
+  return driver.solver + (driver.max_iterations > 0 ? "@" + std::to_string(driver.max_iterations) : "") +
+         (driver.warm_start ? "" : std::string("@") + kCold);
+}
+
 std::vector<MotionOutcome> RunMotionStudy(const MotionStudy& study, const std::string& folder) {
   RequireValid(study);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw InputError(folder + ": cannot be created: " + error.message());
   std::size_t motions = 1;  // the reference
-  for (const std::string& solver : study.solvers) motions += TolerancesOf(study, solver).size();
+  for (const MotionDriver& driver : study.drivers) motions += TolerancesOf(study, driver).size();
 
   std::vector<MotionOutcome> outcomes;
   ProgressBar bar("motion", static_cast<double>(study.scenes.size() * motions) * study.steps);
   Study runner(study, folder, &bar);
   for (const MovingScene& scene : study.scenes) {
     const Reference reference = runner.RunReference(scene);
-    for (const std::string& solver : study.solvers) {
-      for (const double tolerance : TolerancesOf(study, solver)) {
+    for (const MotionDriver& driver : study.drivers) {
+      for (const double tolerance : TolerancesOf(study, driver)) {
         if (Interruption::Requested()) return outcomes;
-        outcomes.push_back(runner.Run(scene, reference, solver, tolerance));
+        outcomes.push_back(runner.Run(scene, reference, driver, tolerance));
       }
     }
   }
@@ -351,8 +401,8 @@ std::string FormatMotionTable(const std::vector<MotionOutcome>& outcomes) {
             Aligned({begin, end});
     for (; begin != end; ++begin) {
       if (begin->stopped.empty()) continue;
-      text += begin->solver + " at " + Short(begin->tolerance) + " stopped after " + std::to_string(begin->steps) +
-              " steps: " + begin->stopped + '\n';
+      text += ToString(begin->driver) + " at " + Short(begin->tolerance) + " stopped after " +
+              std::to_string(begin->steps) + " steps: " + begin->stopped + '\n';
     }
   }
   return text;

@@ -10,19 +10,30 @@
 
 namespace lcpbench {
 
+/// What drives a motion.
+struct MotionDriver {
+  std::string solver;               ///< registry key
+  double tolerance = 0;             ///< 0: those of the study
+  std::int64_t max_iterations = 0;  ///< LcpOptions::max_iterations of every solve; 0: the solver's own limit
+  bool warm_start = true;           ///< at the velocity level, from the forces of the step before
+};
+/// From "KEY" and "KEY@PART@PART...": a PART below 1 is the tolerance, a whole number max_iterations, "cold" a start
+/// from 0.
+/// @throws InputError saying what was expected
+MotionDriver ParseMotionDriver(const std::string& text);
+std::string ToString(const MotionDriver& driver);  ///< reads back as the same driver, but for its tolerance
+
 /// Every solver drives the same scenes: what its error does to the motion.
 struct MotionStudy {
   std::vector<MovingScene> scenes;
-  std::vector<std::string> solvers;  ///< registry keys
-  std::vector<double> tolerances;    ///< direct methods run at the least one only
-  int size = 0;                      ///< rows at the start, as told to the scenes; for the files only
+  std::vector<MotionDriver> drivers;
+  /// Of drivers without a tolerance of their own; direct methods, and solves that iterations end, have the least only.
+  std::vector<double> tolerances;
+  int size = 0;  ///< rows at the start, as told to the scenes; for the files only
   std::uint64_t seed = 0;
   int steps = 0;  ///< of MovingScene::step each
   /// Wall clock of one motion; what takes longer is stopped, and said to be; thrice for the reference.
   double budget_s = 10;
-  /// LcpOptions::max_iterations of every solve but those of the reference: shows what solvers that are stopped early do
-  /// to the motion. 0: no limit.
-  std::int64_t max_iterations = 0;
 };
 
 /// Figures that were not measured.
@@ -30,7 +41,8 @@ inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 /// The worst of a motion, or of a part of it.
 struct WorstFigures {
-  /// Largest |E - E_ref| at equal times over the scale, the largest kinetic energy of the reference motion.
+  /// Largest |E - E_ref| at equal times over the scale: the largest kinetic energy of the reference motion, and at
+  /// least what its loads give bodies at rest in one step.
   double energy_error = kNotMeasured;
   /// Largest |x - x_ref| of a centre of mass at equal times [m].
   double distance = kNotMeasured;
@@ -53,7 +65,7 @@ struct WorstFigures {
 struct MotionOutcome : WorstFigures {
   std::string scene;
   MotionLevel level = MotionLevel::kVelocity;
-  std::string solver;
+  MotionDriver driver;
   double tolerance = 0;
   int steps = 0;    ///< of MovingScene::step, done
   double time = 0;  ///< [s]

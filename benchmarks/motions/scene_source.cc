@@ -49,27 +49,29 @@ ContactSystem LoadInstant(const std::string& name_or_file, int size, std::uint64
                           std::optional<MotionLevel> level) {
   if (!IsPath(name_or_file)) return GenerateScene(name_or_file, size, seed);
   const MovingScene scene = LoadScene(name_or_file, size, seed);
-  return InstantWithContacts(scene.world, level.value_or(scene.level));
+  return InstantWithContacts(scene.world, level.value_or(scene.level), kFoundGap);
 }
 
-ContactSystem InstantWithContacts(const World& world, MotionLevel level) {
+ContactSystem InstantWithContacts(const World& world, MotionLevel level, double found_gap) {
   const double median = MedianExtent(world.bodies, BoundsOf(world.bodies));
   const double size = median > 0 ? median : 1;
   const ContactFinder finder(world);
   const double width = finder.least_width() > 0 ? finder.least_width() : 1;
   const double treated = TreatedDepth(level, width);
   finder.RequireShallow(world, ToString(level), treated);
-  ContactSystem instant = InstantOf(world, finder.Find(world.bodies, kFoundGap * size, treated));
+  ContactSystem instant = InstantOf(world, finder.Find(world.bodies, found_gap * size, treated));
   const AssembledLcp lcp = AssembleContactLcp(instant);
   instant = InstantOf(world, WithoutGhosts(instant, lcp.rows, VelocityOptions().doubtful_depth * width));
   std::erase_if(instant.constraints, [&](const Constraint& joint) {
-    return joint.type == ConstraintType::kRope && joint.length - DistanceOfEnds(joint, world.bodies) > kFoundGap * size;
+    return joint.type == ConstraintType::kRope && joint.length - DistanceOfEnds(joint, world.bodies) > found_gap * size;
   });
   return instant;
 }
 
-std::unique_ptr<Motion> StartMotion(const MovingScene& scene, const LcpOptions& lcp, LcpSolver& solver) {
+std::unique_ptr<Motion> StartMotion(const MovingScene& scene, const LcpOptions& lcp, LcpSolver& solver,
+                                    bool warm_start) {
   MotionOptions options;
+  options.velocity.warm_start = warm_start;
   options.velocity.step = scene.step;
   options.velocity.lcp = lcp;
   ImpactOptions& impact = options.acceleration.impact;

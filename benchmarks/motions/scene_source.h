@@ -43,6 +43,9 @@ void SetFriction(double mu, MovingScene* scene);
 /// The same of the contacts of one instant.
 void SetFriction(double mu, ContactSystem* system);
 
+/// What counts as touching at the start, in units of the median extent of the movable bodies.
+inline constexpr double kFoundGap = 1e-5;
+
 /// One instant: a family's problem as the benchmark solves it, its contacts listed; of a file its joints and the
 /// contacts found (InstantWithContacts).
 /// @param level  of files; their own where none is given
@@ -51,19 +54,18 @@ ContactSystem LoadInstant(const std::string& name_or_file, int size, std::uint64
                           std::optional<MotionLevel> level = {});
 
 /// One instant of a world: its joints without slack ropes, and the contacts found between its outlines, within
-/// kFoundGap and down to the depth that a motion at `level` treats.
+/// `found_gap` [median extents of the movable bodies] and down to the depth that a motion at `level` treats.
 /// @throws InputError as DetectContacts, and where a motion at `level` would refuse bodies that overlap
-ContactSystem InstantWithContacts(const World& world, MotionLevel level);
+ContactSystem InstantWithContacts(const World& world, MotionLevel level, double found_gap);
 
 /// The scene's world, ready to move as the scene says under `solver`, which must outlive it.
+/// @param warm_start  VelocityOptions::warm_start
 /// @throws InputError as MakeMotion
-std::unique_ptr<Motion> StartMotion(const MovingScene& scene, const LcpOptions& lcp, LcpSolver& solver);
+std::unique_ptr<Motion> StartMotion(const MovingScene& scene, const LcpOptions& lcp, LcpSolver& solver,
+                                    bool warm_start = true);
 
 /// The scene as a file that LoadScene reads back as the same scene (FormatScene).
 /// @throws InputError as FormatScene
 std::string FormatMovingScene(const MovingScene& scene);
-
-/// What counts as touching, in units of the median extent of the movable bodies.
-inline constexpr double kFoundGap = 1e-5;
 
 }  // namespace lcpbench

@@ -1,6 +1,7 @@
 """What a report is made of: one campaign's folder or several, whose problems do not overlap, and a study of motion."""
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
 
@@ -11,12 +12,15 @@ from .errors import ReportError
 from .statistics import tables
 from .statistics.cells import Measured, cell_table, measured
 from .statistics.class_times import ablation_table
-from .statistics.load import Campaign, load_campaign
+from .statistics.friction import refusers, with_friction
+from .statistics.load import INFEASIBLE, Campaign, load_campaign
 from .statistics.means import delivered_table
 from .statistics.rivals import is_own
 from .style import SolverStyle, solver_styles
 
 PATHOLOGICAL = "pathological"  # the set of problems that are meant to break something
+# With friction: such, and those that may have no solution or several.
+_NOT_OF_ENGINES = ("friction-pathological", "painleve")
 
 
 @dataclass(eq=False)
@@ -27,7 +31,8 @@ class Inputs:
     campaigns: list[Campaign]
     measured: Measured  # without the solvers of ablations
     ablated: Measured  # of those alone: for the table `ablation` and equal flags, and nothing else
-    motion: pd.DataFrame | None = None  # studies.MOTION_COLUMNS
+    motion: pd.DataFrame | None = None  # studies.read_motion, of scenes without friction
+    friction_motion: pd.DataFrame | None = None  # of those with friction
     notes: list[str] = field(default_factory=list)
     precision: pd.DataFrame | None = None  # the table `delivered` of a campaign over every decade
     curves: dict[str, pd.DataFrame] = field(default_factory=dict)  # studies.CURVES, those that there are
@@ -82,6 +87,16 @@ class Inputs:
         return self.cells[self.cells["counts"].astype(bool)]
 
     @cached_property
+    def friction(self) -> "Inputs | None":
+        """Problems with friction or bounded rows as if they were the only ones and counted: what the tables of times make
+        of them. Of solvers that take some; without what is meant to break something or has no solution. None without any."""
+        cells = with_friction(self.cells) if len(self.cells) else self.cells
+        if len(cells):
+            left_out = cells["set"].isin(_NOT_OF_ENGINES) | (cells["reference_status"] == INFEASIBLE) | cells["solver"].isin(refusers(self.cells))
+            cells = cells[~left_out].assign(counts=True)
+        return replace(self, measured=self.measured._replace(cells=cells)) if len(cells) else None
+
+    @cached_property
     def styles(self) -> dict[str, SolverStyle]:
         return solver_styles(self.solvers)
 
@@ -114,15 +129,15 @@ class Inputs:
         return tables.Tables(makers)
 
 
-def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path | None = None,
+def load_inputs(folders: list[Path], motion: Sequence[Path] = (), precision: Path | None = None,
                 ablation: Path | None = None, curves: Path | None = None) -> Inputs:
-    """@param motion     a folder of `lcpbench motion`
+    """@param motion     folders of `lcpbench motion`
     @param precision  a campaign that asks for every decade, `--suite precision`; its problems may be those of others
     @param ablation   a campaign of `--suite ablation`; likewise
     @param curves     a folder of `make solver-curves`
     @throws ReportError for the first thing that does not fit
     """
-    table = studies.read_motion(motion) if motion is not None else None
+    moved = _by_friction(studies.read_motion(*motion)) if motion else (None, None)
     campaigns = [load_campaign(folder) for folder in folders]
     for campaign in campaigns:
         for about in campaign.problems.values():
@@ -140,9 +155,15 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
     both = (_joined([measured(campaign, of) for campaign in campaigns]) for of in (False, True))
     notes = [f"{folder.name}: {note}" for folder, campaign in zip(folders, campaigns) for note in campaign.notes]
     delivered = delivered_table(cell_table(load_campaign(precision))) if precision is not None else None
-    return Inputs([folder.resolve().name for folder in folders], campaigns, *both, table, notes, delivered,
+    return Inputs([folder.resolve().name for folder in folders], campaigns, *both, *moved, notes, delivered,
                   studies.read_curves(curves) if curves is not None else {},
                   load_campaign(ablation) if ablation is not None else None)
+
+
+def _by_friction(motion: pd.DataFrame) -> tuple[pd.DataFrame | None, pd.DataFrame | None]:
+    """Scenes without and with friction; None where there are none."""
+    has = motion["creep"].notna().groupby([motion["scene"], motion["level"]]).transform("any")
+    return tuple(part if len(part) else None for part in (motion[~has], motion[has]))
 
 
 def _joined(parts: list[Measured]) -> Measured:

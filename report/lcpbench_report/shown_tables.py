@@ -17,6 +17,7 @@ from .statistics.friction import refusers
 from .statistics.groups import COUNTED
 from .statistics.load import ERROR_PARTS, ORIGINS
 from .statistics.rivals import FASTEST, FLAGS, PORTFOLIO
+from .studies import DRIVER
 from .table import Table
 from .table import code as key
 
@@ -45,7 +46,7 @@ def classes(found: Headline) -> Table:
         tails = [seconds(entry.p99_s) for entry in (own, row.entries.get(found.rival)) if entry and not math.isnan(entry.p99_s)]
         rows.append([size_class(row.size_class), _sample(row.problems, row.n_eff), own.launches if own else DASH, row.peers,
                      *((_time(own), share_of(own.share)) if own else (DASH, DASH)),
-                     *(DASH if of is None else _with_interval(*of) for of in rivals), ", ".join(tails) or DASH])
+                     *(DASH if of is None else with_interval(*of) for of in rivals), ", ".join(tails) or DASH])
     return Table(["rows", "problems", "launches", "peers", key(found.own) if found.own else "ours", "right",
                   *(f"ours / {_RIVALS[key]}" if group == ALL else group for key, group in parts),
                   "99 %: ours, portfolio" if found.rival == PORTFOLIO else "99 %"], rows)
@@ -55,7 +56,7 @@ def front(found: Headline) -> Table | None:
     """A row per size class and peer of its Pareto front, and the portfolio."""
     rows = [[size_class(row.size_class), key(of.key) + " (not on the front)" * (not of.front), seconds(of.time_s), share_of(of.share),
              share_of(of.own_share), _sample(row.entries[of.key].problems, row.entries[of.key].n_eff), of.launches,
-             _with_interval(*of.ratio), of.relation]
+             with_interval(*of.ratio), of.relation]
             for row in found.classes for of in row.rivals.values() if of.key != FASTEST]
     return _table(["rows", "peer", "time", "right", "ours right", "problems", "launches", "ours / it", "it is"], rows, "llrrrrrrl")
 
@@ -69,7 +70,7 @@ def equal_flags(inputs: Inputs) -> Table | None:
     rows = []
     for (flags, own, rival), of in table.groupby(["flags", "own", "rival"], sort=False):
         by = of.set_index("size_class")
-        rows.append([flags, f"{key(own)} / {key(rival)}", *(_with_interval(*by.loc[one, RATIO]) if one in by.index else DASH
+        rows.append([flags, f"{key(own)} / {key(rival)}", *(with_interval(*by.loc[one, RATIO]) if one in by.index else DASH
                                                             for one in sizes)])
     rows.sort(key=lambda row: list(FLAGS).index(row[0]))
     return Table(["compiled for", "ours / peer", *map(size_class, sizes)], rows, "ll" + "r" * len(sizes))
@@ -102,7 +103,7 @@ def outcomes(found: Headline) -> Table | None:
 
 def _short_ratio(rival: Rival | None, whole: bool) -> str:
     """@param whole  with its interval"""
-    return DASH if rival is None else _with_interval(*rival.ratio) if whole else times(rival.ratio.median)
+    return DASH if rival is None else with_interval(*rival.ratio) if whole else times(rival.ratio.median)
 
 
 def by_solver(found: Headline) -> Table:
@@ -123,7 +124,7 @@ def cell(entry: Entry | None, problems: int) -> str:
     return time if entry.share == 1 and not sample else f"{time} · {verified}{sample}"
 
 
-def _with_interval(value: float, low: float, high: float) -> str:
+def with_interval(value: float, low: float, high: float) -> str:
     """0.60 (0.55–0.64)"""
     if math.isnan(value):
         return DASH
@@ -149,7 +150,7 @@ def ablation(inputs: Inputs, all_only: bool = False) -> Table | None:
         false, before = (int(of[prefix + "false_successes"] + of[prefix + "below_tier"]) for prefix in ("", "base_"))
         rows.append([of["base"], solver_facts.ABLATIONS[of["ablation"]],
                      "all" if of["size_class"] == ALL else size_class(of["size_class"]), int(of["problems"]),
-                     _with_interval(of["ratio"], of["ratio_low"], of["ratio_high"]),
+                     with_interval(of["ratio"], of["ratio_low"], of["ratio_high"]),
                      f"{share_of(of['verified_share'])}, {share_of(of['base_verified_share'])}", f"{false}, {before}"])
     return _table(["solver", "version", "rows", "problems", "time", "right", "false"], rows, "llrrrrr")
 
@@ -278,9 +279,42 @@ def _by_origin(inputs: Inputs, table: pd.DataFrame, least: int) -> Table | None:
 
 # ----- friction
 
+def friction_classes(inputs: Inputs) -> Table | None:
+    """With friction, a row per size class: which of ours to choose, how often ours is right at every tier, and its time
+    beside that of plain problems and of peers."""
+    if inputs.friction is None:
+        return None
+    of, found = inputs.friction, headline(inputs.friction)
+    ours, tiers = key(found.own), choice.shown_tiers(of)
+    shares = {tier: choice.table(of, "class_times", tier).set_index(["size_class", "solver"])["verified_share"] for tier in tiers}
+    plain, against = plain_times(inputs), any(FASTEST in row.rivals for row in found.classes)
+    rows = []
+    for row in found.classes:
+        cells = choice.main_cells(of)
+        best = decision.contenders(cells[(cells["size_class"] == row.size_class) & cells["solver"].isin(of.own)], of.own)
+        own = row.entries.get(found.own)
+        rows.append([size_class(row.size_class), row.problems, f"**{key(best[0].solver)}**" if best else DASH,
+                     _time(own) if own else DASH,
+                     *(share_of(by.get((row.size_class, found.own), 0.0)) if own else DASH for by in shares.values()),
+                     *[times(own.time_s / plain[row.size_class]) if own and row.size_class in plain else DASH] * bool(plain),
+                     *[with_interval(*row.rivals[FASTEST].ratio) if FASTEST in row.rivals else DASH] * against])
+    columns = ["rows", "problems", "choose", ours, *(f"right at {power(tier)}" for tier in tiers),
+               *["over plain problems"] * bool(plain), *[f"ours / {_RIVALS[FASTEST]}"] * against]
+    return _table(columns, rows, "lrl" + "r" * (len(columns) - 3))
+
+
+def plain_times(inputs: Inputs) -> dict[str, float]:
+    """Size class -> median fresh time of ours on problems without friction, where there are any."""
+    table = choice.table(inputs, "class_times", choice.main_tier(inputs))
+    table = table[table["solver"] == inputs.ours] if len(table) else table
+    return {of.size_class: of.median_s for of in table.itertuples() if math.isfinite(of.median_s)}
+
+
 def friction(inputs: Inputs) -> Table | None:
-    """Problems with friction or bounded rows: a row per set and solver that takes some, a column per tier."""
+    """Problems with friction or bounded rows: a row per set and solver that takes some, a column per tier; and the time
+    of ours over its."""
     found = _friction(inputs)
+    ours = key(inputs.ours)
     tiers = [tier for tier in choice.shown_tiers(inputs) if len(found) and (found["tier"] == tier).any()]
     of_sets = _where_several(found)
     rows = []
@@ -291,9 +325,10 @@ def friction(inputs: Inputs) -> Table | None:
                  for of in map(by.loc.__getitem__, tiers)]
         main = by.loc[choice.nearest(tiers)]
         rows.append([*of_sets(of_set), key(solver), f"{int(main['taken'])} of {int(main['problems'])}", *words,
-                     seconds(main["median_s"]) if math.isfinite(main["median_s"]) else "✗"])
-    return _table([*of_sets("problems"), "solver", "takes", *(f"right at {power(tier)}" for tier in tiers), "median time"], rows,
-                  "l" * len(of_sets("problems")) + "l" + "r" * (len(tiers) + 2))
+                     seconds(main["median_s"]) if math.isfinite(main["median_s"]) else "✗",
+                     with_interval(*(main[name] for name in RATIO))])
+    return _table([*of_sets("problems"), "solver", "takes", *(f"right at {power(tier)}" for tier in tiers), "median time",
+                   f"{ours} / it"], rows, "l" * len(of_sets("problems")) + "l" + "r" * (len(tiers) + 3))
 
 
 def friction_errors(inputs: Inputs) -> Table | None:
@@ -340,7 +375,7 @@ def sequences(inputs: Inputs, detailed: bool = False) -> Table | None:
         table = table.sort_values("warm_gain", ascending=False) if detailed else \
             table.set_index("solver", drop=False).loc[inputs.in_order(table["solver"])]
     for of in table.to_dict("records"):
-        gain = _with_interval(of["warm_gain"], of["warm_gain_low"], of["warm_gain_high"]) if detailed else \
+        gain = with_interval(of["warm_gain"], of["warm_gain_low"], of["warm_gain_high"]) if detailed else \
             f"{of['warm_gain']:.2f}" if math.isfinite(of["warm_gain"]) else DASH
         rows.append([key(of["solver"]), *[power(of["tier"])] * detailed, share_of(of["verified"] / of["steps"]),
                      *(seconds(of[level]) for level in ("p50", "p99", "max")), gain])
@@ -348,25 +383,31 @@ def sequences(inputs: Inputs, detailed: bool = False) -> Table | None:
                   rows if detailed else rows[:_MOST_SOLVERS])
 
 
-def motions(inputs: Inputs) -> list[tuple[str, str, Table]]:
-    """(scene, level, table): worst values of every solver and tolerance, and counts at the end."""
-    found = []
-    scenes = () if inputs.motion is None else inputs.motion.groupby(["scene", "level"], sort=False)
+_OF_MOTION = {"energy_error": "energy error", "penetration": "penetration [m]", "joint_error": "joint error [m]",
+              "distance": "distance [m]"}
+_OF_FRICTION = {"distance": "distance [m]", "creep": "creep [m]", "lost_gap": "lost gap [m]", "created": "energy created"}
+
+
+def motions(motion: pd.DataFrame | None, friction: bool = False) -> list[tuple[str, str, Table]]:
+    """(scene, level, table): worst values of every driver and tolerance, and counts at the end.
+
+    @param friction  what friction errors do
+    """
+    found, figures = [], _OF_FRICTION if friction else _OF_MOTION
+    scenes = () if motion is None else motion.groupby(["scene", "level"], sort=False)
     for (scene, level), table in scenes:
         rows = []
         loosest_first = table.sort_values("tolerance", ascending=False, kind="stable")
-        runs = loosest_first.groupby(["solver", "tolerance"], sort=False)
-        order = list(dict.fromkeys(table["solver"]))
+        runs = loosest_first.groupby([DRIVER, "tolerance"], sort=False)
+        order = list(dict.fromkeys(table[DRIVER]))
         for _, run in sorted(runs, key=lambda part: order.index(part[0][0])):
             last = run.iloc[-1]
-            rows.append([key(last["solver"]), power(last["tolerance"]),
-                         *(residual(run[of].max()) for of in ("energy_error", "penetration", "joint_error", "distance")),
+            rows.append([key(last[DRIVER]), power(last["tolerance"]), *(residual(run[of].max()) for of in figures),
                          seconds(last["solve_time_s"] / max(1, last["step"])),
                          *(int(last[of]) for of in ("solves", "failed", "not_passed")),
                          f"**{last['false_successes']}**" if last["false_successes"] else 0, last["stopped"]])
-        columns = ["solver", "tolerance", "energy error", "penetration [m]", "joint error [m]", "distance [m]",
-                   "time a step", "solves", "failed", "not passed", "false", "stopped"]
-        found.append((scene, level, Table(columns, rows, "ll" + "r" * 9 + "l")))
+        columns = ["solver", "tolerance", *figures.values(), "time a step", "solves", "failed", "not passed", "false", "stopped"]
+        found.append((scene, level, Table(columns, rows, "ll" + "r" * 9 + "w")))
     return found
 
 
@@ -389,6 +430,7 @@ def settings(inputs: Inputs) -> Table:
 PAPERS: dict[str, Callable[[Inputs], Table | None]] = {
     "headline": lambda inputs: by_solver(headline(inputs)) if len(inputs.cells) and headline(inputs).solvers else None,
     "front": lambda inputs: front(headline(inputs)) if len(inputs.cells) else None,
-    "coverage": coverage, "origins": origins, "literature": literature, "equal-flags": equal_flags, "friction": friction,
+    "coverage": coverage, "origins": origins, "literature": literature, "equal-flags": equal_flags,
+    "friction-classes": friction_classes, "friction": friction,
     "friction-errors": friction_errors, "sequences": sequences,
 }

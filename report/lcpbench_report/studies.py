@@ -15,7 +15,11 @@ MOTION_COLUMNS = {
     "step": "integer", "time": "number", "energy": "number?", "energy_error": "number?", "penetration": "number?",
     "joint_error": "number?", "distance": "number?", "rho": "number?", "solve_time_s": "number", "solves": "integer",
     "failed": "integer", "not_passed": "integer", "false_successes": "integer", "stopped": "text?",
+    "lost_gap": "number?", "creep": "number?", "created": "number?", "max_iterations": "integer", "start": "text",
 }
+# Columns that files of earlier versions lack -> what their cells would be.
+_LATER = {"lost_gap": "", "creep": "", "created": "", "max_iterations": "0", "start": "warm"}
+DRIVER = "driver"  # a column that is made here: how the command names solver, max_iterations and start
 MASS_RATIO, REGULARIZATION, SWEEPS, PRECISION = "mass-ratio", "regularization", "sweeps", "precision"
 # Curve -> columns of its file, <curve>.csv.
 CURVES = {
@@ -41,9 +45,20 @@ def file_of(curve: str) -> str:
     return f"{curve}.csv"
 
 
-def read_motion(folder: Path) -> pd.DataFrame:
-    """@throws ReportError as _read"""
-    return _read(folder, MOTION_FILE, MOTION_COLUMNS, "`lcpbench motion`")
+def read_motion(*folders: Path) -> pd.DataFrame:
+    """MOTION_COLUMNS and DRIVER, of all folders.
+
+    @throws ReportError as _read, and for a scene that is in two of them
+    """
+    tables: list[pd.DataFrame] = []
+    for folder in folders:
+        table = _read(folder, MOTION_FILE, MOTION_COLUMNS, "`lcpbench motion`")
+        known = {scene for other in tables for scene in other["scene"]}
+        if both := known & set(table["scene"]):
+            raise ReportError(str(folder), f"scene {min(both)!r} is in another folder too", "studies of different scenes")
+        limits = table["max_iterations"].map(lambda limit: f"@{limit}" if limit else "")
+        tables.append(table.assign(**{DRIVER: table["solver"] + limits + table["start"].map(lambda start: "@cold" * (start == "cold"))}))
+    return pd.concat(tables, ignore_index=True)
 
 
 def read_curves(folder: Path) -> dict[str, pd.DataFrame]:
@@ -74,6 +89,8 @@ def _read(folder: Path, file: str, columns: dict[str, str], writer: str) -> pd.D
     except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
         raise ReportError(path.name, str(error), "comma-separated rows under a header") from error
     for column in columns:
+        if column in _LATER and column not in raw.columns:
+            raw[column] = _LATER[column]
         if column not in raw.columns:
             raise ReportError(path.name, f"column '{column}' is missing", "columns " + ", ".join(columns))
     if raw.empty:

@@ -1,14 +1,17 @@
 """What the data say, in ten lines at most. Every figure is computed; a line whose data are absent is left out."""
 
+import math
+
 from . import choice, decision, formats, shown_tables
 from .choice import main_tier
 from .headline_table import ClassRow, Headline, headline, low, verdicts
 from .inputs import Inputs
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_RUN, VERIFIED, within_rounding
+from .statistics.class_times import RATIO
 from .statistics.load import ORIGINS
 from .statistics.rivals import DOMINATED, DOMINATES, FASTER, FASTEST, PORTFOLIO
 
-MOST_LINES = 12
+MOST_LINES = 13
 _NAMES = {PORTFOLIO: "the portfolio of peers", FASTEST: "the fastest peer of each problem"}
 # Rankings that correlate as much, by the lower end of the interval, are called the same, or alike.
 _SAME, _ALIKE = 0.95, 0.8
@@ -17,7 +20,7 @@ _SAME, _ALIKE = 0.95, 0.8
 def summary_lines(inputs: Inputs) -> list[str]:
     """Plain text; solver keys in backticks."""
     of_cells = (_what, lambda of: peers(headline(of)), _coverage, false_successes, _fastest, _by_size, origins,
-                _accuracy, _robustness)
+                _accuracy, _robustness, friction)
     rules = (*of_cells, _sequences, _motion, _scaling) if len(inputs.cells) else (_sequences, _motion)
     return [line for rule in rules if (line := rule(inputs))][:MOST_LINES]
 
@@ -172,6 +175,29 @@ def _accuracy(inputs: Inputs) -> str:
     return (f"Against proved answers ({proved['problem'].nunique()} problems, {formats.power(tier)}) w of `{best}` is off "
             f"by at most {formats.residual(errors[best])} in 99 of 100 verified answers, of `{worst}` by "
             f"{formats.residual(errors[worst])} (of those that verify 95 % as many as any).")
+
+
+def friction(inputs: Inputs) -> str:
+    """Ours on problems with friction: right at every tier, its time, and that beside plain problems and peers."""
+    of = inputs.friction
+    if of is None or of.ours not in set(of.cells["solver"]):
+        return ""
+    shares = {tier: choice.table(of, "friction", tier).set_index("solver") for tier in choice.shown_tiers(of)}
+    main = shares[main_tier(of)]
+    own, plain = main.loc[of.ours], shown_tables.plain_times(inputs)
+    rows = [inputs.problems[name]["rows"] for name in dict.fromkeys(of.cells["problem"])]
+    parts = [f"With friction `{of.ours}` is right on {formats.words([formats.share_of(by.loc[of.ours, 'right_share']) for by in shares.values()])} at "
+             f"{formats.words([formats.power(tier) for tier in shares])} of {int(own['solvable'])} problems of {min(rows)} to {max(rows)} rows, "
+             f"median fresh time {formats.seconds(own['median_s'])} at {formats.power(main_tier(of))}"]
+    over = [row.entries[of.ours].time_s / plain[row.size_class] for row in headline(of).classes
+            if row.size_class in plain and of.ours in row.entries and math.isfinite(row.entries[of.ours].time_s)]
+    if over:
+        parts.append(f"by size class {formats.times(min(over))} to {formats.times(max(over))} times that of plain problems")
+    for solver in of.peers:
+        its = main.loc[solver]
+        parts.append(f"{shown_tables.with_interval(*(its[name] for name in RATIO))} of the time of `{solver}`, which is right on "
+                     f"{formats.share_of(its['right_share'])}")
+    return "; ".join(parts) + "."
 
 
 def _robustness(inputs: Inputs) -> str:

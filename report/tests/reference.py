@@ -8,7 +8,8 @@ from lcpbench_report.inputs import Inputs, load_inputs
 FOLDER = Path(__file__).resolve().parents[1] / "reference"
 # Summary -> folders of its campaigns (Makefile, reference-report).
 SUMMARIES = {"summary.md": ("core", "sequences"), **{f"{name}-summary.md": (name,) for name in
-                                                     ("smoke", "pathological", "large", "sequences-qp")}}
+                                                     ("smoke", "pathological", "large", "sequences-qp")},
+             "friction-summary.md": ("friction", "friction-pathological")}
 
 
 @functools.cache

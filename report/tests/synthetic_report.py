@@ -3,6 +3,7 @@ measurements."""
 
 import functools
 import itertools
+import math
 import tempfile
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from .synthetic_campaign import TIERS, Noise, exclude, fail, write_campaign
 from .synthetic_steps import SEQUENCES, STEPS, one_pass, write_sequences
 
 SCENE, LEVEL = "disc-pile", "velocity"
+SLIPPING = ("slabs", "arch")  # scenes with friction
 STARTED = "2026-01-02T03:04:05Z"
 
 
@@ -59,6 +61,7 @@ def write_steps(folder: Path) -> Path:
 
 
 def write_motion(folder: Path) -> Path:
+    """Without friction, in the columns of the time when there was none."""
     folder.mkdir(parents=True, exist_ok=True)
     rows = []
     for solver, tolerance, error in (("auto", 1e-6, 1e-9), ("pgs", 1e-3, 1e-4), ("pgs", 1e-6, 1e-7)):
@@ -69,6 +72,22 @@ def write_motion(folder: Path) -> Path:
                          "penetration": error * (step % 7), "joint_error": 0.0, "distance": error, "rho": error,
                          "solve_time_s": 1e-5 * step, "solves": step, "failed": 0, "not_passed": 0, "false_successes": 0,
                          "stopped": stopped})
+    pd.DataFrame(rows).to_csv(folder / studies.MOTION_FILE, index=False)
+    return folder
+
+
+def write_friction_motion(folder: Path) -> Path:
+    """Two scenes: exact, and ended after 10 sweeps, warm and cold, which creep by 1 and 10 mm a step."""
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = []
+    for scene, (solver, limit, start, creep) in itertools.product(SLIPPING, (("auto", 0, "warm", 0.0), ("pgs", 10, "warm", 1e-3),
+                                                                             ("pgs", 10, "cold", 1e-2))):
+        for step in range(20):
+            rows.append({"scene": scene, "level": LEVEL, "size": 20, "seed": 1, "solver": solver, "tolerance": 1e-6,
+                         "step": step, "time": step * 1e-2, "energy": 1.0, "energy_error": 0.0, "penetration": 0.0,
+                         "joint_error": math.nan, "distance": creep * step, "rho": creep, "lost_gap": creep / 10 if step else math.nan,
+                         "creep": creep * step if step else math.nan, "created": 0.0, "max_iterations": limit, "start": start,
+                         "solve_time_s": 1e-5 * step, "solves": step, "failed": 0, "not_passed": 0, "false_successes": 0, "stopped": ""})
     pd.DataFrame(rows, columns=list(studies.MOTION_COLUMNS)).to_csv(folder / studies.MOTION_FILE, index=False)
     return folder
 
@@ -76,15 +95,16 @@ def write_motion(folder: Path) -> Path:
 def write_pictures(folder: Path) -> Path:
     """As `make pictures` leaves them: of one family that the campaign has, and of another one."""
     folder.mkdir(parents=True, exist_ok=True)
-    for family in ("piles", "rockers"):
+    for family in ("piles", "rockers", "wedges"):
         (folder / f"{family}.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 3"/>', encoding="utf-8")
-    (folder / "scenes.txt").write_text("piles     Pile. Of <discs>\nrockers   Rockers. On a floor\n", encoding="utf-8")
+    (folder / "scenes.txt").write_text("piles     Pile. Of <discs>\nrockers   Rockers. On a floor\nwedges    Wedges. Of discs (friction)\n", encoding="utf-8")
     return folder
 
 
-def write_all(folder: Path) -> tuple[list[Path], Path]:
-    """@returns the campaigns' folders and that of the motion"""
-    return [write_cells(folder / "standard"), write_steps(folder / "sequences")], write_motion(folder / "motion")
+def write_all(folder: Path) -> tuple[list[Path], list[Path]]:
+    """@returns the campaigns' folders and those of motions"""
+    return ([write_cells(folder / "standard"), write_steps(folder / "sequences")],
+            [write_motion(folder / "motion"), write_friction_motion(folder / "friction-motion")])
 
 
 @functools.cache

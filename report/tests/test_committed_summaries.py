@@ -1,7 +1,7 @@
 """Every committed summary has the tables that the code makes of its folder today.
 
 The tables that are compared: times by class, the front, all solvers by size, coverage, origins, literature, problems that
-break something, sequences. Not compared, because they take minutes: which backend (means of every class), and the
+break something, sequences, friction. Not compared, because they take minutes: which backend (means of every class), and the
 sentences, of which one needs all pairs of solvers.
 """
 
@@ -11,7 +11,8 @@ from lcpbench_report import shown_tables
 from lcpbench_report.headline_table import headline
 from .reference import FOLDER, SUMMARIES, inputs_of
 
-_TABLES = (shown_tables.coverage, shown_tables.origins, shown_tables.literature, shown_tables.robustness, shown_tables.sequences)
+_TABLES = (shown_tables.coverage, shown_tables.origins, shown_tables.literature, shown_tables.robustness, shown_tables.sequences,
+           shown_tables.friction, shown_tables.friction_classes, shown_tables.friction_errors)
 _OF_HEADLINE = (shown_tables.classes, shown_tables.front, shown_tables.by_solver)
 
 

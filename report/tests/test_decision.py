@@ -113,11 +113,11 @@ class Parts(FolderCase):
         self.assertNotIn("auto-unchecked", "".join(summary.summary_lines(inputs)) + str(decision.by_class(inputs)))
 
     def test_a_problem_in_two_folders_is_told(self):
-        (standard, sequences), motion = write_all(self.folder)
+        (standard, sequences), (motion, _) = write_all(self.folder)
         with self.assertRaisesRegex(ReportError, "is in .* too"):
             load_inputs([standard, standard])
         with self.assertRaisesRegex(ReportError, "motion.csv"):
-            load_inputs([standard], sequences)
+            load_inputs([standard], [sequences])
         (motion / "motion.csv").write_text((motion / "motion.csv").read_text().replace("0.01,", "soon,", 1))
         with self.assertRaisesRegex(ReportError, "line 3, column 'time' is 'soon'"):
-            load_inputs([standard], motion)
+            load_inputs([standard], [motion])

@@ -6,7 +6,7 @@ from unittest import mock
 import numpy as np
 import pandas as pd
 
-from lcpbench_report import markdown, plotly_bundle, shown_tables
+from lcpbench_report import choice, formats, markdown, plotly_bundle, shown_tables, summary
 from lcpbench_report.compact import compact
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.statistics.coverage import coverage_table
@@ -55,7 +55,7 @@ class Friction(SharedFolderCase):
         super().setUpClass()
         cls.folder = write_campaign(cls.path / "c", FACTORS, change=_judged, change_problem=_with_friction)
         cls.inputs = load_inputs([cls.folder])
-        cls.table = friction_table(cls.inputs.cells).set_index(["solver", "tier"])
+        cls.table = friction_table(cls.inputs.cells, "pgs").set_index(["solver", "tier"])
 
     def test_counts(self):
         for tier in TIERS:
@@ -96,14 +96,35 @@ class Friction(SharedFolderCase):
                 text, lines = page.render(inputs), markdown.render(inputs, [])
                 self.assertEqual(('id="friction"' in text, "## Friction" in lines), (there, there))
                 self.assertEqual("Not taken by `dantzig`." in lines, there)
+            self.assertEqual([find(inputs) for find in (shown_tables.friction_classes, summary.friction)], [None, ""])
         rows = {row[0]: row for row in shown_tables.friction(self.inputs).rows}
         self.assertEqual(list(rows), ["`pgs`", "`relaxation`"])
         self.assertTrue(rows["`pgs`"][2].endswith("· ✗ 2"), rows)
 
+    def test_times_are_those_of_the_tables_for_plain_problems(self):
+        of = self.inputs.friction
+        self.assertEqual(set(of.cells["solver"]), {"pgs", "relaxation"})
+        self.assertNotIn(NONE, set(of.cells["problem"]))
+        self.assertTrue((of.cells["friction"] > 0).all() and of.cells["counts"].all())
+        pgs = choice.table(of, "class_times", 1e-6).set_index(["solver", "size_class"]).loc["pgs"]
+        rows = {row[0]: dict(zip(table.columns, row)) for table in [shown_tables.friction_classes(self.inputs)] for row in table.rows}
+        self.assertEqual(set(rows), {formats.size_class(key) for key in pgs.index if key != "all"})
+        for size, row in rows.items():
+            self.assertEqual(row["choose"], "**`pgs`**")
+            if size != "13–30":
+                self.assertAlmostEqual(float(row["over plain problems"]), 1, delta=0.2)
+        self.assertEqual((rows["7–12"]["problems"], rows["7–12"]["right at 1e-6"]), (3, "100\u202f%"))
+        self.assertIn(f"right on 91\u202f%, 91\u202f% and 91\u202f% at 1e-3, 1e-6 and 1e-9 of {OF_FRICTION - 1} problems", summary.friction(self.inputs))
+
+    def test_times_of_ours_over_those_of_others_where_these_are_right(self):
+        table = self.table.xs(1e-6, level="tier")
+        self.assertTrue(np.isnan(table.loc["pgs", "ratio"]))
+        self.assertAlmostEqual(table.loc["relaxation", "ratio"], 0.5, delta=0.1)
+
     def test_the_small_folder_says_the_same(self):
         small = self.path / "small"
         compact(self.folder, small)
-        table = friction_table(load_inputs([small]).cells).set_index(["solver", "tier"])
+        table = friction_table(load_inputs([small]).cells, "pgs").set_index(["solver", "tier"])
         pd.testing.assert_frame_equal(table.sort_index(), self.table.sort_index(), rtol=0.01)
 
 

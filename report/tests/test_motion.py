@@ -1,11 +1,9 @@
 """What motion.csv says, in words."""
 
-from types import SimpleNamespace
-
 from lcpbench_report import shown_tables, studies
 from lcpbench_report.errors import ReportError
 from .cases import FolderCase
-from .synthetic_report import LEVEL, SCENE, write_motion
+from .synthetic_report import LEVEL, SCENE, SLIPPING, write_friction_motion, write_motion
 
 
 class Motion(FolderCase):
@@ -14,13 +12,26 @@ class Motion(FolderCase):
         write_motion(self.folder)
 
     def test_the_table_takes_the_worst_values_and_the_last_counts(self):
-        inputs = SimpleNamespace(motion=studies.read_motion(self.folder))
-        ((scene, level, table),) = shown_tables.motions(inputs)
+        ((scene, level, table),) = shown_tables.motions(studies.read_motion(self.folder))
         self.assertEqual((scene, level, len(table.rows)), (SCENE, LEVEL, 3))
         rows = {tuple(row[:2]): dict(zip(table.columns, row)) for row in table.rows}
         full, stopped = rows["`auto`", "1e-6"], rows["`pgs`", "1e-3"]
         self.assertEqual((full["energy error"], full["penetration [m]"], full["solves"]), ("9.9e-8", "6.0e-9", 99))
         self.assertEqual((stopped["energy error"], stopped["solves"], stopped["stopped"]), ("4.9e-3", 49, "not finite"))
+
+    def test_drivers_of_scenes_with_friction_are_told_apart(self):
+        motion = studies.read_motion(write_friction_motion(self.folder / "slipping"))
+        tables = shown_tables.motions(motion, friction=True)
+        self.assertEqual([scene for scene, *_ in tables], list(SLIPPING))
+        for *_, table in tables:
+            rows = [dict(zip(table.columns, row)) for row in table.rows]
+            self.assertEqual([row["solver"] for row in rows], ["`auto`", "`pgs@10`", "`pgs@10@cold`"])
+            self.assertEqual([row["creep [m]"] for row in rows], ["0", "1.9e-2", "1.9e-1"])
+            self.assertEqual([row["lost gap [m]"] for row in rows], ["0", "1.0e-4", "1.0e-3"])
+
+    def test_a_scene_is_in_one_folder(self):
+        with self.assertRaisesRegex(ReportError, "scene 'disc-pile' is in another folder too"):
+            studies.read_motion(self.folder, self.folder)
 
     def test_what_does_not_fit_is_told_by_line_and_column(self):
         path = self.folder / studies.MOTION_FILE

@@ -105,11 +105,11 @@ class Page(SharedFolderCase):
         self.assertNotIn('id="scenes"', text)
 
     def test_the_gallery_has_the_pictures_in_order_with_their_words(self):
-        self.assertEqual(re.findall(r'<figure id="scene-([^"]*)"', self.text), ["piles", "rockers"])
+        self.assertEqual(re.findall(r'<figure id="scene-([^"]*)"', self.text), ["wedges", "piles", "rockers"])
         picture = re.search(r'id="scene-piles".*?src="data:image/svg\+xml;base64,([^"]*)"', self.text, re.DOTALL)[1]
         self.assertTrue(base64.b64decode(picture).startswith(b"<svg"))
         self.assertIn("Pile. Of &lt;discs&gt;", self.text)
-        self.assertEqual(self.data["pictures"], ["piles", "rockers"])
+        self.assertEqual(self.data["pictures"], ["piles", "rockers", "wedges"])
 
     def test_pictures_that_are_missing_too_large_or_none_are_refused(self):
         folder = self.path / "wrong"

@@ -15,7 +15,7 @@ from lcpbench_report.static import canvas, times, write
 from lcpbench_report.static.write import write_static
 from lcpbench_report.table import Table, html, latex
 from .cases import SharedFolderCase
-from .synthetic_report import FAILING, write_motion, write_problems, write_steps
+from .synthetic_report import FAILING, write_friction_motion, write_motion, write_problems, write_steps
 
 TABLES = {"headline", "front", "coverage", "sequences"}
 _DRAWN = "{http://www.w3.org/2000/svg}path"
@@ -26,12 +26,12 @@ class Static(SharedFolderCase):
     def setUpClass(cls):
         super().setUpClass()
         campaigns = [write_problems(cls.path / "standard"), write_steps(cls.path / "sequences")]
-        cls.inputs = load_inputs(campaigns, write_motion(cls.path / "motion"))
+        cls.inputs = load_inputs(campaigns, [write_motion(cls.path / "motion"), write_friction_motion(cls.path / "slipping")])
         cls.written = write_static(cls.inputs, cls.path / "out")
 
     def test_every_figure_is_there_twice_and_what_is_returned_was_written(self):
         for suffix in (".svg", ".pdf"):
-            self.assertEqual({path.stem for path in self.written if path.suffix == suffix}, {"time-by-size", "front"})
+            self.assertEqual({path.stem for path in self.written if path.suffix == suffix}, {"time-by-size", "front", "friction-motion"})
         on_disk = {path for path in (self.path / "out").rglob("*") if path.is_file()}
         self.assertEqual(set(self.written), on_disk)
 
@@ -77,7 +77,7 @@ class Static(SharedFolderCase):
         table = pd.read_csv(self.path / "out/tables/coverage.csv")
         self.assertEqual(len(table), len(self.inputs.analysis["coverage"]))
         self.assertEqual({path.name.split(".")[0] for path in self.written if ".csv" in path.suffixes},
-                         {*self.inputs.analysis, "motion"})
+                         {*self.inputs.analysis, "motion", "friction-motion"})
 
     def test_large_tables_are_compressed(self):
         table = pd.DataFrame({"a": range(200_000), "ok": [True] * 200_000})

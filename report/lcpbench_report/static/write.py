@@ -9,7 +9,7 @@ from ..files import replaced, write_text
 from ..headline_table import headline
 from ..inputs import Inputs
 from ..statistics.tables import write_csv
-from . import canvas, curves, front, times
+from . import canvas, curves, friction, front, times
 
 _LARGE = 1_000_000  # bytes of a CSV file that is compressed
 _ABOVE_LATEX = ("written by LCPBench; needs \\usepackage{booktabs} and \\usepackage{textcomp}, and stands by \\input within "
@@ -25,7 +25,7 @@ def write_static(inputs: Inputs, folder: Path) -> list[Path]:
     written = []
     with canvas.look():
         drawn = {"time-by-size": times.by_size(inputs), "front": front.by_class(inputs, headline(inputs))} if len(inputs.cells) else {}
-        drawn |= {figure.name: figure.draw() for figure in curves.figures(inputs)}
+        drawn |= {figure.name: figure.draw() for figures in (friction, curves) for figure in figures.figures(inputs)}
         for name, figure in drawn.items():
             if figure is not None:
                 written += canvas.save(figure, folder / "figures", name)
@@ -34,7 +34,7 @@ def write_static(inputs: Inputs, folder: Path) -> list[Path]:
 
 def write_tables(inputs: Inputs, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
-    studied = {} if inputs.motion is None else {"motion": inputs.motion}
+    studied = {name: table for name, table in (("motion", inputs.motion), ("friction-motion", inputs.friction_motion)) if table is not None}
     studied |= {f"curve-{name}": table for name, table in inputs.curves.items()}
     written = [_write_csv(table, folder / f"{name}.csv") for name, table in (dict(inputs.analysis) | studied).items()]
     for name, make in shown_tables.PAPERS.items():

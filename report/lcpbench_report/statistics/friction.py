@@ -9,25 +9,33 @@ import numpy as np
 import pandas as pd
 
 from .cells import FALSE_SUCCESS, NOT_ASKED, NOT_RUN, VERIFIED
+from .class_times import RATIO, by_solver, ratio
 from .groups import GROUP, groups
+from .intervals import Bootstrap
+from .launches import Levels
 from .load import ERROR_PARTS, INFEASIBLE
 from .weighted import weighted_median, weighted_share
 
 COLUMNS = [*GROUP, "solver", "problems", "taken", "solvable", "right", "right_share", "false_successes",
-           "false_infeasible", "median_s", "wrong", "rho", "model_rho", *(f"{part}_share" for part in ERROR_PARTS)]
+           "false_infeasible", "median_s", *RATIO, "wrong", "rho", "model_rho", *(f"{part}_share" for part in ERROR_PARTS)]
 
 
 def with_friction(cells: pd.DataFrame) -> pd.DataFrame:
     return cells[(cells["friction"] > 0) | (cells["bounded"] > 0)]
 
 
-def friction_table(cells: pd.DataFrame) -> pd.DataFrame:
+def friction_table(cells: pd.DataFrame, ours: str = "", levels: Levels = Levels()) -> pd.DataFrame:
     """A row per set, tier and solver. `taken`: problems that it was run on; `solvable`: of these, those that are not
     known to have no solution; of them `right` (verified), its share of the weight and the median time, in which what is
-    not verified is infinite. `wrong`: the others of them; of these the medians of rho and model_rho, and of each
+    not verified is infinite. RATIO: the time of `ours` over its, where it is verified. `wrong`: the others of them; of these the medians of rho and model_rho, and of each
     part of the error the mean share of the sum of squares."""
-    rows = [label | {"solver": solver} | _measures(own) for label, of_group in groups(with_friction(cells))
-            for solver, own in of_group.groupby("solver", sort=False)]
+    rows = []
+    for label, of_group in groups(with_friction(cells)):
+        asked, bootstrap = by_solver(of_group), Bootstrap(of_group)
+        for solver, own in of_group.groupby("solver", sort=False):
+            rows.append(label | {"solver": solver} | _measures(own))
+            if solver != ours and {solver, ours} <= asked.keys():
+                rows[-1] |= ratio(asked[ours], asked[solver], label["tier"], bootstrap, levels)
     return pd.DataFrame(rows, columns=COLUMNS)
 
 

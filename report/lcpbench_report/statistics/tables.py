@@ -25,7 +25,7 @@ FOLDER = "analysis"
 # Name -> function of the table of cells; and of it and of launches.
 _OF_CELLS: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
     "cells": lambda cells: cells, "coverage": coverage_table, "scaling": scaling_table, "delivered": delivered_table,
-    "rank_correlation": rank_table, "friction": friction_table,
+    "rank_correlation": rank_table,
 }
 _OF_BOTH: dict[str, Callable[[pd.DataFrame, Levels], pd.DataFrame]] = {
     "class_times": class_table, "pairwise": pairwise_table, "means": mean_table, "origins": origin_table,
@@ -34,7 +34,7 @@ _OF_BOTH: dict[str, Callable[[pd.DataFrame, Levels], pd.DataFrame]] = {
 STEP_TABLES: dict[str, Callable[[Campaign], pd.DataFrame]] = {
     "latency_by_solver": latency_by_solver_table, "deadline": deadline_table,
 }
-TABLES = (*_OF_CELLS, *_OF_BOTH, "launches", "rivals", "equal_flags", "ablation")
+TABLES = (*_OF_CELLS, *_OF_BOTH, "launches", "rivals", "friction", "equal_flags", "ablation")
 MAIN = "auto"  # the solver of ours that users start with
 _DIGITS = "%.9g"
 
@@ -53,13 +53,14 @@ def makers_of(of_all: Measured, of_ablations: Measured, solvers: list[dict],
     """A maker for each of TABLES.
 
     @param solvers  the entries of campaign.json
-    @param ours     the solver of the table `rivals`
+    @param ours     the solver of the tables `rivals` and `friction`
     """
     cells, own = of_all.cells, {entry["key"] for entry in solvers if is_own(entry)}
     levels = levels_of(of_all, of_ablations)
     return {name: partial(table, cells) for name, table in _OF_CELLS.items()} | {
         name: partial(table, cells, levels) for name, table in _OF_BOTH.items()} | {
         "launches": lambda: of_all.launches, "rivals": partial(rival_table, cells, own, ours, levels),
+        "friction": partial(friction_table, cells, ours, levels),
         "equal_flags": lambda: flag_table(pd.concat([cells, of_ablations.cells], ignore_index=True), levels),
         "ablation": partial(ablation_table, cells, of_ablations.cells, solvers, levels)}
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from ..errors import ReportError
 
 WORDS = "scenes.txt"
+_FRICTION = " (friction)"
 _MOST_BYTES = 300_000  # of one picture: the page holds all of them
 
 
@@ -16,6 +17,7 @@ _MOST_BYTES = 300_000  # of one picture: the page holds all of them
 class Picture:
     family: str
     words: str  # title and purpose
+    friction: bool
     address: str  # data URI: as an image it cannot run scripts, nor can its ids clash with others
 
 
@@ -25,7 +27,8 @@ def read(folder: Path) -> list[Picture]:
     if not listed.is_file():
         raise ReportError(str(folder), f"has no {WORDS}", "what `lcpbench list scenes` prints")
     found = [line.split(maxsplit=1) for line in listed.read_text(encoding="utf-8").splitlines()]
-    return [Picture(family, words, _address(folder / f"{family}.svg")) for family, words in found]
+    return [Picture(family, words.removesuffix(_FRICTION), words.endswith(_FRICTION), _address(folder / f"{family}.svg"))
+            for family, words in found]
 
 
 def _address(path: Path) -> str:

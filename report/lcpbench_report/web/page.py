@@ -1,7 +1,7 @@
 """Puts the page together: data, tables and words into page.html.j2, with styles and scripts inline."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -11,7 +11,7 @@ from .. import choice, formats, markdown, peers, plotly_bundle, shown_tables, so
 from ..fairness import limitations
 from ..headline_table import headline
 from ..inputs import Inputs
-from ..static import canvas, curves, front
+from ..static import canvas, curves, friction, front
 from . import gallery, payload
 
 _HERE = Path(__file__).resolve().parent
@@ -37,12 +37,11 @@ def render(inputs: Inputs, pictures: Sequence[gallery.Picture] = ()) -> str:
         # JSON that may stand inside a <script>
         "data": Markup(json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")),
         "title": ", ".join(inputs.names), "summary": summary.summary_lines(inputs), "has": has,
-        "friction_words": [markdown.FRICTION_WORDS, shown_tables.not_taking_friction(inputs), markdown.FRICTION_ERROR_WORDS],
-        "tables": _tables(inputs), "motions": shown_tables.motions(inputs), "environments": _environments(inputs),
+        "friction": _friction(inputs, pictures), "tables": _tables(inputs), "motions": shown_tables.motions(inputs.motion), "environments": _environments(inputs),
         "commit": str(inputs.campaigns[0].info.get("environment", {}).get("git_commit", "unknown"))[:12],
         "limitations": limitations(inputs), "notes": inputs.notes, **_headline(inputs),
-        "peers": peers.table(inputs).html(), "left_out": peers.left_out().html(), "curves": _curves(inputs),
-        "pictures": pictures, "pictured": {picture.family for picture in pictures},
+        "peers": peers.table(inputs).html(), "left_out": peers.left_out().html(), "curves": _drawn(curves.figures(inputs)),
+        "pictures": [picture for picture in pictures if not (picture.friction and _has_friction(inputs))], "pictured": {picture.family for picture in pictures},
     }
     return environment.get_template("page.html.j2").render(context)
 
@@ -58,11 +57,28 @@ def shown(inputs: Inputs) -> list[str]:
     return chosen + list(libraries.values())[:_PEERS_SHOWN]
 
 
-def _curves(inputs: Inputs) -> list[dict]:
+def _drawn(figures: Iterable[curves.Figure]) -> list[dict]:
     """Drawn as the files are; the page shows them as images."""
     with canvas.look():
         return [{"name": figure.name, "title": figure.title, "words": figure.words,
-                 "address": gallery.address(canvas.svg(figure.draw()))} for figure in curves.figures(inputs)]
+                 "address": gallery.address(canvas.svg(figure.draw()))} for figure in figures]
+
+
+def _has_friction(inputs: Inputs) -> bool:
+    return inputs.friction_motion is not None or shown_tables.friction(inputs) is not None
+
+
+def _friction(inputs: Inputs, pictures: Sequence[gallery.Picture]) -> dict | None:
+    """What the section has; None where neither a problem nor a motion has friction."""
+    if not _has_friction(inputs):
+        return None
+    of = inputs.friction
+    return {"lead": summary.friction(inputs), "words": markdown.FRICTION_WORDS, "not_taking": shown_tables.not_taking_friction(inputs),
+            "class_words": markdown.FRICTION_CLASS_WORDS, "error_words": markdown.FRICTION_ERROR_WORDS, "motion_words": markdown.FRICTION_MOTION_WORDS,
+            "classes": _html(shown_tables.friction_classes(inputs)), "table": _html(shown_tables.friction(inputs)),
+            "by_solver": _html(of and shown_tables.by_solver(headline(of)), "by-solver"), "errors": _html(shown_tables.friction_errors(inputs)),
+            "motions": shown_tables.motions(inputs.friction_motion, friction=True), "figures": _drawn(friction.figures(inputs)),
+            "pictures": [picture for picture in pictures if picture.friction]}
 
 
 def _headline(inputs: Inputs) -> dict:
@@ -85,7 +101,6 @@ def _tables(inputs: Inputs) -> dict[str, Markup | None]:
     found = {"choices": (shown_tables.choices(inputs, detailed=True), "choose by-size"),
              "deadlines": (shown_tables.within_deadlines(inputs), "choose"),
              "warm": (shown_tables.sequences(inputs, detailed=True), ""),
-             "friction": (shown_tables.friction(inputs), ""), "friction_errors": (shown_tables.friction_errors(inputs), ""),
              "ablation": (shown_tables.ablation(inputs), ""), "origins": (shown_tables.origins(inputs), ""),
              "literature": (shown_tables.literature(inputs), ""),
              "settings": (shown_tables.settings(inputs), "")}

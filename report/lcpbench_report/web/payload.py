@@ -16,6 +16,7 @@ from ..inputs import Inputs
 from ..statistics.cells import BELOW_TIER, CHANGED, EXCLUDED, FAILED, FALSE_SUCCESS, NOT_ASKED, VERIFIED
 from ..statistics.load import ORIGINS
 from ..statistics.means import shift_of
+from ..studies import DRIVER
 from ..style import MARKER_PATHS
 
 STEPS_PER_DECADE = 1600
@@ -105,11 +106,11 @@ def _records(table: pd.DataFrame | None, drop: tuple[str, ...] = ()) -> list[dic
 
 
 def _motion(table: pd.DataFrame | None) -> list[dict]:
-    """A curve per scene, level, solver and tolerance, thinned; the deepest penetration so far."""
+    """A curve per scene, level, driver and tolerance, thinned; the deepest penetration so far."""
     if table is None:
         return []
     found = []
-    keys = ["scene", "level", "solver", "tolerance"]
+    keys = ["scene", "level", "solver", DRIVER, "tolerance"]
     for values, run in table.groupby(keys, sort=False):
         picked = np.unique(np.linspace(0, len(run) - 1, min(len(run), _MOTION_POINTS)).astype(int))
         found.append(dict(zip(keys, values)) | {"stopped": run["stopped"].iloc[-1]}

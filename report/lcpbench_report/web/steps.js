@@ -54,7 +54,7 @@ function motionFigure(view, field, title) {
     return traceOf(solver, "lines", {
       x: curve.time.slice(1), y,
       line: {color: solver.colour, width: 1.6, dash: MOTION_DASHES[Math.min(tolerances.indexOf(curve.tolerance), 3)]},
-      text: y.map((value) => `<b>${curve.solver}</b> at ${tierName(curve.tolerance)}<br>${title}: ${residual(value ?? NaN)}` +
+      text: y.map((value) => `<b>${curve.driver}</b> at ${tierName(curve.tolerance)}<br>${title}: ${residual(value ?? NaN)}` +
         (curve.stopped ? `<br>stopped: ${curve.stopped}` : ""))});
   });
   note("motion", tolerances.length ? `Lines: ${tolerances.map((tolerance, k) => `${tierName(tolerance)} ${MOTION_DASHES[Math.min(k, 3)]}`).join(", ")}.`
