@@ -127,6 +127,24 @@ TEST(FrictionMethods, ThePathHasNoRayWhereASolutionExists) {
   }
 }
 
+// With more unknowns than a dense factor takes: through the bodies from factors, by K itself from A.
+TEST(FrictionMethods, AutoSolvesManyContactsFromEveryForm) {
+  constexpr Index kMostContacts = 250;
+  const std::unique_ptr<LcpSolver> solver = MakeSolver("auto");
+  int solved = 0;
+  for (const LcpProblem& problem : StructuredFrictionProblems(2, kMostContacts)) {
+    const std::string& id = problem.id();
+    if (id != "drum-100-0.3" && !id.starts_with("pile-100") && !id.starts_with("ramp-100")) continue;
+    for (const MatrixForm form : {MatrixForm::kFactors, MatrixForm::kSparse}) {
+      const LcpProblem given = form == MatrixForm::kFactors ? problem : InForm(problem, form);
+      const LcpResult result = SolveWith(solver.get(), given);
+      EXPECT_TRUE(Verify(given, result, 1e-9).passes) << id << " " << result.detail;
+      ++solved;
+    }
+  }
+  EXPECT_EQ(solved, 18);
+}
+
 // Such problems are brought into range first, and their coefficients of friction and bounds with them.
 TEST(FrictionMethods, ExtremeUnitsHideNoAnswer) {
   std::mt19937 random(5);
