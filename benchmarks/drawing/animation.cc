@@ -26,7 +26,7 @@ namespace {
 /// Listens to a motion between two frames.
 class Listener {
  public:
-  using TwoKinds = std::array<std::vector<DrawnForce>, 2>;  ///< forces and slides
+  using TwoKinds = std::array<std::vector<DrawnForce>, 2>;  ///< forces and cones
 
   void operator()(const MotionProblem& problem) {
     if (problem.kind == MotionProblemKind::kImpact) {
@@ -35,8 +35,18 @@ class Listener {
       FinishStep(problem.time);
       begun_ = true;
       begin_ = problem.time;
-      forces_[0] = ForcesOf(problem.system, problem.rows, problem.result.f);
-      forces_[1] = SlidingForcesOf(problem.system, problem.rows, problem.result.f);
+      const Eigen::VectorXd& f = problem.result.f;
+      std::vector<bool> slides;
+      if (!problem.problem.is_plain() && f.allFinite()) {
+        Eigen::VectorXd w;
+        problem.problem.ComputeW(f, &w);
+        slides = SlidingRows(problem.problem, f, w);
+      }
+      forces_[0] = ForcesOf(problem.system, problem.rows, f, slides);
+      forces_[1].clear();
+      for (const DrawnCone& cone : ConesOf(problem.system, problem.rows, f)) {
+        for (const Vec2 side : cone.sides) forces_[1].push_back({cone.at, side});
+      }
       impulses_ = problem.kind == MotionProblemKind::kTimeStep;
     }
   }
@@ -181,8 +191,8 @@ Json SceneJson(const Animation& animation, const std::vector<Connector>& connect
   json["duration"] = animation.frames.back().time - animation.frames.front().time;
   json["view"] = {view.min().x(), view.min().y(), view.max().x(), view.max().y()};
   json["bodySize"] = size;
-  json["colors"] = {{"force", kForceColor}, {"slide", kSlideColor}, {"ink", kInkColor},     {"soft", kSoftInkColor},
-                    {"body", kBodyFill},    {"fixed", kFixedFill},  {"driven", kDrivenFill}};
+  json["colors"] = {{"force", kForceColor},  {"slide", kSlideColor}, {"cone", kConeColor},  {"ink", kInkColor},
+                    {"soft", kSoftInkColor}, {"body", kBodyFill},    {"fixed", kFixedFill}, {"driven", kDrivenFill}};
   json["bodies"] = Json::array();
   for (const Body& body : world.bodies) json["bodies"].push_back(BodyJson(body, 0.3 * size));
   json["connectors"] = Json::array();
@@ -337,22 +347,25 @@ void AddForces(const Animation& animation, Json* scene, Words* words) {
     for (const AnimationFrame& frame : animation.frames) frames.push_back(frame.*list);
     return frames;
   };
-  const auto add = [&](const char* name, Forces frames, double size) {
+  const auto add = [&](const char* name, Forces frames, double size, const auto& shown) {
     for (auto& forces : frames) {
-      std::erase_if(forces, [&](const DrawnForce& each) { return Norm(each.force) < kFaintForce * size; });
+      std::erase_if(forces, [&](const DrawnForce& each) { return !shown(each); });
       forces.resize(std::min(forces.size(), kMostForces));
     }
     (*scene)[name] = AddLists(frames, kVisiblePlace * bodies, kVisibleForce * size, words);
   };
-  Forces all = lists(&AnimationFrame::forces);
-  const Forces slides = lists(&AnimationFrame::slides);
-  for (std::size_t k = 0; k < all.size(); ++k) all[k].insert(all[k].end(), slides[k].begin(), slides[k].end());
-  const double typical = SizeOfShare(all, 0.98);
+  const Forces forces = lists(&AnimationFrame::forces);
   const Forces impacts = lists(&AnimationFrame::impacts);
+  const double typical = SizeOfShare(forces, 0.98);
   const double largest_impulse = SizeOfShare(impacts, 1);
-  add("forces", lists(&AnimationFrame::forces), typical);
-  add("slides", slides, typical);
-  add("impacts", impacts, largest_impulse);
+  const auto is_seen = [](const DrawnForce& each, double size) { return Norm(each.force) >= kFaintForce * size; };
+  for (const bool slides : {false, true}) {
+    add(slides ? "slides" : "forces", forces, typical,
+        [&](const DrawnForce& each) { return each.slides == slides && is_seen(each, typical); });
+  }
+  // Pairs stay pairs.
+  add("cones", lists(&AnimationFrame::cones), typical, [](const DrawnForce&) { return true; });
+  add("impacts", impacts, largest_impulse, [&](const DrawnForce& each) { return is_seen(each, largest_impulse); });
   const double arrow = kArrowBodies * bodies;  // [m]
   (*scene)["arrowPerNewton"] = typical > 0 ? arrow / typical : 0;
   (*scene)["longestArrow"] = kArrowCut * arrow;
@@ -369,9 +382,14 @@ Json LegendJson(const Json& scene, const Animation& animation, const std::vector
                      "force: " + Short(longest / kArrowCut / per_newton) + " N are " + Short(longest / kArrowCut) +
                          " m long, at most " + Short(longest) + " m"});
   }
-  const bool slides = std::any_of(animation.frames.begin(), animation.frames.end(),
-                                  [](const AnimationFrame& frame) { return !frame.slides.empty(); });
-  if (slides) items.push_back({34, SvgArrow({}, {34, 0}, 2.2, kSlideColor), "force of a contact that slides"});
+  const auto any = [&](const auto& has) { return std::any_of(animation.frames.begin(), animation.frames.end(), has); };
+  if (any([](const AnimationFrame& frame) {
+        return std::any_of(frame.forces.begin(), frame.forces.end(),
+                           [](const DrawnForce& each) { return each.slides; });
+      })) {
+    items.push_back({34, SvgArrow({}, {34, 0}, 2.2, kSlideColor), "force of a contact that slides"});
+  }
+  if (any([](const AnimationFrame& frame) { return !frame.cones.empty(); })) items.push_back(ConeItem());
   if (impulse > 0) {
     items.push_back({12, SvgCircle({6, 0}, 5, {kForceColor, 1.5}), "impact, largest " + Short(impulse) + " N s"});
   }
@@ -420,7 +438,7 @@ Animation RecordAnimation(Motion* motion, const AnimationOptions& options,
     listener.FinishStep(motion->time());
     AnimationFrame frame = FrameOf(*motion);
     frame.forces = listener.last()[0];
-    frame.slides = listener.last()[1];
+    frame.cones = listener.last()[1];
     frame.impacts = listener.TakeImpacts();
     animation.frames.push_back(std::move(frame));
     if (progress) progress(static_cast<double>(k) / frames);
@@ -428,7 +446,7 @@ Animation RecordAnimation(Motion* motion, const AnimationOptions& options,
   motion->set_observer({});
   motion->set_check([] {});
   animation.frames.front().forces = listener.first()[0];
-  animation.frames.front().slides = listener.first()[1];
+  animation.frames.front().cones = listener.first()[1];
   animation.statistics = motion->statistics();
   if (motion->status() != MotionStatus::kMoving) animation.stopped = motion->detail();
   return animation;

@@ -21,8 +21,8 @@ struct BodyPose {
 struct AnimationFrame {
   double time = 0;                  ///< [s]
   std::vector<BodyPose> poses;      ///< in the order of World::bodies
-  std::vector<DrawnForce> forces;   ///< of the last step before `time`, but for those that slide
-  std::vector<DrawnForce> slides;   ///< of contacts that slide (SlidingForcesOf)
+  std::vector<DrawnForce> forces;   ///< of the last step before `time`
+  std::vector<DrawnForce> cones;    ///< of friction in that step: of every cone both edges, one after the other
   std::vector<DrawnForce> impacts;  ///< contact impulses since the frame before [N s]
   double kinetic = 0;               ///< [J]
   double potential = 0;             ///< [J]
@@ -67,9 +67,10 @@ struct AnimationData {
   /// Base64 of a zlib stream of 16-bit words: first all low bytes, then all high bytes. The words are, in this order:
   /// for every body with "track" in `scene`, x, y and theta of all frames, as second differences in time, with
   ///     x = track[0] + track[1] word,  y = track[2] + track[3] word,  theta = 2 pi word / 65536;
-  /// then counts and columns at, at, force, force of all frames' forces, and the same of all slides and of all impacts:
-  /// scene.forces, scene.slides and scene.impacts hold offset and scale per column. Their elements are differences to
-  /// the element of the same number in the frame before (0 where there is none). All differences modulo 65536.
+  /// then counts and columns at, at, force, force of all frames' forces that do not slide, and the same of those that
+  /// do, of edges of cones and of impacts: scene.forces, slides, cones and impacts hold offset and scale per column.
+  /// Their elements are differences to the element of the same number in the frame before (0 where there is none). All
+  /// differences modulo 65536.
   std::string frames;
 };
 

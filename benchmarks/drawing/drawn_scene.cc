@@ -173,37 +173,43 @@ bool HasTangent(const std::vector<RowInfo>& rows, const RowsOfForce& group) {
   return group.count == 2 && rows[group.first + 1].axis == 't';
 }
 
-std::vector<DrawnForce> Collect(const ContactSystem& system, const std::vector<RowInfo>& rows, const Eigen::VectorXd& f,
-                                bool sliding) {
-  constexpr double kEdge = 1 - 1e-6;
+}  // namespace
+
+std::vector<bool> SlidingRows(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
+  constexpr double kSeen = 1e-6;  // of the largest force or motion
+  std::vector<bool> slides(static_cast<std::size_t>(problem.size()), false);
+  if (problem.size() == 0) return slides;
+  // Sides in one unit, sqrt(A_ii) f and w / sqrt(A_ii), so that rows compare.
+  const Eigen::ArrayXd D = problem.DiagonalA().array();
+  const Eigen::ArrayXd root = (D > 0).select(D.sqrt(), 1);
+  const Eigen::ArrayXd force = root * f.array();
+  const Eigen::ArrayXd motion = w.array() / root;
+  const double seen = kSeen * std::max(force.abs().maxCoeff(), motion.abs().maxCoeff());
+  for (const FrictionRow& row : problem.friction_rows()) {
+    const double spare = D[row.row] * (row.mu * std::max(f[row.normal], 0.0) - std::abs(f[row.row]));
+    const bool bears = force[row.normal] > std::max(motion[row.normal], 0.0);
+    if (bears && std::abs(w[row.row]) > spare && std::abs(motion[row.row]) > seen) {
+      slides[static_cast<std::size_t>(row.normal)] = true;
+    }
+  }
+  return slides;
+}
+
+std::vector<DrawnForce> ForcesOf(const ContactSystem& system, const std::vector<RowInfo>& rows,
+                                 const Eigen::VectorXd& f, const std::vector<bool>& slides) {
   std::vector<DrawnForce> forces;
   for (const RowsOfForce& group : GroupRows(rows)) {
-    const auto first = static_cast<Index>(group.first);
-    const Constraint& constraint = ConstraintOf(system, rows[group.first]);
-    const bool slides =
-        HasTangent(rows, group) && f[first] > 0 && std::abs(f[first + 1]) >= kEdge * constraint.friction * f[first];
-    if (slides != sliding) continue;
     Vec2 force;
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
       const double size = f[static_cast<Index>(i)];
       if (std::isfinite(size)) force = force + size * rows[i].n;
     }
     if (force.x == 0 && force.y == 0) continue;
-    forces.push_back({PlaceOf(system, rows[group.first]), OnBody2(system, constraint) ? -force : force});
+    const bool on_body2 = OnBody2(system, ConstraintOf(system, rows[group.first]));
+    forces.push_back(
+        {PlaceOf(system, rows[group.first]), on_body2 ? -force : force, !slides.empty() && slides[group.first]});
   }
   return forces;
-}
-
-}  // namespace
-
-std::vector<DrawnForce> ForcesOf(const ContactSystem& system, const std::vector<RowInfo>& rows,
-                                 const Eigen::VectorXd& f) {
-  return Collect(system, rows, f, false);
-}
-
-std::vector<DrawnForce> SlidingForcesOf(const ContactSystem& system, const std::vector<RowInfo>& rows,
-                                        const Eigen::VectorXd& f) {
-  return Collect(system, rows, f, true);
 }
 
 std::vector<DrawnCone> ConesOf(const ContactSystem& system, const std::vector<RowInfo>& rows,
@@ -219,6 +225,10 @@ std::vector<DrawnCone> ConesOf(const ContactSystem& system, const std::vector<Ro
     cones.push_back({PlaceOf(system, rows[group.first]), {n + aside, n - aside}});
   }
   return cones;
+}
+
+LegendItem ConeItem() {
+  return {24, SvgPath("M24 -9L0 0L24 9Z", {kConeColor, 1, kConeColor, " fill-opacity=\"0.18\""}), "friction cone"};
 }
 
 std::string Counted(std::string_view name, std::size_t count) {

@@ -35,11 +35,12 @@ inline constexpr std::array<EdgeStyle, 6> kEdgeStyles{{{"straight edge", "#0072B
                                                        {"Bézier curve", "#000000"}}};
 
 inline constexpr std::string_view kForceColor = "#D55E00";
-inline constexpr std::string_view kSlideColor = "#7A1FA2";  ///< of forces on the edge of their cone
+inline constexpr std::string_view kSlideColor = "#7A1FA2";  ///< of forces of contacts that slide
 inline constexpr std::string_view kInkColor = "#222222";
 inline constexpr std::string_view kSoftInkColor = "#6B7280";
 inline constexpr std::string_view kWhite = "#FFFFFF";
 inline constexpr std::string_view kBodyFill = "#F1F3F5";
+inline constexpr std::string_view kConeColor = "#8C8C8C";
 /// Ground and stripes of fixed bodies, and of driven ones: fixed bodies that move as prescribed.
 inline constexpr std::array<std::string_view, 2> kFixedFill{"#ECECEC", "#9A9A9A"};
 inline constexpr std::array<std::string_view, 2> kDrivenFill{"#F3E8C8", "#A98A3A"};
@@ -89,18 +90,21 @@ std::string SliderShape(Vec2 at, Vec2 normal, double radius);
 /// Where the row's force acts on the body that it is shown on, body 1, or body 2 where body 1 is fixed; world frame.
 Vec2 PlaceOf(const ContactSystem& system, const RowInfo& row);
 
+/// Of every row whether it is the normal row of a contact that bears force and slides: w of its friction row is larger
+/// than what its force falls short of the bound, and can be seen. A force on the edge of its cone need not slide.
+std::vector<bool> SlidingRows(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w);
+
 /// The force of one constraint on that body; world frame.
 struct DrawnForce {
-  Vec2 at;     ///< [m]
-  Vec2 force;  ///< [N]
+  Vec2 at;              ///< [m]
+  Vec2 force;           ///< [N]
+  bool slides = false;  ///< of a contact that slides
 };
 /// In the order of the rows; the two rows of a pin are one force, and those of a contact with friction. Without those
-/// that are 0 or not finite, and without SlidingForcesOf.
+/// that are 0 or not finite.
+/// @param slides  SlidingRows, or empty: none does
 std::vector<DrawnForce> ForcesOf(const ContactSystem& system, const std::vector<RowInfo>& rows,
-                                 const Eigen::VectorXd& f);
-/// The forces of contacts with friction that lie on the edge of their cone: what slides.
-std::vector<DrawnForce> SlidingForcesOf(const ContactSystem& system, const std::vector<RowInfo>& rows,
-                                        const Eigen::VectorXd& f);
+                                 const Eigen::VectorXd& f, const std::vector<bool>& slides = {});
 
 /// The friction cone of a contact that bears force, from `at` to where it is as high as the normal force.
 struct DrawnCone {
@@ -117,6 +121,8 @@ struct LegendItem {
 };
 /// The legend: kinds of edges, fixed bodies and connectors that are there, with their number.
 std::vector<LegendItem> LegendOf(const std::vector<Body>& bodies, const std::vector<Connector>& connectors);
+/// That of a friction cone.
+LegendItem ConeItem();
 /// "name (count)"
 std::string Counted(std::string_view name, std::size_t count);
 

@@ -28,7 +28,6 @@ constexpr double kTitleHeight = 40;
 constexpr double kMaxDrawingHeight = 620;
 constexpr double kStripGap = 10;
 constexpr double kSmallBody = 24;  ///< smaller ones show no centre of mass
-constexpr std::string_view kConeColor = "#8C8C8C";
 
 /// What a row is drawn as: grey disc where nothing is solved, filled disc, open diamond, open disc, filled disc of a
 /// colour of its own; nothing; the joint's symbol.
@@ -65,11 +64,13 @@ Layout MakeLayout(const std::vector<Body>& bodies, const std::vector<Vec2>& poin
     const double strips = std::sqrt(kMaxDrawingHeight * size.x() / (kWidth * size.y()));
     return strips < kMostStrips ? static_cast<int>(strips) : static_cast<int>(kMostStrips);
   };
+  // Nor is a row broken whose bodies are large enough in one piece.
+  constexpr double kLarge = 60;
   // A few bodies shall not fill the page: at least two median extents in view, with room around them.
   double margin = std::max({0.04 * largest, 0.25 * median, (2 * median - largest) / 2});
   Eigen::Vector2d size = view.sizes().array() + 2 * margin;
   Layout layout;
-  if (strips_of(size) > 1) {
+  if (strips_of(size) > 1 && median * kWidth / size.x() < kLarge) {
     // The margin belongs to the outer ends of the row, and above and below it.
     margin = std::min(margin, 0.1 * (view.sizes().y() + median));
     size = view.sizes().array() + 2 * margin;
@@ -118,9 +119,10 @@ std::string Tooltip(const Body& body) {
 }
 
 /// A row is active, separating or degenerate where f and w are given, by their sides in one unit, sqrt(A_ii) f and
-/// w / sqrt(A_ii), so that rows and the two sides compare; an active contact slides where w of its tangent row is
-/// larger than what its friction falls short of the bound.
-std::vector<RowKind> Classify(const AssembledLcp& lcp, const Eigen::VectorXd* f, const Eigen::VectorXd* w) {
+/// w / sqrt(A_ii), so that rows and the two sides compare.
+/// @param slides  SlidingRows, or empty
+std::vector<RowKind> Classify(const AssembledLcp& lcp, const Eigen::VectorXd* f, const Eigen::VectorXd* w,
+                              const std::vector<bool>& slides) {
   std::vector<RowKind> kinds(lcp.rows.size(), RowKind::kPlain);
   const bool solved = f != nullptr && w != nullptr && !kinds.empty();
   Eigen::ArrayXd force;
@@ -139,20 +141,12 @@ std::vector<RowKind> Classify(const AssembledLcp& lcp, const Eigen::VectorXd* f,
       kinds[k] = RowKind::kJoint;
     } else if (lcp.rows[k].axis == 't') {
       kinds[k] = RowKind::kTangent;
+    } else if (!slides.empty() && slides[k]) {
+      kinds[k] = RowKind::kSlides;
     } else if (solved) {
       kinds[k] = std::max(force[i], motion[i]) <= threshold ? RowKind::kDegenerate
                  : force[i] > motion[i]                     ? RowKind::kActive
                                                             : RowKind::kOpen;
-    }
-  }
-  if (!solved) return kinds;
-  for (const FrictionRow& row : lcp.problem.friction_rows()) {
-    const double D = lcp.problem.DiagonalA()[row.row];
-    const double spare = D * (row.mu * std::max((*f)[row.normal], 0.0) - std::abs((*f)[row.row]));
-    RowKind& kind = kinds[static_cast<std::size_t>(row.normal)];
-    const double slip = std::abs((*w)[row.row]);
-    if (kind == RowKind::kActive && slip > spare && motion[row.row] * motion[row.row] > threshold * threshold) {
-      kind = RowKind::kSlides;
     }
   }
   return kinds;
@@ -219,8 +213,10 @@ Picture::Picture(const ContactSystem& system, const AssembledLcp& lcp, const Eig
       lcp_(lcp),
       loads_(loads),
       connectors_(ConnectorsOf(system.constraints, loads)),
-      kinds_(Classify(lcp, f, w)),
       id_(Identifier(system.name)) {
+  const std::vector<bool> slides =
+      f != nullptr && w != nullptr ? SlidingRows(lcp.problem, *f, *w) : std::vector<bool>();
+  kinds_ = Classify(lcp, f, w, slides);
   std::vector<Vec2> points;
   for (const RowInfo& row : lcp.rows) points.insert(points.end(), {row.p1, row.p2});
   for (const Connector& connector : connectors_) {
@@ -243,17 +239,14 @@ Picture::Picture(const ContactSystem& system, const AssembledLcp& lcp, const Eig
   for (const double force : *f) largest = std::isfinite(force) ? std::max(largest, std::abs(force)) : largest;
   if (largest == 0) return;
   arrow_scale_ = std::clamp(crowd, 8.0, 80.0) / largest;
-  const auto add = [&](const std::vector<DrawnForce>& forces, std::string_view color) {
-    for (const auto& [at, force] : forces) {
-      const Vec2 length = arrow_scale_ * Mirrored(force);
-      constexpr double kVisible = 0.5;
-      if (IsFinite(length) && Norm(length) >= kVisible) {
-        arrows_.push_back({layout_.ToPage(at), layout_.ToPage(at) + length, Norm(force), color});
-      }
+  for (const auto& [at, force, slides_here] : ForcesOf(system, lcp.rows, *f, slides)) {
+    const Vec2 length = arrow_scale_ * Mirrored(force);
+    constexpr double kVisible = 0.5;
+    if (IsFinite(length) && Norm(length) >= kVisible) {
+      arrows_.push_back(
+          {layout_.ToPage(at), layout_.ToPage(at) + length, Norm(force), slides_here ? kSlideColor : kForceColor});
     }
-  };
-  add(ForcesOf(system, lcp.rows, *f), kForceColor);
-  add(SlidingForcesOf(system, lcp.rows, *f), kSlideColor);
+  }
   for (const auto& [at, sides] : ConesOf(system, lcp.rows, *f)) {
     const Vec2 tip = layout_.ToPage(at);
     cones_ += "M" + Px(tip + arrow_scale_ * Mirrored(sides[0])) + "L" + Px(tip) + "L" +
@@ -364,13 +357,15 @@ void Picture::AddLabels() {
   if (arrows_.size() > kMaxLabels || !readable) return;
   std::vector<Bounds> taken;
   const auto box = [](Vec2 p, Vec2 half) { return Bounds(PointOf(p - half), PointOf(p + half)); };
-  for (const Arrow& arrow : arrows_) {
-    // A slanted arrow as a chain of boxes; the box of the whole would shut out half the picture.
+  // A slanted line as a chain of boxes; the box of the whole would shut out half the picture.
+  const auto take_line = [&](Vec2 from, Vec2 to) {
     constexpr int kPieces = 8;
     for (int k = 0; k <= kPieces; ++k) {
-      taken.push_back(box(arrow.from + (static_cast<double>(k) / kPieces) * (arrow.to - arrow.from), {3, 3}));
+      taken.push_back(box(from + (static_cast<double>(k) / kPieces) * (to - from), {3, 3}));
     }
-  }
+  };
+  for (const Arrow& arrow : arrows_) take_line(arrow.from, arrow.to);
+  for (const Connector& connector : connectors_) take_line(PageOf(connector.end1), PageOf(connector.end2));
   for (const RowInfo& row : lcp_.rows) taken.push_back(box(PageOf(row), {1.5 * mark_, 1.5 * mark_}));
   const Bounds page(Eigen::Vector2d(0, 0), Eigen::Vector2d(layout_.width * layout_.strips, layout_.height));
   // The largest first: they say most.
@@ -378,7 +373,7 @@ void Picture::AddLabels() {
                    [](const Arrow& a, const Arrow& b) { return a.newtons > b.newtons; });
   for (const Arrow& arrow : arrows_) {
     constexpr double kHeight = 12;
-    constexpr double kCharacter = 6.2;
+    constexpr double kCharacter = 7;  // of the wider fonts that stand in for Helvetica
     const std::string text = Short(arrow.newtons) + " N";
     const Vec2 half{kCharacter * static_cast<double>(text.size()) / 2 + 1, kHeight / 2};
     const Vec2 along = Unit(arrow.to - arrow.from);
@@ -418,10 +413,7 @@ std::vector<LegendItem> Picture::Legend() const {
     const double length = force * arrow_scale_;
     items.push_back({length, SvgArrow({}, {length, 0}, arrow_, kForceColor), Short(force) + " N"});
   }
-  if (!cones_.empty()) {
-    items.push_back(
-        {24, SvgPath("M24 -9L0 0L24 9Z", {kConeColor, 1, kConeColor, " fill-opacity=\"0.18\""}), "friction cone"});
-  }
+  if (!cones_.empty()) items.push_back(ConeItem());
   if (loads_ != nullptr && Norm(loads_->gravity) > 0) {
     const double g = Norm(loads_->gravity);
     const Vec2 half = (9 / g) * Mirrored(loads_->gravity);

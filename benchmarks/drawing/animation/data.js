@@ -22,6 +22,7 @@ class Frames {
     }
     this.forces = this.lists(scene.forces);
     this.slides = this.lists(scene.slides);
+    this.cones = this.lists(scene.cones);
     this.impacts = this.lists(scene.impacts);
   }
 

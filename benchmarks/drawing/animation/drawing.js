@@ -211,6 +211,28 @@ function drawForces({begins, value}, frame, color) {
   context.fill(heads);
 }
 
+// Edges come in pairs, from the contact to where the cone is as high as its normal force.
+function drawCones({begins, value}, frame) {
+  const k = Math.min(Math.round(frame), frameCount - 1);
+  const longest = scene.longestArrow * view.scale;
+  const cones = new Path2D();
+  for (let i = begins[k]; i < begins[k + 1]; i += 2) {
+    const [x, y] = toPage(value(0, i), value(1, i));
+    const edges = [i, i + 1].map((j) => [value(2, j), -value(3, j)].map((part) => part * scene.arrowPerNewton * view.scale));
+    const cut = Math.min(1, longest / Math.hypot(...edges[0]));
+    cones.moveTo(x + cut * edges[0][0], y + cut * edges[0][1]);
+    cones.lineTo(x, y);
+    cones.lineTo(x + cut * edges[1][0], y + cut * edges[1][1]);
+    cones.closePath();
+  }
+  pageTransform();
+  context.fillStyle = `${scene.colors.cone}2e`;
+  context.strokeStyle = scene.colors.cone;
+  context.lineWidth = 0.8;
+  context.fill(cones);
+  context.stroke(cones);
+}
+
 // Rings that grow with the square root of the impulse, and fade.
 function drawImpacts(frames, frame) {
   const {begins, value} = frames.impacts;
@@ -259,6 +281,7 @@ function drawStage(frames, frame, withForces) {
   for (const link of scene.connectors) drawConnector(link);
   context.lineCap = "butt";
   if (withForces) {
+    drawCones(frames.cones, frame);
     drawForces(frames.forces, frame, scene.colors.force);
     drawForces(frames.slides, frame, scene.colors.slide);
     drawImpacts(frames, frame);

@@ -129,7 +129,8 @@ TEST(AnimationRecording, ShowsForcesAndImpacts) {
     for (std::size_t k = 0; k < 3; ++k) {
       EXPECT_EQ(frames[k].forces.size(), is_impact ? 0U : 1U);
       EXPECT_EQ(frames[k].impacts.size(), is_impact && k > 0 ? 1U : 0U);
-      for (const auto& [at, force] : is_impact ? frames[k].impacts : frames[k].forces) {
+      for (const auto& [at, force, slides] : is_impact ? frames[k].impacts : frames[k].forces) {
+        EXPECT_FALSE(slides);
         EXPECT_EQ(at, (Vec2{0.25, 0.5}));
         EXPECT_EQ(force.x, 0);
         EXPECT_NEAR(force.y, 3 / step, 1e-9 / step);
@@ -160,7 +161,7 @@ TEST(AnimationData, KeepsPositionsToTheirOwnTravelAndAnglesToATenthOfAMilliradia
     }
   }
   EXPECT_EQ(tracks, 7);
-  for (const char* name : {"forces", "slides", "impacts"}) {
+  for (const char* name : {"forces", "slides", "cones", "impacts"}) {
     for (const auto& list : unpacker.Lists(data.scene[name])) EXPECT_TRUE(list.empty());
   }
   EXPECT_TRUE(unpacker.finished());
@@ -172,8 +173,10 @@ TEST(AnimationData, KeepsForcesThatChangeInNumberAndLeavesOutFaintOnes) {
   for (std::size_t k = 0; k < animation.frames.size(); ++k) {
     for (std::size_t i = 0; i < (5 * k) % 7; ++i) {
       const Vec2 at = random.InUnitDisc();
-      animation.frames[k].forces.push_back({at, 10 * random.UnitVector()});
-      animation.frames[k].slides.push_back({at, -animation.frames[k].forces.back().force});
+      const Vec2 force = 10 * random.UnitVector();
+      animation.frames[k].forces.push_back({at, force});
+      animation.frames[k].forces.push_back({at, -force, true});
+      for (const double size : {1e-4, 1.0}) animation.frames[k].cones.push_back({at, size * force});
       animation.frames[k].impacts.push_back({at, {random.Uniform(1, 2), 0}});
     }
     animation.frames[k].forces.push_back({{}, {1e-3, 0}});
@@ -183,15 +186,19 @@ TEST(AnimationData, KeepsForcesThatChangeInNumberAndLeavesOutFaintOnes) {
   for (int track = 0; track < 3; ++track) unpacker.Track();
   const auto forces = unpacker.Lists(data.scene["forces"]);
   const auto slides = unpacker.Lists(data.scene["slides"]);
+  const auto cones = unpacker.Lists(data.scene["cones"]);
   const auto impacts = unpacker.Lists(data.scene["impacts"]);
   EXPECT_TRUE(unpacker.finished());
   const double place = 0.6 * kVisiblePlace;  // of discs of that diameter
   for (std::size_t k = 0; k < animation.frames.size(); ++k) {
     const AnimationFrame& frame = animation.frames[k];
-    ASSERT_EQ(forces[k].size(), frame.forces.size() - 1);
+    ASSERT_EQ(2 * forces[k].size(), frame.forces.size() - 1);
+    ASSERT_EQ(slides[k].size(), forces[k].size());
+    ASSERT_EQ(cones[k].size(), frame.cones.size());
     ASSERT_EQ(impacts[k].size(), frame.impacts.size());
     for (std::size_t i = 0; i < forces[k].size(); ++i) {
-      const auto& [at, force] = frame.forces[i];
+      const Vec2 at = frame.forces[2 * i].at;
+      const Vec2 force = frame.forces[2 * i].force;
       EXPECT_LE(Norm(Vec2{forces[k][i][0], forces[k][i][1]} - at), std::sqrt(2) * place);
       EXPECT_LE(Norm(Vec2{forces[k][i][2], forces[k][i][3]} - force), std::sqrt(2) * 10 * kVisibleForce);
       EXPECT_LE(Norm(Vec2{slides[k][i][2], slides[k][i][3]} + force), std::sqrt(2) * 10 * kVisibleForce);

@@ -124,6 +124,7 @@ TEST(ForcesOf, ActOnBodyOneOrOnTheOneThatCanMoveAndJoinTheRowsOfAPin) {
   EXPECT_EQ(forces[1].at, (Vec2{0, 3}));
 }
 
+// A force on the edge of its cone sticks where w is 0.
 TEST(ForcesOf, TellContactsThatSlideFromThoseThatStick) {
   const ContactSystem system = GenerateScene("three-discs", 10, 1);
   const AssembledLcp lcp = AssembleInstant(system, 0.01);
@@ -131,15 +132,17 @@ TEST(ForcesOf, TellContactsThatSlideFromThoseThatStick) {
   const double mu = system.constraints[0].friction;
   Eigen::VectorXd f(8);
   f << 1, mu, 2, mu, 3, -3 * system.constraints[2].friction, 0, 0;
-  const auto sticking = ForcesOf(system, lcp.rows, f);
-  ASSERT_EQ(sticking.size(), 1U);
-  EXPECT_EQ(sticking[0].force, 2 * lcp.rows[2].n + mu * lcp.rows[3].n);
-  const auto sliding = SlidingForcesOf(system, lcp.rows, f);
-  ASSERT_EQ(sliding.size(), 2U);
-  EXPECT_EQ(sliding[0].force, lcp.rows[0].n + mu * lcp.rows[1].n);
+  Eigen::VectorXd w = Eigen::VectorXd::Zero(8);
+  w[1] = -0.1;
+  w[3] = 1e-12;
+  const std::vector<DrawnForce> forces = ForcesOf(system, lcp.rows, f, SlidingRows(lcp.problem, f, w));
+  ASSERT_EQ(forces.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(forces[i].slides, i == 0) << i;
+  EXPECT_EQ(forces[0].force, lcp.rows[0].n + mu * lcp.rows[1].n);
+  EXPECT_EQ(forces[1].force, 2 * lcp.rows[2].n + mu * lcp.rows[3].n);
   const auto cones = ConesOf(system, lcp.rows, f);
   ASSERT_EQ(cones.size(), 3U);
-  EXPECT_EQ(cones[0].sides[0], sliding[0].force);
+  EXPECT_EQ(cones[0].sides[0], forces[0].force);
 }
 
 TEST(RenderSvg, ShowsConesAndWhatSlides) {

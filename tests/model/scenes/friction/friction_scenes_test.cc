@@ -313,6 +313,27 @@ TEST(LockedCams, HoldAnyTorqueFromTheirLeastFrictionOn) {
   }
 }
 
+// A disc at rest at the bottom of a turning drum: within a step friction takes it along without slip if and only if
+// |omega| R <= 3 mu g h; else it bears all it can, in the direction of the turn, however fast the wall is.
+TEST(Drum, TakesADiscAlongUpToItsThreshold) {
+  const double mu = 0.4;
+  const double R = 3;
+  ContactSystem system = DiscOnArc(Side::kConcave, R, 0.5, 0, 0, mu);
+  for (const double speed : {1 - kMargin, 1 + kMargin, 1e6}) {
+    for (const double turn : {-1.0, 1.0}) {
+      system.bodies[0].omega = turn * speed * 3 * mu * kGravity * kStep / R;
+      const Answer answer = StepOf(system);
+      const double weight = kGravity * system.bodies[1].mass;
+      EXPECT_NEAR(answer.Sum('n'), weight, 1e-8 * weight);
+      EXPECT_NEAR(answer.v[3], turn * mu * kGravity * kStep * std::min(speed, 1.0), 1e-9) << speed;
+      EXPECT_EQ(std::abs(answer.w[1]) < 1e-9, speed < 1) << speed;
+      LcpResult nothing;
+      nothing.f = Eigen::VectorXd::Zero(2);
+      EXPECT_GT(Verify(answer.lcp.problem, nothing, 1e-3).metrics.rho, 0.5);
+    }
+  }
+}
+
 // Nothing passes for the lack of a load, and contacts slip in both directions.
 TEST(Drum, IsFarFromAnAnswerAtZero) {
   int forward = 0;
