@@ -22,11 +22,12 @@ std::string WhyNotColumns(std::span<const int> starts, std::span<const int> indi
 
 /// A compressed matrix as a caller's arrays hold it, by rows (CSR) or by columns (CSC).
 struct CompressedArrays {
-  Eigen::Index rows = 0, columns = 0;
-  bool by_columns = false;
-  std::span<const int> starts;   ///< a number for every row (or column) and one more
-  std::span<const int> indices;  ///< the columns (or rows) of the entries, in any order within a row (or column)
-  std::span<const double> values;
+  Eigen::Index rows = 0;           ///< of the matrix
+  Eigen::Index columns = 0;        ///< of the matrix
+  bool by_columns = false;         ///< CSC
+  std::span<const int> starts;     ///< a number for every row (or column) and one more
+  std::span<const int> indices;    ///< the columns (or rows) of the entries, in any order within a row (or column)
+  std::span<const double> values;  ///< the entries, as many as `indices`
 };
 
 /// The same matrix as a SparseMatrix (problem.h), each array copied once where it is by rows whose columns ascend.
