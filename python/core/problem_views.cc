@@ -70,6 +70,7 @@ template <typename T, typename Row, typename Member>
 nb::object Column(const std::vector<Row>& rows, Member member) {
   T* numbers = nullptr;
   nb::object array = NewVector<T>(static_cast<Index>(rows.size()), &numbers);
+  // FrictionRow::slip is a number. NOLINTNEXTLINE(bugprone-signed-char-misuse)
   for (std::size_t k = 0; k < rows.size(); ++k) numbers[k] = static_cast<T>(rows[k].*member);
   return array;
 }
