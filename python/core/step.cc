@@ -108,8 +108,8 @@ class Step {
   }
 
   BatchAnswer SolveBatch(nb::handle body, nb::handle J, nb::handle b, nb::handle inverse_mass, nb::handle starts,
-                         nb::handle bilateral, nb::handle f) {
-    const GivenRows given(body, J, b, inverse_mass, bilateral, nb::none(), nb::none());
+                         nb::handle bilateral, nb::handle friction, nb::handle bounded, nb::handle f) {
+    const GivenRows given(body, J, b, inverse_mass, bilateral, friction, bounded);
     const auto begins = ReadVector<std::int32_t>(starts, "starts");
     const std::span<const std::int32_t> start(begins.data, static_cast<std::size_t>(begins.size));
     if (start.empty()) Refuse("starts", "is empty, expected one number more than there are problems");
@@ -198,8 +198,9 @@ Raises ValueError naming the argument.)";
 
 constexpr const char* kBatch = R"(Solves many problems that share no body that can move, several at once.
 
-Problem k has the rows starts[k] to starts[k + 1] - 1 of the arrays, which are those of `solve`; without friction and
-bounded rows. The forces of a problem do not depend on its neighbours, nor on the number of threads.)";
+Problem k has the rows starts[k] to starts[k + 1] - 1 of the arrays, which are those of `solve`. Without friction and
+bounded rows SIMD lanes solve a problem each; where any problem has such rows, threads do. The forces of a problem do
+not depend on its neighbours, nor on the number of threads.)";
 
 }  // namespace
 
@@ -261,11 +262,14 @@ Threads take turns.)")
                "w: numpy.typing.NDArray[numpy.float64] | None = None) -> StepAnswer"),
            kStep)
       .def("solve_batch", &Step::SolveBatch, nb::arg("body"), nb::arg("J"), nb::arg("b"), nb::arg("inverse_mass"),
-           nb::arg("starts"), nb::kw_only(), nb::arg("bilateral") = nb::none(), nb::arg("f") = nb::none(),
-           nb::sig("def solve_batch(self, body: numpy.typing.ArrayLike, J: numpy.typing.ArrayLike, b: "
-                   "numpy.typing.ArrayLike, inverse_mass: numpy.typing.ArrayLike, "
-                   "starts: numpy.typing.ArrayLike, *, bilateral: numpy.typing.ArrayLike | None = None, "
-                   "f: numpy.typing.NDArray[numpy.float64] | None = None) -> BatchAnswer"),
+           nb::arg("starts"), nb::kw_only(), nb::arg("bilateral") = nb::none(), nb::arg("friction") = nb::none(),
+           nb::arg("bounded") = nb::none(), nb::arg("f") = nb::none(),
+           nb::sig(
+               "def solve_batch(self, body: numpy.typing.ArrayLike, J: numpy.typing.ArrayLike, b: "
+               "numpy.typing.ArrayLike, inverse_mass: numpy.typing.ArrayLike, "
+               "starts: numpy.typing.ArrayLike, *, bilateral: numpy.typing.ArrayLike | None = None, friction: object | "
+               "None = None, bounded: object | None = None, "
+               "f: numpy.typing.NDArray[numpy.float64] | None = None) -> BatchAnswer"),
            kBatch)
       .def("_time", &Step::Time)
       .def_prop_ro("fallbacks", &Step::fallbacks, "How many solves went to solvers that allocate.");

@@ -13,10 +13,12 @@ from ._core import (BatchAnswer, Certificate, Derivative, Gradient, Problem, Ray
                     limit_library_threads, solve, verify)
 
 
-def solve_batch(body, J, b, inverse_mass, starts, *, bilateral=None, f=None, tolerance=1e-9, threads=1):
+def solve_batch(body, J, b, inverse_mass, starts, *, bilateral=None, friction=None, bounded=None, f=None,
+                tolerance=1e-9, threads=1):
     """StepSolver(tolerance=tolerance, threads=threads).solve_batch of these arrays."""
     solver = StepSolver(tolerance=tolerance, threads=threads)
-    return solver.solve_batch(body, J, b, inverse_mass, starts, bilateral=bilateral, f=f)
+    return solver.solve_batch(body, J, b, inverse_mass, starts, bilateral=bilateral, friction=friction, bounded=bounded,
+                              f=f)
 
 
 __all__ = ["Animation", "BatchAnswer", "Body", "Campaign", "Certificate", "Derivative", "Edge", "Gradient", "Problem",

@@ -81,6 +81,28 @@ def test_a_batch_is_its_problems(seed, count):
         assert not judged.false_success
 
 
+def test_a_batch_with_friction_is_its_steps():
+    random = np.random.default_rng(5)
+    parts, laws, at = [], {"row": [], "normal": [], "mu": []}, 0
+    for _ in range(20):
+        body, J, b, inverse_mass = random_step(int(random.integers(2**32)), 2 * int(random.integers(1, 6)))
+        own = {"row": np.arange(1, len(b), 2), "normal": np.arange(0, len(b), 2),
+               "mu": random.uniform(0, 1, len(b) // 2)}
+        parts.append((body, J, b, inverse_mass, own))
+        laws = {"row": np.append(laws["row"], own["row"] + at), "normal": np.append(laws["normal"], own["normal"] + at),
+                "mu": np.append(laws["mu"], own["mu"])}
+        at += len(b)
+    shift = np.cumsum([0] + [len(part[3]) for part in parts])
+    body = np.concatenate([np.where(part[0] < 0, -1, part[0] + k) for part, k in zip(parts, shift)]).astype(np.int32)
+    arrays = [body] + [np.concatenate([part[k] for part in parts]) for k in (1, 2, 3)]
+    starts = np.cumsum([0] + [len(part[2]) for part in parts])
+    friction = {"row": laws["row"].astype(int), "normal": laws["normal"].astype(int), "mu": laws["mu"]}
+    batch = lcpbench.solve_batch(*arrays, starts, friction=friction, threads=2)
+    for k, (*step, own) in enumerate(parts):
+        alone = lcpbench.StepSolver().solve(*step, friction=own)
+        assert alone.f.tobytes() == batch.f[starts[k] : starts[k + 1]].tobytes() and alone.status == batch.status[k]
+
+
 def test_friction_holds_in_a_step():
     body, J = [[0, -1], [0, -1]], [[0.0, 1, 0, 0, 0, 0], [1.0, 0, 0, 0, 0, 0]]
     friction = {"row": [1], "normal": [0], "mu": [0.5]}

@@ -48,6 +48,8 @@ const char* ShiftRounds::RunOne(const ContactRows& rows, ModeSteps* newton, Eige
 }
 
 ShiftRounds::Relax RelaxProblems(const RelaxationOptions& options) {
+  // Of the time that is left: a relaxation that does not end leaves the rest to other methods.
+  constexpr double kShareOfTime = 0.5;
   const auto solver = std::make_shared<RelaxationSolver>(options);
   const auto result = std::make_shared<LcpResult>();
   return [solver, result](const FrictionAnswer& answer, const Eigen::VectorXd& shift, const Eigen::VectorXd* start,
@@ -56,7 +58,7 @@ ShiftRounds::Relax RelaxProblems(const RelaxationOptions& options) {
     const Index n = problem.size();
     LcpOptions of_round = answer.options();
     of_round.max_iterations = 0;
-    of_round.time_limit_s = answer.Remaining();
+    of_round.time_limit_s = kShareOfTime * answer.Remaining();
     Eigen::VectorXd initial_f;
     if (start != nullptr) {
       initial_f = start->head(n);
