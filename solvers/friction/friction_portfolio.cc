@@ -126,7 +126,7 @@ const char* FrictionPortfolio::Ask(const ContactRows& rows, FrictionAnswer* answ
   if (const char* method = newton_.Begin(rows, answer)) return method;
   if (rows.can_relax()) {
     if (const char* method = ask_rounds(kFirstRounds)) return method;
-    if (!rounds_.is_solved() && FindRay(*answer, result)) return kRay;
+    if (!rounds_.is_solved() && !rounds_.ran_out_of_time() && FindRay(*answer, result)) return kRay;
   } else {
     phi_.setZero(rows.size());
     if (newton_.Run(rows, kCold, &phi_, answer)) return "mode-newton";

@@ -27,6 +27,7 @@ class ShiftRounds {
   void Start(const ContactRows& rows);
   /// Whether the latest relaxation was solved: it may have no solution.
   bool is_solved() const { return status_ == LcpStatus::kSolved; }
+  bool ran_out_of_time() const { return status_ == LcpStatus::kTimeLimit; }
   /// Up to `count` rounds. The method that answered; nullptr if none did. *phi: the forces of the last round.
   const char* Run(const ContactRows& rows, int count, ModeSteps* newton, Eigen::VectorXd* phi, FrictionAnswer* answer);
 

@@ -43,6 +43,14 @@ def _memory_limit(path: Path, size: int) -> int:
     return max(_LEAST_MEMORY, _available_memory() // 2)
 
 
+def _limit(what: int, soft: int, hard: int) -> None:
+    """Below what the process has been limited to already, as the workers of a campaign are."""
+    most = resource.getrlimit(what)[1]
+    if most != resource.RLIM_INFINITY:
+        soft, hard = min(soft, most), min(hard, most)
+    resource.setrlimit(what, (soft, hard))
+
+
 def _confine(path: Path) -> None:
     """Limits this process, which is to read the file. A crash is its own alone: no core file, no message."""
     size = path.stat().st_size if path.exists() else 0
@@ -56,9 +64,9 @@ def _confine(path: Path) -> None:
     os.close(nowhere)  # the one number that is left
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
-    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + _SECONDS_TO_ANSWER))
-    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
-    resource.setrlimit(resource.RLIMIT_NOFILE, (nowhere + 1, nowhere + 1))
+    _limit(resource.RLIMIT_CPU, seconds, seconds + _SECONDS_TO_ANSWER)
+    _limit(resource.RLIMIT_AS, memory, memory)
+    _limit(resource.RLIMIT_NOFILE, nowhere + 1, nowhere + 1)
 
 
 def _result(path: Path, read: Callable[[], StoredProblem]) -> tuple[bytes, list[bytes]]:
