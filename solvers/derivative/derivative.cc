@@ -2,7 +2,6 @@
 
 #include <Eigen/LU>
 #include <Eigen/QR>
-#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -13,6 +12,7 @@
 #include "solvers/friction/mode_factor.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/islands.h"
+#include "solvers/linear_algebra/sparse_lu.h"
 #include "solvers/pivoting/least_norm.h"
 #include "support/array_index.h"
 #include "support/input_error.h"
@@ -128,7 +128,8 @@ class Mode {
       Take(std::make_shared<Eigen::PartialPivLU<Eigen::MatrixXd>>(Eigen::MatrixXd(K_)));
       if (IsRegular(rank_tolerance)) return;
     } else {
-      const auto factor = std::make_shared<Eigen::SparseLU<Eigen::SparseMatrix<double>>>(K_);
+      const auto factor = std::make_shared<SparseLu<Eigen::COLAMDOrdering<int>>>();
+      factor->compute(K_);
       Take(factor);
       if (factor->info() == Eigen::Success && IsRegular(rank_tolerance)) return;
     }

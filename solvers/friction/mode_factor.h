@@ -1,11 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/SparseLU>
 #include <vector>
 
 #include "solvers/friction/contact_rows.h"
 #include "solvers/friction/profile_lu.h"
+#include "solvers/linear_algebra/sparse_lu.h"
 
 /// Internal to solvers/.
 namespace lcpbench {
@@ -54,7 +54,7 @@ class ModeFactor {
   const SparseMatrix* on_bodies_ = nullptr;  // G of the rows, where lu_ is of the bodies; eps_ is what it was made with
   double eps_ = 0;
   Eigen::SparseMatrix<double> sparse_;
-  Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::AMDOrdering<int>> lu_;
+  SparseLu<Eigen::AMDOrdering<int>> lu_;
 };
 
 }  // namespace lcpbench
