@@ -69,7 +69,7 @@ Scene LoadByName(const std::string& name, int size, std::uint64_t seed, const Wi
 Scene ReadText(const std::string& text, const Wishes& wishes) {
   MovingScene moving = ToMovingScene(ParseScene(text, "scene"));
   Apply(wishes, &moving);
-  ContactSystem system = InstantWithContacts(moving.world, moving.level);
+  ContactSystem system = InstantWithContacts(moving.world, moving.level, kFoundGap);
   if (wishes.friction) SetFriction(*wishes.friction, &system);
   return Assembled(std::move(moving), std::move(system));
 }

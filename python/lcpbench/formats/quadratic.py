@@ -199,13 +199,14 @@ def read_qps(lines: Iterable[bytes], name: str, id: str) -> StoredProblem:
 
 
 def _instructions(pickled: bytes) -> list[tuple]:
-    """Of a pickle, without running it; numpy's core has had two names."""
+    """Of a pickle, without running it and without its length; numpy's core has had two names."""
     return [(code.name, argument.replace("numpy._core", "numpy.core") if isinstance(argument, str) else argument)
-            for code, argument, _ in pickletools.genops(pickled)]
+            for code, argument, _ in pickletools.genops(pickled) if code.name != "FRAME"]
 
 
-# None alone, as files of ours have it, and as an array without dimensions, as numpy writes it.
-_NOTHING = [_instructions(pickle.dumps(nothing, protocol=3)) for nothing in (None, np.array(None, dtype=object))]
+# None alone, as files of ours have it, and as an array without dimensions, as numpy writes it: before 2.4 by protocol 3.
+_NOTHING = [_instructions(pickle.dumps(nothing, protocol))
+            for protocol in (3, 4) for nothing in (None, np.array(None, dtype=object))]
 
 
 class _Archive:
