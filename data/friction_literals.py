@@ -43,7 +43,7 @@ BREAKS = {
     "wedge": "A disc in a wedge: forces in the cones that balance without a load.",
     "wedge-depth": "A disc in a wedge with depth at both walls: friction prevents what depth demands.",
 }
-# Of the counterexamples.
+# What each counterexample refutes.
 REFUTES = {
     "ce01": "A covering vector of Lemke's path that is not in the interior of the dual cone ends in a ray at once.",
     "ce02": "Normal loads are roundings, and a jam carries forces of order 1.",

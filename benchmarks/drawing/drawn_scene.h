@@ -90,8 +90,9 @@ std::string SliderShape(Vec2 at, Vec2 normal, double radius);
 /// Where the row's force acts on the body that it is shown on, body 1, or body 2 where body 1 is fixed; world frame.
 Vec2 PlaceOf(const ContactSystem& system, const RowInfo& row);
 
-/// Of every row whether it is the normal row of a contact that bears force and slides: w of its friction row is larger
-/// than what its force falls short of the bound, and can be seen. A force on the edge of its cone need not slide.
+/// n entries: true for the normal row of a contact that bears force and slides. It slides where |w| of its friction row
+/// exceeds the distance of the tangential force from its bound, and is large enough to be seen: a contact whose force
+/// is on the edge of its cone may stick.
 std::vector<bool> SlidingRows(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w);
 
 /// The force of one constraint on that body; world frame.

@@ -27,7 +27,8 @@ std::string ToString(const MotionDriver& driver);  ///< reads back as the same d
 struct MotionStudy {
   std::vector<MovingScene> scenes;
   std::vector<MotionDriver> drivers;
-  /// Of drivers without a tolerance of their own; direct methods, and solves that iterations end, have the least only.
+  /// Each drives every scene, unless a driver has a tolerance of its own. Direct methods and drivers that stop after a
+  /// number of iterations run once, with the least.
   std::vector<double> tolerances;
   int size = 0;  ///< rows at the start, as told to the scenes; for the files only
   std::uint64_t seed = 0;

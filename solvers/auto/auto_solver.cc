@@ -129,7 +129,8 @@ class AutoEngine {
   AutoFacts matrix_facts_;
   BandPivoting band_;
 
-  // Of problems that are not plain; made for the first one, the portfolio for the first that rows in place leave open.
+  // For problems that are not plain. Both are made when they are first needed: the row solver by the first such
+  // problem, the portfolio by the first that the row solver does not answer.
   std::unique_ptr<FrictionRowSolver> friction_rows_;
   std::unique_ptr<FrictionPortfolio> friction_;
   bool friction_is_ready_ = false;  // for the prepared problem

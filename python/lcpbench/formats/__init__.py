@@ -77,7 +77,8 @@ def load(path: str | os.PathLike, *, fclib_triplets: str | None = None, box_fric
            None: what the ranges of the indices allow; refused where both fit
     @param box_friction      bounds the force of each tangent of contacts in space, whose friction is that of a disc
     @param without_friction  of contacts the normal rows alone
-    @raise FormatError  for what is no problem of this format; MemoryError where memory does not suffice
+    @raise FormatError  where the file holds no problem of this format
+    @raise MemoryError  where the problem does not fit into memory
     """
     path = Path(path)
     one, id, is_gzip = format_of(path)

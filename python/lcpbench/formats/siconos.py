@@ -331,7 +331,7 @@ def read(lines: Iterable[bytes], name: str, id: str, *, tangents: Tangents = Tan
     n, storage, rows, columns = head
     may_be_lcp = rows == columns == n
     following = words.ahead(1)
-    # Of one row an LCP and an MLCP look alike, but for the next word: the first row of a block is 0, a storage's shape never.
+    # An LCP and an MLCP of one row differ in the next word only: the first row of a block is 0, and no storage has shape 0.
     if n <= 1 and storage <= 1 and (not may_be_lcp or (n == 1 and following == [b"0"])):
         matrix, q, bilateral = _mixed(words, n == 1, storage == 1, rows, columns)
         _require_end(words, rows + 2 * columns)
