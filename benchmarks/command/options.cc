@@ -171,10 +171,10 @@ void AddTimeLimitOption(CLI::App& command, double* time_limit_s) {
   command.add_option("--time-limit", *time_limit_s, "Seconds per problem")->check(PositiveSeconds());
 }
 
-void SceneOptions::AddSizeAndSeed(CLI::App& command) {
-  command.add_option("--size", size, "Of a scene family: number of rows n at the start")->check(AtLeast(1));
-  command.add_option("--seed", seed, "Of a scene family: the same seed gives the same scene, bit for bit")
-      ->check(AtLeast(0));
+std::vector<CLI::Option*> SceneOptions::AddSizeAndSeed(CLI::App& command) {
+  return {command.add_option("--size", size, "Of a scene family: number of rows n at the start")->check(AtLeast(1)),
+          command.add_option("--seed", seed, "Of a scene family: the same seed gives the same scene, bit for bit")
+              ->check(AtLeast(0))};
 }
 
 void SceneOptions::AddFriction(CLI::App& command) {

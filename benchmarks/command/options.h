@@ -44,7 +44,7 @@ struct SceneOptions {
 
   double friction = -1;  ///< of every contact; < 0: the scene's own
 
-  void AddSizeAndSeed(CLI::App& command);
+  std::vector<CLI::Option*> AddSizeAndSeed(CLI::App& command);  // what it adds
   void AddFriction(CLI::App& command);
   void AddLevel(CLI::App& command);
   void AddStep(CLI::App& command);

@@ -63,9 +63,10 @@ struct Recommend {
     app.add_option("FILE", files, "Problem file of any format, or a sequence as JSON lines; - for standard input");
     CLI::Option* scene = app.add_option("--scene", start.scene,
                                         "Instead of a file: scene key (lcpbench list scenes), or a scene file (.json)");
-    start.AddSizeAndSeed(app);
-    app.add_option("--steps", steps, "Of the scene: let it move for so many steps; 1: an instant")->check(AtLeast(1));
-    for (const char* of_scene : {"--size", "--seed", "--steps"}) app.get_option(of_scene)->needs(scene);
+    for (CLI::Option* of_scene : start.AddSizeAndSeed(app)) of_scene->needs(scene);
+    app.add_option("--steps", steps, "Of the scene: let it move for so many steps; 1: an instant")
+        ->check(AtLeast(1))
+        ->needs(scene);
     app.add_option_function<std::string>(
         "--deadline",
         [this](const std::string& text) {

@@ -116,6 +116,8 @@ class FaultInjection : public CommandTest {
     // Passes that were disturbed are run again, so that the number of calls is not always the same.
     if (outcome.status != 0 && error == kKilled) {
       EXPECT_EQ(outcome.status, kSigkill) << outcome.error;
+    } else if (outcome.error.starts_with("libgomp: Out of memory")) {
+      EXPECT_EQ(outcome.status, 1);  // this library ends the process itself
     } else if (outcome.status != 0) {
       EXPECT_TRUE(outcome.status == 2 || outcome.status == 3) << outcome.status << outcome.error;
       // The others tell of progress.
@@ -136,26 +138,27 @@ class FaultInjection : public CommandTest {
     return outcome.status != 0;
   }
 
-  // Every call of a kind in turn. @return how many were told
-  int ExpectSurvivesEvery(const std::string& kind, int error) {
+  // Every call of a kind in turn, with one of the errors after the other. @return how many were told
+  int ExpectSurvivesEvery(const std::string& kind, const std::vector<int>& errors) {
     int told = 0;
     const long calls = Calls(kind);
-    for (long k = 1; k <= calls; ++k) told += ExpectSurvives(kind, k, error) ? 1 : 0;
+    for (long k = 1; k <= calls; ++k) {
+      told += ExpectSurvives(kind, k, errors[static_cast<std::size_t>(k) % errors.size()]) ? 1 : 0;
+    }
     return told;
   }
 
   std::map<std::string, std::vector<Json>> whole_;
 };
 
-TEST_F(FaultInjection, AFullDiskAtAnyWrite) { EXPECT_GT(ExpectSurvivesEvery("write", ENOSPC), 10); }
-TEST_F(FaultInjection, AnErrorOfTheDiskAtAnyWrite) { EXPECT_GT(ExpectSurvivesEvery("write", EIO), 10); }
-TEST_F(FaultInjection, AKillInTheMidstOfAnyWrite) { EXPECT_GT(ExpectSurvivesEvery("write", kKilled), 10); }
-TEST_F(FaultInjection, AFailedSynchronisation) { EXPECT_GT(ExpectSurvivesEvery("fsync", EIO), 3); }
-TEST_F(FaultInjection, AKillAtASynchronisation) { EXPECT_GT(ExpectSurvivesEvery("fsync", kKilled), 3); }
-TEST_F(FaultInjection, AFileThatCannotTakeItsPlace) { EXPECT_EQ(ExpectSurvivesEvery("rename", EIO), 2); }
-TEST_F(FaultInjection, AKillBeforeAFileTakesItsPlace) { EXPECT_EQ(ExpectSurvivesEvery("rename", kKilled), 2); }
-TEST_F(FaultInjection, NoProcessToBeHad) { EXPECT_GE(ExpectSurvivesEvery("fork", EAGAIN), 3); }
-TEST_F(FaultInjection, AFileThatCannotBeRead) { EXPECT_GT(ExpectSurvivesEvery("read", EIO), 3); }
+TEST_F(FaultInjection, AFullDiskOrAnErrorOfItAtAnyWrite) { EXPECT_GT(ExpectSurvivesEvery("write", {ENOSPC, EIO}), 10); }
+TEST_F(FaultInjection, AKillInTheMidstOfAnyWrite) { EXPECT_GT(ExpectSurvivesEvery("write", {kKilled}), 10); }
+TEST_F(FaultInjection, AFailedSynchronisation) { EXPECT_GT(ExpectSurvivesEvery("fsync", {EIO}), 3); }
+TEST_F(FaultInjection, AKillAtASynchronisation) { EXPECT_GT(ExpectSurvivesEvery("fsync", {kKilled}), 3); }
+TEST_F(FaultInjection, AFileThatCannotTakeItsPlace) { EXPECT_EQ(ExpectSurvivesEvery("rename", {EIO}), 2); }
+TEST_F(FaultInjection, AKillBeforeAFileTakesItsPlace) { EXPECT_EQ(ExpectSurvivesEvery("rename", {kKilled}), 2); }
+TEST_F(FaultInjection, NoProcessToBeHad) { EXPECT_GE(ExpectSurvivesEvery("fork", {EAGAIN}), 3); }
+TEST_F(FaultInjection, AFileThatCannotBeRead) { EXPECT_GT(ExpectSurvivesEvery("read", {EIO}), 3); }
 
 TEST_F(FaultInjection, NoMemoryAtAHundredAllocations) {
   const long calls = Calls("malloc");
