@@ -154,9 +154,19 @@ def _warm_gain(ratios: list[np.ndarray]) -> dict[str, float]:
     if len(ratios) < 2:
         return gain
 
-    interval = stats.bootstrap((np.arange(len(ratios)),),
-                               lambda drawn: np.median(np.concatenate([ratios[k] for k in drawn])), n_resamples=RESAMPLES,
-                               confidence_level=CONFIDENCE, method="percentile", vectorized=False,
+    values = np.concatenate(ratios)
+    order = np.argsort(values, kind="stable")
+    sequence = np.repeat(np.arange(len(ratios)), [len(one) for one in ratios])[order]
+
+    def medians(drawn: np.ndarray, axis: int) -> np.ndarray:
+        """Of the steps of the sequences that are drawn, a row each: steps count as often as their sequence is drawn."""
+        times = np.apply_along_axis(np.bincount, axis, drawn, minlength=len(ratios))
+        ends = np.cumsum(times[:, sequence], axis=1)
+        middles = [np.argmax(ends > (ends[:, -1:] - lower) // 2, axis=1) for lower in (1, 0)]
+        return values[order][middles].mean(axis=0)
+
+    interval = stats.bootstrap((np.arange(len(ratios)),), medians, n_resamples=RESAMPLES, batch=100,
+                               confidence_level=CONFIDENCE, method="percentile", vectorized=True,
                                random_state=np.random.default_rng(SEED)).confidence_interval
     return gain | {"warm_gain_low": float(interval.low), "warm_gain_high": float(interval.high)}
 
