@@ -33,7 +33,9 @@ std::string ContactRows::WhyUnsupported(const LcpProblem& problem) {
 
 void ContactRows::Reserve(Index max_rows, Index max_bodies) {
   start_.reserve(At(max_rows) + 1);
-  end_.reserve(At(max_rows));
+  for (std::vector<Index>* const numbers : {&end_, &first_of_register_, &end_of_register_}) {
+    numbers->reserve(At(max_rows));
+  }
   Lengthen(PaddedStride(max_rows) * max_rows, &dense_);
   jacobian_.reserve(At(2 * kMostColumnsPerBody * max_rows));
   sides_.Reserve(max_rows, max_bodies);
@@ -129,6 +131,16 @@ void ContactRows::Assemble(const StepRows& step, const Real* J, std::span<const 
       });
       sides_.Add(body, static_cast<std::int32_t>(2 * i + side));
     }
+  }
+  first_of_register_.clear();
+  end_of_register_.clear();
+  for (Index i = 0; i < n; ++i) {
+    if (i % Lanes::kWidth == 0) {
+      first_of_register_.push_back(i);
+      end_of_register_.push_back(i);
+    }
+    first_of_register_.back() = std::min(first_of_register_.back(), start_[At(i)]);
+    end_of_register_.back() = std::max(end_of_register_.back(), end_[At(i)]);
   }
   for (const std::int32_t given : part) {
     for (Index side = Index{2} * given; side < Index{2} * given + 2; ++side) {
@@ -241,11 +253,12 @@ void ContactRows::SetScale() {
 template <bool kWithMagnitudes>
 void ContactRows::SumRows(const Eigen::VectorXd& phi, double* sums, double* magnitudes) const {
   constexpr Index kWidth = Lanes::kWidth;
-  for (Index i = 0; i < stride_; i += kWidth) {
+  for (Index i = 0; i < size(); i += kWidth) {
     Lanes::V sum = Lanes::Load(b_.data() + i), magnitude = Lanes::Abs(sum);
-    const double* entry = dense_.data() + i;
-    for (Index j = 0; j < size(); ++j, entry += stride_) {
-      const Lanes::V product = Lanes::Load(entry) * Lanes::Set(phi[j]);
+    const double* const entry = dense_.data() + i;
+    const Index end = end_of_register_[At(i / kWidth)];
+    for (Index j = first_of_register_[At(i / kWidth)]; j < end; ++j) {
+      const Lanes::V product = Lanes::Load(entry + j * stride_) * Lanes::Set(phi[j]);
       sum += product;
       if constexpr (kWithMagnitudes) magnitude += Lanes::Abs(product);
     }

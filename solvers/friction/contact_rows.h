@@ -131,6 +131,7 @@ class ContactRows {
   // columns start_[i] and end_[i].
   bool is_dense_ = false;
   Index stride_ = 0;
+  std::vector<Index> first_of_register_, end_of_register_;  // the same of Lanes::kWidth rows together
   Eigen::VectorXd dense_;
   std::vector<Index> start_, end_;
   std::vector<int> column_;

@@ -24,6 +24,39 @@ void Subtract(double factor, const double* x, Index begin, Index end, double* y)
   }
 }
 
+// The row of the pivot of column k, whose entries reach down to row `last`; 0 below.
+Index FindPivot(const double* column, Index k, Index last) {
+  const double diagonal = std::abs(column[k]);
+  const Index first = RegisterOf(k);
+  const Lanes::M is_below = Lanes::LanePlaces(Lanes::M{}) > Lanes::M{} + (k - first);
+  Lanes::V largest = Lanes::Masked(is_below, Lanes::Abs(Lanes::Load(column + first)));
+  for (Index i = first + Lanes::kWidth; i <= last; i += Lanes::kWidth) {
+    largest = Lanes::Max(largest, Lanes::Abs(Lanes::Load(column + i)));
+  }
+  const bool is_small = !(diagonal > 0) || Lanes::Any(Lanes::Set(kLeastPivot) * largest > Lanes::Set(diagonal));
+  if (!is_small) return k;
+  Index pivot = k;
+  for (Index i = k + 1; i <= last; ++i) {
+    if (std::abs(column[i]) > std::abs(column[pivot])) pivot = i;
+  }
+  return pivot;
+}
+
+// Divides what is below the pivot of column k, and moves it to L.
+void TakeLower(Index k, Index last, double* column, double* lower) {
+  const double inverse = 1 / column[k];
+  const Index first = RegisterOf(k);
+  const Lanes::M lanes = Lanes::LanePlaces(Lanes::M{}), of_pivot = Lanes::M{} + (k - first);
+  const Lanes::V across = Lanes::Load(column + first);
+  Lanes::Store(lower + first, Lanes::Masked(lanes > of_pivot, across * Lanes::Set(inverse)));
+  Lanes::Store(column + first, Lanes::Masked(lanes < of_pivot, across));
+  for (Index i = first + Lanes::kWidth; i <= last; i += Lanes::kWidth) {
+    Lanes::Store(lower + i, Lanes::Load(column + i) * Lanes::Set(inverse));
+    Lanes::Store(column + i, Lanes::V{});
+  }
+  column[k] = inverse;
+}
+
 }  // namespace
 
 void ProfileLu::Reserve(Index max_rows) {
@@ -58,56 +91,22 @@ void ProfileLu::FindReach() {
   last_column_.swap(pivot_);
 }
 
-// Of column k, whose padding is zero.
-Index ProfileLu::FindPivot(Index k) const {
-  const double* const column = entry_.data() + k * stride_;
-  const double diagonal = std::abs(column[k]);
-  const Index first = RegisterOf(k), last = last_row_[At(k)];
-  const Lanes::M is_below = Lanes::LanePlaces(Lanes::M{}) > Lanes::M{} + (k - first);
-  Lanes::V largest = Lanes::Masked(is_below, Lanes::Abs(Lanes::Load(column + first)));
-  for (Index i = first + Lanes::kWidth; i <= last; i += Lanes::kWidth) {
-    largest = Lanes::Max(largest, Lanes::Abs(Lanes::Load(column + i)));
-  }
-  const bool is_small = !(diagonal > 0) || Lanes::Any(Lanes::Set(kLeastPivot) * largest > Lanes::Set(diagonal));
-  if (!is_small) return k;
-  Index pivot = k;
-  for (Index i = k + 1; i <= last; ++i) {
-    if (std::abs(column[i]) > std::abs(column[pivot])) pivot = i;
-  }
-  return pivot;
-}
-
-// Divides what is below the pivot, and moves it to L.
-void ProfileLu::TakeLower(Index k, double inverse) {
-  double* const column = entry_.data() + k * stride_;
-  double* const lower = lower_.data() + k * stride_;
-  const Index first = RegisterOf(k), last = last_row_[At(k)];
-  const Lanes::M lanes = Lanes::LanePlaces(Lanes::M{}), of_pivot = Lanes::M{} + (k - first);
-  const Lanes::V across = Lanes::Load(column + first);
-  Lanes::Store(lower + first, Lanes::Masked(lanes > of_pivot, across * Lanes::Set(inverse)));
-  Lanes::Store(column + first, Lanes::Masked(lanes < of_pivot, across));
-  for (Index i = first + Lanes::kWidth; i <= last; i += Lanes::kWidth) {
-    Lanes::Store(lower + i, Lanes::Load(column + i) * Lanes::Set(inverse));
-    Lanes::Store(column + i, Lanes::V{});
-  }
-  column[k] = inverse;
-}
-
 bool ProfileLu::Factorize() {
   FindReach();
   for (Index k = 0; k < m_; ++k) {
-    const Index pivot = pivot_[At(k)] = FindPivot(k);
     double* const pivots = entry_.data() + k * stride_;
+    double* const lower = lower_.data() + k * stride_;
+    const Index last = last_row_[At(k)];
+    const Index pivot = pivot_[At(k)] = FindPivot(pivots, k, last);
     // Writing single numbers of registers that are read next is slow.
     const bool is_exchanged = pivot != k;
     if (is_exchanged) std::swap(pivots[k], pivots[pivot]);
     if (!(std::abs(pivots[k]) > 0)) return false;
-    TakeLower(k, 1 / pivots[k]);
-    const Index first = RegisterOf(k), end = last_row_[At(k)] + 1;
+    TakeLower(k, last, pivots, lower);
     for (Index j = k + 1; j <= last_column_[At(k)]; ++j) {
       double* const column = entry_.data() + j * stride_;
       if (is_exchanged) std::swap(column[k], column[pivot]);
-      Subtract(column[k], lower_.data() + k * stride_, first, end, column);
+      Subtract(column[k], lower, RegisterOf(k), last + 1, column);
     }
   }
   return true;

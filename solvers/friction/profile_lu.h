@@ -40,8 +40,6 @@ class ProfileLu {
 
  private:
   void FindReach();
-  Index FindPivot(Index k) const;
-  void TakeLower(Index k, double inverse);
 
   Index m_ = 0, stride_ = 0;  // stride_: m in whole registers
   // By columns: the matrix, then U, the inverse on its diagonal, and zeros below; and L without its diagonal, zeros
