@@ -67,14 +67,15 @@ bool Contacts<n>::Load(const StepRows& step, const Real* J, const RowsInOrder& o
   for (int k = 0; k < n / 2; ++k) {
     double momentum[2][2 * p];
     for (int r = 0; r < 2; ++r) {
-      const Index row = order[static_cast<std::size_t>(2 * k + r)];
+      const int i = 2 * k + r;
+      const Index row = order[static_cast<std::size_t>(i)];
       for (int s = 0; s < 2; ++s) {
         const std::int32_t of = step.body[2 * row + s];
         if (r == 0) body[k][s] = of;
         if (of != body[k][s]) return false;
         for (Index c = 0; c < p; ++c) {
           const double j = of < 0 ? 0.0 : static_cast<double>(J[(2 * row + s) * p + c]);
-          jacobian[2 * k + r][s * p + c] = j;
+          jacobian[i][s * p + c] = j;
           momentum[r][s * p + c] = of < 0 ? 0.0 : step.inverse_mass[of * p + c] * j;
         }
       }
