@@ -20,12 +20,12 @@ namespace lcpbench {
 
 /// From a step's rows with friction to forces: what AutoSolver and StepSolver ask first, as RowSolver is of plain rows.
 ///
-/// Islands (RowIslands) of up to three contacts alone are solved in registers (FewContacts). Each other one has a
-/// dense A, and is solved by what FrictionPortfolio begins with: the modes of initial_f; of few contacts, modes one by
-/// one; rounds of the shifted relaxation, whose rows are rows of a step as well and RowSolver's, with Newton steps on
-/// modes after each; Lemke's path along modes. What does not pass for certain (ContactRows::IsSurelyRight), steps
-/// without friction (all mu = 0), wrong lists of laws and islands of more than kMostRows rows are left to the caller.
-/// Only Reserve allocates.
+/// Islands (RowIslands) of up to six contacts alone are solved in arrays of fixed size (FewContacts). Each other one
+/// has a dense A, and is solved by what FrictionPortfolio begins with: the modes of initial_f; of not many contacts,
+/// Newton steps from 0, and of few all modes one by one; rounds of the shifted relaxation, whose rows are rows of a
+/// step as well and RowSolver's, with Newton steps on modes after each; Lemke's path along modes. What does not pass
+/// for certain (ContactRows::IsSurelyRight), steps without friction (all mu = 0), wrong lists of laws and islands of
+/// more than kMostRows rows are left to the caller. Only Reserve allocates.
 class FrictionRowSolver {
  public:
   static constexpr Index kMostRows = ModeFactor::kMostDense;  ///< of an island

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "solvers/lcp/engine_solver.h"
+#include "solvers/linear_algebra/vector_register.h"
 #include "support/array_index.h"
 
 namespace lcpbench {
@@ -32,8 +33,10 @@ std::string ContactRows::WhyUnsupported(const LcpProblem& problem) {
 
 void ContactRows::Reserve(Index max_rows, Index max_bodies) {
   start_.reserve(At(max_rows) + 1);
-  end_.reserve(At(max_rows));
-  value_.reserve(At(max_rows * max_rows));
+  for (std::vector<Index>* const numbers : {&end_, &first_of_register_, &end_of_register_}) {
+    numbers->reserve(At(max_rows));
+  }
+  Lengthen(PaddedStride(max_rows) * max_rows, &dense_);
   jacobian_.reserve(At(2 * kMostColumnsPerBody * max_rows));
   sides_.Reserve(max_rows, max_bodies);
   for (std::vector<double>* const numbers : {&root_, &inverse_root_}) numbers->reserve(At(max_rows));
@@ -68,11 +71,12 @@ void ContactRows::Prepare(const StepRows& step, std::span<const std::int32_t> pa
   problem_.reset();
   const Index n = std::ssize(part);
   WithNumbers(step, [&](const auto* J, auto p) { Assemble<p>(step, J, part); });
-  SetRoots(n, value_.data(), n + 1);
+  SetRoots(n, dense_.data(), stride_ + 1);
   joints_.clear();
   Lengthen(n, &b_);
+  b_.segment(n, stride_ - n).setZero();
   for (Index i = 0; i < n; ++i) {
-    double* const row = value_.data() + i * n;
+    double* const row = dense_.data() + i * stride_;
     for (Index j = start_[At(i)]; j < end_[At(i)]; ++j) row[j] *= inverse_root_[At(i)] * inverse_root_[At(j)];
     const std::int32_t given = part[At(i)];
     b_[i] = step.b[given] * inverse_root_[At(i)];
@@ -87,7 +91,9 @@ template <Index p, typename Real>
 void ContactRows::Assemble(const StepRows& step, const Real* J, std::span<const std::int32_t> part) {
   const Index n = std::ssize(part);
   is_dense_ = true;
-  value_.assign(At(n * n), 0);
+  stride_ = PaddedStride(n);
+  Lengthen(stride_ * n, &dense_);
+  dense_.head(stride_ * n).setZero();
   start_.resize(At(n));
   end_.resize(At(n));
   jacobian_.resize(At(2 * p * n));
@@ -99,7 +105,7 @@ void ContactRows::Assemble(const StepRows& step, const Real* J, std::span<const 
     const std::int32_t bodies[2] = {step.body[2 * given], step.body[2 * given + 1]};
     const bool is_joined = bodies[0] == bodies[1];
     for (Index c = 0; c < p && is_joined; ++c) own[c] += own[p + c];
-    double* const row = value_.data() + i * n;
+    double* const row = dense_.data() + i * stride_;
     start_[At(i)] = i;
     end_[At(i)] = i + 1;
     for (Index side = 0; side < (is_joined ? 1 : 2); ++side) {
@@ -119,12 +125,22 @@ void ContactRows::Assemble(const StepRows& step, const Real* J, std::span<const 
         const double* const its = jacobian_.data() + p * other;
         double sum = row[j];
         for (Index c = 0; c < p; ++c) sum += momentum[c] * its[c];
-        row[j] = value_[At(j * n + i)] = sum;
+        row[j] = dense_[j * stride_ + i] = sum;
         start_[At(i)] = std::min(start_[At(i)], j);
         end_[At(j)] = i + 1;
       });
       sides_.Add(body, static_cast<std::int32_t>(2 * i + side));
     }
+  }
+  first_of_register_.clear();
+  end_of_register_.clear();
+  for (Index i = 0; i < n; ++i) {
+    if (i % Lanes::kWidth == 0) {
+      first_of_register_.push_back(i);
+      end_of_register_.push_back(i);
+    }
+    first_of_register_.back() = std::min(first_of_register_.back(), start_[At(i)]);
+    end_of_register_.back() = std::max(end_of_register_.back(), end_[At(i)]);
   }
   for (const std::int32_t given : part) {
     for (Index side = Index{2} * given; side < Index{2} * given + 2; ++side) {
@@ -233,8 +249,27 @@ void ContactRows::SetScale() {
   scale_ = ContactLaw::Scale(plain, answered, all);
 }
 
+// Of dense A, b + A phi and |b| + |A phi|: by columns, which are rows.
+template <bool kWithMagnitudes>
+void ContactRows::SumRows(const Eigen::VectorXd& phi, double* sums, double* magnitudes) const {
+  constexpr Index kWidth = Lanes::kWidth;
+  for (Index i = 0; i < size(); i += kWidth) {
+    Lanes::V sum = Lanes::Load(b_.data() + i), magnitude = Lanes::Abs(sum);
+    const double* const entry = dense_.data() + i;
+    const Index end = end_of_register_[At(i / kWidth)];
+    for (Index j = first_of_register_[At(i / kWidth)]; j < end; ++j) {
+      const Lanes::V product = Lanes::Load(entry + j * stride_) * Lanes::Set(phi[j]);
+      sum += product;
+      if constexpr (kWithMagnitudes) magnitude += Lanes::Abs(product);
+    }
+    Lanes::Store(sums + i, sum);
+    if constexpr (kWithMagnitudes) Lanes::Store(magnitudes + i, magnitude);
+  }
+}
+
 void ContactRows::ComputeGaps(const Eigen::VectorXd& phi, Eigen::VectorXd* omega) const {
   Lengthen(size(), omega);
+  if (is_dense_) return SumRows<false>(phi, omega->data(), nullptr);
   for (Index i = 0; i < size(); ++i) (*omega)[i] = Gap(i, phi);
 }
 
@@ -337,7 +372,8 @@ bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance) cons
   for (Index i = 0; i < n; ++i) phi_[i] = root_[At(i)] * f[i];
   const double forces = phi_.head(n).lpNorm<1>();
   const double unit = (static_cast<double>(n) + ContactLaw::kTermsBesideRows) * std::numeric_limits<double>::epsilon();
-  for (Index i = 0; i < n; ++i) {
+  if (is_dense_) SumRows<true>(phi_, omega_.data(), magnitude_.data());
+  for (Index i = 0; i < n && !is_dense_; ++i) {
     double sum = b_[i], size = std::abs(b_[i]);
     VisitRow(i, [&](Index j, double a) {
       sum += a * phi_[j];
@@ -345,8 +381,8 @@ bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance) cons
     });
     omega_[i] = sum;
     magnitude_[i] = size;
-    hidden_[i] = unit * (forces + size);
   }
+  for (Index i = 0; i < n; ++i) hidden_[i] = unit * (forces + magnitude_[i]);
   if (!(Rho(phi_, omega_) + hidden_.head(n).norm() / scale_ <= tolerance)) return false;
   double worst = 0;
   const auto raise = [&](double error) { worst = std::max(worst, error); };

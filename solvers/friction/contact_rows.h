@@ -10,6 +10,7 @@
 #include "solvers/friction/contact_law.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/step_rows.h"
+#include "solvers/linear_algebra/scaled_lcp.h"
 #include "solvers/linear_algebra/sides_of_bodies.h"
 
 /// Internal to solvers/.
@@ -67,7 +68,7 @@ class ContactRows {
   template <typename Visit>
   void VisitRow(Index row, const Visit& visit) const {
     if (is_dense_) {
-      const double* const entry = value_.data() + row * size();
+      const double* const entry = DenseRow(row);
       const Index end = end_[static_cast<size_t>(row)];
       for (Index j = start_[static_cast<size_t>(row)]; j < end; ++j) visit(j, entry[j]);
       return;
@@ -76,6 +77,11 @@ class ContactRows {
       visit(column_[static_cast<size_t>(e)], value_[static_cast<size_t>(e)]);
     }
   }
+  /// Whether A is dense: the n entries of a row, which are 0 but from its start to its end.
+  bool is_dense() const { return is_dense_; }
+  const double* DenseRow(Index row) const { return dense_.data() + row * stride_; }
+  Index start(Index row) const { return start_[static_cast<size_t>(row)]; }
+  Index end(Index row) const { return end_[static_cast<size_t>(row)]; }
   /// G = D^-1/2 J M^-1/2, n x columns that a row acts on: A = G G^T. nullptr where the problem is not given by factors.
   /// O(nnz J) at the first call after Prepare.
   const SparseMatrix* OnBodies() const;
@@ -100,12 +106,15 @@ class ContactRows {
   bool IsSurelyRight(const Eigen::VectorXd& f, double tolerance) const;
   /// *w = A f + b, in the problem's units.  O(nnz A)
   void ComputeGapsOf(const Eigen::VectorXd& f, Eigen::VectorXd* w) const;
-  /// Makes *vector at least so long; what it holds then is not defined.
+  /// Makes *vector at least so long, in whole registers; what it holds then is not defined.
   static void Lengthen(Index size, Eigen::VectorXd* vector) {
-    if (vector->size() < size) vector->resize(size);
+    const Index whole = PaddedStride(size);
+    if (vector->size() < whole) vector->resize(whole);
   }
 
  private:
+  template <bool kWithMagnitudes>
+  void SumRows(const Eigen::VectorXd& phi, double* sums, double* magnitudes) const;
   void TakeMatrix(const LcpProblem& problem);
   template <Index p, typename Real>
   void Assemble(const StepRows& step, const Real* J, std::span<const std::int32_t> part);
@@ -118,8 +127,12 @@ class ContactRows {
 
   std::optional<LcpProblem> problem_;  // prepared, for OnBodies
   mutable SparseMatrix on_bodies_;     // no columns: not made
-  // D^-1/2 A D^-1/2 by compressed rows; or, dense, row i between the columns start_[i] and end_[i].
+  // D^-1/2 A D^-1/2 by compressed rows; or, dense_, by rows of stride_ numbers, of which row i has entries between the
+  // columns start_[i] and end_[i].
   bool is_dense_ = false;
+  Index stride_ = 0;
+  std::vector<Index> first_of_register_, end_of_register_;  // the same of Lanes::kWidth rows together
+  Eigen::VectorXd dense_;
   std::vector<Index> start_, end_;
   std::vector<int> column_;
   std::vector<double> value_;

@@ -26,7 +26,7 @@ class Contacts {
   template <Index p, typename Real>
   bool Load(const StepRows& step, const Real* J, const RowsInOrder& order, const Coefficients& mu);
   void Start(const RowsInOrder& order, const double* initial_f);
-  bool Find(double tolerance, std::int64_t* iterations);
+  bool Find(double tolerance, bool is_warm, std::int64_t* iterations);
   void Store(const RowsInOrder& order, double* f, double* w) const;
   double rho() const { return rho_; }
 
@@ -46,6 +46,11 @@ class Contacts {
   bool SolveModes();
   void ObeyLaws();
   bool IsSurelyRight(double tolerance);
+  bool Passes(double rho, double tolerance) {
+    if (!(rho <= tolerance)) return false;
+    ObeyLaws();
+    return IsSurelyRight(tolerance);
+  }
 
   double A_[n][n], b_[n], root_[n];
   double mu_[n / 2], given_mu_[n / 2];
@@ -53,33 +58,45 @@ class Contacts {
   double phi_[n], omega_[n], f_[n];
 };
 
+// False where a friction row is on other bodies than its normal row, and where a row moves nothing.
 template <int n>
 template <Index p, typename Real>
 bool Contacts<n>::Load(const StepRows& step, const Real* J, const RowsInOrder& order, const Coefficients& mu) {
   double jacobian[n][2 * p];
-  std::int32_t body[n][2];
-  for (int i = 0; i < n; ++i) {
-    const Index row = order[static_cast<std::size_t>(i)];
-    double momentum[2 * p];
-    for (int s = 0; s < 2; ++s) {
-      const std::int32_t of = body[i][s] = step.body[2 * row + s];
-      for (Index c = 0; c < p; ++c) {
-        const double j = of < 0 ? 0.0 : static_cast<double>(J[(2 * row + s) * p + c]);
-        jacobian[i][s * p + c] = j;
-        momentum[s * p + c] = of < 0 ? 0.0 : step.inverse_mass[of * p + c] * j;
-      }
-    }
-    for (int j = 0; j <= i; ++j) {
-      double sum = 0;
+  std::int32_t body[n / 2][2];
+  for (int k = 0; k < n / 2; ++k) {
+    double momentum[2][2 * p];
+    for (int r = 0; r < 2; ++r) {
+      const int i = 2 * k + r;
+      const Index row = order[static_cast<std::size_t>(i)];
       for (int s = 0; s < 2; ++s) {
-        for (int t = 0; t < 2; ++t) {
-          if (body[i][s] < 0 || body[i][s] != body[j][t]) continue;
-          for (Index c = 0; c < p; ++c) sum += momentum[s * p + c] * jacobian[j][t * p + c];
+        const std::int32_t of = step.body[2 * row + s];
+        if (r == 0) body[k][s] = of;
+        if (of != body[k][s]) return false;
+        for (Index c = 0; c < p; ++c) {
+          const double j = of < 0 ? 0.0 : static_cast<double>(J[(2 * row + s) * p + c]);
+          jacobian[i][s * p + c] = j;
+          momentum[r][s * p + c] = of < 0 ? 0.0 : step.inverse_mass[of * p + c] * j;
         }
       }
-      A_[i][j] = sum;
     }
-    if (!(A_[i][i] > 0)) return false;
+    for (int l = 0; l <= k; ++l) {
+      double sum[2][2] = {};
+      for (int s = 0; s < 2; ++s) {
+        for (int t = 0; t < 2; ++t) {
+          if (body[k][s] < 0 || body[k][s] != body[l][t]) continue;
+          for (int r = 0; r < 2; ++r) {
+            for (int q = 0; q < 2; ++q) {
+              for (Index c = 0; c < p; ++c) sum[r][q] += momentum[r][s * p + c] * jacobian[2 * l + q][t * p + c];
+            }
+          }
+        }
+      }
+      for (int r = 0; r < 2; ++r) {
+        for (int q = 0; q < 2; ++q) A_[2 * k + r][2 * l + q] = sum[r][q];
+      }
+    }
+    if (!(A_[2 * k][2 * k] > 0 && A_[2 * k + 1][2 * k + 1] > 0)) return false;
   }
   double inverse_root[n];
   for (int i = 0; i < n; ++i) {
@@ -165,18 +182,16 @@ bool Contacts<n>::SolveModes() {
 }
 
 template <int n>
-bool Contacts<n>::Find(double tolerance, std::int64_t* iterations) {
+bool Contacts<n>::Find(double tolerance, bool is_warm, std::int64_t* iterations) {
   ComputeGaps();
+  if (is_warm && Passes(Rho(), tolerance)) return true;
   for (int step = 0; step < kSteps; ++step) {
     const unsigned modes = Modes();
     if (!SolveModes()) return false;
     ++*iterations;
     ComputeGaps();
     const double rho = Rho();
-    if (rho <= tolerance) {
-      ObeyLaws();
-      if (IsSurelyRight(tolerance)) return true;
-    }
+    if (Passes(rho, tolerance)) return true;
     if (!std::isfinite(rho) || Modes() == modes) return false;
   }
   return false;
@@ -248,7 +263,7 @@ bool SolveContacts(const StepRows& rows, const RowsInOrder& order, const Coeffic
     return false;
   }
   contacts.Start(order, initial_f);
-  if (!contacts.Find(tolerance, iterations)) return false;
+  if (!contacts.Find(tolerance, initial_f != nullptr, iterations)) return false;
   contacts.Store(order, f, w);
   *rho = contacts.rho();
   return true;
@@ -283,6 +298,12 @@ bool FewContacts::Solve(const StepRows& rows, Index size, std::span<const Fricti
       return SolveContacts<4>(rows, order, mu, tolerance, initial_f, f, w, rho, iterations);
     case 3:
       return SolveContacts<6>(rows, order, mu, tolerance, initial_f, f, w, rho, iterations);
+    case 4:
+      return SolveContacts<8>(rows, order, mu, tolerance, initial_f, f, w, rho, iterations);
+    case 5:
+      return SolveContacts<10>(rows, order, mu, tolerance, initial_f, f, w, rho, iterations);
+    case 6:
+      return SolveContacts<12>(rows, order, mu, tolerance, initial_f, f, w, rho, iterations);
     default:
       return false;
   }

@@ -8,14 +8,15 @@
 /// Internal to solvers/.
 namespace lcpbench {
 
-/// Islands of one to three contacts with friction, and no other rows, in arrays of fixed size: Newton steps on modes of
-/// full length, as ModeSteps::Iterate, judged as ContactRows::IsSurelyRight does. A few hundred nanoseconds.
+/// Islands of one to six contacts with friction, and no other rows, in arrays of fixed size: Newton steps on modes of
+/// full length, as ModeSteps::Iterate, judged as ContactRows::IsSurelyRight does; an initial_f that passes is kept but
+/// for rounding.
 class FewContacts {
  public:
-  static constexpr Index kMostContacts = 3;
+  static constexpr Index kMostContacts = 6;
 
-  /// False where the island is of another kind, its friction rows are wrong, a row moves nothing, or no answer passes
-  /// for certain; then nothing is written.
+  /// False where the island is of another kind, its friction rows are wrong or on other bodies than their normal rows,
+  /// a row moves nothing, or no answer passes for certain; then nothing is written.
   /// @param rows       the step, numbers in range (CheckRows)
   /// @param size       rows of the island
   /// @param friction   those of the island, counted in the step

@@ -15,48 +15,57 @@ constexpr double kLeastEpsOnBodies = 1e-9;
 
 }  // namespace
 
-void ModeFactor::AddUnknown(Index row) {
-  unknown_[At(row)] = static_cast<Index>(equation_.size());
-  coefficient_[row] = 1;
-  equation_.push_back(row);
+// Of the rows with coefficient 1, in their order.
+void ModeFactor::AddUnknowns(Index n) {
+  equation_.clear();
+  unknown_.resize(At(n));
+  before_.resize(At(n) + 1);
+  for (Index row = 0; row < n; ++row) {
+    before_[At(row)] = size();
+    unknown_[At(row)] = coefficient_[row] == 0 ? -1 : size();
+    if (coefficient_[row] != 0) equation_.push_back(row);
+  }
+  before_[At(n)] = size();
 }
 
 void ModeFactor::SetModes(const ContactRows& rows, const std::vector<RowMode>& modes) {
-  equation_.clear();
-  unknown_.assign(At(rows.size()), -1);
+  const Index n = rows.size();
   for (Eigen::VectorXd* const numbers : {&coefficient_, &fixed_}) {
-    ContactRows::Lengthen(rows.size(), numbers);
-    numbers->head(rows.size()).setZero();
+    ContactRows::Lengthen(n, numbers);
+    numbers->head(n).setZero();
   }
   size_t k = 0;
   for (const ContactRows::Contact& contact : rows.contacts()) {
     const RowMode mode = modes[k++];
     if (mode == RowMode::kOpen) continue;
-    if (!contact.is_further) AddUnknown(contact.normal);
-    if (contact.tangent < 0) continue;
-    if (mode == RowMode::kStick) {
-      AddUnknown(contact.tangent);
-    } else {
-      const int slip = mode == RowMode::kUp ? 1 : mode == RowMode::kDown ? -1 : contact.slip;
-      unknown_[At(contact.tangent)] = unknown_[At(contact.normal)];
-      coefficient_[contact.tangent] = -slip * contact.mu;
-    }
+    coefficient_[contact.normal] = 1;
+    if (mode == RowMode::kStick && contact.tangent >= 0) coefficient_[contact.tangent] = 1;
   }
-  for (const Index row : rows.joints()) AddUnknown(row);
+  for (const Index row : rows.joints()) coefficient_[row] = 1;
   for (const ContactRows::Bounded& row : rows.bounded()) {
     const RowMode mode = modes[k++];
     if (mode == RowMode::kStick) {
-      AddUnknown(row.row);
+      coefficient_[row.row] = 1;
     } else {
       fixed_[row.row] = mode == RowMode::kUp ? row.lower : row.upper;
     }
   }
+  AddUnknowns(n);
+  k = 0;
+  for (const ContactRows::Contact& contact : rows.contacts()) {
+    const RowMode mode = modes[k++];
+    if (mode == RowMode::kOpen || mode == RowMode::kStick || contact.tangent < 0) continue;
+    const int slip = mode == RowMode::kUp ? 1 : mode == RowMode::kDown ? -1 : contact.slip;
+    unknown_[At(contact.tangent)] = unknown_[At(contact.normal)];
+    coefficient_[contact.tangent] = -slip * contact.mu;
+  }
 }
 
 void ModeFactor::Reserve(Index max_rows) {
-  for (std::vector<Index>* const numbers : {&equation_, &unknown_}) numbers->reserve(At(max_rows));
-  for (Eigen::VectorXd* const numbers : {&coefficient_, &fixed_, &y_, &refined_})
+  for (std::vector<Index>* const numbers : {&equation_, &unknown_, &before_}) numbers->reserve(At(max_rows) + 1);
+  for (Eigen::VectorXd* const numbers : {&coefficient_, &fixed_, &y_, &refined_, &gaps_}) {
     ContactRows::Lengthen(max_rows, numbers);
+  }
   dense_.Reserve(std::min(max_rows, kMostDense));
 }
 
@@ -73,7 +82,8 @@ bool ModeFactor::Correct(const ContactRows& rows, const Eigen::VectorXd& center,
   for (Index k = 0; k < m; ++k) y_[k] = center[equation_[At(k)]];
   Expand(n, phi);
   // A correction of what the center gives in these modes: less is lost to rounding.
-  for (Index k = 0; k < m; ++k) y_[k] = -rows.Gap(equation_[At(k)], *phi);
+  rows.ComputeGaps(*phi, &gaps_);
+  for (Index k = 0; k < m; ++k) y_[k] = -gaps_[equation_[At(k)]];
   if (on_bodies_ != nullptr) {
     SolveOnBodies(rows);
   } else if (m > kMostDense) {
@@ -106,12 +116,35 @@ void ModeFactor::Refine(const ContactRows& rows, Eigen::VectorXd* phi) {
   if (Correct(rows, *phi, &refined_)) phi->swap(refined_);
 }
 
+// Of a dense A, whose columns are rows, and whose rows reach as far as columns do.
+void ModeFactor::AddDenseColumns(const ContactRows& rows) {
+  Index last_unknown = -1;
+  for (Index j = 0; j < rows.size(); ++j) {
+    const Index unknown = unknown_[At(j)];
+    if (unknown < 0) continue;
+    const Index begin = before_[At(rows.start(j))], end = before_[At(rows.end(j))];
+    const double* const entry = rows.DenseRow(j);
+    const double coefficient = coefficient_[j];
+    double* const column = dense_.column(unknown);
+    for (Index k = begin; k < end; ++k) column[k] += coefficient * entry[equation_[At(k)]];
+    if (begin < end) dense_.Reach(unknown, end - 1);
+  }
+  for (Index k = 0, j = 0; k < size(); ++k) {
+    for (const Index end = rows.end(equation_[At(k)]); j < end; ++j)
+      last_unknown = std::max(last_unknown, unknown_[At(j)]);
+    dense_.ReachOfRow(k, last_unknown);
+  }
+}
+
 bool ModeFactor::FactorizeDense(const ContactRows& rows, double eps) {
   dense_.Start(size());
+  if (rows.is_dense()) AddDenseColumns(rows);
   for (Index k = 0; k < size(); ++k) {
-    rows.VisitRow(equation_[At(k)], [&](Index j, double a) {
-      if (unknown_[At(j)] >= 0 && a != 0) dense_.Add(k, unknown_[At(j)], a * coefficient_[j]);
-    });
+    if (!rows.is_dense()) {
+      rows.VisitRow(equation_[At(k)], [&](Index j, double a) {
+        if (unknown_[At(j)] >= 0 && a != 0) dense_.Add(k, unknown_[At(j)], a * coefficient_[j]);
+      });
+    }
     dense_.Add(k, k, eps);
   }
   return dense_.Factorize();

@@ -35,21 +35,23 @@ class ModeFactor {
 
  private:
   void SetModes(const ContactRows& rows, const std::vector<RowMode>& modes);
-  void AddUnknown(Index row);
+  void AddUnknowns(Index n);
   void Expand(Index n, Eigen::VectorXd* phi) const;
   bool Correct(const ContactRows& rows, const Eigen::VectorXd& center, Eigen::VectorXd* phi);
   bool FactorizeDense(const ContactRows& rows, double eps);
+  void AddDenseColumns(const ContactRows& rows);
   bool FactorizeSparse(const ContactRows& rows, double eps);
   bool FactorizeOnBodies(const ContactRows& rows, double eps);
   void SolveOnBodies(const ContactRows& rows);
 
   Index size() const { return static_cast<Index>(equation_.size()); }  // m
 
-  std::vector<Index> equation_;          // rows, in the order of the unknowns
+  std::vector<Index> equation_;          // rows, in the order of the unknowns: ascending
   std::vector<Index> unknown_;           // n, -1: none
+  std::vector<Index> before_;            // n + 1: how many equations are of rows before
   Eigen::VectorXd coefficient_, fixed_;  // n: phi_i = coefficient_i y_unknown + fixed_i
   Eigen::VectorXd y_;                    // right-hand side, then the correction
-  Eigen::VectorXd refined_;              // n
+  Eigen::VectorXd refined_, gaps_;       // n
   ProfileLu dense_;
   const SparseMatrix* on_bodies_ = nullptr;  // G of the rows, where lu_ is of the bodies; eps_ is what it was made with
   double eps_ = 0;

@@ -101,15 +101,29 @@ bool ModeSteps::Refine(const ContactRows& rows, const Eigen::VectorXd& phi, Fric
 
 const char* ModeSteps::Begin(const ContactRows& rows, FrictionAnswer* answer) {
   constexpr Limits kWarm{.steps = 3, .eps = 1e-10};
-  constexpr int kSteps = 5;
+  constexpr int kSteps = 8;
+  constexpr size_t kMostContacts = 16;  // of more, the relaxation is sooner there
   if (answer->options().initial_f != nullptr) {
     rows.ToScaled(*answer->options().initial_f, &start_);
     if (answer->Take(start_) || Run(rows, kWarm, &start_, answer)) return "warm modes";
   }
-  if (rows.contacts().size() > kFewContacts || rows.size() > kFewRows) return nullptr;
+  if (rows.contacts().size() > kMostContacts || rows.size() > ModeFactor::kMostDense) return nullptr;
   ContactRows::Lengthen(rows.size(), &start_);
   start_.head(rows.size()).setZero();
-  return Iterate(rows, kSteps, &start_, answer) || TryAll(rows, answer) ? "modes" : nullptr;
+  if (Iterate(rows, kSteps, &start_, answer)) return "modes";
+  const bool are_few = rows.contacts().size() <= kFewContacts && rows.size() <= kFewRows;
+  return are_few && TryAll(rows, answer) ? "modes" : nullptr;
+}
+
+// Contacts whose normal gap at rest is rounding beside the largest load, as between bodies that fall together.
+void ModeSteps::CloseUnloaded(const ContactRows& rows) {
+  constexpr double kUnloaded = 1e-9;
+  const double most = kUnloaded * rows.b().lpNorm<Eigen::Infinity>();
+  RowMode* mode = modes_.data();
+  for (const ContactRows::Contact& contact : rows.contacts()) {
+    if (std::abs(rows.b()[contact.normal]) <= most) *mode = contact.can_stick() ? RowMode::kStick : RowMode::kClosed;
+    ++mode;
+  }
 }
 
 bool ModeSteps::Iterate(const ContactRows& rows, int steps, Eigen::VectorXd* phi, FrictionAnswer* answer) {
@@ -117,6 +131,7 @@ bool ModeSteps::Iterate(const ContactRows& rows, int steps, Eigen::VectorXd* phi
   rows.ComputeGaps(*phi, &gaps_);
   for (int k = 0; k < steps && !answer->IsOver(); ++k) {
     rows.FindModes(*phi, gaps_, &modes_);
+    if (k == 0) CloseUnloaded(rows);
     if (k > 0 && modes_ == tried_) return false;
     if (TryModes(rows, *phi, kEps, answer)) return true;
     if (!next_.head(rows.size()).allFinite()) return false;

@@ -25,10 +25,11 @@ class ModeSteps {
   void Reset() { sweeps_are_ready_ = false; }
   /// For problems of up to so many rows, all but Sweep.
   void Reserve(Index max_rows);
-  /// What is asked first: the modes of options.initial_f; of few contacts (kFewContacts), Iterate from 0 and TryAll.
-  /// The one that answered; nullptr if none did.
+  /// What is asked first: the modes of options.initial_f; of up to 16 contacts, Iterate from 0; of few (kFewContacts),
+  /// TryAll. The one that answered; nullptr if none did.
   const char* Begin(const ContactRows& rows, FrictionAnswer* answer);
-  /// Up to `steps` steps of full length from *phi, which find most small problems. True where an answer passes.
+  /// Up to `steps` steps of full length from *phi, which find most small problems; contacts without a load stick at
+  /// first. True where an answer passes.
   bool Iterate(const ContactRows& rows, int steps, Eigen::VectorXd* phi, FrictionAnswer* answer);
   /// The modes of few contacts, all of them one by one. True where an answer passes.  O(4^contacts m^3)
   bool TryAll(const ContactRows& rows, FrictionAnswer* answer);
@@ -47,6 +48,7 @@ class ModeSteps {
                         FrictionAnswer* answer);
   bool Refine(const ContactRows& rows, const Eigen::VectorXd& phi, FrictionAnswer* answer);
   bool TryModes(const ContactRows& rows, const Eigen::VectorXd& center, double eps, FrictionAnswer* answer);
+  void CloseUnloaded(const ContactRows& rows);
   void SetTrial(Index n, double t, const Eigen::VectorXd& phi);
   bool TryStep(const ContactRows& rows, double rho, Eigen::VectorXd* phi, double* next);
 
