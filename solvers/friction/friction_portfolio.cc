@@ -19,7 +19,7 @@ constexpr size_t kContactsOfPath = 128;
 constexpr Index kMostRowsOfPath = 800;
 
 constexpr double kLeastTime = 1e-9;  // [s]: limits are > 0
-constexpr const char* kRay = "a ray of normal forces";
+constexpr const char* kRay = "a ray without friction";
 
 // None where all rows are connected.
 std::vector<std::vector<Index>> IslandsOf(const LcpProblem& problem) {
@@ -158,7 +158,7 @@ bool FrictionPortfolio::FindRay(const FrictionAnswer& answer, LcpResult* result)
   const LcpProblem& problem = answer.problem();
   std::vector<Index> rows;
   for (Index i = 0; i < problem.size(); ++i) {
-    if (problem.kind(i) <= RowKind::kBilateral) rows.push_back(i);
+    if (problem.kind(i) != RowKind::kFriction) rows.push_back(i);
   }
   if (rows.empty()) return false;
   LcpOptions plain = answer.options();
