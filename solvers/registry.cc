@@ -204,12 +204,13 @@ std::vector<SolverEntry> FirstOrderSolvers() {
   };
 }
 
-// With `auto` for the plain problems within.
+// With `auto` for the problems within; without settings.
 template <typename Solver>
-std::unique_ptr<LcpSolver> MakeOnAuto(const Settings& settings) {
-  auto options = Solver::Options::FromSettings(settings);
-  options.make_plain = [] { return std::make_unique<AutoSolver>(); };
-  return std::make_unique<Solver>(options);
+Factory MakeOnAuto(const char* key) {
+  return [key](const Settings& settings) {
+    SettingsReader(key, settings).Finish();
+    return std::make_unique<Solver>(WithinOptions{[] { return std::make_unique<AutoSolver>(); }});
+  };
 }
 
 std::vector<SolverEntry> FrictionSolvers() {
@@ -218,14 +219,14 @@ std::vector<SolverEntry> FrictionSolvers() {
            .source = "Anitescu 2006; Todorov 2014",
            .uses_tolerance = true,
            .why_not_guaranteed = &AnyPsd,
-           .make = &MakeOnAuto<RelaxationSolver>,
+           .make = MakeOnAuto<RelaxationSolver>("relaxation"),
            .takes_friction = true},
           {.key = "shift",
            .method = "relaxations of friction with shifted gaps, a few Newton steps on modes after each",
            .source = "De Saxce, Feng 1991; Acary et al. 2011",
            .uses_tolerance = true,
            .why_not_guaranteed = &ModesMayCycle,
-           .make = &MakeOnAuto<ShiftSolver>,
+           .make = MakeOnAuto<ShiftSolver>("shift"),
            .takes_friction = true},
           {.key = "mode-newton",
            .method = "Newton's method on the modes of contacts, proximal, with sweeps where it stalls",
@@ -240,7 +241,7 @@ std::vector<SolverEntry> FrictionSolvers() {
            .source = "Haslinger 1983; Panagiotopoulos 1985",
            .uses_tolerance = true,
            .why_not_guaranteed = &NoContraction,
-           .make = &MakeOnAuto<LaggedBoundsSolver>,
+           .make = MakeOnAuto<LaggedBoundsSolver>("lagged-bounds"),
            .takes_friction = true,
            .takes_bounded = true}};
 }

@@ -374,7 +374,7 @@ void AutoEngine::SolveFriction(const LcpProblem& problem, LcpOptions options, co
     AutoOptions plain = options_;
     plain.reads_in_place = true;
     friction_ =
-        std::make_unique<FrictionPortfolio>(RelaxationOptions{[plain] { return std::make_unique<AutoSolver>(plain); }});
+        std::make_unique<FrictionPortfolio>(WithinOptions{[plain] { return std::make_unique<AutoSolver>(plain); }});
   }
   if (!std::exchange(friction_is_ready_, true)) friction_->Prepare(problem);
   if (deadline != nullptr) options.time_limit_s = std::max(deadline->Remaining(), kLeastTime);

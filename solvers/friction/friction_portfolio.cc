@@ -19,7 +19,7 @@ constexpr size_t kContactsOfPath = 128;
 constexpr Index kMostRowsOfPath = 800;
 
 constexpr double kLeastTime = 1e-9;  // [s]: limits are > 0
-constexpr const char* kRay = "a ray of normal forces";
+constexpr const char* kRay = "a ray without friction";
 
 // None where all rows are connected.
 std::vector<std::vector<Index>> IslandsOf(const LcpProblem& problem) {
@@ -153,23 +153,19 @@ bool FrictionPortfolio::AskPaths(const ContactRows& rows, FrictionAnswer* answer
          FollowPaths(rows, kSeeds, &path_, &newton_, &phi_, answer, &end);
 }
 
-// Whether the contacts cannot be kept apart even without friction: then no friction helps [docs/friction.md section 2].
+// Whether there is no solution even without friction, whose forces then do not help [docs/friction.md section 2].
 bool FrictionPortfolio::FindRay(const FrictionAnswer& answer, LcpResult* result) const {
   const LcpProblem& problem = answer.problem();
-  std::vector<Index> rows;
-  for (Index i = 0; i < problem.size(); ++i) {
-    if (problem.kind(i) <= RowKind::kBilateral) rows.push_back(i);
-  }
-  if (rows.empty()) return false;
+  RowBounds bounds = problem.bounds();
+  for (const FrictionRow& row : bounds.friction) bounds.bounded.push_back({row.row, 0, 0});
+  bounds.friction.clear();
   LcpOptions plain = answer.options();
   plain.initial_f = nullptr;
   plain.time_limit_s = std::max(answer.Remaining(), kLeastTime);
-  LcpResult of_normals;
-  plain_.make_plain()->Solve(Subproblem(problem, rows), plain, &of_normals);
-  if (of_normals.status != LcpStatus::kInfeasible || !of_normals.farkas_ray) return false;
-  Eigen::VectorXd ray = Eigen::VectorXd::Zero(problem.size());
-  for (size_t k = 0; k < rows.size(); ++k) ray[rows[k]] = (*of_normals.farkas_ray)[static_cast<Index>(k)];
-  if (!VerifyFarkasRay(problem, ray).accepted) return false;
+  LcpResult frictionless;
+  plain_.make_plain()->Solve(problem.WithBounds(std::move(bounds)), plain, &frictionless);
+  std::optional<Eigen::VectorXd>& ray = frictionless.farkas_ray;
+  if (frictionless.status != LcpStatus::kInfeasible || !ray || !VerifyFarkasRay(problem, *ray).accepted) return false;
   result->farkas_ray = std::move(ray);
   result->status = LcpStatus::kInfeasible;
   return true;

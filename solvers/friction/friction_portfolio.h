@@ -21,7 +21,7 @@ namespace lcpbench {
 class FrictionPortfolio {
  public:
   /// @param plain  of the relaxation: what makes the solver of plain problems
-  explicit FrictionPortfolio(const RelaxationOptions& plain) : plain_(plain), rounds_(RelaxProblems(plain)) {}
+  explicit FrictionPortfolio(const WithinOptions& plain) : plain_(plain), rounds_(RelaxProblems(plain)) {}
   void Prepare(const LcpProblem& problem);                                              ///< LcpSolver::DoPrepare
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);  ///< LcpSolver::DoSolve
 
@@ -37,7 +37,7 @@ class FrictionPortfolio {
   bool AskPaths(const ContactRows& rows, FrictionAnswer* answer);
   bool FindRay(const FrictionAnswer& answer, LcpResult* result) const;
 
-  const RelaxationOptions plain_;
+  const WithinOptions plain_;
   ModeSteps newton_;
   ShiftRounds rounds_;
   ContactPath path_;

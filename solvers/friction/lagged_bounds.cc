@@ -41,15 +41,9 @@ void ClipFriction(const LcpProblem& problem, Eigen::VectorXd* f) {
 
 }  // namespace
 
-LaggedBoundsOptions LaggedBoundsOptions::FromSettings(const Settings& settings) {
-  SettingsReader reader("lagged-bounds", settings);
-  reader.Finish();
-  return {};
-}
-
 class LaggedBoundsEngine {
  public:
-  explicit LaggedBoundsEngine(const LaggedBoundsOptions& options) : inner_(options.make_plain()) {}
+  explicit LaggedBoundsEngine(const WithinOptions& options) : inner_(options.make_plain()) {}
   static constexpr bool kTakesFriction = true;
   static constexpr bool kTakesBounded = true;
 
@@ -116,6 +110,6 @@ class LaggedBoundsEngine {
   Eigen::VectorXd clipped_;
 };
 
-template class EngineSolver<LaggedBoundsOptions, LaggedBoundsEngine>;
+template class EngineSolver<WithinOptions, LaggedBoundsEngine>;
 
 }  // namespace lcpbench

@@ -1,21 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <memory>
 
-#include "solvers/lcp/engine_solver.h"
+#include "solvers/friction/relaxation.h"
 
 namespace lcpbench {
-
-/// Options of LaggedBoundsSolver.
-struct LaggedBoundsOptions {
-  /// Makes the solver of the problems with bounded rows: `auto` in the registry. Not a setting.
-  std::function<std::unique_ptr<LcpSolver>()> make_plain;
-
-  /// Without make_plain. @throws InputError for any setting
-  static LaggedBoundsOptions FromSettings(const Settings& settings);
-};
 
 /// Coulomb friction by a fixed point of its bounds [Haslinger 1983; Panagiotopoulos 1985]: with f_n of the round before
 /// (initial_f, or 0) friction rows become bounded ones, |f_t| <= mu f_n, sliding rows f_t = -s mu f_n. Each round is a
@@ -30,13 +19,13 @@ struct LaggedBoundsOptions {
 /// friction rows and that VerifyFarkasRay accepts. kNumericalFailure where kPatience rounds have not lowered the least
 /// rho. Unit of iterations and max_iterations: rounds; default kDefaultRounds. A failure leaves the f of least rho.
 /// Allocates.
-class LaggedBoundsSolver final : public EngineSolver<LaggedBoundsOptions, class LaggedBoundsEngine> {
+class LaggedBoundsSolver final : public EngineSolver<WithinOptions, class LaggedBoundsEngine> {
  public:
   using EngineSolver::EngineSolver;
 
   static constexpr std::int64_t kDefaultRounds = 60;  ///< limit where max_iterations is 0
   static constexpr std::int64_t kPatience = 20;       ///< rounds without a new least rho
 };
-extern template class EngineSolver<LaggedBoundsOptions, LaggedBoundsEngine>;
+extern template class EngineSolver<WithinOptions, LaggedBoundsEngine>;
 
 }  // namespace lcpbench

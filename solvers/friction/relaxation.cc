@@ -42,15 +42,9 @@ LcpProblem RelaxationOf(const LcpProblem& problem) {
   return Relax(problem, rows);
 }
 
-RelaxationOptions RelaxationOptions::FromSettings(const Settings& settings) {
-  SettingsReader reader("relaxation", settings);
-  reader.Finish();
-  return {};
-}
-
 class RelaxationEngine {
  public:
-  explicit RelaxationEngine(const RelaxationOptions& options) : plain_(options.make_plain()) {}
+  explicit RelaxationEngine(const WithinOptions& options) : plain_(options.make_plain()) {}
   static constexpr bool kTakesFriction = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const {
@@ -103,6 +97,6 @@ class RelaxationEngine {
   Eigen::VectorXd gaps_;
 };
 
-template class EngineSolver<RelaxationOptions, RelaxationEngine>;
+template class EngineSolver<WithinOptions, RelaxationEngine>;
 
 }  // namespace lcpbench

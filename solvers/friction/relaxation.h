@@ -13,13 +13,10 @@ namespace lcpbench {
 /// with mu = 0 keeps its row n alone. O(nnz) from factors.
 LcpProblem RelaxationOf(const LcpProblem& problem);
 
-/// Options of RelaxationSolver.
-struct RelaxationOptions {
-  /// Makes the solver of the relaxed problem, which is plain: `auto` in the registry. Not a setting.
+/// Options of RelaxationSolver, ShiftSolver and LaggedBoundsSolver: solvers that hand problems without friction on.
+struct WithinOptions {
+  /// Makes the solver of the problems within, which have no friction rows: `auto` in the registry. Not a setting.
   std::function<std::unique_ptr<LcpSolver>()> make_plain;
-
-  /// Without make_plain. @throws InputError for any setting
-  static RelaxationOptions FromSettings(const Settings& settings);
 };
 
 /// Contact with friction relaxed to a problem without: f in the friction cones, w in their duals, f.w = 0. In the plane
@@ -35,7 +32,7 @@ struct RelaxationOptions {
 /// the relaxed problem, but for two: a ray of that is not one of the given problem, so that kInfeasible becomes
 /// kNumericalFailure, as does kSolved where Verdict::model_rho is above the tolerance and the rounding floor.
 /// Cost: RelaxationOf and one solve.
-using RelaxationSolver = EngineSolver<RelaxationOptions, class RelaxationEngine>;
-extern template class EngineSolver<RelaxationOptions, RelaxationEngine>;
+using RelaxationSolver = EngineSolver<WithinOptions, class RelaxationEngine>;
+extern template class EngineSolver<WithinOptions, RelaxationEngine>;
 
 }  // namespace lcpbench

@@ -6,16 +6,10 @@
 
 namespace lcpbench {
 
-ShiftOptions ShiftOptions::FromSettings(const Settings& settings) {
-  SettingsReader reader("shift", settings);
-  reader.Finish();
-  return {};
-}
-
 class ShiftEngine {
  public:
-  explicit ShiftEngine(const ShiftOptions& options)
-      : plain_(options.make_plain()), relaxation_({options.make_plain}), rounds_(RelaxProblems({options.make_plain})) {}
+  explicit ShiftEngine(const WithinOptions& options)
+      : plain_(options.make_plain()), relaxation_(options), rounds_(RelaxProblems(options)) {}
   static constexpr bool kTakesFriction = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const { return relaxation_.WhyUnsupported(problem); }
@@ -43,6 +37,6 @@ class ShiftEngine {
   Eigen::VectorXd phi_;
 };
 
-template class EngineSolver<ShiftOptions, ShiftEngine>;
+template class EngineSolver<WithinOptions, ShiftEngine>;
 
 }  // namespace lcpbench

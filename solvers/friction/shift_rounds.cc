@@ -47,7 +47,7 @@ const char* ShiftRounds::RunOne(const ContactRows& rows, ModeSteps* newton, Eige
   return newton->Run(rows, kAfterwards, phi, answer) ? (is_first ? "mode-newton" : "shift") : nullptr;
 }
 
-ShiftRounds::Relax RelaxProblems(const RelaxationOptions& options) {
+ShiftRounds::Relax RelaxProblems(const WithinOptions& options) {
   // Of the time that is left: a relaxation that does not end leaves the rest to other methods.
   constexpr double kShareOfTime = 0.5;
   const auto solver = std::make_shared<RelaxationSolver>(options);

@@ -41,6 +41,6 @@ class ShiftRounds {
 };
 
 /// By RelaxationSolver, of answer.problem().
-ShiftRounds::Relax RelaxProblems(const RelaxationOptions& options);
+ShiftRounds::Relax RelaxProblems(const WithinOptions& options);
 
 }  // namespace lcpbench

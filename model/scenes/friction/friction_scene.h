@@ -40,7 +40,7 @@ class FrictionScene final : public SceneBuilder {
 /// The builder of a family whose scenes a function draws. They move under the loads that they stand under.
 /// @tparam draw  a scene of at most `rows` rows, tangents among them, or of the least size there is
 template <ContactSystem (*draw)(int rows, Random* random)>
-class DrawnScene final : public SceneBuilder {
+class DrawnScene : public SceneBuilder {
  public:
   using SceneBuilder::SceneBuilder;
 

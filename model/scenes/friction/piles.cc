@@ -248,6 +248,16 @@ ContactSystem DrawDrum(int rows, Random* random) {
   return system;
 }
 
+// In motion weights alone act, and the drum turns at constant speed, as in the family without friction.
+class DrumScene final : public DrawnScene<&DrawDrum> {
+ public:
+  using DrawnScene::DrawnScene;
+
+  void Launch(World* world) override {
+    for (Body& body : world->bodies) body.alpha = 0;
+  }
+};
+
 }  // namespace
 
 extern const SceneFamily kWedgeJam{
@@ -285,7 +295,7 @@ extern const SceneFamily kVoussoirArch{"voussoir-arch",
 extern const SceneFamily kDrum{"drum",
                                "Balls and ovals thrown about in a turning drum",
                                "Fast slip of both signs and impacts at once.",
-                               &Make<DrawnScene<&DrawDrum>>,
+                               &Make<DrumScene>,
                                MotionLevel::kVelocity,
                                kFrictionStep};
 

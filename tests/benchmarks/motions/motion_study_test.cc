@@ -74,7 +74,10 @@ TEST_F(FrictionStudy, SlabsThatRestCreepTheMoreTheSoonerSweepsEnd) {
   for (const char* exact : {"auto", "relaxation"}) {
     EXPECT_LT(found[exact].creep, 1e-9) << exact;
     EXPECT_LT(found[exact].distance, 1e-9) << exact;
+    EXPECT_LT(found[exact].created, 1e-8) << exact;
   }
+  // Friction that pulls a slab the way it slides gives energy.
+  EXPECT_GT(found["pgs@10"].created, 0.1);
   EXPECT_GT(found["pgs@50"].creep, 1e-4);
   EXPECT_GT(found["pgs@10"].creep, 2 * found["pgs@50"].creep);
   EXPECT_GT(found["pgs@10@cold"].creep, found["pgs@10"].creep);
@@ -92,6 +95,8 @@ TEST_F(FrictionStudy, AnArchStandsAndSinksUnderSweepsThatEndSoon) {
 TEST_F(FrictionStudy, ABlockThatSlidesHoversUnderTheRelaxationAlone) {
   auto found = Drive("sliding_block", 30, {"auto", "pgs", "relaxation"});
   EXPECT_LT(found["auto"].lost_gap, 1e-12);
+  EXPECT_LT(found["auto"].creep, 1e-12);  // none where friction is at its limit
+  EXPECT_LT(found["auto"].created, 1e-12);
   EXPECT_LT(found["pgs"].lost_gap, 1e-9);
   const double h = 1.0 / 60;
   EXPECT_NEAR(found["relaxation"].lost_gap, 0.3 * (3 - 0.3 * kGravity * h) / 1.09 * h, 1e-9);

@@ -128,6 +128,17 @@ TEST(FrictionMotion, KeepsWhatRestsWhereItIs) {
   }
 }
 
+// Under weights alone and at constant speed: no body gets so fast that a step takes it through the wall.
+TEST(FrictionMotion, KeepsBodiesInATurningDrumAtItsOwnStep) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Driven driven(StartScene("drum", 20, seed), FindScene("drum").step, "auto");
+    const double omega = driven.body(0).omega;
+    driven.motion->Advance(2);
+    EXPECT_EQ(driven.motion->status(), MotionStatus::kMoving) << seed << " " << driven.motion->detail();
+    EXPECT_EQ(driven.body(0).omega, omega);
+  }
+}
+
 TEST(FrictionMotion, StopsASlidingBoxWhereFrictionHasTakenItsEnergy) {
   const double mu = 0.3;
   World world = WorldOf(SlopeStacks(1, 1, 0, mu, 2, 1));

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <random>
@@ -279,6 +280,31 @@ TEST(FrictionMethods, InfeasibleOnlyByARayOfNormalForces) {
     ASSERT_EQ(result.status, LcpStatus::kInfeasible) << problem.id() << " " << result.detail;
     ASSERT_TRUE(result.farkas_ray.has_value());
     EXPECT_TRUE(VerifyFarkasRay(opposed, *result.farkas_ray).accepted);
+  }
+}
+
+// Two motors that pull against each other without a limit, beside contacts that have a solution.
+TEST(FrictionMethods, InfeasibleByARayOfBoundedRows) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const LcpProblem problem = RandomFrictionProblem(8000 + seed, 6);
+    const Index n = problem.size();
+    SparseMatrix J = problem.J();
+    J.conservativeResize(n + 2, J.cols());
+    for (SparseMatrix::InnerIterator it(problem.J(), 0); it; ++it) {
+      J.coeffRef(n, it.col()) = it.value();
+      J.coeffRef(n + 1, it.col()) = -it.value();
+    }
+    RowBounds bounds = RowBounds::WithBilateralRows(n + 2, problem.bilateral_rows());
+    bounds.friction = problem.friction_rows();
+    bounds.bounded = {{n, 0, kInfinity}, {n + 1, 0, kInfinity}};
+    Eigen::VectorXd b(n + 2);
+    b << problem.b(), -1, -1;
+    const LcpProblem pulled =
+        LcpProblem::FromFactors(problem.id() + "-pulled", J, problem.inverse_mass(), b, std::move(bounds));
+    const LcpResult result = SolveWith(MakeSolver("auto").get(), pulled);
+    ASSERT_EQ(result.status, LcpStatus::kInfeasible) << problem.id() << " " << result.detail;
+    EXPECT_TRUE(VerifyFarkasRay(pulled, result.farkas_ray.value()).accepted);
   }
 }
 
