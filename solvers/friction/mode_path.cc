@@ -17,7 +17,7 @@ constexpr double kSmallPivot = 1e-6;
 constexpr double kLeastRate = 1e-13;
 // Of proximal points: eps at first, its limits, and its factors after a path that is not reached, or is by few or by
 // many crossings.
-constexpr double kFirstEps = 1e-2, kLeastEps = 1e-8, kMostEps = 10;
+constexpr double kFirstEps = 1e-2, kLeastEps = 1e-13, kMostEps = 10;
 constexpr double kAfterFailure = 2, kAfterFew = 0.3, kAfterMany = 0.9;
 constexpr std::int64_t kFewCrossings = 40;
 // Paths that wander are given up after so many crossings, or this part of the rows.
