@@ -162,7 +162,7 @@ ModePath::Crossing ModePath::Jump(const ContactRows& rows, const Wall& wall) {
   AddColumn(rows, contact.normal, factor);
   std::size_t place = wall.place;
   while (rows.contacts()[place].is_further) --place;
-  do {
+  for (; place < count && rows.contacts()[place].normal == contact.normal; ++place) {
     const ContactRows::Contact& part = rows.contacts()[place];
     RowMode& mode = modes_[place];
     const RowMode closed = !part.can_stick()          ? RowMode::kClosed
@@ -171,7 +171,7 @@ ModePath::Crossing ModePath::Jump(const ContactRows& rows, const Wall& wall) {
                                                       : RowMode::kDown;
     mode = before == RowMode::kOpen ? closed : RowMode::kOpen;
     if (part.tangent >= 0) AddColumn(rows, part.tangent, -factor * SlipOf(closed, part) * part.mu);
-  } while (++place < count && rows.contacts()[place].is_further);
+  }
   return {contact.normal, -1, 0, 1};
 }
 
