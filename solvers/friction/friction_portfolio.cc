@@ -12,11 +12,10 @@
 namespace lcpbench {
 namespace {
 
-// Rounds of the relaxation before the path along modes, the first unshifted, and after it.
-constexpr int kFirstRounds = 4, kMostRounds = 60;
-// Above so many contacts the path comes last; above so many rows its dense inverse is not worth while.
+// Rounds of the relaxation, the first unshifted.
+constexpr int kRounds = 4;
+// Lemke's path, with its dense inverse, is for islands of up to so many contacts.
 constexpr size_t kContactsOfPath = 128;
-constexpr Index kMostRowsOfPath = 800;
 
 constexpr double kLeastTime = 1e-9;  // [s]: limits are > 0
 constexpr const char* kRay = "a ray without friction";
@@ -117,40 +116,28 @@ void FrictionPortfolio::SolvePart(Part* part, const LcpProblem& problem, const L
 // The method that answered; nullptr if none did.
 const char* FrictionPortfolio::Ask(const ContactRows& rows, FrictionAnswer* answer, LcpResult* result) {
   constexpr ModeSteps::Limits kCold{.steps = 30, .eps = 1e-8};
-  constexpr ModeSteps::Limits kInTurns{.steps = 200, .eps = 1e-6, .sweeps = 50};
-  constexpr int kFirstSweeps = 200, kPoints = 200;
+  constexpr unsigned kSeeds = 2;
+  constexpr int kPoints = 1000;
   const bool has_friction =
       std::ranges::any_of(rows.contacts(), [](const ContactRows::Contact& contact) { return contact.can_stick(); });
   const auto ask_rounds = [&](int count) { return rounds_.Run(rows, count, &newton_, &phi_, answer); };
   if (!has_friction && rows.can_relax() && ask_rounds(1) != nullptr) return "no friction";
   if (const char* method = newton_.Begin(rows, answer)) return method;
   if (rows.can_relax()) {
-    if (const char* method = ask_rounds(kFirstRounds)) return method;
+    if (const char* method = ask_rounds(kRounds)) return method;
     if (!rounds_.is_solved() && !rounds_.ran_out_of_time() && FindRay(*answer, result)) return kRay;
   } else {
     phi_.setZero(rows.size());
     if (newton_.Run(rows, kCold, &phi_, answer)) return "mode-newton";
   }
-  const bool path_is_last = rows.contacts().size() > kContactsOfPath;
-  if (!path_is_last && AskPaths(rows, answer)) return "lemke";
-  if (!answer->GetBest(&phi_)) phi_.setZero(rows.size());
-  if (newton_.Approach(rows, kPoints, &phi_, answer)) return "proximal points";
-  if (rows.can_relax()) {
-    if (ask_rounds(kMostRounds - kFirstRounds) != nullptr) return "shift to 60 rounds";
-  }
-  if (!answer->GetBest(&phi_)) phi_.setZero(rows.size());
-  if (newton_.Sweep(rows, kFirstSweeps, &phi_, answer) || newton_.Run(rows, kInTurns, &phi_, answer)) {
-    return "sweeps and mode-newton";
-  }
-  if (path_is_last && AskPaths(rows, answer)) return "lemke";
-  return nullptr;
-}
-
-bool FrictionPortfolio::AskPaths(const ContactRows& rows, FrictionAnswer* answer) {
-  constexpr unsigned kSeeds = 2;
   ContactPath::End end = ContactPath::End::kLimit;
-  return rows.is_paired() && rows.size() <= kMostRowsOfPath &&
-         FollowPaths(rows, kSeeds, &path_, &newton_, &phi_, answer, &end);
+  if (rows.is_paired() && rows.contacts().size() <= kContactsOfPath &&
+      FollowPaths(rows, kSeeds, &path_, &newton_, &phi_, answer, &end)) {
+    return "lemke";
+  }
+  if (!answer->GetBest(&phi_)) phi_.setZero(rows.size());
+  if (mode_path_.Approach(rows, kPoints, &newton_, &phi_, answer)) return "proximal points";
+  return nullptr;
 }
 
 // Whether there is no solution even without friction, whose forces then do not help [docs/friction.md section 2].

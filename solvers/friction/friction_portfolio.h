@@ -7,6 +7,7 @@
 
 #include "solvers/friction/contact_path.h"
 #include "solvers/friction/contact_rows.h"
+#include "solvers/friction/mode_path.h"
 #include "solvers/friction/mode_steps.h"
 #include "solvers/friction/shift_rounds.h"
 
@@ -15,9 +16,9 @@ namespace lcpbench {
 
 /// `auto` for problems with friction, sliding or bounded rows, island by island [docs/friction.md section 5]. Methods
 /// are asked in turn until an answer passes: modes one by one (few contacts); the modes of initial_f; rounds of the
-/// shifted relaxation, the first one unshifted, with Newton steps on modes after each; Lemke's path along modes;
-/// proximal points; more rounds; sweeps and Newton steps in turns. LcpResult::detail names the one that answered. With
-/// sliding or bounded rows there are no relaxations: Newton steps come first.
+/// shifted relaxation, the first one unshifted, with Newton steps on modes after each; Lemke's path along modes in small
+/// islands; proximal points by paths of the normal map. LcpResult::detail names the one that answered. With sliding or
+/// bounded rows there are no relaxations: Newton steps come first.
 class FrictionPortfolio {
  public:
   /// @param plain  of the relaxation: what makes the solver of plain problems
@@ -34,13 +35,13 @@ class FrictionPortfolio {
   };
   void SolvePart(Part* part, const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
   const char* Ask(const ContactRows& rows, FrictionAnswer* answer, LcpResult* result);
-  bool AskPaths(const ContactRows& rows, FrictionAnswer* answer);
   bool FindRay(const FrictionAnswer& answer, LcpResult* result) const;
 
   const WithinOptions plain_;
   ModeSteps newton_;
   ShiftRounds rounds_;
   ContactPath path_;
+  ModePath mode_path_;
   std::vector<Part> parts_;
   Eigen::VectorXd phi_;
 };

@@ -12,6 +12,8 @@ namespace {
 constexpr double kLeastPivot = 1e-3;
 // Below, too many digits are lost through the bodies.
 constexpr double kLeastEpsOnBodies = 1e-9;
+// Through the bodies, what corrections leave of a right-hand side: of a solution; of a direction of a path.
+constexpr double kFine = 1e-15, kFineOfDirections = 1e-11;
 
 }  // namespace
 
@@ -84,31 +86,46 @@ bool ModeFactor::Correct(const ContactRows& rows, const Eigen::VectorXd& center,
   // A correction of what the center gives in these modes: less is lost to rounding.
   rows.ComputeGaps(*phi, &gaps_);
   for (Index k = 0; k < m; ++k) y_[k] = -gaps_[equation_[At(k)]];
-  if (on_bodies_ != nullptr) {
-    SolveOnBodies(rows);
-  } else if (m > kMostDense) {
-    y_.head(m) = lu_.solve(Eigen::VectorXd(y_.head(m)));
-  } else {
-    dense_.Solve(y_.data());
-  }
+  SolveFactor(rows, kFine);
   if (!y_.head(m).allFinite()) return false;
   for (Index k = 0; k < m; ++k) y_[k] += (*phi)[equation_[At(k)]];
   Expand(n, phi);
   return true;
 }
 
+// y_ of the right-hand side in it.
+void ModeFactor::SolveFactor(const ContactRows& rows, double fine) {
+  const Index m = size();
+  if (on_bodies_ != nullptr) {
+    SolveOnBodies(rows, fine);
+  } else if (m > kMostDense) {
+    y_.head(m) = lu_.solve(Eigen::VectorXd(y_.head(m)));
+  } else {
+    dense_.Solve(y_.data());
+  }
+}
+
+void ModeFactor::SolveEquations(const ContactRows& rows, const Eigen::VectorXd& right, Eigen::VectorXd* phi) {
+  for (Index k = 0; k < size(); ++k) y_[k] = right[equation_[At(k)]];
+  SolveFactor(rows, kFineOfDirections);
+  for (Index i = 0; i < rows.size(); ++i) {
+    (*phi)[i] = unknown_[At(i)] < 0 ? 0 : coefficient_[i] * y_[unknown_[At(i)]];
+  }
+}
+
 bool ModeFactor::Solve(const ContactRows& rows, const std::vector<RowMode>& modes, const Eigen::VectorXd& center,
                        double eps, Eigen::VectorXd* phi) {
+  ContactRows::Lengthen(rows.size(), phi);
+  return Factorize(rows, modes, eps) && Correct(rows, center, phi);
+}
+
+bool ModeFactor::Factorize(const ContactRows& rows, const std::vector<RowMode>& modes, double eps) {
   SetModes(rows, modes);
   ContactRows::Lengthen(size(), &y_);
-  ContactRows::Lengthen(rows.size(), phi);
   on_bodies_ = size() > kMostDense && eps >= kLeastEpsOnBodies ? rows.OnBodies() : nullptr;
-  if (!(size() <= kMostDense    ? FactorizeDense(rows, eps)
-        : on_bodies_ != nullptr ? FactorizeOnBodies(rows, eps)
-                                : FactorizeSparse(rows, eps))) {
-    return false;
-  }
-  return Correct(rows, center, phi);
+  return size() <= kMostDense    ? FactorizeDense(rows, eps)
+         : on_bodies_ != nullptr ? FactorizeOnBodies(rows, eps)
+                                 : FactorizeSparse(rows, eps);
 }
 
 void ModeFactor::Refine(const ContactRows& rows, Eigen::VectorXd* phi) {
@@ -174,9 +191,8 @@ bool ModeFactor::FactorizeOnBodies(const ContactRows& rows, double eps) {
   return lu_.info() == Eigen::Success;
 }
 
-void ModeFactor::SolveOnBodies(const ContactRows& rows) {
+void ModeFactor::SolveOnBodies(const ContactRows& rows, double fine) {
   constexpr int kCorrections = 3;
-  constexpr double kFine = 1e-15;
   const SparseMatrix& G = *on_bodies_;
   const Index m = size();
   const Eigen::VectorXd wanted = y_.head(m);
@@ -199,7 +215,7 @@ void ModeFactor::SolveOnBodies(const ContactRows& rows) {
     to_bodies(y);
     rest = wanted - eps_ * y;
     subtract(v, &rest);
-    if (!(rest.lpNorm<Eigen::Infinity>() > kFine * wanted.lpNorm<Eigen::Infinity>())) break;
+    if (!(rest.lpNorm<Eigen::Infinity>() > fine * wanted.lpNorm<Eigen::Infinity>())) break;
   }
   y_.head(m) = y;
 }

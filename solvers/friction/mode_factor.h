@@ -32,8 +32,18 @@ class ModeFactor {
   /// The same about *phi, which the last solve has given, by its factor: what eps and rounding have left of omega_E.
   /// O(m^2 + nnz A)
   void Refine(const ContactRows& rows, Eigen::VectorXd* phi);
+  /// The factor alone; false where it is singular.
+  bool Factorize(const ContactRows& rows, const std::vector<RowMode>& modes, double eps);
+  /// *phi = B y with K y = right_E, by the factor at hand.
+  void SolveEquations(const ContactRows& rows, const Eigen::VectorXd& right, Eigen::VectorXd* phi);
+  /// Whether the force of a row is an unknown of these modes.
+  bool IsUnknown(Index row) const {
+    return unknown_[static_cast<size_t>(row)] >= 0 &&
+           equation_[static_cast<size_t>(unknown_[static_cast<size_t>(row)])] == row;
+  }
 
  private:
+  void SolveFactor(const ContactRows& rows, double fine);
   void SetModes(const ContactRows& rows, const std::vector<RowMode>& modes);
   void AddUnknowns(Index n);
   void Expand(Index n, Eigen::VectorXd* phi) const;
@@ -42,7 +52,7 @@ class ModeFactor {
   void AddDenseColumns(const ContactRows& rows);
   bool FactorizeSparse(const ContactRows& rows, double eps);
   bool FactorizeOnBodies(const ContactRows& rows, double eps);
-  void SolveOnBodies(const ContactRows& rows);
+  void SolveOnBodies(const ContactRows& rows, double fine);
 
   Index size() const { return static_cast<Index>(equation_.size()); }  // m
 

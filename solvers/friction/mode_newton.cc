@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "solvers/friction/mode_path.h"
 #include "solvers/friction/mode_steps.h"
 
 namespace lcpbench {
@@ -30,13 +31,14 @@ class ModeNewtonEngine {
     rows_.ToScaled(options.initial_f == nullptr ? result->f : *options.initial_f, &phi_);
     if (answer.Take(phi_) || newton_.Sweep(rows_, kFirstSweeps, &phi_, &answer)) return;
     if (newton_.Run(rows_, {.sweeps = kSweeps}, &phi_, &answer)) return;
-    if (newton_.Approach(rows_, kPoints, &phi_, &answer)) return;
+    if (path_.Approach(rows_, kPoints, &newton_, &phi_, &answer)) return;
     answer.Fail("no step reduces the residual to the tolerance");
   }
 
  private:
   ContactRows rows_;
   ModeSteps newton_;
+  ModePath path_;
   Eigen::VectorXd phi_;
 };
 

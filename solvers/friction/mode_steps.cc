@@ -13,9 +13,6 @@ constexpr double kShortestStep = 0x1p-7;
 constexpr double kGoodStep = 0.1;
 constexpr double kLeastEps = 1e-12, kMostEps = 0.1;
 constexpr int kMostFailures = 8;
-// Of proximal points: eps at first, its limits and factors; Newton steps for one, and how few of them let eps fall.
-constexpr double kFirstWeight = 1e-2, kLeastWeight = 1e-8, kMostWeight = 10, kMoreWeight = 10, kLessWeight = 0.3;
-constexpr int kStepsPerPoint = 30, kFewSteps = 5;
 // rho above which the modes are wrong, rather than their solution inexact.
 constexpr double kWorthRefining = 1e-4;
 // Answers are refined to this part of the tolerance.
@@ -196,60 +193,6 @@ bool ModeSteps::Run(const ContactRows& rows, const Limits& limits, Eigen::Vector
     if (rho <= answer->tolerance() && answer->Take(*phi, gaps_)) return Refine(rows, *phi, answer);
   }
   if (rho < answer->rho()) answer->Take(*phi);
-  return false;
-}
-
-// Newton steps towards the proximal point about center_, until its residual is `wanted`. The number of steps; *rho: the
-// residual.
-int ModeSteps::FindProximalPoint(const ContactRows& rows, double eps, double wanted, double* rho, Eigen::VectorXd* phi,
-                                 FrictionAnswer* answer) {
-  const Index n = rows.size();
-  const auto residual = [&](const Eigen::VectorXd& at) {
-    rows.ComputeGaps(at, &gaps_);
-    gaps_.head(n) += eps * (at.head(n) - center_.head(n));
-    return rows.Rho(at, gaps_);
-  };
-  *rho = residual(*phi);
-  int steps = 0;
-  bool moves = true;
-  while (moves && steps < kStepsPerPoint && wanted < *rho && !answer->IsOver()) {
-    rows.FindModes(*phi, gaps_, &modes_);
-    ++answer->iterations();
-    ++steps;
-    moves = false;
-    if (!factor_.Solve(rows, modes_, center_, eps, &next_)) break;
-    for (double t = 1; t >= kShortestStep && !moves; t /= 2) {
-      SetTrial(rows.size(), t, *phi);
-      const double next = residual(trial_);
-      if (!(next <= (1 - kDecrease * t) * *rho)) continue;
-      moves = true;
-      *rho = next;
-      phi->swap(trial_);
-    }
-  }
-  return steps;
-}
-
-bool ModeSteps::Approach(const ContactRows& rows, int points, Eigen::VectorXd* phi, FrictionAnswer* answer) {
-  double eps = kFirstWeight;
-  rows.ComputeGaps(*phi, &gaps_);
-  double rho = rows.Rho(*phi, gaps_);
-  for (int point = 0; point < points && !answer->IsOver(); ++point) {
-    center_ = *phi;
-    const double wanted = kGoodStep * std::min(rho, eps);
-    double of_point = 0;
-    const int steps = FindProximalPoint(rows, eps, wanted, &of_point, phi, answer);
-    rows.ComputeGaps(*phi, &gaps_);
-    rho = rows.Rho(*phi, gaps_);
-    if (!std::isfinite(rho)) return false;
-    if (rho <= answer->tolerance() && answer->Take(*phi)) return Refine(rows, *phi, answer);
-    if (rho < answer->rho()) answer->Take(*phi);
-    if (of_point > wanted) {
-      eps = std::min(eps * kMoreWeight, kMostWeight);
-    } else if (steps <= kFewSteps) {
-      eps = std::max(eps * kLessWeight, kLeastWeight);
-    }
-  }
   return false;
 }
 

@@ -35,17 +35,12 @@ class ModeSteps {
   bool TryAll(const ContactRows& rows, FrictionAnswer* answer);
   /// True where an answer passes. *phi: where to start from; the last iterate afterwards.
   bool Run(const ContactRows& rows, const Limits& limits, Eigen::VectorXd* phi, FrictionAnswer* answer);
-  /// Proximal points: each solves the problem of A + eps about the last, eps not small, by Newton steps with a line
-  /// search on the residual of that problem. Slower and surer than Run. True where an answer passes.
-  bool Approach(const ContactRows& rows, int points, Eigen::VectorXd* phi, FrictionAnswer* answer);
   /// Solves the modes of *phi with a vanishing eps, a few times. True where an answer passes.
   bool Polish(const ContactRows& rows, const Eigen::VectorXd& phi, FrictionAnswer* answer);
   /// Up to `count` sweeps from *phi. True where an answer passes.
   bool Sweep(const ContactRows& rows, int count, Eigen::VectorXd* phi, FrictionAnswer* answer);
 
  private:
-  int FindProximalPoint(const ContactRows& rows, double eps, double wanted, double* rho, Eigen::VectorXd* phi,
-                        FrictionAnswer* answer);
   bool Refine(const ContactRows& rows, const Eigen::VectorXd& phi, FrictionAnswer* answer);
   bool TryModes(const ContactRows& rows, const Eigen::VectorXd& center, double eps, FrictionAnswer* answer);
   void CloseUnloaded(const ContactRows& rows);

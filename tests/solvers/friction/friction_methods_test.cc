@@ -128,14 +128,15 @@ TEST(FrictionMethods, ThePathHasNoRayWhereASolutionExists) {
   }
 }
 
-// With more unknowns than a dense factor takes: through the bodies from factors, by K itself from A.
+// With more unknowns than a dense factor takes: through the bodies from factors, by K itself from A. Drums are answered
+// by paths of the normal map, where the residual of Newton steps has local minima.
 TEST(FrictionMethods, AutoSolvesManyContactsFromEveryForm) {
   constexpr Index kMostContacts = 250;
   const std::unique_ptr<LcpSolver> solver = MakeSolver("auto");
   int solved = 0;
   for (const LcpProblem& problem : StructuredFrictionProblems(2, kMostContacts)) {
     const std::string& id = problem.id();
-    if (id != "drum-100-0.3" && !id.starts_with("pile-100") && !id.starts_with("ramp-100")) continue;
+    if (!id.starts_with("drum-100") && !id.starts_with("pile-100") && !id.starts_with("ramp-100")) continue;
     for (const MatrixForm form : {MatrixForm::kFactors, MatrixForm::kSparse}) {
       const LcpProblem given = form == MatrixForm::kFactors ? problem : InForm(problem, form);
       const LcpResult result = SolveWith(solver.get(), given);
@@ -143,7 +144,7 @@ TEST(FrictionMethods, AutoSolvesManyContactsFromEveryForm) {
       ++solved;
     }
   }
-  EXPECT_EQ(solved, 18);
+  EXPECT_EQ(solved, 24);
 }
 
 // Such problems are brought into range first, and their coefficients of friction and bounds with them.
