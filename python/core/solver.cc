@@ -41,7 +41,8 @@ time_limit      [s]; None: none
 max_iterations  in the solver's own unit; 0: its default
 settings        options of the solver, by its own names
 
-A problem that is hard or has no solution is a status of the result. The GIL is released.
+A problem that is hard or has no solution is a status of the result. The GIL is released: other threads must not change
+the arrays during the call. They are copied once, so that the result does not change with them afterwards.
 Raises ValueError naming the argument, MemoryError where more memory is needed than there is.)";
 
 // Options by name, as the registry takes them: True is yes.

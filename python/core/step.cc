@@ -193,7 +193,8 @@ initial_f     (n,) warm start: the forces of the step before, 0 for new rows
 f             (n,) where the forces are written [N]; None: a new array
 w             (n,) where A f + b is written; None: not wanted
 
-Arrays of these types without gaps are read in place; no matrix is copied. The GIL is released.
+Arrays of these types without gaps are read in place; they are copied only where the step goes to other methods of
+`auto` (`fallbacks`), as one with more than 2000 rows that hang together does. The GIL is released.
 Raises ValueError naming the argument.)";
 
 constexpr const char* kBatch = R"(Solves many problems that share no body that can move, several at once.

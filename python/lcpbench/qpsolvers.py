@@ -3,7 +3,8 @@
     minimize 1/2 x.P x + q.x   subject to   lb <= x <= ub
 
 P symmetric and positive semidefinite. Its optimality conditions are the box LCP w = P x + q, which `lcpbench.solve`
-solves. Importing this module registers the solver; problems with G, h, A or b are refused.
+solves. Importing this module registers the solver; problems with G, h, A or b are refused. Methods that do not take
+bounded rows get rows with one bound as x = lb + f or x = ub - f, f >= 0.
 
     import qpsolvers, lcpbench.qpsolvers
     x = qpsolvers.solve_qp(P, q, lb=lb, ub=ub, solver="lcpbench")
@@ -51,8 +52,17 @@ def solve_problem(problem: Problem, initvals: np.ndarray | None = None, verbose:
         solution.extras = {"status": "infeasible", "detail": "lb > ub"}
         return solution
     free = np.isneginf(lower) & np.isposinf(upper)
-    bounded = np.flatnonzero(~free & ~((lower == 0) & np.isposinf(upper)))
-    lcp = _core.Problem(P, q, bilateral=free, symmetric=True,
+    unilateral = (lower == 0) & np.isposinf(upper)
+    origin, sign = np.zeros(n), np.ones(n)  # x = origin + sign f
+    load = q
+    if any(entry.key == method and not entry.takes_bounded for entry in _core.available_solvers()):
+        # Not for the others: to count f from a far bound would round x.
+        origin, sign, unilateral = _from_one_bound(lower, upper)
+        load = sign * (P @ origin + q)
+        P = P.multiply(sign[:, None]).multiply(sign).tocsc() if hasattr(P, "multiply") else P * sign[:, None] * sign
+        initvals = None if initvals is None else sign * (initvals - origin)
+    bounded = np.flatnonzero(~free & ~unilateral)
+    lcp = _core.Problem(P, load, bilateral=free, symmetric=True,
                         bounded={"row": bounded, "lower": lower[bounded], "upper": upper[bounded]})
     built = time.perf_counter()
     result = _core.solve(lcp, solver=method, initial_f=initvals, **options)
@@ -65,12 +75,20 @@ def solve_problem(problem: Problem, initvals: np.ndarray | None = None, verbose:
     if verbose:
         print(f"lcpbench {method}: {result.status}, rho = {verdict.rho:.1e}")
     if solution.found:
-        x, w = np.array(result.f), result.w
+        x, w = origin + sign * result.f, sign * result.w
         solution.x = x
         solution.obj = float(0.5 * x @ (w - q) + q @ x)  # w = P x + q
         solution.y = solution.z = np.empty(0)
-        solution.z_box = np.where((x <= lower) | (x >= upper), -w, 0.0)
+        # Not by x = lower or x = upper, which methods may miss by rounding.
+        solution.z_box = np.where((x - w <= lower) | (x - w >= upper), -w, 0.0)
     return solution
+
+
+def _from_one_bound(lower, upper):
+    """origin, sign and where: x = origin + sign f with f >= 0 in rows with one bound, x = f elsewhere."""
+    from_lower, from_upper = np.isfinite(lower) & np.isposinf(upper), np.isneginf(lower) & np.isfinite(upper)
+    origin = np.where(from_lower, lower, np.where(from_upper, upper, 0.0))
+    return origin, np.where(from_upper, -1.0, 1.0), from_lower | from_upper
 
 
 if _NAME not in available_solvers:

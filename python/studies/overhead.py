@@ -4,6 +4,7 @@ a solve takes at most: the tables of docs/python.md.
     build/python-venv/bin/python python/studies/overhead.py
 """
 
+import ctypes
 import statistics
 import time
 
@@ -14,6 +15,9 @@ import lcpbench
 
 ROWS = (1, 3, 10, 30, 100, 300)
 LARGE = (10_000, 100_000, 1_000_000)
+STACK = 100  # rows of an island that StepSolver solves in place
+DENSE = 5000  # rows of a dense A
+TRIM = ctypes.CDLL(None).malloc_trim
 ROUNDS = 101
 ROUND_S = 5e-4
 
@@ -68,6 +72,7 @@ def memory(name):
 
 def peak_above(call):
     """What memory a call takes at most beyond what there was [MB]."""
+    TRIM(0)  # else what calls before it freed would not count
     with open("/proc/self/clear_refs", "w", encoding="ascii") as reset:
         reset.write("5")
     before = memory("VmRSS")
@@ -88,16 +93,38 @@ def times():
 
 
 def peaks():
-    print("\n| rows | J, M⁻¹ and b [MB] | `Problem(J=…)` | `solve(problem)` | `StepSolver.solve` |\n|" + " ---: |" * 5)
+    print("\n| rows | J, M⁻¹ and b [MB] | `Problem(J=…)` | `solve(problem)` | `solve(J=…)` | `StepSolver.solve` | "
+          f"of stacks of {STACK} | A and b [MB] | `Problem(A)` | `solve(A, b)` |\n|" + " ---: |" * 10)
     for rows in LARGE:
         body, J, b, inverse_mass, factor = chain(rows)
-        given = sum(array.nbytes for array in (factor.data, factor.indices, factor.indptr, inverse_mass, b)) / 2**20
-        of_problem, problem = peak_above(lambda: lcpbench.Problem(b=b, J=factor, inverse_mass=inverse_mass))
+        factors = {"b": b, "J": factor, "inverse_mass": inverse_mass}
+        of_problem, problem = peak_above(lambda: lcpbench.Problem(**factors))
         of_solve, _ = peak_above(lambda: lcpbench.solve(problem))
         del problem
+        of_both, _ = peak_above(lambda: lcpbench.solve(**factors))
         f = np.empty(rows)
         of_step, _ = peak_above(lambda: lcpbench.StepSolver().solve(body, J, b, inverse_mass, f=f))
-        print(f"| {rows} | {given:.1f} | {of_problem:.1f} | {of_solve:.1f} | {of_step:.1f} |")
+        body[::STACK, 1], J[::STACK, 1] = -1, 0
+        of_stacks, _ = peak_above(lambda: lcpbench.StepSolver().solve(body, J, b, inverse_mass, f=f))
+        A = (factor @ sparse.diags(inverse_mass.ravel()) @ factor.T).tocsr()
+        A.sort_indices()
+        print(f"| {rows} | {megabytes(factor, inverse_mass, b):.1f} | {of_problem:.1f} | {of_solve:.1f} | "
+              f"{of_both:.1f} | {of_step:.1f} | {of_stacks:.1f} | " + peaks_of_matrix(A, b) + " |")
+    body, J, b, inverse_mass, factor = chain(DENSE)
+    A = (factor @ sparse.diags(inverse_mass.ravel()) @ factor.T).toarray()
+    print(f"| {DENSE}, A dense | | | | | | | " + peaks_of_matrix(A, b) + " |")
+
+
+def peaks_of_matrix(A, b):
+    of_problem, problem = peak_above(lambda: lcpbench.Problem(A, b))
+    del problem
+    of_solve, _ = peak_above(lambda: lcpbench.solve(A, b))
+    return f"{megabytes(A, b):.1f} | {of_problem:.1f} | {of_solve:.1f}"
+
+
+def megabytes(matrix, *vectors):
+    arrays = [matrix.data, matrix.indices, matrix.indptr] if sparse.issparse(matrix) else [matrix]
+    return sum(array.nbytes for array in (*arrays, *vectors)) / 2**20
 
 
 if __name__ == "__main__":

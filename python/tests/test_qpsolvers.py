@@ -38,6 +38,32 @@ def test_solutions_satisfy_the_kkt_conditions(seed, n, rank, kind, sparse):
     assert solution.obj == pytest.approx(0.5 * solution.x @ P @ solution.x + problem.q @ solution.x, abs=1e-9)
 
 
+@settings(max_examples=150, deadline=None)
+@given(st.integers(0, 10**6), st.integers(1, 12), st.booleans(), st.booleans(),
+       st.sampled_from(["dantzig", "principal-pivoting", "lemke"]))  # lemke takes bounded rows as they are
+def test_methods_for_plain_problems_take_rows_with_one_bound(seed, n, sparse, warm, method):
+    random = np.random.default_rng(seed)
+    side = random.integers(0, 3, n)  # a lower bound, an upper one, none
+    problem = program(seed, n, n + 2, "zero")
+    problem.lb = np.where(side == 0, random.normal(size=n), -np.inf)
+    problem.ub = np.where(side == 1, random.normal(size=n), np.inf)
+    if sparse:
+        problem.P = scipy.sparse.csc_matrix(problem.P)
+    expected = qpsolvers.solve_problem(problem, "lcpbench")
+    start = expected.x if warm else None
+    solution = qpsolvers.solve_problem(problem, "lcpbench", initvals=start, method=method)
+    assert solution.found and solution.is_optimal(1e-6), solution.extras
+    assert solution.x == pytest.approx(expected.x, rel=1e-5, abs=1e-6)
+    assert solution.obj == pytest.approx(expected.obj, rel=1e-6, abs=1e-8)
+    if method != "lemke":
+        assert np.all((solution.x >= problem.lb) & (solution.x <= problem.ub))  # without rounding
+
+
+def test_methods_for_plain_problems_do_not_take_two_bounds():
+    solution = qpsolvers.solve_problem(program(1, 4, 6, "both"), "lcpbench", method="dantzig")
+    assert not solution.found and solution.extras["status"] == "unsupported"
+
+
 def test_solve_qp_and_warm_starts():
     P, q = np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([-1.0, 1.0])
     x = qpsolvers.solve_qp(P, q, lb=np.zeros(2), solver="lcpbench")

@@ -1,5 +1,6 @@
 #include "solvers/lcp/compressed_rows.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -94,7 +95,12 @@ SparseMatrix ToSparseMatrix(const CompressedArrays& arrays, const char* name) {
   if (arrays.by_columns) {
     matrix = as(ByColumns());
   } else if (WhyNotColumns(arrays.starts, arrays.indices, arrays.columns, "indices").empty()) {
-    matrix = as(SparseMatrix());
+    // Eigen's assignment would keep room for up to twice the entries.
+    matrix.resize(arrays.rows, arrays.columns);
+    matrix.resizeNonZeros(entries);
+    std::copy_n(arrays.starts.data(), arrays.rows + 1, matrix.outerIndexPtr());
+    std::copy_n(arrays.indices.data(), entries, matrix.innerIndexPtr());
+    std::copy_n(arrays.values.data(), entries, matrix.valuePtr());
     return matrix;
   } else {
     const ByColumns sorted = as(SparseMatrix());  // going through the other order sorts the entries

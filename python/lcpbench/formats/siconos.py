@@ -1,10 +1,8 @@
-"""Text files of Siconos' numerics (.dat).
-
-Linear complementarity problems (LCP) and mixed ones (MLCP), as linearComplementarity_newFromFile and
-mixedLinearComplementarity_newFromFile read them (Siconos 4.4); contacts with friction by their Delassus matrix
-(frictionContact_newFromFile) or, with a diagonal mass matrix, by bodies and contacts (globalFrictionContact_newFromFile),
-which are read and not written. docs/formats.md has the layout. Our bilateral rows are the equations; blocks keep the
-order of rows.
+"""Text files of Siconos' numerics (.dat).  Linear complementarity problems (LCP) and mixed ones (MLCP), as
+linearComplementarity_newFromFile and mixedLinearComplementarity_newFromFile read them (Siconos 4.4); contacts with
+friction by their Delassus matrix (frictionContact_newFromFile) or, with a diagonal mass matrix, by bodies and contacts
+(globalFrictionContact_newFromFile), which are read and not written. docs/formats.md has the layout. Our bilateral rows
+are the equations; blocks keep the order of rows.
 """
 
 from collections.abc import Iterable
@@ -70,7 +68,10 @@ def _sparse_header(words: Words, matrix: _Matrix, origin: int) -> int:
 
 
 def _read_many_triplets(words: Words, matrix: _Matrix, count: int, row: list, column: list, value: list) -> bool:
-    """Entries of many lines at once. @return False, with nothing done, where none is left or one is not as it should be"""
+    """Entries of many lines at once.
+
+    @return False, with nothing done, where none is left or one is not as it should be
+    """
     lines = words.lines_ahead(min(count - len(row), _MANY))
     found = b"".join(lines).split()
     if not lines or len(found) != 4 * len(lines) or any(colon != b":" for colon in found[2::4]):
@@ -170,7 +171,8 @@ def _read_matrix(words: Words, storage: int, rows: int, columns: int) -> _Matrix
     elif storage == _BLOCKS:
         _read_blocks(words, matrix)
     elif storage == _SPARSE:
-        origin = words.integer_of_any_line(_TRIPLETS, _COLUMNS, "a sparse form, triplets (1) or compressed columns (2),")
+        origin = words.integer_of_any_line(_TRIPLETS, _COLUMNS,
+                                           "a sparse form, triplets (1) or compressed columns (2),")
         _read_sparse(words, matrix, origin)
     else:
         words.reject("a matrix of storage 0 (dense), 1 (sparse blocks) or 2 (sparse)", storage)
@@ -195,20 +197,25 @@ def _parts(words: Words, n: int, m: int) -> tuple[np.ndarray, np.ndarray]:
     def read(rows: int, columns: int, name: str) -> np.ndarray:
         return words.numbers_of_any_line(rows * columns, name).reshape(rows, columns)
     A, B, C, D = read(n, n, "A"), read(m, m, "B"), read(n, m, "C"), read(m, n, "D")
-    return np.block([[A, C], [D, B]]), np.concatenate([words.numbers_of_any_line(n, "a"), words.numbers_of_any_line(m, "b")])
+    q = np.concatenate([words.numbers_of_any_line(n, "a"), words.numbers_of_any_line(m, "b")])
+    return np.block([[A, C], [D, B]]), q
 
 
 def _require_same(words: Words, matrix: _Matrix, q: np.ndarray, parts: tuple[np.ndarray, np.ndarray], first: int,
                   rows: np.ndarray, columns: np.ndarray) -> None:
-    """M and q, and the parts that the file has besides, must agree. What Siconos prints of A, C and a is of n equations,
-    whatever M has.
+    """M and q, and the parts that the file has besides, must agree. What Siconos prints of A, C and a is of n
+    equations, whatever M has.
 
     @param first  row of the parts; the others are those of `rows` of M and q, in their order
     """
-    M = matrix.dense[rows][:, columns] if matrix.dense is not None else matrix.compressed(words.place)[rows][:, columns].toarray()
+    if matrix.dense is not None:
+        M = matrix.dense[rows][:, columns]
+    else:
+        M = matrix.compressed(words.place)[rows][:, columns].toarray()
     of_parts = parts[0][first:, :len(columns)]
     for i, j in np.argwhere(M != of_parts)[:1]:
-        words.reject(f"A to b as M and q have them, {M[i, j]:.17g} in row {rows[i]} and column {columns[j]}", f"{of_parts[i, j]:.17g}")
+        words.reject(f"A to b as M and q have them, {M[i, j]:.17g} in row {rows[i]} and column {columns[j]}",
+                     f"{of_parts[i, j]:.17g}")
     known = rows < len(q)
     for i in np.flatnonzero(q[rows[known]] != parts[1][first:][known])[:1]:
         row = rows[known][i]
@@ -229,9 +236,10 @@ def _made_square(matrix: _Matrix, q: np.ndarray, n: int, m: int) -> _Problem:
     return square, made, np.arange(free)
 
 
-def _rectangular(words: Words, matrix: _Matrix, equations: list[tuple[int, int]], has_parts: bool, n: int, m: int) -> _Problem:
-    """M has n + m columns and another number of rows: the equations, and the m complementarity rows last. Siconos prints
-    n + m numbers of q whatever its rows are; the last m are also b."""
+def _rectangular(words: Words, matrix: _Matrix, equations: list[tuple[int, int]], has_parts: bool, n: int,
+                 m: int) -> _Problem:
+    """M has n + m columns and another number of rows: the equations, and the m complementarity rows last. Siconos
+    prints n + m numbers of q whatever its rows are; the last m are also b."""
     if matrix.rows < m:
         words.reject(f"a matrix of at least {m} complementarity rows", matrix.rows)
     if any(begin < end and end > n for begin, end in equations):
@@ -243,7 +251,8 @@ def _rectangular(words: Words, matrix: _Matrix, equations: list[tuple[int, int]]
         parts = _parts(words, n, m)
         known = min(n + m, matrix.rows)
         _require_same(words, matrix, q, parts, n, np.arange(matrix.rows - m, matrix.rows), np.arange(n + m))
-        q = np.concatenate([q[:known], parts[1][len(parts[1]) - (matrix.rows - known):] if matrix.rows > known else np.zeros(0)])
+        of_b = parts[1][len(parts[1]) - (matrix.rows - known):] if matrix.rows > known else np.zeros(0)
+        q = np.concatenate([q[:known], of_b])
     return _made_square(matrix, q, n, m)
 
 
@@ -266,7 +275,8 @@ def _mixed(words: Words, has_M: bool, has_parts: bool, n: int, m: int) -> _Probl
     q = words.numbers_of_any_line(size, "q")
     bilateral = np.concatenate([np.arange(0), *(np.arange(begin, end) for begin, end in equations)])
     if has_parts:
-        order = np.concatenate([bilateral, np.setdiff1d(np.arange(size), bilateral)])  # the row of M for every row of the parts
+        # The row of M for every row of the parts.
+        order = np.concatenate([bilateral, np.setdiff1d(np.arange(size), bilateral)])
         _require_same(words, matrix, q, _parts(words, n, m), 0, order, order)
     return matrix, q, bilateral
 
@@ -278,7 +288,8 @@ def _is_global(words: Words, dimension: int, contacts: int, rows: int) -> bool:
     if rows == dimension * contacts and (ahead[:1] not in ([b"0"], [b"1"], [b"2"]) or
                                          ahead[1:3] != [b"%d" % rows, b"%d" % (dimension * contacts)]):
         return False
-    return rows != dimension * contacts or ahead[4:5] == [b"CSparse"] or (len(ahead) > alone and None not in map(number, ahead))
+    return (rows != dimension * contacts or ahead[4:5] == [b"CSparse"]
+            or (len(ahead) > alone and None not in map(number, ahead)))
 
 
 def _contacts(words: Words, id: str, head: list[int], tangents: Tangents) -> StoredProblem:
@@ -295,13 +306,15 @@ def _contacts(words: Words, id: str, head: list[int], tangents: Tangents) -> Sto
         H = _read_matrix(words, storage, rows, columns)
         loads = words.numbers_of_any_line(rows, "q")
     q = words.numbers_of_any_line(dimension * contacts, "q" if H is None else "b")
-    row, friction = contact_rows(dimension, words.numbers_of_any_line(contacts, "friction coefficients"), tangents, words.rejected)
+    mu = words.numbers_of_any_line(contacts, "friction coefficients")
+    row, friction = contact_rows(dimension, mu, tangents, words.rejected)
     is_read = row >= 0
     if H is not None:
         body, column, value = H.entries()
         kept = is_read[column]
         _require_end(words, 1)
-        return global_problem(words.place, id, int(is_read.sum()), (row[column[kept]], body[kept], value[kept]), masses, loads,
+        factors = row[column[kept]], body[kept], value[kept]
+        return global_problem(words.place, id, int(is_read.sum()), factors, masses, loads,
                               q[is_read], friction=friction)
     _require_end(words, 1)
     if matrix.dense is not None:
@@ -324,14 +337,18 @@ def _require_end(words: Words, most_numbers: int) -> None:
 
 
 def read(lines: Iterable[bytes], name: str, id: str, *, tangents: Tangents = Tangents.ONE) -> StoredProblem:
-    """Dense storage gives a dense problem, sparse storage and sparse blocks a sparse one. @param name  for error texts"""
+    """Dense storage gives a dense problem, sparse storage and sparse blocks a sparse one.
+
+    @param name  for error texts
+    """
     words = Words(lines, name)
     head = [words.integer_of_any_line(0, _MOST, "a size, a storage or a flag") for _ in range(4)]
     # LCP: n, storage, n, n. MLCP: flag, flag, n, m. Contacts: rows of each (2 or 3), contacts, storage, rows.
     n, storage, rows, columns = head
     may_be_lcp = rows == columns == n
     following = words.ahead(1)
-    # An LCP and an MLCP of one row differ in the next word only: the first row of a block is 0, and no storage has shape 0.
+    # An LCP and an MLCP of one row differ in the next word only: the first row of a block is 0, and no storage has
+    # shape 0.
     if n <= 1 and storage <= 1 and (not may_be_lcp or (n == 1 and following == [b"0"])):
         matrix, q, bilateral = _mixed(words, n == 1, storage == 1, rows, columns)
         _require_end(words, rows + 2 * columns)
@@ -353,14 +370,17 @@ def _matrix_text(problem: StoredProblem) -> list[str]:
         columns = (" ".join(f"{value:.17g}" for value in column) for column in A.T.tolist())
         return [str(_DENSE), str(n), str(n), f"{n}\t{n}", *columns]
     row = np.repeat(np.arange(n), np.diff(A.indptr)).tolist()
-    entries = (f"    {i} {j} : {value:.17g}" for i, j, value in zip(row, A.indices.tolist(), A.data.tolist(), strict=True))
-    return [str(_SPARSE), str(n), str(n), str(_TRIPLETS), "CSparse", f"triplet: {n}-by-{n}, nzmax: {A.nnz} nnz: {A.nnz}", *entries]
+    entries = (f"    {i} {j} : {value:.17g}"
+               for i, j, value in zip(row, A.indices.tolist(), A.data.tolist(), strict=True))
+    head = f"triplet: {n}-by-{n}, nzmax: {A.nnz} nnz: {A.nnz}"
+    return [str(_SPARSE), str(n), str(n), str(_TRIPLETS), "CSparse", head, *entries]
 
 
 def write(problem: StoredProblem) -> bytes:
-    """An LCP, or where there are bilateral rows an MLCP of M and q alone with its blocks in the order of our rows (some of
-    Siconos' MLCP solvers want the equations first). Dense problems as dense matrices, sparse ones as triplets with all
-    stored entries: both are read back bit for bit. Of factors the rounded A is written: the format has no place for J."""
+    """An LCP, or where there are bilateral rows an MLCP of M and q alone with its blocks in the order of our rows (some
+    of Siconos' MLCP solvers want the equations first). Dense problems as dense matrices, sparse ones as triplets with
+    all stored entries: both are read back bit for bit. Of factors the rounded A is written: the format has no place for
+    J."""
     refuse_rows(problem, takes_bounded=False)
     n, equations = len(problem.b), len(problem.bilateral)
     lines = [str(n)]

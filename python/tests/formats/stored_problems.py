@@ -22,6 +22,17 @@ fclib, hdf5, quadratic, siconos = (__import__(f"lcpbench_formats.{name}", fromli
 StoredProblem, FormatError = formats.StoredProblem, formats.FormatError
 
 
+class FormatTest(unittest.TestCase):
+    def assertRefusal(self, place, words, call, *arguments, **options):
+        """The call raises a FormatError of one line that begins with the place and has the words."""
+        with self.assertRaises(FormatError) as caught:
+            call(*arguments, **options)
+        said = str(caught.exception)
+        self.assertTrue(said.startswith(place), said)
+        self.assertIn(words, said)
+        self.assertNotIn("\n", said)
+
+
 def refusals(name: str) -> list[tuple[str, str]]:
     """The lines of tests/data/refusals: what is wrong, and what the refusal says."""
     lines = (ROOT / "tests/data/refusals" / f"{name}.txt").read_text().splitlines()

@@ -7,7 +7,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 from scipy.sparse import csr_array
-from stored_problems import FormatError, StoredProblem, difference, fclib, formats, generated, hdf5, refusals
+from stored_problems import FormatError, FormatTest, StoredProblem, difference, fclib, formats, generated, hdf5, refusals
 
 _W, _V, _R = "/fclib_local/W", "/fclib_local/V", "/fclib_local/R"
 _Q = "/fclib_local/vectors/q"
@@ -36,7 +36,7 @@ def _example():
     return contents | {_Q: _reals(-1, 0.25, -2, 0), "/fclib_local/vectors/mu": _reals(0, 0), "/fclib_local/vectors/s": _reals(-3)}
 
 
-class FclibFiles(unittest.TestCase):
+class FclibFiles(FormatTest):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -50,12 +50,7 @@ class FclibFiles(unittest.TestCase):
     def assertRefused(self, words, contents=None, **options):
         if contents is not None:
             self.path.write_bytes(hdf5.image(contents))
-        with self.assertRaises(FormatError) as caught:
-            formats.load(self.path, **options)
-        said = str(caught.exception)
-        self.assertTrue(said.startswith(f"{self.path}: "), said)
-        self.assertIn(words, said)
-        self.assertNotIn("\n", said)
+        self.assertRefusal(f"{self.path}: ", words, formats.load, self.path, **options)
 
     def test_problems_come_back_bit_for_bit(self):
         random = np.random.default_rng(7)
