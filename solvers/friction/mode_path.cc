@@ -55,7 +55,7 @@ void ModePath::ForcesOf(const ContactRows& rows) {
 void ModePath::ComputeNormalMap(const ContactRows& rows, Eigen::VectorXd* value) {
   ForcesOf(rows);
   rows.ComputeGaps(phi_, &gaps_);
-  *value = gaps_ + eps_ * (phi_ - center_) - phi_ + x_;
+  *value = gaps_.head(rows.size()) + eps_ * (phi_ - center_) - phi_ + x_;
 }
 
 // y -> N'^-1 y.
@@ -193,11 +193,11 @@ bool ModePath::Follow(const ContactRows& rows, double eps, int most_crossings, E
                       FrictionAnswer* answer) {
   const Index n = rows.size();
   eps_ = eps;
-  for (Eigen::VectorXd* const numbers : {&phi_, &gaps_, &start_, &direction_, &column_}) numbers->resize(n);
+  for (Eigen::VectorXd* const numbers : {&phi_, &start_, &direction_, &column_}) numbers->resize(n);
   columns_.resize(n, static_cast<Index>(kMostCrossings));
   center_ = phi->head(n);
   rows.ComputeGaps(center_, &gaps_);
-  x_ = center_ - gaps_;
+  x_ = center_ - gaps_.head(n);
   rows.FindModes(center_, gaps_, &modes_);
   ComputeNormalMap(rows, &start_);
   double z = 1, sign = -1;

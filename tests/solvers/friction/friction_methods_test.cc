@@ -134,17 +134,19 @@ TEST(FrictionMethods, AutoSolvesManyContactsFromEveryForm) {
   constexpr Index kMostContacts = 250;
   const std::unique_ptr<LcpSolver> solver = MakeSolver("auto");
   int solved = 0;
-  for (const LcpProblem& problem : StructuredFrictionProblems(2, kMostContacts)) {
-    const std::string& id = problem.id();
-    if (!id.starts_with("drum-100") && !id.starts_with("pile-100") && !id.starts_with("ramp-100")) continue;
-    for (const MatrixForm form : {MatrixForm::kFactors, MatrixForm::kSparse}) {
-      const LcpProblem given = form == MatrixForm::kFactors ? problem : InForm(problem, form);
-      const LcpResult result = SolveWith(solver.get(), given);
-      EXPECT_TRUE(Verify(given, result, 1e-9).passes) << id << " " << result.detail;
-      ++solved;
+  for (const unsigned seed : {2U, 3U}) {
+    for (const LcpProblem& problem : StructuredFrictionProblems(seed, kMostContacts)) {
+      const std::string& id = problem.id();
+      if (!id.starts_with("drum-100") && !id.starts_with("pile-100") && !id.starts_with("ramp-100")) continue;
+      for (const MatrixForm form : {MatrixForm::kFactors, MatrixForm::kSparse}) {
+        const LcpProblem given = form == MatrixForm::kFactors ? problem : InForm(problem, form);
+        const LcpResult result = SolveWith(solver.get(), given);
+        EXPECT_TRUE(Verify(given, result, 1e-9).passes) << id << " seed " << seed << " " << result.detail;
+        ++solved;
+      }
     }
   }
-  EXPECT_EQ(solved, 24);
+  EXPECT_GE(solved, 40);
 }
 
 // Such problems are brought into range first, and their coefficients of friction and bounds with them.
