@@ -16,9 +16,9 @@ namespace lcpbench {
 
 /// `auto` for problems with friction, sliding or bounded rows, island by island [docs/friction.md section 5]. Methods
 /// are asked in turn until an answer passes: modes one by one (few contacts); the modes of initial_f; rounds of the
-/// shifted relaxation, the first one unshifted, with Newton steps on modes after each; Lemke's path along modes in small
-/// islands; proximal points by paths of the normal map. LcpResult::detail names the one that answered. With sliding or
-/// bounded rows there are no relaxations: Newton steps come first.
+/// shifted relaxation, the first one unshifted, with Newton steps on modes after each; Lemke's path along modes in
+/// small islands; proximal points by paths of the normal map. LcpResult::detail names the one that answered. With
+/// sliding or bounded rows there are no relaxations: Newton steps come first.
 class FrictionPortfolio {
  public:
   /// @param plain  of the relaxation: what makes the solver of plain problems
