@@ -49,7 +49,7 @@ const char* ShiftRounds::RunOne(const ContactRows& rows, ModeSteps* newton, Eige
 
 ShiftRounds::Relax RelaxProblems(const WithinOptions& options) {
   // Of the time that is left: a relaxation that does not end leaves the rest to other methods.
-  constexpr double kShareOfTime = 0.5;
+  constexpr double kShareOfTime = 0.2;
   const auto solver = std::make_shared<RelaxationSolver>(options);
   const auto result = std::make_shared<LcpResult>();
   return [solver, result](const FrictionAnswer& answer, const Eigen::VectorXd& shift, const Eigen::VectorXd* start,
