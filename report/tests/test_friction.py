@@ -9,6 +9,7 @@ import pandas as pd
 from lcpbench_report import choice, formats, markdown, plotly_bundle, shown_tables, summary
 from lcpbench_report.compact import compact
 from lcpbench_report.inputs import load_inputs
+from lcpbench_report.statistics.cells import EXCLUDED, VERIFIED
 from lcpbench_report.statistics.coverage import coverage_table
 from lcpbench_report.statistics.friction import friction_table, refusers
 from lcpbench_report.statistics.load import ERROR_PARTS
@@ -69,6 +70,17 @@ class Friction(SharedFolderCase):
                 self.assertEqual((relaxed["false_successes"], relaxed["false_infeasible"]), (0, 0))
                 self.assertEqual((refused["taken"], refused["false_successes"], refused["wrong"]), (0, 0, 0))
         self.assertEqual(refusers(self.inputs.cells), ["dantzig"])
+
+    def test_what_was_out_of_time_at_a_looser_tier_is_not_right(self):
+        cells = self.inputs.cells.copy()
+        excluded = (cells["problem"] == "piles-20-2") & (cells["solver"] == "pgs")
+        self.assertTrue((cells.loc[excluded, "verdict"] == VERIFIED).all() and excluded.any())
+        cells.loc[excluded, "verdict"], cells.loc[excluded, "time_s"] = EXCLUDED, np.inf
+        table = friction_table(cells, "pgs").set_index(["solver", "tier"])
+        for tier in TIERS:
+            pgs = table.loc[("pgs", tier)]
+            self.assertEqual((pgs["solvable"], pgs["right"], pgs["wrong"]), (OF_FRICTION - 1, OF_FRICTION - 4, 3))
+            self.assertLess(pgs["right_share"], self.table.loc[("pgs", tier)]["right_share"])
 
     def test_a_relaxed_answer_has_both_residuals(self):
         relaxed = self.table.loc[("relaxation", min(TIERS))]

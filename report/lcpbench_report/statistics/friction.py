@@ -8,7 +8,7 @@ false success.
 import numpy as np
 import pandas as pd
 
-from .cells import FALSE_SUCCESS, NOT_ASKED, NOT_RUN, VERIFIED
+from .cells import FALSE_SUCCESS, NOT_ASKED, VERIFIED
 from .class_times import RATIO, by_solver, ratio
 from .groups import GROUP, groups
 from .intervals import Bootstrap
@@ -25,7 +25,8 @@ def with_friction(cells: pd.DataFrame) -> pd.DataFrame:
 
 
 def friction_table(cells: pd.DataFrame, ours: str = "", levels: Levels = Levels()) -> pd.DataFrame:
-    """A row per set, tier and solver. `taken`: problems that it was run on; `solvable`: of these, those that are not
+    """A row per set, tier and solver. `taken`: problems that it takes, also those that a rule excludes because it
+    was out of time at a looser tier, which are not right; `solvable`: of these, those that are not
     known to have no solution; of them `right` (verified), its share of the weight and the median time, in which what is
     not verified is infinite. RATIO: the time of `ours` over its, where it is verified. `wrong`: the others of them; of these the medians of rho and model_rho, and of each
     part of the error the mean share of the sum of squares."""
@@ -40,7 +41,7 @@ def friction_table(cells: pd.DataFrame, ours: str = "", levels: Levels = Levels(
 
 
 def _measures(own: pd.DataFrame) -> dict:
-    taken = own[~own["verdict"].isin(NOT_RUN)]
+    taken = own[own["verdict"] != NOT_ASKED]
     solvable = taken[taken["reference_status"] != INFEASIBLE]
     right = solvable["verdict"] == VERIFIED
     answers = solvable[~right]
