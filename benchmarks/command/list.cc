@@ -97,8 +97,8 @@ struct ListFields {
   void Declare(CLI::App& app) {
     CLI::Option* json =
         app.add_flag("--json", as_json, "As one JSON object: report/lcpbench_report/statistics/result_fields.json");
-    app.add_flag("--schema", as_schema, "As a JSON Schema (docs/formats/campaign_lines.schema.json)")
-        ->excludes(json);  // options by name end the program where memory does
+    // By pointer: CLI11 ends the program where there is no memory to look an option up by its name.
+    app.add_flag("--schema", as_schema, "As a JSON Schema (docs/formats/campaign_lines.schema.json)")->excludes(json);
   }
 
   int Run() const {

@@ -44,7 +44,8 @@ struct SceneOptions {
 
   double friction = -1;  ///< of every contact; < 0: the scene's own
 
-  std::vector<CLI::Option*> AddSizeAndSeed(CLI::App& command);  // what it adds
+  /// @return the options that it adds
+  std::vector<CLI::Option*> AddSizeAndSeed(CLI::App& command);
   void AddFriction(CLI::App& command);
   void AddLevel(CLI::App& command);
   void AddStep(CLI::App& command);

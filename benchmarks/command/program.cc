@@ -105,7 +105,7 @@ int RunProgram(const std::string& name, const std::function<int()>& run) {
 std::optional<int> ParseCommandLine(CLI::App& app, int argc, char** argv) {
   // Not first of all: where libgomp gets no memory it ends the process with a line of its own.
   LimitLibraryThreads(1);
-  setenv("OPENBLAS_NUM_THREADS", "1", 1);  // workers need not start threads first, which would spin
+  setenv("OPENBLAS_NUM_THREADS", "1", 1);  // of workers, whose libraries would start threads that spin
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
     return Printable(failed->get_name() + ": " + Reworded(*failed, error)) + " (see --help)\n";
   });

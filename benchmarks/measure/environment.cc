@@ -40,7 +40,7 @@ std::string FirstValue(const char* path, const std::string& key, char separator)
 // The flags in the kernel's list that decide how fast dense loops are.
 std::string InstructionSets() {
   std::istringstream flags(FirstValue("/proc/cpuinfo", "flags", ':'));
-  flags.exceptions(std::ios::badbit);  // else a flag that no memory is left for would end the list
+  flags.exceptions(std::ios::badbit);  // else the list would end where memory does
   std::string found;
   for (std::string flag; flags >> flag;) {
     const bool is_vector = flag.starts_with("sse") || flag.starts_with("ssse") || flag.starts_with("avx") ||

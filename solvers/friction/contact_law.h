@@ -16,6 +16,10 @@ enum class RowMode : unsigned char {
   kDown,    ///< slips with w_t <= 0, f_t = mu f_n; of a bounded row: at its upper bound
 };
 
+/// The direction in which a contact slips, the sign of w_t; `given` where the mode does not say it (kClosed: that of a
+/// sliding row).
+inline int SlipOf(RowMode mode, int given) { return mode == RowMode::kUp ? 1 : mode == RowMode::kDown ? -1 : given; }
+
 /// Numbers of the laws of contacts.
 struct ContactLaw {
   /// As the verifier's: forces up to this part of a contact's loads are rounding; rho is relative to no less than that

@@ -249,7 +249,8 @@ void ContactRows::SetScale() {
   scale_ = ContactLaw::Scale(plain, answered, all);
 }
 
-// Of dense A, b + A phi and |b| + |A phi|: by columns, which are rows.
+// b + A phi and |b| + |A| |phi| for a dense A, a register of rows at a time. A is symmetric: its rows are read as
+// columns.
 template <bool kWithMagnitudes>
 void ContactRows::SumRows(const Eigen::VectorXd& phi, double* sums, double* magnitudes) const {
   constexpr Index kWidth = Lanes::kWidth;

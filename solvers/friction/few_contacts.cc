@@ -274,7 +274,7 @@ bool SolveContacts(const StepRows& rows, const RowsInOrder& order, const Coeffic
 bool FewContacts::Solve(const StepRows& rows, Index size, std::span<const FrictionRow> friction, double tolerance,
                         const double* initial_f, double* f, double* w, double* rho, std::int64_t* iterations) {
   const Index contacts = std::ssize(friction);
-  if (contacts > kMostContacts || size != 2 * contacts) return false;
+  if (contacts == 0 || contacts > kMostContacts || size != 2 * contacts) return false;
   RowsInOrder order{};
   Coefficients mu{};
   std::size_t taken = 0;
@@ -291,22 +291,11 @@ bool FewContacts::Solve(const StepRows& rows, Index size, std::span<const Fricti
     const bool fits = row.slip == 0 && row.mu > 0 && row.mu <= std::numeric_limits<double>::max();
     if (!fits || !take(row.normal) || !take(row.row)) return false;
   }
-  switch (contacts) {
-    case 1:
-      return SolveContacts<2>(rows, order, mu, tolerance, initial_f, f, w, rho, iterations);
-    case 2:
-      return SolveContacts<4>(rows, order, mu, tolerance, initial_f, f, w, rho, iterations);
-    case 3:
-      return SolveContacts<6>(rows, order, mu, tolerance, initial_f, f, w, rho, iterations);
-    case 4:
-      return SolveContacts<8>(rows, order, mu, tolerance, initial_f, f, w, rho, iterations);
-    case 5:
-      return SolveContacts<10>(rows, order, mu, tolerance, initial_f, f, w, rho, iterations);
-    case 6:
-      return SolveContacts<12>(rows, order, mu, tolerance, initial_f, f, w, rho, iterations);
-    default:
-      return false;
+  constexpr auto kSolve = []<std::size_t... k>(std::index_sequence<k...>) {
+    return std::array{&SolveContacts<2 * (static_cast<int>(k) + 1)>...};
   }
+  (std::make_index_sequence<kMostContacts>());
+  return kSolve[static_cast<std::size_t>(contacts - 1)](rows, order, mu, tolerance, initial_f, f, w, rho, iterations);
 }
 
 }  // namespace lcpbench

@@ -12,12 +12,13 @@ namespace {
 constexpr double kLeastPivot = 1e-3;
 // Below, too many digits are lost through the bodies.
 constexpr double kLeastEpsOnBodies = 1e-9;
-// Through the bodies, what corrections leave of a right-hand side: of a solution; of a direction of a path.
+// Solves through the bodies are corrected until this part of the right-hand side is left: for solutions, and for
+// directions of paths.
 constexpr double kFine = 1e-15, kFineOfDirections = 1e-11;
 
 }  // namespace
 
-// Of the rows with coefficient 1, in their order.
+// Numbers the unknowns: the rows whose coefficient is 1, in ascending order.
 void ModeFactor::AddUnknowns(Index n) {
   equation_.clear();
   unknown_.resize(At(n));
@@ -57,9 +58,8 @@ void ModeFactor::SetModes(const ContactRows& rows, const std::vector<RowMode>& m
   for (const ContactRows::Contact& contact : rows.contacts()) {
     const RowMode mode = modes[k++];
     if (mode == RowMode::kOpen || mode == RowMode::kStick || contact.tangent < 0) continue;
-    const int slip = mode == RowMode::kUp ? 1 : mode == RowMode::kDown ? -1 : contact.slip;
     unknown_[At(contact.tangent)] = unknown_[At(contact.normal)];
-    coefficient_[contact.tangent] = -slip * contact.mu;
+    coefficient_[contact.tangent] = -SlipOf(mode, contact.slip) * contact.mu;
   }
 }
 
@@ -133,7 +133,7 @@ void ModeFactor::Refine(const ContactRows& rows, Eigen::VectorXd* phi) {
   if (Correct(rows, *phi, &refined_)) phi->swap(refined_);
 }
 
-// Of a dense A, whose columns are rows, and whose rows reach as far as columns do.
+// Adds the columns of K where A is dense. A is symmetric: its rows are read as columns, and have the same profile.
 void ModeFactor::AddDenseColumns(const ContactRows& rows) {
   Index last_unknown = -1;
   for (Index j = 0; j < rows.size(); ++j) {

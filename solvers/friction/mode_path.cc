@@ -15,8 +15,8 @@ constexpr std::size_t kMostCrossings = 100;
 constexpr double kSmallPivot = 1e-6;
 // Slower approaches to a wall are rounding.
 constexpr double kLeastRate = 1e-13;
-// Of proximal points: eps at first, its limits, and its factors after a path that is not reached, or is by few or by
-// many crossings.
+// The first eps of proximal points, its limits, and its factors: after a path that does not reach its end, after one of
+// few crossings, and after one of many.
 constexpr double kFirstEps = 1e-2, kLeastEps = 1e-13, kMostEps = 10;
 constexpr double kAfterFailure = 2, kAfterFew = 0.3, kAfterMany = 0.9;
 constexpr std::int64_t kFewCrossings = 40;
@@ -25,11 +25,6 @@ constexpr int kMostOfPath = 120;
 constexpr double kMostPerRow = 0.1;
 // rho of a point whose modes may be the answer's.
 constexpr double kWorthPolishing = 1e-6;
-
-// -f_t / f_n over mu where a contact slips.
-int SlipOf(RowMode mode, const ContactRows::Contact& contact) {
-  return mode == RowMode::kUp ? 1 : mode == RowMode::kDown ? -1 : contact.slip;
-}
 
 }  // namespace
 
@@ -44,7 +39,7 @@ void ModePath::ForcesOf(const ContactRows& rows) {
     phi_[contact.normal] = x_[contact.normal];
     if (contact.tangent < 0) continue;
     phi_[contact.tangent] =
-        mode == RowMode::kStick ? x_[contact.tangent] : -SlipOf(mode, contact) * contact.mu * x_[contact.normal];
+        mode == RowMode::kStick ? x_[contact.tangent] : -SlipOf(mode, contact.slip) * contact.mu * x_[contact.normal];
   }
   for (const ContactRows::Bounded& row : rows.bounded()) {
     const RowMode mode = modes_[place++];
@@ -91,7 +86,7 @@ bool ModePath::Factorize(const ContactRows& rows, double z) {
 ModePath::Wall ModePath::FirstWall(const ContactRows& rows, double sign) const {
   Wall first{0, RowMode::kOpen, kInfinity};
   std::size_t place = 0;
-  // Of a value that is >= 0 on this side.
+  // A wall is where `value`, which is >= 0 in the present mode, becomes 0.
   const auto look = [&](RowMode next, double value, double rate) {
     rate *= sign;
     if (rate >= -kLeastRate || std::max(value, 0.0) >= -rate * first.step) return;
@@ -155,7 +150,7 @@ ModePath::Crossing ModePath::Jump(const ContactRows& rows, const Wall& wall) {
     const bool sticks = wall.next == RowMode::kStick;
     AddColumn(rows, contact.tangent, sticks ? 1 : -1);
     modes_[wall.place] = wall.next;
-    return {contact.tangent, contact.normal, SlipOf(sticks ? before : wall.next, contact) * contact.mu, 1};
+    return {contact.tangent, contact.normal, SlipOf(sticks ? before : wall.next, contact.slip) * contact.mu, 1};
   }
   // All friction rows of a contact open and close together.
   const double factor = before == RowMode::kOpen ? 1 : -1;
@@ -170,7 +165,7 @@ ModePath::Crossing ModePath::Jump(const ContactRows& rows, const Wall& wall) {
                            : x_[part.tangent] < 0     ? RowMode::kUp
                                                       : RowMode::kDown;
     mode = before == RowMode::kOpen ? closed : RowMode::kOpen;
-    if (part.tangent >= 0) AddColumn(rows, part.tangent, -factor * SlipOf(closed, part) * part.mu);
+    if (part.tangent >= 0) AddColumn(rows, part.tangent, -factor * SlipOf(closed, part.slip) * part.mu);
   }
   return {contact.normal, -1, 0, 1};
 }

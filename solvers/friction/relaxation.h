@@ -30,7 +30,7 @@ struct WithinOptions {
 /// Takes friction rows, one a contact, and plain rows; symmetric positive semidefinite A, as `auto`. Refuses sliding
 /// and bounded rows, and several friction rows a contact. Status, iterations, ray and guarantees are those of `auto` on
 /// the relaxed problem, but for two: a ray of that is not one of the given problem, so that kInfeasible becomes
-/// kNumericalFailure, as does kSolved where Verdict::model_rho is above the tolerance and the rounding floor.
+/// kNumericalFailure, as does kSolved where Verdict::model_rho is above the tolerance.
 /// Cost: RelaxationOf and one solve.
 using RelaxationSolver = EngineSolver<WithinOptions, class RelaxationEngine>;
 extern template class EngineSolver<WithinOptions, RelaxationEngine>;

@@ -272,7 +272,7 @@ TEST(Arches, StandIfTheyAreThickAndRough) {
 // the floor and passes the crown at the outer corners, and must pass every joint beyond its inner one.
 double LargestInnerRadius(int stones) {
   const auto stands = [&](double inner) {
-    // Of the stones between the crown and a joint: weight, and its moment about the centre.
+    // The weight of the stones between the crown and a joint, and its moment about the centre.
     const auto weight = [&](double angle) { return (1 - inner * inner) / 2 * angle; };
     const auto moment = [&](double angle) { return (1 - inner * inner * inner) / 3 * (1 - std::cos(angle)); };
     const double thrust = weight(kPi / 2) - moment(kPi / 2);
