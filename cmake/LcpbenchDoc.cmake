@@ -31,7 +31,7 @@ set(DOXYGEN_WARN_AS_ERROR FAIL_ON_WARNINGS)
 set(DOXYGEN_WARN_IF_INCOMPLETE_DOC NO)
 
 # Solvers and their interface are what programs are written against: each of their members says what it is.
-lcpbench_doc_headers(interface lcpbench_c lcpbench_lcp lcpbench_io lcpbench_external lcpbench_solvers)
+lcpbench_doc_headers(interface lcpbench_c lcpbench_lcp lcpbench_io lcpbench_external lcpbench_solvers lcpbench_step)
 set(DOXYGEN_WARN_IF_UNDOCUMENTED YES)
 # Doxygen insists on writing something.
 set(DOXYGEN_GENERATE_HTML NO)

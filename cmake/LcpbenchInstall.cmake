@@ -6,7 +6,7 @@ set(LCPBENCH_INSTALL_INCLUDEDIR "${CMAKE_INSTALL_INCLUDEDIR}/lcpbench")
 set(LCPBENCH_INSTALL_CMAKEDIR "${CMAKE_INSTALL_LIBDIR}/cmake/lcpbench")
 
 install(TARGETS lcpbench_support lcpbench_lcp lcpbench_io lcpbench_external lcpbench_model lcpbench_solvers
-  EXPORT lcpbench_targets
+  lcpbench_step EXPORT lcpbench_targets
   ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
   FILE_SET HEADERS DESTINATION "${LCPBENCH_INSTALL_INCLUDEDIR}")
 # The C interface is <lcpbench.h>, without a folder: it is the one header that its users need.
@@ -45,6 +45,7 @@ endif()
 # For LCPBENCH_BUILD_TREE of another build.
 if(LCPBENCH_BUILD_BENCHMARKS)
   export(TARGETS lcpbench_warnings lcpbench_reproducible lcpbench_fast lcpbench_support lcpbench_lcp lcpbench_io
-    lcpbench_external lcpbench_exact lcpbench_model lcpbench_solvers lcpbench_campaign lcpbench_command
+    lcpbench_external lcpbench_exact lcpbench_model lcpbench_solvers lcpbench_step lcpbench_campaign
+    lcpbench_command
     NAMESPACE lcpbench:: FILE "${PROJECT_BINARY_DIR}/lcpbench_build_tree.cmake")
 endif()

@@ -59,6 +59,34 @@ function(lcpbench_files variable)
   set(${variable} ${found} PARENT_SCOPE)
 endfunction()
 
+# lcpbench_unite(<target> [TOGETHER] [WITHOUT <regex>]): compiles the target's files as one, by folders or TOGETHER, but
+# for those that fit WITHOUT: what they include is then compiled once for all of them. Names of one file (in anonymous
+# namespaces) must not mean something else in another one that is compiled with it. Not for solvers: what is inlined, and
+# so what is fused, depends on the file.
+function(lcpbench_unite target)
+  cmake_parse_arguments(ARG "TOGETHER" "WITHOUT" "" ${ARGN})
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    cmake_path(GET source PARENT_PATH folder)
+    if(ARG_WITHOUT AND source MATCHES "${ARG_WITHOUT}")
+      continue()
+    elseif(ARG_TOGETHER)
+      set(folder all)
+    endif()
+    cmake_path(GET folder FILENAME group)
+    set_property(SOURCE ${source} PROPERTY UNITY_GROUP "of_${group}")
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${LCPBENCH_UNITE} UNITY_BUILD_MODE GROUP)
+  # GCC takes a class of one file's anonymous namespace for one of a header.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endfunction()
+
+# lcpbench_untimed(<target>): no benchmark times this code, and the compiler's work on it pays in its time, not in ours.
+# The bits of results do not depend on it: only solvers' targets have fused operations.
+function(lcpbench_untimed target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
 # lcpbench_precompile(<target> [<header>...]): compiles once what most of the target's files include: Eigen, the standard
 # library's common headers, and these headers. It takes a third of the time of a build from nothing.
 function(lcpbench_precompile target)

@@ -17,8 +17,6 @@
 namespace lcpbench {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 // Some disks take longer for one than most solves do.
 constexpr double kSecondsBetweenSynchronisations = 2;
 
@@ -69,9 +67,10 @@ AppendOnlyFile::~AppendOnlyFile() {
   if (file_ >= 0) close(file_);
 }
 
-void AppendOnlyFile::Append(const std::vector<Json>& lines) {
+void AppendOnlyFile::Append(const std::vector<nlohmann::ordered_json>& lines) {
   std::string text;
-  for (const Json& line : lines) text += line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  for (const nlohmann::ordered_json& line : lines)
+    text += line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
   // One call: what a killed campaign leaves is whole lines, and at most a torn one at the end.
   const off_t before = lseek(file_, 0, SEEK_END);
   std::size_t written = 0;

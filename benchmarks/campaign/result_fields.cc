@@ -55,7 +55,7 @@ bool HasRay(const Answer& of) {
   return of.result.status == LcpStatus::kInfeasible && of.verdict.farkas && of.verdict.farkas->accepted;
 }
 template <auto Member>
-Json Planned(const Described& of) {
+Json FieldOfPlan(const Described& of) {
   return of.planned.entry->*Member;
 }
 template <auto Member>
@@ -148,14 +148,14 @@ constexpr FieldOf<PassSource> kPass[] = {
 };
 
 constexpr FieldOf<Described> kProblem[] = {
-    {"problem", Planned<&ManifestEntry::id>},
+    {"problem", FieldOfPlan<&ManifestEntry::id>},
     {"set", [](const Described& of) { return Json(of.set); }},
-    {"family", Planned<&ManifestEntry::family>},
-    {"grid", Planned<&ManifestEntry::grid>},
-    {"base", Planned<&ManifestEntry::base>},
+    {"family", FieldOfPlan<&ManifestEntry::family>},
+    {"grid", FieldOfPlan<&ManifestEntry::grid>},
+    {"base", FieldOfPlan<&ManifestEntry::base>},
     {"weight", [](const Described& of) { return Json(of.planned.weight); }},
-    {"origin", Planned<&ManifestEntry::origin>},
-    {"fill", Planned<&ManifestEntry::fill>},
+    {"origin", FieldOfPlan<&ManifestEntry::origin>},
+    {"fill", FieldOfPlan<&ManifestEntry::fill>},
     {"size_class", [](const Described& of) { return Json(of.planned.size_class->key); }},
     {"rows", [](const Described& of) { return Json(of.problem.size()); }},
     {"bilateral", [](const Described& of) { return Json(of.problem.bilateral_rows().size()); }},

@@ -14,8 +14,6 @@
 namespace lcpbench {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr double kAllowedPart = 0.1;
 constexpr double kAllowedLeast = 20e-6;
 // A solve cannot be asked for no time at all.
@@ -27,7 +25,7 @@ constexpr double kSecondsBetweenSteps = 0.2;  // that are told of
 StepRecord::StepRecord(const std::vector<double>& judged) {
   for (const double tier : judged) verdicts_.push_back({tier, {}, 0});
   for (const char* field : {"latency_s", "iterations", "rho", "backward_error", "w_error"}) {
-    values_[field] = Json::array();
+    values_[field] = nlohmann::json::array();
   }
 }
 
@@ -41,24 +39,24 @@ void StepRecord::Add(const LcpResult& result, double latency_s, bool preempted, 
   if (preempted) preempted_.push_back(steps_);
   const auto add = [&](const char* field, double Metrics::*number) {
     const bool known = metrics != nullptr && metrics->*number != -1;
-    values_[field].push_back(known ? Json(RoundedNumber(metrics->*number)) : Json(nullptr));
+    values_[field].push_back(known ? nlohmann::json(RoundedNumber(metrics->*number)) : nlohmann::json(nullptr));
   };
   add("rho", &Metrics::rho);
   add("backward_error", &Metrics::backward_error);
   add("w_error", &Metrics::w_error);
-  values_["latency_s"].push_back(Json(RoundedNumber(latency_s)));
+  values_["latency_s"].push_back(nlohmann::json(RoundedNumber(latency_s)));
   values_["iterations"].push_back(result.iterations);
   ++claims_[std::string(ToString(result.status))];
   ++steps_;
 }
 
-Json StepRecord::Results(int all) const {
-  Json results(values_);
+nlohmann::json StepRecord::Results(int all) const {
+  nlohmann::json results(values_);
   results["reached"] = steps_;
   results["claims"] = claims_;
   results["late"] = late_;
   results["preempted"] = preempted_;
-  results["verdicts"] = Json::array();
+  results["verdicts"] = nlohmann::json::array();
   for (const TierCounts& counts : verdicts_) {
     std::vector<int> failed = counts.failed;
     for (int k = steps_; k < all; ++k) failed.push_back(k);

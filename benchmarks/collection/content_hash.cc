@@ -15,7 +15,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "hashes are of little-endian numbers");
 
 // What is hashed, byte by byte.
-class Bytes {
+class HashedBytes {
  public:
   void Add(std::int64_t value) { AddAll(&value, 1); }
   template <typename Number>
@@ -29,7 +29,7 @@ class Bytes {
   std::string text_;
 };
 
-void AddMatrix(const SparseMatrix& matrix, Bytes* hash) {
+void AddMatrix(const SparseMatrix& matrix, HashedBytes* hash) {
   hash->Add(matrix.rows());
   hash->Add(matrix.cols());
   for (Index i = 0; i < matrix.rows(); ++i) hash->Add(matrix.innerVector(i).nonZeros());
@@ -42,7 +42,7 @@ void AddMatrix(const SparseMatrix& matrix, Bytes* hash) {
   }
 }
 
-void AddLaws(const RowBounds& bounds, Bytes* hash) {
+void AddLaws(const RowBounds& bounds, HashedBytes* hash) {
   hash->Add(static_cast<std::int64_t>(bounds.friction.size()));
   for (const FrictionRow& row : bounds.friction) {
     for (const std::int64_t value : {row.row, row.normal, Index{row.slip}}) hash->Add(value);
@@ -58,7 +58,7 @@ void AddLaws(const RowBounds& bounds, Bytes* hash) {
 }  // namespace
 
 std::string ContentHash(const LcpProblem& problem) {
-  Bytes hash;
+  HashedBytes hash;
   hash.Add("lcpbench problem 1\n");
   hash.Add(problem.size());
   switch (problem.given_form()) {

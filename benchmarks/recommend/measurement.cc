@@ -14,13 +14,11 @@
 namespace lcpbench {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Null where it is not finite.
-double NumberAt(const Json& numbers, size_t step) {
-  const Json& number = numbers.at(step);
+double NumberAt(const nlohmann::json& numbers, size_t step) {
+  const nlohmann::json& number = numbers.at(step);
   return number.is_number() ? number.get<double>() : kInfinity;
 }
 
@@ -80,11 +78,11 @@ Passes::Passes(std::string solver, bool warm, size_t steps) : calm_(steps), all_
 }
 
 void Passes::Add(const SequenceReply& reply, bool disturbed, double tolerance) {
-  const Json& results = reply.results;
+  const nlohmann::json& results = reply.results;
   found_.outcome = reply.outcome;
   found_.detail = reply.detail;
   found_.claims = results.at("claims").get<std::map<std::string, int>>();
-  for (const Json& verdict : results.at("verdicts")) {
+  for (const nlohmann::json& verdict : results.at("verdicts")) {
     const auto tier = verdict.at("tier").get<double>();
     const int passed = verdict.at("passed").get<int>();
     found_.passed[tier] = found_.passes == 0 ? passed : std::min(found_.passed[tier], passed);

@@ -18,8 +18,6 @@
 namespace lcpbench {
 namespace {
 
-using Json = nlohmann::json;
-
 // The rows that are not listed, in order.
 std::vector<int> Others(std::size_t rows, const std::vector<int>& listed, const std::string& where) {
   std::vector<bool> is_listed(rows, false);
@@ -38,7 +36,7 @@ std::vector<int> Others(std::size_t rows, const std::vector<int>& listed, const 
 }
 
 // Where the rows of a line were in the line before; nothing where it does not say.
-std::optional<std::vector<int>> PreviousRows(const Json& line, std::size_t rows, std::size_t rows_before,
+std::optional<std::vector<int>> PreviousRows(const nlohmann::json& line, std::size_t rows, std::size_t rows_before,
                                              const std::string& where) {
   try {
     if (line.contains("previous")) {
@@ -47,7 +45,7 @@ std::optional<std::vector<int>> PreviousRows(const Json& line, std::size_t rows,
       return previous;
     }
     if (!line.contains("motion")) return std::nullopt;
-    const Json& motion = line.at("motion");
+    const nlohmann::json& motion = line.at("motion");
     const std::vector<int> here = Others(rows, motion.at("entered").get<std::vector<int>>(), where);
     const std::vector<int> before = Others(rows_before, motion.at("left").get<std::vector<int>>(), where);
     if (here.size() != before.size()) {
@@ -57,7 +55,7 @@ std::optional<std::vector<int>> PreviousRows(const Json& line, std::size_t rows,
     std::vector<int> previous(rows, -1);
     for (std::size_t k = 0; k < here.size(); ++k) previous[static_cast<std::size_t>(here[k])] = before[k];
     return previous;
-  } catch (const Json::exception&) {
+  } catch (const nlohmann::json::exception&) {
     throw InputError(where + ": expected member 'previous', or 'motion' with 'entered' and 'left', lists of rows");
   }
 }
@@ -79,7 +77,7 @@ ProblemSteps Read(const std::string& path, const ReadingOptions& options) {
       found = Single(record.problem);
       return;
     }
-    const Json json = Json::parse(line);
+    const nlohmann::json json = nlohmann::json::parse(line);
     const auto rows = static_cast<std::size_t>(record.problem.size());
     const std::optional<std::vector<int>> previous = PreviousRows(json, rows, rows_before, where);
     all_known = all_known && previous.has_value();

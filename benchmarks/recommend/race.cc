@@ -19,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // What is slower than the leader by more than kBehind + kDoubt / passes is dropped: one pass may have been disturbed.
 constexpr double kBehind = 2;
 constexpr double kDoubt = 2;
@@ -120,7 +119,7 @@ std::vector<Measurement> Race(const std::vector<std::string>& solvers, bool warm
   };
   if (options.budget_s <= 0) return measured();
   ProgressBar bar("recommend", options.rounds * static_cast<double>(entrants.size()));
-  double fastest_s = kInfinity;
+  double fastest_s = std::numeric_limits<double>::infinity();
   std::vector<size_t> order(entrants.size());
   std::iota(order.begin(), order.end(), size_t{0});
   for (int round = 0; round < options.rounds; ++round) {
@@ -170,7 +169,7 @@ std::vector<Measurement> RaceOnProblems(const std::vector<std::string>& solvers,
   const SequenceRequest base = RequestOf(request.tolerance, file, WriteSequenceSteps(steps.steps, file));
   WorkerProcess worker(
       {.solver_arguments = process.solver_arguments, .memory_bytes = CampaignPlan{}.memory_bytes, .cpu = process.cpu});
-  double fast_probe_s = kInfinity;
+  double fast_probe_s = std::numeric_limits<double>::infinity();
   const auto run = [&](const SequenceRequest& pass) {
     const double before = ProbeSpeed();
     SequenceReply reply = worker.Run(pass);

@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 // What the engine's CMakeLists.txt needs.
 constexpr const char* kCMake =
     "find_package(lcpbench REQUIRED)\n"
-    "target_link_libraries(your_engine PRIVATE lcpbench::solvers)\n";
+    "target_link_libraries(your_engine PRIVATE lcpbench::step)\n";
 
 // Shares and times are no better known than that.
 std::string ShortText(double value) { return FormatNumber(value, "%.3g"); }

@@ -25,7 +25,7 @@ struct PlacedPoint {
   Vec2 velocity;
 };
 
-PlacedPoint Place(const char* force, const Attachment& at, std::span<const Body> bodies) {
+PlacedPoint PlaceOf(const char* force, const Attachment& at, std::span<const Body> bodies) {
   Require(at.body >= 0 && static_cast<std::size_t>(at.body) < bodies.size(), force,
           "there is no body " + std::to_string(at.body) + " among " + std::to_string(bodies.size()));
   const auto index = static_cast<std::size_t>(at.body);
@@ -47,7 +47,7 @@ void AddForce(const PlacedPoint& at, Vec2 force, std::span<Body> bodies) {
 }
 
 // Two points and the line between them.
-struct Line {
+struct LineOfForce {
   PlacedPoint end1;
   PlacedPoint end2;
   Vec2 between;  // from end 1 to end 2
@@ -63,9 +63,9 @@ struct Line {
 };
 
 // @param needs_direction  a length of 0 is an error
-Line MakeLine(const char* force, const Attachment& end1, const Attachment& end2, bool needs_direction,
-              std::span<const Body> bodies) {
-  Line line{Place(force, end1, bodies), Place(force, end2, bodies), {}, 0};
+LineOfForce MakeLine(const char* force, const Attachment& end1, const Attachment& end2, bool needs_direction,
+                     std::span<const Body> bodies) {
+  LineOfForce line{PlaceOf(force, end1, bodies), PlaceOf(force, end2, bodies), {}, 0};
   line.between = line.end2.position - line.end1.position;
   line.length = Norm(line.between);
   Require(std::isfinite(line.length), force, "its length overflows");
@@ -75,13 +75,13 @@ Line MakeLine(const char* force, const Attachment& end1, const Attachment& end2,
   return line;
 }
 
-Line PlaceSpring(const Spring& spring, std::span<const Body> bodies) {
+LineOfForce PlaceSpring(const Spring& spring, std::span<const Body> bodies) {
   RequireNonNegative(spring.stiffness, "spring", "stiffness");
   RequireNonNegative(spring.rest_length, "spring", "rest length");
   return MakeLine("spring", spring.end1, spring.end2, spring.rest_length > 0, bodies);
 }
 
-Line PlaceDamper(const Damper& damper, std::span<const Body> bodies) {
+LineOfForce PlaceDamper(const Damper& damper, std::span<const Body> bodies) {
   RequireNonNegative(damper.coefficient, "damper", "coefficient");
   return MakeLine("damper", damper.end1, damper.end2, true, bodies);
 }
@@ -118,14 +118,14 @@ void ApplyGravity(Vec2 g, std::span<Body> bodies) {
 void ApplyThruster(const Thruster& thruster, std::span<Body> bodies) {
   constexpr const char* kName = "thruster";
   Require(IsFinite(thruster.force), kName, "the force must be finite");
-  const PlacedPoint at = Place(kName, thruster.at, bodies);
+  const PlacedPoint at = PlaceOf(kName, thruster.at, bodies);
   AddForce(at, Rotate(SinCos(bodies[at.body].theta), thruster.force), bodies);
 }
 
 void ApplyWrench(const Wrench& wrench, std::span<Body> bodies) {
   constexpr const char* kName = "wrench";
   Require(IsFinite(wrench.force) && std::isfinite(wrench.torque), kName, "force and torque must be finite");
-  const PlacedPoint at = Place(kName, wrench.at, bodies);
+  const PlacedPoint at = PlaceOf(kName, wrench.at, bodies);
   AddForce(at, wrench.force, bodies);
   bodies[at.body].torque += wrench.torque;
 }
@@ -140,13 +140,13 @@ void ClearLoads(std::span<Body> bodies) {
 }
 
 void ApplySpring(const Spring& spring, std::span<Body> bodies) {
-  const Line line = PlaceSpring(spring, bodies);
+  const LineOfForce line = PlaceSpring(spring, bodies);
   const double stretch_per_length = spring.rest_length == 0 ? 1 : (line.length - spring.rest_length) / line.length;
   line.Pull(spring.stiffness * stretch_per_length, bodies);
 }
 
 void ApplyDamper(const Damper& damper, std::span<Body> bodies) {
-  const Line line = PlaceDamper(damper, bodies);
+  const LineOfForce line = PlaceDamper(damper, bodies);
   line.Pull(damper.coefficient * line.rate() / line.length, bodies);
 }
 

@@ -40,7 +40,7 @@ const KindName& ParseKind(const JsonField& field) {
   field.Mismatch(expected);
 }
 
-Body ParseBody(const JsonField& field) {
+Body ParseReplayBody(const JsonField& field) {
   Body body;
   body.name = field["name"].String();
   body.fixed = field["fixed"].Boolean();
@@ -109,7 +109,7 @@ ReplayRecord ParseReplayRecord(std::string_view line, const std::string& where) 
   const JsonField field(json, where);
   ReplayRecord record;
   record.id = field["id"].String();
-  for (const JsonField& body : field["bodies"].Items()) record.bodies.push_back(ParseBody(body));
+  for (const JsonField& body : field["bodies"].Items()) record.bodies.push_back(ParseReplayBody(body));
   for (const JsonField& contact : field["contacts"].Items()) {
     record.contacts.push_back(ParseContact(contact, record.bodies));
   }

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "solvers/batch/extended_check.h"
 #include "solvers/batch/kernel.h"
 #include "solvers/linear_algebra/tableau_rules.h"
-#include "solvers/rows/extended_check.h"
 
 namespace lcpbench {
 namespace {

@@ -24,7 +24,7 @@ constexpr double kPivotTolerance = 1e-9;
 constexpr double kTie = 1e-9;
 // A row with less of its A_kk left depends on the basis.
 constexpr double kDependentStiffness = 1e-9;
-constexpr int kMostPivotsPerRow = 20;
+constexpr int kMostPivotsPerDependentRow = 20;
 // A share of the scaled diagonal: far above the rounding of doubles, and below the least eigenvalues that are not 0.
 constexpr double kProximal = 0x1p-30;
 
@@ -54,7 +54,7 @@ class VertexSearch {
       if (problem_.is_bilateral(k) || force(k) == 0) continue;
       if (deadline_.Expired() || !BringToZero(k)) return false;
     }
-    const int most = pivots_ + kMostPivotsPerRow * static_cast<int>(dependent.size() + 1);
+    const int most = pivots_ + kMostPivotsPerDependentRow * static_cast<int>(dependent.size() + 1);
     while (pivots_ < most && !deadline_.Expired()) {
       RefineForces(problem_, lcp_, scale_, *factor_, {}, kDecidingBits, deadline_, &f_, &w_);
       if (DropNegative()) continue;

@@ -13,7 +13,7 @@ constexpr int kDigits = std::numeric_limits<double>::digits;
 
 constexpr int kMostRefinements = 60;
 // A refinement that gains less than a factor of this has come to its end.
-constexpr double kLeastGain = 2;
+constexpr double kLeastGainOfStep = 2;
 
 // value = mantissa 2^exponent
 struct Parts {
@@ -155,7 +155,7 @@ int RefineForces(const LcpProblem& problem, const DyadicLcp& lcp, const DyadicSc
       largest = std::max(largest, std::abs(residual[k]) / RootOfDiagonal(problem, i));
     }
     const double size = std::ldexp(largest, static_cast<int>(unit - scale.load_exponent));
-    if (!(size > std::ldexp(1.0, static_cast<int>(-goal_bits))) || !(size * kLeastGain <= before)) return step;
+    if (!(size > std::ldexp(1.0, static_cast<int>(-goal_bits))) || !(size * kLeastGainOfStep <= before)) return step;
     if (step >= kMostRefinements || deadline.Expired()) return step;
     before = size;
     const Eigen::VectorXd change = factor.Solve(residual);

@@ -9,10 +9,11 @@
 namespace lcpbench {
 namespace {
 
-using Row = std::vector<Rational>;
+using DenseRow = std::vector<Rational>;
 
 // x of A_FF x = -b_F; nothing where A_FF is singular.
-std::optional<Row> SolveActive(const std::vector<Row>& A, const Eigen::VectorXd& b, const std::vector<Index>& active) {
+std::optional<DenseRow> SolveActive(const std::vector<DenseRow>& A, const Eigen::VectorXd& b,
+                                    const std::vector<Index>& active) {
   const auto m = static_cast<Index>(active.size());
   RationalMatrix block(m, m), right(m, 1), x(m, 1);
   for (Index i = 0; i < m; ++i) {
@@ -20,7 +21,7 @@ std::optional<Row> SolveActive(const std::vector<Row>& A, const Eigen::VectorXd&
     Assign(right.at(i, 0), -Rational(b[active[At(i)]]));
   }
   if (m > 0 && fmpq_mat_solve(x.get(), block.get(), right.get()) == 0) return std::nullopt;
-  Row values;
+  DenseRow values;
   for (Index i = 0; i < m; ++i) values.push_back(ToRational(x.at(i, 0)));
   return values;
 }
@@ -33,7 +34,7 @@ class Enumeration {
   }
 
   void Try(const std::vector<Index>& active) {
-    const std::optional<Row> x = SolveActive(A_, problem_.b(), active);
+    const std::optional<DenseRow> x = SolveActive(A_, problem_.b(), active);
     if (!x) {
       any_singular_ = true;
       return;
@@ -41,9 +42,9 @@ class Enumeration {
     for (size_t k = 0; k < active.size(); ++k) {
       if ((*x)[k] < 0 && !problem_.is_bilateral(active[k])) return;
     }
-    Row f(At(problem_.size()));
+    DenseRow f(At(problem_.size()));
     for (size_t k = 0; k < active.size(); ++k) f[At(active[k])] = (*x)[k];
-    std::optional<Row> w = GapsOfAnswer(problem_, f);
+    std::optional<DenseRow> w = GapsOfAnswer(problem_, f);
     if (!w) return;
     if (answer_.status == LcpReference::Status::kSolved) {
       any_other_ = any_other_ || f != answer_.f;
@@ -58,7 +59,7 @@ class Enumeration {
   Index HopelessRow() const {
     if (!problem_.bilateral_rows().empty()) return -1;
     for (Index i = 0; i < problem_.size(); ++i) {
-      const Row& row = A_[At(i)];
+      const DenseRow& row = A_[At(i)];
       if (problem_.b()[i] < 0 && std::none_of(row.begin(), row.end(), [](const Rational& a) { return a > 0; })) {
         return i;
       }
@@ -83,7 +84,7 @@ class Enumeration {
 
  private:
   const LcpProblem& problem_;
-  std::vector<Row> A_;
+  std::vector<DenseRow> A_;
   EnumeratedAnswer answer_;
   bool any_singular_ = false;
   bool any_other_ = false;

@@ -18,7 +18,7 @@ struct Entry {
 };
 
 // Converts what ParseLcpRecord has found to be a number or "p/q".
-Rational ToRational(const Json& value) {
+Rational RationalOf(const Json& value) {
   if (!value.is_string()) return Rational(value.get<double>());
   std::string text = value.get<std::string>();
   if (text.front() == '+') text.erase(0, 1);
@@ -41,13 +41,13 @@ std::vector<Entry> Entries(const Json& matrix, Index columns) {
   std::vector<Entry> entries;
   if (matrix.is_object()) {
     for (size_t k = 0; k < matrix["val"].size(); ++k) {
-      entries.push_back({matrix["row"][k].get<Index>(), matrix["col"][k].get<Index>(), ToRational(matrix["val"][k])});
+      entries.push_back({matrix["row"][k].get<Index>(), matrix["col"][k].get<Index>(), RationalOf(matrix["val"][k])});
     }
     return entries;
   }
   Index place = 0;
   const auto add = [&](const Json& value) {
-    entries.push_back({place / columns, place % columns, ToRational(value)});
+    entries.push_back({place / columns, place % columns, RationalOf(value)});
     ++place;
   };
   for (const Json& row : matrix) {
@@ -132,15 +132,15 @@ void ReadLaws(const Json& json, ExactLcp* lcp) {
   if (json.contains("friction") && !json["friction"].is_null()) {
     const Json& friction = json["friction"];
     for (size_t k = 0; k < friction["row"].size(); ++k) {
-      place(lcp->friction, friction["row"][k])->mu = ToRational(friction["mu"][k]);
+      place(lcp->friction, friction["row"][k])->mu = RationalOf(friction["mu"][k]);
     }
   }
   if (!json.contains("bounded") || json["bounded"].is_null()) return;
   const Json& bounded = json["bounded"];
   for (size_t k = 0; k < bounded["row"].size(); ++k) {
     const auto row = place(lcp->bounded, bounded["row"][k]);
-    if (row->lower) row->lower = ToRational(bounded["lower"][k]);
-    if (row->upper) row->upper = ToRational(bounded["upper"][k]);
+    if (row->lower) row->lower = RationalOf(bounded["lower"][k]);
+    if (row->upper) row->upper = RationalOf(bounded["upper"][k]);
   }
 }
 
@@ -174,11 +174,11 @@ ExactLcp ParseExactLcp(std::string_view line, const std::string& where) {
   const Json& matrix = factors ? json["J"] : json["A"];
   if (!HasFractions(line)) return ExactFrom(record.problem);
   ExactLcp lcp = Frame(record.problem);
-  for (Index i = 0; i < lcp.size; ++i) lcp.b[At(i)] = ToRational(json["b"][At(i)]);
+  for (Index i = 0; i < lcp.size; ++i) lcp.b[At(i)] = RationalOf(json["b"][At(i)]);
   ReadLaws(json, &lcp);
   if (factors) {
     std::vector<Rational> inverse_mass;
-    for (const Json& value : json["invM"]) inverse_mass.push_back(ToRational(value));
+    for (const Json& value : json["invM"]) inverse_mass.push_back(RationalOf(value));
     Multiply(Entries(matrix, static_cast<Index>(inverse_mass.size())), inverse_mass, &lcp);
     return lcp;
   }

@@ -367,20 +367,20 @@ std::vector<Rational> Product(const ExactLcp& problem, const std::vector<Rationa
   return product;
 }
 
-std::string Row(const char* what, Index i) { return what + std::string(" at row ") + std::to_string(i); }
+std::string AtRow(const char* what, Index i) { return what + std::string(" at row ") + std::to_string(i); }
 
 std::string FaultOfForces(const ExactLcp& problem, const std::vector<Rational>& f, const std::vector<Rational>& w) {
   if (f.size() != At(problem.size) || w.size() != At(problem.size)) return "f or w has another size than the problem";
   const std::vector<Rational> product = Product(problem, f);
   for (Index i = 0; i < problem.size; ++i) {
-    if (product[At(i)] + problem.b[At(i)] != w[At(i)]) return Row("w is not A f + b", i);
+    if (product[At(i)] + problem.b[At(i)] != w[At(i)]) return AtRow("w is not A f + b", i);
     if (problem.bilateral[At(i)] != 0) {
-      if (w[At(i)] != 0) return Row("w is not 0", i);
+      if (w[At(i)] != 0) return AtRow("w is not 0", i);
       continue;
     }
-    if (w[At(i)] < 0) return Row("w < 0", i);
-    if (f[At(i)] < 0) return Row("f < 0", i);
-    if (w[At(i)] != 0 && f[At(i)] != 0) return Row("f w is not 0", i);
+    if (w[At(i)] < 0) return AtRow("w < 0", i);
+    if (f[At(i)] < 0) return AtRow("f < 0", i);
+    if (w[At(i)] != 0 && f[At(i)] != 0) return AtRow("f w is not 0", i);
   }
   return {};
 }
@@ -390,8 +390,8 @@ std::string FaultOfRay(const ExactLcp& problem, const std::vector<Rational>& y) 
   Rational b_dot_y = 0;
   const std::vector<Rational> product = Product(problem, y);
   for (Index i = 0; i < problem.size; ++i) {
-    if (product[At(i)] != 0) return Row("A y is not 0", i);
-    if (problem.bilateral[At(i)] == 0 && y[At(i)] < 0) return Row("y < 0", i);
+    if (product[At(i)] != 0) return AtRow("A y is not 0", i);
+    if (problem.bilateral[At(i)] == 0 && y[At(i)] < 0) return AtRow("y < 0", i);
     b_dot_y += problem.b[At(i)] * y[At(i)];
   }
   return b_dot_y == -1 ? "" : "b.y is not -1";
@@ -422,12 +422,12 @@ std::string FindFault(const ExactLcp& problem, const ExactAnswer& answer) {
   for (Index i = 0; i < problem.size; ++i) {
     const Rational& f = answer.f_least_norm[At(i)];
     if (answer.w[At(i)] != 0) {
-      if (answer.multipliers[At(i)] != 0) return Row("a multiplier where w > 0", i);
+      if (answer.multipliers[At(i)] != 0) return AtRow("a multiplier where w > 0", i);
       continue;
     }
     const Rational slack = f - product[At(i)];
     const bool holds = problem.bilateral[At(i)] != 0 || f != 0 ? slack == 0 : slack >= 0;
-    if (!holds) return Row("f is not of least norm", i);
+    if (!holds) return AtRow("f is not of least norm", i);
   }
   return {};
 }

@@ -8,7 +8,7 @@ namespace lcpbench {
 namespace {
 
 // Blocks in a row that may leave as many rows violated, before least indices.
-constexpr int kPatience = 3;
+constexpr int kPatienceOfPivots = 3;
 // Dependent rows that are tried as the last one of a guessed ray.
 constexpr size_t kMostRayTries = 16;
 
@@ -118,7 +118,7 @@ ExactPivoting::End ExactPivoting::Run(const std::vector<char>& start, const Dead
   }
   SetBasis(wanted);
   size_t least = At(size()) + 1;
-  int patience = kPatience;
+  int patience = kPatienceOfPivots;
   for (;;) {
     if (deadline.Expired()) return End::kTimeLimit;
     if (most_solves > 0 && solves_ - solves_before >= most_solves) return End::kSolveLimit;
@@ -129,7 +129,7 @@ ExactPivoting::End ExactPivoting::Run(const std::vector<char>& start, const Dead
     const auto joint = std::find_if(violated.begin(), violated.end(), [this](Index i) { return is_bilateral(i); });
     if (joint == violated.end() && violated.size() < least) {
       least = violated.size();
-      patience = kPatience;
+      patience = kPatienceOfPivots;
     } else {
       patience = std::max(patience - 1, 0);
     }

@@ -25,7 +25,7 @@ constexpr double kLargestDiagonal = 1e200;
 constexpr double kLargestEntry = 1e50;
 constexpr double kUnderflow = 1e-50;
 
-using Matrix = ProximalFactor::Matrix;
+using BlockMatrix = ProximalFactor::Matrix;
 
 constexpr int kPowerSteps = 8;
 // Parts of the estimated least eigenvalue that are tried in turn.
@@ -127,7 +127,7 @@ double IndependentBlock::EntryErrors() const {
 }
 
 double IndependentBlock::LeastEigenvalueBound() const {
-  const Matrix& block = factor_->block();
+  const BlockMatrix& block = factor_->block();
   const Index n = block.rows();
   if (n == 0) return 1;
   if (!factor_->IsFactorized()) return 0;
@@ -142,18 +142,18 @@ double IndependentBlock::LeastEigenvalueBound() const {
   const double entry_errors = EntryErrors();
   for (const double part : kTriedParts) {
     const double c = part * estimate;
-    Matrix shifted = block;
+    BlockMatrix shifted = block;
     for (Index k = 0; k < n; ++k) shifted.coeffRef(k, k) -= c;
-    const Eigen::SimplicialLLT<Matrix> factor(shifted);
+    const Eigen::SimplicialLLT<BlockMatrix> factor(shifted);
     if (factor.info() != Eigen::Success) continue;
-    const Matrix& L = factor.matrixL().nestedExpression();
+    const BlockMatrix& L = factor.matrixL().nestedExpression();
     // |L| |L^T| 1, and the most entries of a row.
     Eigen::VectorXd sums = Eigen::VectorXd::Zero(n);
     std::vector<Index> entries(At(n), 0);
     for (Index j = 0; j < n; ++j) {
       double column = 0;
-      for (Matrix::InnerIterator it(L, j); it; ++it) column += std::abs(it.value());
-      for (Matrix::InnerIterator it(L, j); it; ++it) {
+      for (BlockMatrix::InnerIterator it(L, j); it; ++it) column += std::abs(it.value());
+      for (BlockMatrix::InnerIterator it(L, j); it; ++it) {
         sums[it.row()] += std::abs(it.value()) * column;
         ++entries[At(it.row())];
       }

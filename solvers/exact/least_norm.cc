@@ -10,7 +10,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr int kMostExchanges = 60;
+constexpr int kMostExchangesOfBasis = 60;
 constexpr double kNull = 1e-11;      // eigenvalues below this part of the largest
 constexpr int kGuessSweeps = 20000;  // of the guess; some ms for some tens of rows
 constexpr double kGuessDone = 1e-15;
@@ -119,7 +119,7 @@ std::vector<char> GuessPositive(const SolutionSet& set) {
 std::optional<LeastNorm> FindLeastNorm(const SolutionSet& set, std::vector<char> positive, const Deadline& deadline) {
   const Index n = set.A.rows();
   const std::vector<Index> all = AllRows(n);
-  for (int exchange = 0; exchange < kMostExchanges && !deadline.Expired(); ++exchange) {
+  for (int exchange = 0; exchange < kMostExchangesOfBasis && !deadline.Expired(); ++exchange) {
     std::vector<Index> acting;
     for (Index i = 0; i < n; ++i) {
       if (set.bilateral[At(i)] != 0 || positive[At(i)] != 0) acting.push_back(i);

@@ -15,11 +15,11 @@ namespace {
 
 // x = m 2^e with an integer m of 53 bits.
 mp_limb_t Residue(double x, nmod_t mod) {
-  constexpr int kDigits = 53;
+  constexpr int kDigitsOfPrime = 53;
   int exponent = 0;
   const double fraction = std::frexp(std::abs(x), &exponent);
-  const auto m = static_cast<mp_limb_t>(std::ldexp(fraction, kDigits));
-  exponent -= kDigits;
+  const auto m = static_cast<mp_limb_t>(std::ldexp(fraction, kDigitsOfPrime));
+  exponent -= kDigitsOfPrime;
   mp_limb_t power = n_powmod2_preinv(2, std::abs(exponent), mod.n, mod.ninv);
   if (exponent < 0) power = n_invmod(power, mod.n);
   const mp_limb_t residue = nmod_mul(m % mod.n, power, mod);

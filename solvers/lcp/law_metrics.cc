@@ -20,16 +20,17 @@ Extended Positive(Extended x) { return std::max<Extended>(x, 0); }
 // NaN stays.
 Extended Larger(Extended x, Extended y) { return std::isnan(x) || x > y ? x : y; }
 // x/0 is infinite, and 0 of anything is 0.
-Extended Ratio(Extended part, Extended whole) { return part == 0 ? 0 : part / whole; }
+Extended Quotient(Extended part, Extended whole) { return part == 0 ? 0 : part / whole; }
 Extended Clamped(Extended x, Extended lower, Extended upper) { return std::min(std::max(x, lower), upper); }
 
 // D^1/2, 1 where A_ii = 0.
-Extended Root(Extended diagonal) { return diagonal == 0 ? 1 : std::sqrt(diagonal); }
+Extended RootOf(Extended diagonal) { return diagonal == 0 ? 1 : std::sqrt(diagonal); }
 
 // One pass over the rows of each law.
 class LawMeasure {
  public:
-  explicit LawMeasure(const JudgedRows& rows) : rows_(rows), n_(rows.f.size()), root_(rows.diagonal.unaryExpr(&Root)) {
+  explicit LawMeasure(const JudgedRows& rows)
+      : rows_(rows), n_(rows.f.size()), root_(rows.diagonal.unaryExpr(&RootOf)) {
     phi_ = root_.cwiseProduct(rows.f.cast<Extended>());
     omega_ = rows.w.cwiseQuotient(root_);
     beta_ = rows.problem.b().cast<Extended>().cwiseQuotient(root_);
@@ -74,7 +75,7 @@ class LawMeasure {
   Extended GapError(Index i, Extended defect) const {
     defect = std::abs(defect);
     if (defect <= rows_.rounding[i] || defect <= kPartOfLoad * load_[i] * root_[i]) return 0;
-    return Ratio(defect, rows_.magnitude[i] + std::abs(static_cast<Extended>(rows_.problem.b()[i])));
+    return Quotient(defect, rows_.magnitude[i] + std::abs(static_cast<Extended>(rows_.problem.b()[i])));
   }
   // F of a row, the force that what it sums amounts to.
   Extended ForceUnit(Index i) const {
@@ -85,7 +86,7 @@ class LawMeasure {
   Extended ForceError(Index i, Extended defect, Extended unit) const {
     defect = std::abs(defect);
     if (std::isinf(defect)) return kInfinite;  // there is no such bound
-    return defect * root_[i] <= kPartOfLoad * load_[i] ? 0 : Ratio(defect, unit);
+    return defect * root_[i] <= kPartOfLoad * load_[i] ? 0 : Quotient(defect, unit);
   }
 
   void MeasurePlainRows() {
@@ -194,7 +195,7 @@ long double LoadScale(const LcpProblem& problem, const ExtendedVector& root) {
 
 double RelaxationResidual(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
   if (f.size() != problem.size() || !f.allFinite() || !w.allFinite()) return std::numeric_limits<double>::infinity();
-  const ExtendedVector root = problem.DiagonalA().cast<Extended>().cwiseAbs().unaryExpr(&Root);
+  const ExtendedVector root = problem.DiagonalA().cast<Extended>().cwiseAbs().unaryExpr(&RootOf);
   const ExtendedVector phi = root.cwiseProduct(f.cast<Extended>());
   const ExtendedVector trial = phi - w.cast<Extended>().cwiseQuotient(root);
   // Plain rows first; contacts with friction then overwrite what they project together.

@@ -17,7 +17,7 @@
 #include "solvers/batch/row_batch.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
-#include "solvers/rows/check_rows.h"
+#include "solvers/step/check_rows.h"
 #include "support/input_error.h"
 
 namespace lcpbench {

@@ -18,7 +18,7 @@
 namespace lcpbench {
 namespace {
 
-Eigen::VectorXd Solved(const LcpProblem& problem) {
+Eigen::VectorXd SolutionOf(const LcpProblem& problem) {
   LcpOptions options;
   options.tolerance = 1e-12;
   LcpResult result;
@@ -95,7 +95,7 @@ TEST(Formulas, HaveThePublishedObjectiveValues) {
     for (int i = 0; i < side; ++i) {
       for (int j = 0; j < side; ++j) psi[i * side + j] = std::sin(3.2 * h * (i + 1)) * std::sin(3.3 * h * (j + 1));
     }
-    const Eigen::VectorXd u = psi + Solved(problem);
+    const Eigen::VectorXd u = psi + SolutionOf(problem);
     return u.dot(problem.SparseA() * u) / 2 - h * h * u.sum();
   };
   EXPECT_NEAR(obstacle(10), 1.397897560, 1e-8);
@@ -104,7 +104,7 @@ TEST(Formulas, HaveThePublishedObjectiveValues) {
   const auto bearing = [](int points) {
     const LcpProblem problem =
         MakeInstance({"journal-bearing", (points - 2) * (points - 2), 1, {{"eccentricity", 0.5}}}).problem;
-    return Energy(problem, Solved(problem));
+    return Energy(problem, SolutionOf(problem));
   };
   EXPECT_NEAR(bearing(10), -3.9528, 5e-5);
   EXPECT_NEAR(bearing(23), -4.1024, 5e-5);
@@ -118,7 +118,7 @@ TEST(Formulas, HaveThePublishedObjectiveValues) {
 TEST(Formulas, TorsionIsElasticAtSmallAnglesAndPlasticAtLarge) {
   const auto plastic = [](double angle) {
     const LcpProblem problem = MakeInstance({"torsion", 1024, 1, {{"angle", angle}}}).problem;
-    const Eigen::VectorXd f = Solved(problem);
+    const Eigen::VectorXd f = SolutionOf(problem);
     Eigen::VectorXd w;
     problem.ComputeW(f, &w);
     EXPECT_LE(f.maxCoeff(), 33 / 2.0);  // v >= 0: the bound that is left out is not met

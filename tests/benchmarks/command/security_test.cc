@@ -32,12 +32,12 @@ class Security : public CommandTest {
   }
 };
 
-constexpr char kProblem[] = R"({"id":"p","b":[1],"A":[[1]]})";
+constexpr char kSmallProblem[] = R"({"id":"p","b":[1],"A":[[1]]})";
 const std::string kHash(64, '0');
 
 TEST_F(Security, AManifestNamesFilesOfItsOwnFolderOnly) {
   fs::create_directory(folder_ / "in");
-  Write("outside.jsonl", std::string(kProblem) + "\n");
+  Write("outside.jsonl", std::string(kSmallProblem) + "\n");
   for (const std::string& path :
        {std::string("../outside.jsonl"), Path("outside.jsonl"), std::string("a/../../outside.jsonl")}) {
     const Json problem = {

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kManifest = LCPBENCH_SOURCE_DIR "/data/smoke.json";
+constexpr const char* kTunedManifest = LCPBENCH_SOURCE_DIR "/data/smoke.json";
 
 // By value: what a loop runs over must outlive it.
 Json DeclaredSolvers() { return ReadJson(LCPBENCH_SOURCE_DIR "/data/tuning.json").at("solvers"); }
@@ -67,7 +67,7 @@ TEST(TuningSpace, FirstValuesAreTheDefaults) {
 class TunedSettings : public CommandTest {
  protected:
   std::string Campaign(const std::string& folder, const std::string& more) const {
-    return std::string("run --suite ") + kManifest + " --filter 'rockers-n8-' --tiers 1e-6 --launches 1 -o " +
+    return std::string("run --suite ") + kTunedManifest + " --filter 'rockers-n8-' --tiers 1e-6 --launches 1 -o " +
            Path(folder) + " " + more;
   }
   std::map<std::string, Json> SolversOf(const std::string& folder) const {
@@ -115,7 +115,7 @@ TEST_F(TunedSettings, AreThoseOfTheNearestSize) {
     {"solver": "pgs", "rows": 100, "chosen": {}},
     {"solver": "pgs", "rows": 1000, "chosen": {"relaxation": "1.2"}}]})");
   // Who names it needs no base for it.
-  Succeed(std::string("run --suite ") + kManifest + " --filter rockers --tiers 1e-6 --launches 1 -o " + Path("c") +
+  Succeed(std::string("run --suite ") + kTunedManifest + " --filter rockers --tiers 1e-6 --launches 1 -o " + Path("c") +
           " --solvers pgs-tuned,small,default --variant small=pgs,relaxation=1.3,sweep=forward --variant default=pgs " +
           "--tuned " + Path("tuned.json"));
   EXPECT_EQ(SolversOf("c").at("pgs-tuned")["settings"],

@@ -503,7 +503,7 @@ TEST_F(RecommendCommand, TheTextEndsWithLinesForCMakeUnlessNothingMeetsTheReques
   const std::string arguments = "recommend --rounds 1 --scene rockers --size 18";
   const std::string late = arguments + " --deadline 1e-9";
   const CommandOutcome text = Succeed(arguments);
-  EXPECT_TRUE(text.out.ends_with("target_link_libraries(your_engine PRIVATE lcpbench::solvers)\n")) << text.out;
+  EXPECT_TRUE(text.out.ends_with("target_link_libraries(your_engine PRIVATE lcpbench::step)\n")) << text.out;
   const CommandOutcome none = Succeed(late);
   for (const auto& [out, part] : {std::pair{text.out, "recommended: "},
                                   {text.out, "not tried: "},

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kCases = 500;
 constexpr int kGeneralCases = 60;  // of each of the many kinds with a general curve
-constexpr double kRounding = 1e-13;
+constexpr double kRoundingOfPoints = 1e-13;
 constexpr double kPi = 3.14159265358979323846;
 
 const double kInfinity = std::numeric_limits<double>::infinity();
@@ -48,10 +48,10 @@ class EveryPair : public ::testing::TestWithParam<PairKind> {
 
 TEST_P(EveryPair, FindsTheContactItWasBuiltWith) {
   OverCases(1, [](const ContactCase& c, const ClosestPoints& p, Random*) {
-    EXPECT_NEAR(p.d, c.d, kRounding);
-    EXPECT_NEAR(Norm(p.n - c.n), 0, kRounding);
-    EXPECT_NEAR(Norm(c.body1.x + p.R1 - c.p1), 0, kRounding);
-    EXPECT_NEAR(Norm(c.body2.x + p.R2 - c.p2), 0, kRounding);
+    EXPECT_NEAR(p.d, c.d, kRoundingOfPoints);
+    EXPECT_NEAR(Norm(p.n - c.n), 0, kRoundingOfPoints);
+    EXPECT_NEAR(Norm(c.body1.x + p.R1 - c.p1), 0, kRoundingOfPoints);
+    EXPECT_NEAR(Norm(c.body2.x + p.R2 - c.p2), 0, kRoundingOfPoints);
   });
 }
 
@@ -59,10 +59,10 @@ TEST_P(EveryPair, PointsLieOnTheFeaturesAndDifferByTheGapAlongTheUnitNormal) {
   OverCases(2, [](const ContactCase& c, const ClosestPoints& p, Random*) {
     const Vec2 p1 = c.body1.x + p.R1;
     const Vec2 p2 = c.body2.x + p.R2;
-    EXPECT_NEAR(Norm(p.n), 1, kRounding);
-    EXPECT_NEAR(Norm(p1 - p2 - p.d * p.n), 0, kRounding);
-    EXPECT_NEAR(Norm(p1 - PointAt(c.feature1, c.body1, p.s1)), 0, kRounding);
-    EXPECT_NEAR(Norm(p2 - PointAt(c.feature2, c.body2, p.s2)), 0, kRounding);
+    EXPECT_NEAR(Norm(p.n), 1, kRoundingOfPoints);
+    EXPECT_NEAR(Norm(p1 - p2 - p.d * p.n), 0, kRoundingOfPoints);
+    EXPECT_NEAR(Norm(p1 - PointAt(c.feature1, c.body1, p.s1)), 0, kRoundingOfPoints);
+    EXPECT_NEAR(Norm(p2 - PointAt(c.feature2, c.body2, p.s2)), 0, kRoundingOfPoints);
   });
 }
 

@@ -16,9 +16,9 @@
 namespace lcpbench::testing {
 namespace {
 
-constexpr int kCases = 25;
-constexpr double kRounding = 1e-13;
-constexpr double kPi = 3.14159265358979323846;
+constexpr int kSearches = 25;
+constexpr double kRoundingOfSearch = 1e-13;
+constexpr double kHalfTurn = 3.14159265358979323846;
 
 std::vector<PairKind> GeneralPairKinds() {
   return PairKindsWhere([](const PairKind& kind) { return kind.is_general(); });
@@ -27,17 +27,17 @@ std::vector<PairKind> GeneralPairKinds() {
 class EverySearch : public ::testing::TestWithParam<PairKind> {};
 
 TEST_P(EverySearch, FindsTheContactWithoutAnyStart) {
-  OverRandomContacts(GetParam(), kCases, 1, [](const ContactCase& c, Random*) {
+  OverRandomContacts(GetParam(), kSearches, 1, [](const ContactCase& c, Random*) {
     const StationaryPoints found = SearchStationaryPoints(c.Placed1(), c.Placed2(), {});
     const bool is_there = std::any_of(found.points.begin(), found.points.end(), [&](const ClosestPoints& p) {
-      return std::abs(p.d - c.d) < kRounding && Norm(p.n - c.n) < 1e-11;
+      return std::abs(p.d - c.d) < kRoundingOfSearch && Norm(p.n - c.n) < 1e-11;
     });
     EXPECT_TRUE(is_there) << found.points.size() << " other points found; " << found.failure;
   });
 }
 
 TEST_P(EverySearch, EveryPointFoundIsStationaryAndNoneIsFoundTwice) {
-  OverRandomContacts(GetParam(), kCases, 2, [](const ContactCase& c, Random*) {
+  OverRandomContacts(GetParam(), kSearches, 2, [](const ContactCase& c, Random*) {
     const std::vector<ClosestPoints> points = SearchStationaryPoints(c.Placed1(), c.Placed2(), {}).points;
     for (const ClosestPoints& p : points) {
       EXPECT_NEAR(Norm(p.n), 1, 1e-15);
@@ -50,7 +50,7 @@ TEST_P(EverySearch, EveryPointFoundIsStationaryAndNoneIsFoundTwice) {
 }
 
 TEST_P(EverySearch, DoesNotDependOnWhereItStartsNearby) {
-  OverRandomContacts(GetParam(), kCases, 3, [](const ContactCase& c, Random* random) {
+  OverRandomContacts(GetParam(), kSearches, 3, [](const ContactCase& c, Random* random) {
     const ClosestPoints p = c.Closest();
     const auto near = [&](std::optional<double> s) {
       return s ? std::optional<double>(*s + random->Uniform(-0.02, 0.02)) : s;
@@ -63,7 +63,7 @@ TEST_P(EverySearch, DoesNotDependOnWhereItStartsNearby) {
     EXPECT_NEAR(p.curvature2.s, q.curvature2.s, 1e-14 * std::abs(p.curvature2.s));
     // Its own result is a start, too, whatever multiple of a turn was added to it.
     const auto turned = [&](const Feature& feature, std::optional<double> s) {
-      return s && !std::holds_alternative<BezierEdge>(feature) ? std::optional<double>(*s + 4 * kPi) : s;
+      return s && !std::holds_alternative<BezierEdge>(feature) ? std::optional<double>(*s + 4 * kHalfTurn) : s;
     };
     const ClosestPoints r = c.Closest({turned(c.feature1, p.s1), turned(c.feature2, p.s2), 0});
     EXPECT_NEAR(p.d, r.d, 1e-16);
@@ -71,20 +71,20 @@ TEST_P(EverySearch, DoesNotDependOnWhereItStartsNearby) {
 }
 
 TEST_P(EverySearch, OneStartOfTwoIsEnough) {
-  OverRandomContacts(GetParam(), kCases, 4, [](const ContactCase& c, Random*) {
+  OverRandomContacts(GetParam(), kSearches, 4, [](const ContactCase& c, Random*) {
     for (const SearchStart& start : {SearchStart{c.s1, {}, c.d}, SearchStart{{}, c.s2, c.d}}) {
       if (!start.s1 && !start.s2) continue;
-      EXPECT_NEAR(c.Closest(start).d, c.d, kRounding);
+      EXPECT_NEAR(c.Closest(start).d, c.d, kRoundingOfSearch);
     }
   });
 }
 
 TEST_P(EverySearch, WithoutStartTheMinimumNextToTheNominalGapIsMeant) {
-  OverRandomContacts(GetParam(), kCases, 5, [](const ContactCase& c, Random*) {
+  OverRandomContacts(GetParam(), kSearches, 5, [](const ContactCase& c, Random*) {
     for (const double nominal : {c.d, -1.0, 0.5}) {
       const double d = c.Closest({{}, {}, nominal}).d;
       for (const ClosestPoints& p : SearchStationaryPoints(c.Placed1(), c.Placed2(), {}).points) {
-        EXPECT_TRUE(p.D() <= 1e-6 || std::abs(p.d - nominal) >= std::abs(d - nominal) - kRounding);
+        EXPECT_TRUE(p.D() <= 1e-6 || std::abs(p.d - nominal) >= std::abs(d - nominal) - kRoundingOfSearch);
       }
     }
   });
@@ -107,13 +107,13 @@ TEST(Search, SmallestGapOfOvalsThatLieApartIsTheirDistance) {
     double least = std::numeric_limits<double>::infinity();
     constexpr int kPoints = 600;
     std::vector<Vec2> outline2;
-    for (int k = 0; k < kPoints; ++k) outline2.push_back(x2 + EvaluateEdge(second, 2 * kPi * k / kPoints).c);
+    for (int k = 0; k < kPoints; ++k) outline2.push_back(x2 + EvaluateEdge(second, 2 * kHalfTurn * k / kPoints).c);
     for (int k = 0; k < kPoints; ++k) {
-      const Vec2 p = EvaluateEdge(first, 2 * kPi * k / kPoints).c;
+      const Vec2 p = EvaluateEdge(first, 2 * kHalfTurn * k / kPoints).c;
       for (const Vec2 q : outline2) least = std::min(least, Norm(p - q));
     }
     const double d = FindClosestPoints({first, {0, 0}, {}}, {second, x2, {}}, {{}, {}, least}).d;
-    EXPECT_LE(d, least + kRounding);
+    EXPECT_LE(d, least + kRoundingOfSearch);
     EXPECT_NEAR(d, least, 1e-3);
   }
 }
@@ -179,7 +179,7 @@ const SuperellipseEdge kOval{{0, 0}, 2, 1, 4, 0, Side::kConvex};
 TEST(Search, RefusesMatchingCurvaturesAndCentersOfCurvatureNamingBothFeatures) {
   // The centre of curvature of the tip (2, 0), of radius 1/2, and of the side (0, 1), of radius 4.
   ExpectRefusal("centre of curvature", Vertex{{1.5, 0}}, kEllipse, {{}, 0.0, 0});
-  ExpectRefusal("centre of curvature", Vertex{{0, -3}}, kEllipse, {{}, kPi / 2, 0}, Regularity::kNonzeroD);
+  ExpectRefusal("centre of curvature", Vertex{{0, -3}}, kEllipse, {{}, kHalfTurn / 2, 0}, Regularity::kNonzeroD);
   ExpectRefusal("curvature match", ArcEdge{{1.5, 0}, 0.5, Side::kConcave}, kEllipse, {{}, 0.0, 0});
   EllipseEdge hole = kEllipse;
   hole.side = Side::kConcave;
@@ -201,12 +201,12 @@ TEST(Search, RefusesStationaryPointsThatAreNoContacts) {
 TEST(Search, RefusesTheFlatSideOfASuperellipseOnAStraightEdgeButNotOnAVertexOrArc) {
   const StraightEdge floor{{1, -1}, {-1, -1}};
   const StraightEdge wall{{-2, 1}, {-2, -1}};
-  for (const double s : {-kPi / 2, -1.57, -1.5, -1.0}) {
+  for (const double s : {-kHalfTurn / 2, -1.57, -1.5, -1.0}) {
     EXPECT_NE(RefusalOf(kOval, floor, {s, {}, 0}), "") << s;
   }
   EXPECT_NE(RefusalOf(kOval, floor), "");
   EXPECT_NE(RefusalOf(wall, kOval), "");
-  ExpectRefusal("curvature match", kOval, StraightEdge{{1, -1}, {-1, -1}}, {-kPi / 2, {}, 0});
+  ExpectRefusal("curvature match", kOval, StraightEdge{{1, -1}, {-1, -1}}, {-kHalfTurn / 2, {}, 0});
   const ClosestPoints vertex = FindClosestPoints({Vertex{{0, -1.25}}, {0, 0}, {}}, {kOval, {0, 0}, {}}, {{}, -1.6, 0});
   EXPECT_EQ(vertex.d, 0.25);
   EXPECT_NEAR(vertex.curvature2.s, 0, 1e-25);

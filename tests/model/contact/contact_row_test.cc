@@ -20,10 +20,10 @@
 namespace lcpbench::testing {
 namespace {
 
-constexpr int kCases = 300;
-constexpr int kGeneralCases = 40;  // of each of the many kinds with a general curve
-constexpr double kRounding = 1e-12;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kRowCases = 300;
+constexpr int kGeneralRowCases = 40;  // of each of the many kinds with a general curve
+constexpr double kRoundingOfRows = 1e-12;
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
 // Scaled as the reference data are: |x - y| / (1 + |y|).
 void ExpectClose(double x, double y, double tolerance, const char* what) {
@@ -187,7 +187,7 @@ class EveryContactKind : public ::testing::TestWithParam<PairKind> {
   // Calls check(case, random) over seeded random configurations.
   template <class Check>
   void OverCases(unsigned seed, const Check& check) {
-    OverRandomContacts(GetParam(), GetParam().is_general() ? kGeneralCases : kCases, seed, check);
+    OverRandomContacts(GetParam(), GetParam().is_general() ? kGeneralRowCases : kRowCases, seed, check);
   }
 };
 
@@ -249,15 +249,16 @@ TEST_P(EveryContactKind, RowIsTheSameForArmsToContactPointsAndCenters) {
     const ContactRow row = ComputeContactRow(p, c.body1, c.body2);
     const Vec2 p1 = c.body1.x + p.R1;
     const Vec2 p2 = c.body2.x + p.R2;
-    ExpectClose(row.J[2], Cross(p.R1, p.n), kRounding, "arm to p1");
-    ExpectClose(row.J[2], Cross(p2 - c.body1.x, p.n), kRounding, "arm to p2");
-    ExpectClose(row.J[5], -Cross(p.R2, p.n), kRounding, "arm to p2");
-    ExpectClose(row.J[5], -Cross(p1 - c.body2.x, p.n), kRounding, "arm to p1");
+    ExpectClose(row.J[2], Cross(p.R1, p.n), kRoundingOfRows, "arm to p1");
+    ExpectClose(row.J[2], Cross(p2 - c.body1.x, p.n), kRoundingOfRows, "arm to p2");
+    ExpectClose(row.J[5], -Cross(p.R2, p.n), kRoundingOfRows, "arm to p2");
+    ExpectClose(row.J[5], -Cross(p1 - c.body2.x, p.n), kRoundingOfRows, "arm to p1");
     if (!IsStraight(c.feature1)) {
-      ExpectClose(row.J[2], Cross(ToWorld(c.body1, Center(c.feature1, p.s1)) - c.body1.x, p.n), kRounding, "arm to c1");
+      ExpectClose(row.J[2], Cross(ToWorld(c.body1, Center(c.feature1, p.s1)) - c.body1.x, p.n), kRoundingOfRows,
+                  "arm to c1");
     }
     if (!IsStraight(c.feature2)) {
-      ExpectClose(row.J[5], -Cross(ToWorld(c.body2, Center(c.feature2, p.s2)) - c.body2.x, p.n), kRounding,
+      ExpectClose(row.J[5], -Cross(ToWorld(c.body2, Center(c.feature2, p.s2)) - c.body2.x, p.n), kRoundingOfRows,
                   "arm to c2");
     }
   });
@@ -293,7 +294,7 @@ TEST_P(ContactKindWithStraightEdge, CurvatureFormEqualsAttachedNormalForm) {
                           2 * w2 * Dot(t, center.velocity - point.velocity) - w2 * w2 * Dot(p.n, c1 - q) +
                           a2.alpha * Dot(t, c1 - q);
     ExpectClose(JTimesA(row, a1, a2) + row.gamma, d_ddot, 1e-11, "d''");
-    ExpectClose(row.omega_n, w2, kRounding, "omega_n");
+    ExpectClose(row.omega_n, w2, kRoundingOfRows, "omega_n");
   });
 }
 
@@ -301,7 +302,7 @@ TEST_P(EveryContactKind, GapRateIsJTimesV) {
   OverCases(7, [](const ContactCase& c, Random*) {
     const ContactRow row = RowOf(c);
     const double Jv = JTimesA(row, {c.body1.v, c.body1.omega, {}, 0}, {c.body2.v, c.body2.omega, {}, 0});
-    ExpectClose(row.d_dot, Jv, kRounding, "d'");
+    ExpectClose(row.d_dot, Jv, kRoundingOfRows, "d'");
   });
 }
 
@@ -330,7 +331,7 @@ TEST(ContactRow, ArcTendsToLineAsRadiusGrows) {
   for (const PairKind& kind : AllPairKinds()) {
     if (kind.shape2 != Shape::kStraight) continue;  // with every shape on body 1
     for (const Shape arc : {Shape::kConvexArc, Shape::kConcaveArc}) {
-      for (int i = 0; i < kCases; ++i) {
+      for (int i = 0; i < kRowCases; ++i) {
         const ContactCase c = RandomContact(kind, &random);
         const ContactRow straight = RowOf(c);
         for (const double radius : {1e3, 1e5, 1e7}) {
@@ -354,12 +355,12 @@ void ExpectSameRowsAs(Shape shape2, const Describe& describe) {
   Random random(20);
   for (const PairKind& kind : AllPairKinds()) {
     if (kind.shape2 != shape2) continue;
-    for (int i = 0; i < kGeneralCases; ++i) {
+    for (int i = 0; i < kGeneralRowCases; ++i) {
       SCOPED_TRACE(kind.name);
       const ContactCase c = RandomContact(kind, &random);
       ContactCase other = c;
       other.feature2 = describe(c.feature2, c.Closest().s2.value(), &other.s2);
-      EXPECT_NEAR(other.Closest().d, c.Closest().d, kRounding);
+      EXPECT_NEAR(other.Closest().d, c.Closest().d, kRoundingOfRows);
       ExpectSameRow(RowOf(other), RowOf(c), 1e-11, 1e-11);
       ASSERT_FALSE(::testing::Test::HasFailure());
     }
@@ -473,7 +474,7 @@ TEST(ContactRow, NearlyStraightArcsKeepAllDigitsWhereTheCenterFormLosesThem) {
       const bool on_straight = kind.shape2 == Shape::kStraight && kind.shape1 == Shape::kConvexArc;
       const bool on_arc = kind.shape2 == Shape::kConvexArc || kind.shape2 == Shape::kConcaveArc;
       if (kind.shape1 == Shape::kStraight || IsConcave(kind.shape1) || (!on_straight && !on_arc)) continue;
-      for (int i = 0; i < kCases; ++i) {
+      for (int i = 0; i < kRowCases; ++i) {
         SCOPED_TRACE(kind.name);
         ContactCase c = RandomContact(kind, &random);
         if (on_straight) {
@@ -500,7 +501,7 @@ TEST(ContactRow, NearlyStraightArcsKeepAllDigitsWhereTheCenterFormLosesThem) {
 TEST(ContactRow, NearlyFlatArcsOnEachOtherKeepAllDigitsOfTheirPlace) {
   Random random(22);
   for (const double radius : {1e3, 1e6, 1e9}) {
-    for (int i = 0; i < kCases; ++i) {
+    for (int i = 0; i < kRowCases; ++i) {
       ContactCase c = RandomContact(ClosedPairKinds()[4], &random);
       const Shape shape2 = i % 2 == 0 ? Shape::kConvexArc : Shape::kConcaveArc;
       c.feature1 = FeatureThrough(Shape::kConvexArc, c.body1, c.p1, -c.n, radius, &random);
@@ -532,7 +533,7 @@ TEST(ContactRow, SlidingVertexFeelsTheCurvatureOfTheEdge) {
 
 TEST(PinRows, GiveTheDerivativesOfTheGapAlongAnyMotion) {
   Random random(10);
-  for (int i = 0; i < kCases; ++i) {
+  for (int i = 0; i < kRowCases; ++i) {
     const Body body1 = RandomBody(&random);
     const Body body2 = RandomBody(&random);
     const Vec2 c1 = random.Vector(2);
@@ -549,10 +550,10 @@ TEST(PinRows, GiveTheDerivativesOfTheGapAlongAnyMotion) {
     for (size_t axis = 0; axis < 2; ++axis) {
       const double Jv = JTimesA({pin.J[axis]}, {body1.v, body1.omega, {}, 0}, {body2.v, body2.omega, {}, 0});
       const double Ja = JTimesA({pin.J[axis]}, a1, a2);
-      ExpectClose(pin.g[axis], expected[axis][0], kRounding, "g");
-      ExpectClose(pin.g_dot[axis], expected[axis][1], kRounding, "g'");
-      ExpectClose(Jv, expected[axis][1], kRounding, "J v");
-      ExpectClose(Ja + pin.gamma[axis], expected[axis][2], kRounding, "g''");
+      ExpectClose(pin.g[axis], expected[axis][0], kRoundingOfRows, "g");
+      ExpectClose(pin.g_dot[axis], expected[axis][1], kRoundingOfRows, "g'");
+      ExpectClose(Jv, expected[axis][1], kRoundingOfRows, "J v");
+      ExpectClose(Ja + pin.gamma[axis], expected[axis][2], kRoundingOfRows, "g''");
     }
   }
 }
@@ -583,7 +584,7 @@ Connector RandomConnector(Random* random) {
 
 TEST(ConnectorRow, GivesTheDerivativesOfTheDistanceAlongAnyMotion) {
   Random random(1);
-  for (int i = 0; i < kCases; ++i) {
+  for (int i = 0; i < kRowCases; ++i) {
     SCOPED_TRACE(i);
     const Connector c = RandomConnector(&random);
     const Acceleration motion1 = RandomAcceleration(&random);
@@ -603,7 +604,7 @@ TEST(ConnectorRow, GivesTheDerivativesOfTheDistanceAlongAnyMotion) {
 
 TEST(ConnectorRow, SwappingBodiesGivesTheSwappedRowBitByBit) {
   Random random(2);
-  for (int i = 0; i < kCases; ++i) {
+  for (int i = 0; i < kRowCases; ++i) {
     const Connector c = RandomConnector(&random);
     const ConnectorRow row = c.Row();
     const ConnectorRow swapped = Connector{c.body2, c.body1, c.vertex2, c.vertex1, c.length}.Row();
@@ -630,13 +631,13 @@ TEST(ConnectorRow, RefusesWhatHasNoDirectionOrFiniteNumbersNamingIt) {
     expect_refused(coincident, "zero distance: the two attachment points coincide");
     coincident.body2.x.x += 1e-13;
     expect_refused(coincident, "zero distance");
-    for (const double length : {kNaN, std::numeric_limits<double>::infinity()}) {
+    for (const double length : {kNotANumber, std::numeric_limits<double>::infinity()}) {
       Connector wrong = good;
       wrong.length = length;
       expect_refused(wrong, "length");
     }
     Connector nan = good;
-    nan.vertex1.x = kNaN;
+    nan.vertex1.x = kNotANumber;
     expect_refused(nan, "not finite");
   }
   // A contact between two vertices stays refused, at any distance.

@@ -24,7 +24,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr MotionLevel kLevels[] = {MotionLevel::kVelocity, MotionLevel::kAcceleration};
+constexpr MotionLevel kBothLevels[] = {MotionLevel::kVelocity, MotionLevel::kAcceleration};
 constexpr double kStep = 1e-3;  // of the velocity level
 
 using Path = std::vector<OutlineEdge>;
@@ -115,7 +115,7 @@ void ExpectEnd(const Bead& bead, const std::string& word, Random* random) {
   const World world = WorldOf(bead, random);
   const double speed = std::abs(bead.speed);
   const double due = WayToEnd(bead) / speed;
-  for (const MotionLevel level : kLevels) {
+  for (const MotionLevel level : kBothLevels) {
     SCOPED_TRACE(ToString(level));
     Ride ride(level, world);
     ride.motion->Advance(due + 1);
@@ -280,7 +280,7 @@ TEST(PathEnds, ABeadRunsRoundAndRoundInASlot) {
     bead.speed = (k % 4 < 2 ? 1 : -1) * random.Uniform(1, 3);
     bead.share = random.Uniform(0.2, 0.8);
     const World world = WorldOf(bead, &random);
-    for (const MotionLevel level : kLevels) {
+    for (const MotionLevel level : kBothLevels) {
       SCOPED_TRACE(ToString(level));
       Ride ride(level, world);
       const double speed = std::abs(bead.speed);
@@ -313,7 +313,7 @@ TEST(PathEnds, AKinkEndsTheMotionAndATurnBelowItDoesNot) {
     first.piece = 0;
     const double due = WayToEnd(first) / 1.5;
     const World world = WorldOf(bead, &random);
-    for (const MotionLevel level : kLevels) {
+    for (const MotionLevel level : kBothLevels) {
       SCOPED_TRACE(ToString(level));
       Ride ride(level, world);
       ride.motion->Advance(2);
@@ -363,7 +363,7 @@ TEST(PathEnds, ABezierCurveWithoutAPathHasItsOwnEnds) {
   world.bodies[1].x = bezier.Point(0.5);
   world.bodies[1].v = 2 * Unit(bezier.Direction(0.5));
   const double due = LengthOf({bezier, 0, 1}, 0.5, 1) / 2;
-  for (const MotionLevel level : kLevels) {
+  for (const MotionLevel level : kBothLevels) {
     Ride ride(level, world);
     ride.motion->Advance(2 * due);
     EXPECT_EQ(ride.motion->status(), MotionStatus::kPathEnd);
@@ -377,11 +377,11 @@ TEST(PathEnds, AStartBeyondAnEndIsRefused) {
   joint.path = {{StraightEdge{{0, -1}, {0, 1}}, 0, 1}};
   joint.feature2 = StraightEdge{{0, -1}, {0, 1}};
   world.joints = {joint};
-  for (const MotionLevel level : kLevels) EXPECT_THROW(Ride(level, world), InputError);
+  for (const MotionLevel level : kBothLevels) EXPECT_THROW(Ride(level, world), InputError);
   // At the very end it may start.
   world.bodies[1].x = {0, 1};
   world.bodies[1].v = {0, -1};
-  for (const MotionLevel level : kLevels) {
+  for (const MotionLevel level : kBothLevels) {
     Ride ride(level, world);
     ride.motion->Advance(1);
     EXPECT_EQ(ride.motion->status(), MotionStatus::kMoving);

@@ -20,12 +20,12 @@
 namespace lcpbench {
 namespace {
 
-constexpr MotionLevel kLevels[] = {MotionLevel::kVelocity, MotionLevel::kAcceleration};
+constexpr MotionLevel kLevelsOfRopes[] = {MotionLevel::kVelocity, MotionLevel::kAcceleration};
 
 TEST(Ropes, ABallThatStartsAtItsHookFallsFreelyAndIsCaught) {
   const World world = ReadSceneFile(LCPBENCH_SOURCE_DIR "/tests/data/reports/rope-of-no-length.json").world;
   const double fall = std::sqrt(2 / kG);
-  for (const MotionLevel level : kLevels) {
+  for (const MotionLevel level : kLevelsOfRopes) {
     SCOPED_TRACE(ToString(level));
     const auto solver = MakeSolver("dantzig");
     const auto motion = MakeMotion(level, world, {}, *solver);
@@ -60,7 +60,7 @@ TEST(Ropes, EndsThatPartAreCaughtAtTheRopesLength) {
     second.v = first.v + speed * Vec2{u.cos, u.sin};
     World world = WorldWith("parting", {first, second}, {});
     world.joints = {Joint(ConstraintType::kRope, 0, {}, 1, {}, length)};
-    for (const MotionLevel level : kLevels) {
+    for (const MotionLevel level : kLevelsOfRopes) {
       SCOPED_TRACE(ToString(level));
       const auto solver = MakeSolver("dantzig");
       const auto motion = MakeMotion(level, world, {}, *solver);
@@ -89,7 +89,7 @@ TEST(Ropes, HaveNoRowWhereTheirEndsCoincideAndRodsAreRefused) {
     EXPECT_NEAR(lcp.problem.DiagonalA()[0], 1 / world.bodies[2].mass, 1e-12);
     world.joints[0].type = ConstraintType::kRod;
     EXPECT_THROW(AssembleContactLcp(InstantOf(world, {})), InputError);
-    for (const MotionLevel level : kLevels) {
+    for (const MotionLevel level : kLevelsOfRopes) {
       const auto solver = MakeSolver("dantzig");
       EXPECT_THROW(MakeMotion(level, world, {}, *solver)->Advance(0.1), InputError);
     }

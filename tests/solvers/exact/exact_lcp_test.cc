@@ -22,7 +22,7 @@ namespace lcpbench {
 namespace {
 
 using Json = nlohmann::json;
-using Status = ExactAnswer::Status;
+using ExactStatus = ExactAnswer::Status;
 
 std::vector<Rational> Exact(const Json& values) {
   std::vector<Rational> exact;
@@ -54,7 +54,7 @@ TEST_P(ExactLcpTest, ReproducesEveryRecordOfTheOracle) {
     EXPECT_EQ(ToString(answer.status), expected["status"].get<std::string>());
     EXPECT_EQ(answer.rank, expected["rank_A"].get<Index>());
     EXPECT_TRUE(answer.rank_is_proved);
-    if (answer.status != Status::kSolved) continue;
+    if (answer.status != ExactStatus::kSolved) continue;
     EXPECT_EQ(answer.w, Exact(expected["w_exact"]));
     EXPECT_EQ(answer.f_least_norm, Exact(expected["f_minnorm_exact"]));
     EXPECT_EQ(answer.f_unique, expected["f_unique"].get<bool>());
@@ -71,8 +71,9 @@ TEST_P(ExactLcpTest, GeneratedProblemsHaveProvedAnswers) {
     const ExactLcp problem = ExactFrom(test.problem);
     const ExactAnswer answer = SolveExactly(problem, Options());
     EXPECT_EQ(FindFault(problem, answer), "");
-    ASSERT_TRUE(answer.status == Status::kSolved || answer.status == Status::kInfeasible) << ToString(answer.status);
-    if (answer.status == Status::kInfeasible) continue;
+    ASSERT_TRUE(answer.status == ExactStatus::kSolved || answer.status == ExactStatus::kInfeasible)
+        << ToString(answer.status);
+    if (answer.status == ExactStatus::kInfeasible) continue;
     ASSERT_EQ(answer.f_least_norm.size(), answer.f.size()) << answer.detail;
     EXPECT_TRUE(answer.f_unique.has_value());
     // Whatever else solves it is no shorter.
@@ -92,14 +93,14 @@ TEST_P(ExactLcpTest, ScenesOfEveryFamilyAreSolvedAndSolversAreNear) {
       const ExactLcp problem = ExactFrom(given);
       const ExactAnswer answer = SolveExactly(problem, Options());
       EXPECT_EQ(FindFault(problem, answer), "");
-      if (answer.status == Status::kInfeasible) {
+      if (answer.status == ExactStatus::kInfeasible) {
         // As their doubles say it, some closed rings of redundant contacts contradict themselves by a rounding.
         Rational size_of_terms = 0;
         for (size_t i = 0; i < answer.ray.size(); ++i) size_of_terms += abs(problem.b[i] * answer.ray[i]);
         EXPECT_GE(size_of_terms, 1e12);
         continue;
       }
-      ASSERT_EQ(answer.status, Status::kSolved) << answer.detail;
+      ASSERT_EQ(answer.status, ExactStatus::kSolved) << answer.detail;
       Eigen::VectorXd w;
       given.ComputeW(SolveBy("dantzig", given, 1e-12).f, &w);
       const Eigen::VectorXd root = given.DiagonalA().cwiseSqrt();
@@ -115,7 +116,7 @@ ExactLcp Small(const char* line) { return ParseExactLcp(line, "small"); }
 TEST(ExactLcp, FindFaultObjectsToEveryWrongNumber) {
   const ExactLcp problem = Small(R"({"A":[[2,1,3],[1,2,3],[3,3,6]],"b":[-1,"-1/3",-1]})");
   const ExactAnswer answer = SolveExactly(problem, {});
-  ASSERT_EQ(answer.status, Status::kSolved);
+  ASSERT_EQ(answer.status, ExactStatus::kSolved);
   ASSERT_EQ(FindFault(problem, answer), "");
   const Rational little("1/1000000000000000000000000000000");
   for (size_t i = 0; i < 3; ++i) {
@@ -133,7 +134,7 @@ TEST(ExactLcp, RaysAreExactAndJointsThatContradictThemselvesHaveOne) {
         R"({"A":[[0,0],[0,1]],"b":[-1,-1]})"}) {
     const ExactLcp problem = Small(line);
     const ExactAnswer answer = SolveExactly(problem, {});
-    EXPECT_EQ(answer.status, Status::kInfeasible) << line;
+    EXPECT_EQ(answer.status, ExactStatus::kInfeasible) << line;
     EXPECT_EQ(FindFault(problem, answer), "") << line;
     ExactAnswer wrong = answer;
     wrong.ray[0] += Rational(1, 1000003);
@@ -145,7 +146,7 @@ TEST(ExactLcp, WhatIsNoPositiveSemidefiniteMatrixIsSaidToBeNone) {
   EXPECT_THROW(Small(R"({"A":[[1,2],[3,1]],"b":[1,1]})"), InputError);
   for (const char* line :
        {R"({"A":[[0,1],[1,0]],"b":[-1,-1]})", R"({"A":[[1,2],[2,1]],"b":[-1,-1]})", R"({"A":[[-1]],"b":[-1]})"}) {
-    EXPECT_EQ(SolveExactly(Small(line), {}).status, Status::kNotSemidefinite) << line;
+    EXPECT_EQ(SolveExactly(Small(line), {}).status, ExactStatus::kNotSemidefinite) << line;
   }
 }
 
@@ -154,7 +155,7 @@ TEST(ExactLcp, NoRowsAreSolvedWithRankZero) {
                            R"({"J":[],"invM":[],"b":[]})", R"({"J":[],"invM":["1/3"],"b":[]})"}) {
     const ExactLcp problem = Small(line);
     const ExactAnswer answer = SolveExactly(problem, {});
-    EXPECT_EQ(answer.status, Status::kSolved) << line;
+    EXPECT_EQ(answer.status, ExactStatus::kSolved) << line;
     EXPECT_EQ(answer.rank, 0) << line;
     EXPECT_TRUE(answer.rank_is_proved && answer.f_unique.value_or(false)) << line;
     EXPECT_EQ(FindFault(problem, answer), "") << line;
@@ -183,8 +184,8 @@ TEST(ExactLcp, TheTimeLimitEndsWhatIsKnownBesidesTheAnswerToo) {
     options.now = [] { return --reads_left > 0 ? 0.0 : 2.0; };
     const ExactAnswer answer = SolveExactly(problem, options);
     EXPECT_EQ(FindFault(problem, answer), "") << reads;
-    if (answer.status != Status::kSolved) {
-      EXPECT_EQ(answer.status, Status::kTimeLimit) << reads;
+    if (answer.status != ExactStatus::kSolved) {
+      EXPECT_EQ(answer.status, ExactStatus::kTimeLimit) << reads;
     } else if (!answer.f_unique.has_value()) {
       ++open;
       EXPECT_NE(answer.detail.find("out of time"), std::string::npos) << reads;
@@ -203,7 +204,7 @@ TEST(ExactLcp, AnswersScaleWithTheUnits) {
     const ExactAnswer other = SolveExactly(ExactFrom(ScaleRows(given, scale, 1)), {});
     ASSERT_EQ(one.status, other.status);
     EXPECT_EQ(one.rank, other.rank);
-    if (one.status != Status::kSolved) continue;
+    if (one.status != ExactStatus::kSolved) continue;
     EXPECT_EQ(one.f_unique, other.f_unique);
     EXPECT_EQ(one.nullity_on_active, other.nullity_on_active);
     for (Index i = 0; i < given.size(); ++i) {

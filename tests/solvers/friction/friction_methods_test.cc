@@ -18,7 +18,7 @@ namespace lcpbench {
 namespace {
 
 // By iterations, not by the clock, so that the outcome is the same on every machine.
-LcpResult SolveWith(LcpSolver* solver, const LcpProblem& problem, double tolerance = 1e-9) {
+LcpResult SolveTo(LcpSolver* solver, const LcpProblem& problem, double tolerance = 1e-9) {
   LcpOptions options;
   options.tolerance = tolerance;
   options.time_limit_s = 60;
@@ -74,7 +74,7 @@ std::vector<LcpProblem> SomeProblems() {
 TEST(FrictionMethods, AutoSolvesTheRecords) {
   const std::unique_ptr<LcpSolver> solver = MakeSolver("auto");
   for (const FrictionRecord& record : FrictionRecords()) {
-    const LcpResult result = SolveWith(solver.get(), record.problem());
+    const LcpResult result = SolveTo(solver.get(), record.problem());
     const Verdict verdict = Verify(record.problem(), result, 1e-9, &record.parsed.reference);
     if (!record.is_solved()) {
       EXPECT_NE(result.status, LcpStatus::kSolved) << record.problem().id();
@@ -95,7 +95,7 @@ TEST(FrictionMethods, AutoSolvesEveryTimeStep) {
   for (const LcpProblem& problem : SomeProblems()) {
     for (const MatrixForm form : {MatrixForm::kFactors, MatrixForm::kSparse}) {
       const LcpProblem given = form == MatrixForm::kFactors ? problem : InForm(problem, form);
-      const LcpResult result = SolveWith(solver.get(), given);
+      const LcpResult result = SolveTo(solver.get(), given);
       EXPECT_EQ(result.status, LcpStatus::kSolved) << problem.id() << " " << result.detail;
       EXPECT_TRUE(Verify(given, result, 1e-9).passes) << problem.id();
     }
@@ -107,7 +107,7 @@ TEST(FrictionMethods, OthersSolveMostTimeStepsAndClaimNothingFalse) {
     const std::unique_ptr<LcpSolver> solver = MakeSolver(key);
     int right = 0, all = 0;
     for (const LcpProblem& problem : SomeProblems()) {
-      const LcpResult result = SolveWith(solver.get(), problem);
+      const LcpResult result = SolveTo(solver.get(), problem);
       const Verdict verdict = Verify(problem, result, 1e-9);
       EXPECT_FALSE(verdict.false_success) << key << " " << problem.id();
       EXPECT_NE(result.status, LcpStatus::kInfeasible) << key << " " << problem.id();
@@ -123,7 +123,7 @@ TEST(FrictionMethods, ThePathHasNoRayWhereASolutionExists) {
   const std::unique_ptr<LcpSolver> solver = MakeSolver("lemke");
   for (unsigned seed = 0; seed < 1000; ++seed) {
     const LcpProblem problem = RandomFrictionProblem(1000 + seed, 32);
-    const LcpResult result = SolveWith(solver.get(), problem);
+    const LcpResult result = SolveTo(solver.get(), problem);
     EXPECT_TRUE(Verify(problem, result, 1e-9).passes) << problem.id() << " " << result.detail;
   }
 }
@@ -140,7 +140,7 @@ TEST(FrictionMethods, AutoSolvesManyContactsFromEveryForm) {
       if (!id.starts_with("drum-100") && !id.starts_with("pile-100") && !id.starts_with("ramp-100")) continue;
       for (const MatrixForm form : {MatrixForm::kFactors, MatrixForm::kSparse}) {
         const LcpProblem given = form == MatrixForm::kFactors ? problem : InForm(problem, form);
-        const LcpResult result = SolveWith(solver.get(), given);
+        const LcpResult result = SolveTo(solver.get(), given);
         EXPECT_TRUE(Verify(given, result, 1e-9).passes) << id << " seed " << seed << " " << result.detail;
         ++solved;
       }
@@ -158,12 +158,12 @@ TEST(FrictionMethods, ExtremeUnitsHideNoAnswer) {
     for (const FrictionRecord& record : FrictionRecords()) {
       const LcpProblem& problem = record.problem();
       if (!record.is_solved() || !problem.has_factors()) continue;
-      if (SolveWith(solver.get(), problem).status != LcpStatus::kSolved) continue;
+      if (SolveTo(solver.get(), problem).status != LcpStatus::kSolved) continue;
       Eigen::VectorXd scale(problem.size());
       const int middle = std::uniform_int_distribution<>(-290, 290)(random);
       for (double& s : scale) s = std::exp2(middle + std::uniform_int_distribution<>(-8, 8)(random));
       const LcpProblem scaled = Rearranged(problem, InOrder(problem.size()), scale);
-      const LcpResult result = SolveWith(solver.get(), scaled);
+      const LcpResult result = SolveTo(solver.get(), scaled);
       EXPECT_TRUE(Verify(scaled, result, 1e-9).passes) << key << " " << problem.id() << " " << result.detail;
       ++solved;
     }
@@ -185,7 +185,7 @@ TEST(FrictionMethods, AnswersFollowUnitsOrderAndMirror) {
       for (double& s : scale) s = std::exp2(std::uniform_int_distribution<>(-8, 8)(random));
       for (const FrictionRow& row : problem.friction_rows()) scale[row.row] *= -1;  // the mirror
       const LcpProblem other = Rearranged(problem, order, scale);
-      const LcpResult result = SolveWith(solver.get(), other);
+      const LcpResult result = SolveTo(solver.get(), other);
       if (result.status != LcpStatus::kSolved) continue;
       LcpResult back = result;
       for (Index k = 0; k < n; ++k) {
@@ -201,7 +201,7 @@ TEST(FrictionMethods, WarmStartsAtAnAnswerStayThere) {
     const std::unique_ptr<LcpSolver> solver = MakeSolver(key);
     for (unsigned seed = 0; seed < 40; ++seed) {
       const LcpProblem problem = RandomFrictionProblem(6000 + seed, 16);
-      const LcpResult cold = SolveWith(solver.get(), problem);
+      const LcpResult cold = SolveTo(solver.get(), problem);
       if (cold.status != LcpStatus::kSolved) continue;
       LcpOptions options;
       options.initial_f = &cold.f;
@@ -236,8 +236,8 @@ TEST(FrictionMethods, WithoutFrictionTheBitsArePlainOnes) {
           LcpProblem::FromFactors("plain", P * problem.J(), problem.inverse_mass(), P * problem.b(),
                                   RowBounds::WithBilateralRows(P.rows(), bilateral));
       for (FrictionRow& row : bounds.friction) row.mu = 0;
-      const LcpResult known = SolveWith(plain.get(), without);
-      const LcpResult result = SolveWith(solver.get(), problem.WithBounds(bounds));
+      const LcpResult known = SolveTo(plain.get(), without);
+      const LcpResult result = SolveTo(solver.get(), problem.WithBounds(bounds));
       if (known.status != LcpStatus::kSolved || result.status != LcpStatus::kSolved) continue;
       for (const FrictionRow& row : bounds.friction) EXPECT_EQ(result.f[row.row], 0) << key;
       if (same_bits) {
@@ -279,7 +279,7 @@ TEST(FrictionMethods, InfeasibleOnlyByARayOfNormalForces) {
     for (const FrictionRow& row : bounds.friction) b[n + row.normal] -= 0.125;
     const LcpProblem opposed =
         LcpProblem::FromFactors(problem.id() + "-opposed", twice, problem.inverse_mass(), b, both);
-    const LcpResult result = SolveWith(solver.get(), opposed);
+    const LcpResult result = SolveTo(solver.get(), opposed);
     ASSERT_EQ(result.status, LcpStatus::kInfeasible) << problem.id() << " " << result.detail;
     ASSERT_TRUE(result.farkas_ray.has_value());
     EXPECT_TRUE(VerifyFarkasRay(opposed, *result.farkas_ray).accepted);
@@ -305,7 +305,7 @@ TEST(FrictionMethods, InfeasibleByARayOfBoundedRows) {
     b << problem.b(), -1, -1;
     const LcpProblem pulled =
         LcpProblem::FromFactors(problem.id() + "-pulled", J, problem.inverse_mass(), b, std::move(bounds));
-    const LcpResult result = SolveWith(MakeSolver("auto").get(), pulled);
+    const LcpResult result = SolveTo(MakeSolver("auto").get(), pulled);
     ASSERT_EQ(result.status, LcpStatus::kInfeasible) << problem.id() << " " << result.detail;
     EXPECT_TRUE(VerifyFarkasRay(pulled, result.farkas_ray.value()).accepted);
   }

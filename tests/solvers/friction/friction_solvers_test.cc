@@ -13,7 +13,7 @@
 namespace lcpbench {
 namespace {
 
-LcpResult SolveWith(LcpSolver* solver, const LcpProblem& problem, double tolerance, std::int64_t iterations = 2000) {
+LcpResult SolveAt(LcpSolver* solver, const LcpProblem& problem, double tolerance, std::int64_t iterations = 2000) {
   LcpOptions options;
   options.tolerance = tolerance;
   options.max_iterations = iterations;
@@ -32,7 +32,7 @@ class FrictionSolvers : public ::testing::TestWithParam<std::string> {
 TEST_P(FrictionSolvers, ClaimNothingFalse) {
   for (const FrictionRecord& record : FrictionRecords()) {
     for (const double tolerance : kTiers) {
-      const LcpResult result = SolveWith(solver_.get(), record.problem(), tolerance);
+      const LcpResult result = SolveAt(solver_.get(), record.problem(), tolerance);
       const Verdict verdict = Verify(record.problem(), result, tolerance, &record.parsed.reference);
       EXPECT_FALSE(verdict.false_success) << record.problem().id() << " " << verdict.reason;
       EXPECT_FALSE(verdict.false_infeasible) << record.problem().id();
@@ -47,8 +47,8 @@ TEST_P(FrictionSolvers, SameAnswersFromEveryForm) {
   for (const FrictionRecord& record : FrictionRecords()) {
     const LcpProblem& problem = record.problem();
     if (!record.is_solved() || !problem.has_factors() || record.json.value("w_unique", false) == false) continue;
-    const LcpResult by_factors = SolveWith(solver_.get(), problem, 1e-9);
-    const LcpResult by_matrix = SolveWith(solver_.get(), InForm(problem, MatrixForm::kDense), 1e-9);
+    const LcpResult by_factors = SolveAt(solver_.get(), problem, 1e-9);
+    const LcpResult by_matrix = SolveAt(solver_.get(), InForm(problem, MatrixForm::kDense), 1e-9);
     if (by_factors.status != LcpStatus::kSolved || by_matrix.status != LcpStatus::kSolved) continue;
     const Metrics one = ComputeMetrics(problem, by_factors.f);
     const Metrics other = ComputeMetrics(problem, by_matrix.f);
@@ -72,7 +72,7 @@ TEST(FrictionSolver, SweepsSolveMostRecords) {
     for (const FrictionRecord& record : FrictionRecords()) {
       if (!record.is_solved()) continue;
       ++solvable;
-      const LcpResult result = SolveWith(solver.get(), record.problem(), 1e-9, 20'000);
+      const LcpResult result = SolveAt(solver.get(), record.problem(), 1e-9, 20'000);
       if (result.status != LcpStatus::kSolved) continue;
       ++right;
       if (record.parsed.reference.w) {
@@ -91,7 +91,7 @@ TEST(FrictionSolver, TheRelaxationIsThatOfTheRecords) {
   int compared = 0;
   for (const FrictionRecord& record : FrictionRecords()) {
     if (!record.json.contains("models") || !record.json["models"].contains("relaxation")) continue;
-    const LcpResult result = SolveWith(solver.get(), record.problem(), 1e-9, 0);
+    const LcpResult result = SolveAt(solver.get(), record.problem(), 1e-9, 0);
     ASSERT_EQ(result.status, LcpStatus::kSolved) << record.problem().id() << " " << result.detail;
     EXPECT_EQ(result.model, FrictionModel::kRelaxation);
     const Verdict verdict = Verify(record.problem(), result, 1e-9);
@@ -112,7 +112,7 @@ TEST(FrictionSolver, WithoutFrictionCoefficientsThereIsNone) {
       RowBounds bounds = record.problem().bounds();
       if (bounds.friction.empty() || !bounds.bounded.empty()) continue;
       for (FrictionRow& row : bounds.friction) row.mu = 0;
-      const LcpResult result = SolveWith(solver.get(), record.problem().WithBounds(bounds), 1e-9, 20'000);
+      const LcpResult result = SolveAt(solver.get(), record.problem().WithBounds(bounds), 1e-9, 20'000);
       if (result.status != LcpStatus::kSolved) continue;
       for (const FrictionRow& row : bounds.friction) EXPECT_EQ(result.f[row.row], 0) << key;
     }

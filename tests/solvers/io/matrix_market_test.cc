@@ -31,7 +31,7 @@ namespace {
 
 using MatrixMarket = FolderTest;
 
-MarketMatrix Parse(const std::string& text) {
+MarketMatrix ParseMarket(const std::string& text) {
   std::istringstream stream(text);
   return ReadMarketMatrix(stream, "file.mtx");
 }
@@ -81,18 +81,19 @@ TEST_F(MatrixMarket, AProblemIsWrittenCompletelyOrNotAtAll) {
 }
 
 TEST_F(MatrixMarket, ReadsWhatTheFormatAllows) {
-  const MarketMatrix general = Parse(
+  const MarketMatrix general = ParseMarket(
       "%%MatrixMarket MATRIX Coordinate Real General\n% a comment\n\n 2 3  2 \r\n1 3 +1.5\n%another\n2 1 -2e-1\n\n");
   EXPECT_EQ(general.rows, 2);
   EXPECT_EQ(general.columns, 3);
   EXPECT_EQ(general.ToSparse().coeff(0, 2), 1.5);
   EXPECT_EQ(general.ToSparse().coeff(1, 0), -0.2);
-  const MarketMatrix symmetric = Parse("%%MatrixMarket matrix coordinate integer symmetric\n2 2 2\n1 1 3\n2 1 -4\n");
+  const MarketMatrix symmetric =
+      ParseMarket("%%MatrixMarket matrix coordinate integer symmetric\n2 2 2\n1 1 3\n2 1 -4\n");
   EXPECT_EQ(symmetric.ToSparse().coeff(0, 1), -4);
-  const MarketMatrix array = Parse("%%MatrixMarket matrix array real symmetric\n2 2\n1\n2\n3\n");
+  const MarketMatrix array = ParseMarket("%%MatrixMarket matrix array real symmetric\n2 2\n1\n2\n3\n");
   EXPECT_EQ(array.ToSparse().coeff(0, 1), 2);
   EXPECT_EQ(array.ToSparse().coeff(1, 1), 3);
-  EXPECT_EQ(Parse("%%MatrixMarket matrix array real general\n0 1\n").ToVector("x").size(), 0);
+  EXPECT_EQ(ParseMarket("%%MatrixMarket matrix array real general\n0 1\n").ToVector("x").size(), 0);
 }
 
 // The same bits, or refused in both.
@@ -119,8 +120,9 @@ TEST_F(MatrixMarket, NumbersAreThoseOfJson) {
     std::optional<double> by_json, by_market;
     const std::string why_json =
         RefusalOf([&] { by_json = ParseLcpRecord(R"({"A":[[1]],"b":[)" + word + "]}", "line").problem.b()[0]; });
-    const std::string why_market = RefusalOf(
-        [&] { by_market = Parse("%%MatrixMarket matrix array real general\n1 1\n" + word + "\n").ToVector("x")[0]; });
+    const std::string why_market = RefusalOf([&] {
+      by_market = ParseMarket("%%MatrixMarket matrix array real general\n1 1\n" + word + "\n").ToVector("x")[0];
+    });
     EXPECT_EQ(why_json.empty(), why_market.empty()) << word << ": " << why_json << why_market;
     refused += why_json.empty() ? 0 : 1;
     if (by_json && by_market) {
@@ -131,7 +133,7 @@ TEST_F(MatrixMarket, NumbersAreThoseOfJson) {
 }
 
 TEST_F(MatrixMarket, WhatIsWrongIsOneLineWithItsPlace) {
-  for (const auto& refused : RefusalCases("matrix_market")) ExpectRefused([&] { Parse(refused[0]); }, refused[1]);
+  for (const auto& refused : RefusalCases("matrix_market")) ExpectRefused([&] { ParseMarket(refused[0]); }, refused[1]);
 }
 
 TEST_F(MatrixMarket, FilesThatDoNotFitEachOtherAreNamed) {

@@ -19,8 +19,8 @@ namespace lcpbench {
 namespace {
 
 constexpr double kUnitRoundoff = 0x1p-53;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 LcpProblem Diagonal(std::initializer_list<double> diagonal, std::initializer_list<double> b, MatrixFacts facts = {}) {
   Eigen::VectorXd d = Eigen::Map<const Eigen::VectorXd>(diagonal.begin(), static_cast<Index>(diagonal.size()));
@@ -38,13 +38,13 @@ LcpResult Claim(LcpStatus status, Eigen::VectorXd f) {
 LcpResult Solved(Eigen::VectorXd f) { return Claim(LcpStatus::kSolved, std::move(f)); }
 
 // A symmetric positive definite A, a planted solution with f and w complementary, b = w - A f.
-struct Planted {
+struct PlantedAnswer {
   LcpProblem problem;
   Eigen::VectorXd f;
   Eigen::VectorXd w;
 };
 
-Planted Plant(Index n, unsigned seed) {
+PlantedAnswer Plant(Index n, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   Eigen::MatrixXd root(n, n);
@@ -99,7 +99,7 @@ TEST(Verify, SmallAnswersAreJudgedRowByRow) {
 
 TEST(Verify, RhoAndBackwardErrorAreIndependentOfUnitsAndRowScaling) {
   for (unsigned seed = 0; seed < 30; ++seed) {
-    const Planted planted = Plant(8, seed);
+    const PlantedAnswer planted = Plant(8, seed);
     std::mt19937 random(seed);
     Eigen::VectorXd scale(8);
     for (double& s : scale) s = std::ldexp(1.0, static_cast<int>(random() % 80) - 40);  // powers of two: no rounding
@@ -129,7 +129,7 @@ TEST(Verify, ForcesOnRowsWhoseDiagonalUnderflowsAreJudged) {
 
 TEST(Verify, NotANumberNeverPasses) {
   const LcpProblem problem = Diagonal({1, 1}, {-1, 1});
-  for (const double bad : {kNaN, kInfinity, -kInfinity}) {
+  for (const double bad : {kNotANumber, kInfinite, -kInfinite}) {
     const Verdict verdict = Verify(problem, Solved(Eigen::Vector2d(1, bad)), 1e-3);
     EXPECT_FALSE(verdict.passes);
     EXPECT_TRUE(verdict.false_success);
@@ -151,7 +151,7 @@ TEST(Verify, OnlyAClaimOfSuccessCanBeAFalseSuccess) {
 
 TEST(Verify, EnergyCertificateBoundsTheErrorOfTheShiftedProblem) {
   for (unsigned seed = 0; seed < 100; ++seed) {
-    const Planted planted = Plant(6, seed);
+    const PlantedAnswer planted = Plant(6, seed);
     std::mt19937 random(1000 + seed);
     std::normal_distribution<double> normal;
     const Eigen::MatrixXd& A = planted.problem.DenseA();
@@ -198,7 +198,7 @@ TEST(Verify, EveryFormIsJudgedAlike) {
 
 TEST(Verify, SolversEstimateAgreesWithTheMetrics) {
   for (unsigned seed = 0; seed < 20; ++seed) {
-    const Planted planted = Plant(10, seed);
+    const PlantedAnswer planted = Plant(10, seed);
     Eigen::VectorXd f = planted.f + Eigen::VectorXd::Constant(10, 1e-3);
     Eigen::VectorXd w;
     planted.problem.ComputeW(f, &w);
@@ -341,7 +341,7 @@ TEST(FarkasRay, AForceThatIsOnlyLargeIsNotAProof) {
 TEST(FarkasRay, WrongSignsAreRefused) {
   const LcpProblem problem = Opposed({-1, -1});
   EXPECT_FALSE(VerifyFarkasRay(problem, Eigen::Vector2d(-1, -1)).accepted);
-  EXPECT_FALSE(VerifyFarkasRay(problem, Eigen::Vector2d(1, kNaN)).accepted);
+  EXPECT_FALSE(VerifyFarkasRay(problem, Eigen::Vector2d(1, kNotANumber)).accepted);
   EXPECT_FALSE(VerifyFarkasRay(problem, Eigen::VectorXd::Ones(3)).accepted);
   EXPECT_FALSE(VerifyFarkasRay(Opposed({-1, 1}), Eigen::Vector2d(1, 1)).accepted);  // b.y = 0
   // On bilateral rows y is free.
@@ -484,9 +484,9 @@ TEST(RoundingFloor, GrowsWithTheMassRatioOfAColumnAndTheRoundedExactAnswerIsBelo
 
 TEST(RoundingFloor, AnswersThatAreNoneHaveAnInfiniteFloor) {
   const LcpProblem problem = LcpProblem::FromDense("d", Eigen::Matrix2d::Identity(), Eigen::Vector2d(-1, 0));
-  EXPECT_EQ(RoundingFloor(problem, Eigen::Vector2d(1, kNaN)), kInfinity);
-  EXPECT_EQ(RoundingFloor(problem, Eigen::Vector2d(1, kInfinity)), kInfinity);
-  EXPECT_EQ(RoundingFloor(problem, Eigen::VectorXd::Ones(3)), kInfinity);
+  EXPECT_EQ(RoundingFloor(problem, Eigen::Vector2d(1, kNotANumber)), kInfinite);
+  EXPECT_EQ(RoundingFloor(problem, Eigen::Vector2d(1, kInfinite)), kInfinite);
+  EXPECT_EQ(RoundingFloor(problem, Eigen::VectorXd::Ones(3)), kInfinite);
   EXPECT_EQ(RoundingFloor(problem, Eigen::Vector2d::Zero()), 0);
   EXPECT_EQ(RoundingFloor(LcpProblem::FromDense("0", Eigen::MatrixXd(0, 0), Eigen::VectorXd(0)), Eigen::VectorXd(0)),
             0);
@@ -555,7 +555,7 @@ TEST(VerdictAtTheFloor, AFloorBelowTheTierOrNoneChangesNothing) {
     for (const double tier : kTiers) {
       const Verdict strict = Verify(One(), result, tier);
       EXPECT_EQ(strict.metrics.floor, -1);
-      for (const double floor : {0.0, 1e-16, 0.99 * kTiers[0], kNaN, kInfinity, -1.0, -kInfinity}) {
+      for (const double floor : {0.0, 1e-16, 0.99 * kTiers[0], kNotANumber, kInfinite, -1.0, -kInfinite}) {
         const LcpReference reference = WithFloor(floor);
         const Verdict verdict = Verify(One(), result, tier, &reference);
         ExpectTheSame(verdict, strict);
@@ -580,7 +580,7 @@ TEST(VerdictAtTheFloor, PassesExactlyWhatMeetsTheLargerOfTierAndFloor) {
 TEST(VerdictAtTheFloor, NoFloorIsLargeEnoughForNothing) {
   for (const double floor : {1.0, 1e3, 1e300}) {
     const LcpReference reference = WithFloor(floor);
-    for (const double off : {1.0, 2 * kLargestFloor, kLargestFloor / 2, kNaN, kInfinity}) {
+    for (const double off : {1.0, 2 * kLargestFloor, kLargestFloor / 2, kNotANumber, kInfinite}) {
       EXPECT_EQ(Verify(One(), Off(off), 1e-9, &reference).passes, off == kLargestFloor / 2) << off;
     }
   }

@@ -31,7 +31,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// All that a solve hands out.
@@ -42,8 +42,8 @@ struct Solved {
 
 Solved Solve(StepSolver* solver, const StepRows& rows, const double* initial_f = nullptr) {
   Solved solved;
-  solved.f = VectorXd::Constant(rows.rows, kNaN);
-  solved.w = VectorXd::Constant(rows.rows, kNaN);
+  solved.f = VectorXd::Constant(rows.rows, kNotANumber);
+  solved.w = VectorXd::Constant(rows.rows, kNotANumber);
   solved.answer = solver->Solve(rows, initial_f, solved.f.data(), solved.w.data());
   return solved;
 }
@@ -212,7 +212,7 @@ TEST(StepRows, DenseAIsThatOfTheProblem) {
       StepArrays step = RandomStep(n, 1 + n / 3, p, seed);
       step.Round();
       for (const bool single : {false, true}) {
-        std::vector<double> A(static_cast<std::size_t>(n * kStride), kNaN);
+        std::vector<double> A(static_cast<std::size_t>(n * kStride), kNotANumber);
         AssembleDenseA(step.View(single), A.data(), kStride);
         const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> found(
             A.data(), n, kStride);
@@ -400,14 +400,14 @@ TEST(StepSolver, RefusesWrongArraysByNameWithNothingWritten) {
       in_rows("body of row 2 is 3.000000, expected one in [-1, 3)", [](auto* of) { of->bodies = 3; }),
       in_arrays("body of row 1 is -2.000000, expected one in [-1, 4)", [](auto* of) { of->body[3] = -2; }),
       in_arrays("body of row 0 is 4.000000, expected one in [-1, 4)", [](auto* of) { of->body[0] = 4; }),
-      in_arrays("J of row 1 is nan, expected a finite number", [](auto* of) { of->J[6] = kNaN; }),
+      in_arrays("J of row 1 is nan, expected a finite number", [](auto* of) { of->J[6] = kNotANumber; }),
       in_arrays("J of row 2 is -inf, expected a finite number", [](auto* of) { of->J[17] = -kInfinity; }),
-      in_arrays("b of row 2 is nan, expected a finite number", [](auto* of) { of->b[2] = kNaN; }),
+      in_arrays("b of row 2 is nan, expected a finite number", [](auto* of) { of->b[2] = kNotANumber; }),
       in_arrays("b of row 0 is inf, expected a finite number", [](auto* of) { of->b[0] = kInfinity; }),
       in_arrays("inverse mass of body 3 is -1.000000, expected a finite number >= 0",
                 [](auto* of) { of->inverse_mass[11] = -1; }),
       in_arrays("inverse mass of body 1 is nan, expected a finite number >= 0",
-                [](auto* of) { of->inverse_mass[3] = kNaN; }),
+                [](auto* of) { of->inverse_mass[3] = kNotANumber; }),
       in_arrays("inverse mass of body 2 is inf, expected a finite number >= 0",
                 [](auto* of) { of->inverse_mass[7] = kInfinity; })};
   StepSolver solver;
@@ -427,7 +427,7 @@ TEST(StepSolver, RefusesWrongArraysByNameWithNothingWritten) {
     EXPECT_TRUE((f.array() == 77).all() && (w.array() == 77).all()) << mistake.words;
   }
   VectorXd start = VectorXd::Zero(3);
-  start[1] = kNaN;
+  start[1] = kNotANumber;
   VectorXd f = VectorXd::Constant(3, 77);
   EXPECT_EQ(RefusalOf([&] { solver.Solve(right.View(), start.data(), f.data()); }),
             "step rows: initial f of row 1 is nan, expected a finite number");
@@ -494,7 +494,7 @@ TEST(StepSolver, ReadsInverseMassesOfNamedBodiesOnlyInBatchesAsWell) {
       const LcpProblem problem = arrays.Problem();
       StepSolver reference;
       const Solved expected = Solve(&reference, arrays.View());
-      for (const double bad : {kNaN, kInfinity, -kInfinity, -3.0, 1e300, 1e-300}) {
+      for (const double bad : {kNotANumber, kInfinity, -kInfinity, -3.0, 1e300, 1e-300}) {
         const std::string what = std::to_string(rows) + " rows, body 1 has " + std::to_string(bad);
         arrays.inverse_mass[4] = bad;
         StepSolver solver;
@@ -512,10 +512,10 @@ TEST(StepSolver, ReadsInverseMassesOfNamedBodiesOnlyInBatchesAsWell) {
 }
 
 TEST(StepSolver, RefusesOptionsAndStartsOutOfRange) {
-  for (const double tolerance : {0.0, 1.0, -1e-6, kNaN}) {
+  for (const double tolerance : {0.0, 1.0, -1e-6, kNotANumber}) {
     EXPECT_THROW(StepSolver({tolerance, 1}), InputError) << tolerance;
   }
-  for (const double limit : {0.0, -1.0, kNaN}) EXPECT_THROW(StepSolver({1e-6, limit}), InputError) << limit;
+  for (const double limit : {0.0, -1.0, kNotANumber}) EXPECT_THROW(StepSolver({1e-6, limit}), InputError) << limit;
   StepSolver solver;
   const StepArrays arrays = RandomStep(4, 6, 3, 1);
   VectorXd f(4);

@@ -1,4 +1,4 @@
-#include "solvers/rows/check_rows.h"
+#include "solvers/step/check_rows.h"
 
 #include <bit>
 #include <cmath>

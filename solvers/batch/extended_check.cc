@@ -1,4 +1,4 @@
-#include "solvers/rows/extended_check.h"
+#include "solvers/batch/extended_check.h"
 
 #include <numeric>
 #include <span>
