@@ -84,7 +84,7 @@ def _disturbed(launches: pd.DataFrame) -> _Lines:
     levels = launches.groupby([*KEY, "disturbed"])["level"]
     medians = levels.median().unstack().reindex(columns=[False, True])
     alone = float(medians[False].isna().mean())
-    slower, usual = float((medians[True] - medians[False]).median()), float(levels.std().median())
+    slower, usual = float((medians[True] - medians[False]).dropna().median()), float(levels.std().dropna().median())
     words = [f"{formats.percent(float(launches['disturbed'].mean()))} of the launches ({int(launches['disturbed'].sum())} of {len(launches)}) "
              "were disturbed by the machine also when they were run again. They count only where the solver has no others on the "
              f"class: in {formats.percent(alone)} of the pairs of solver and class."]
