@@ -220,14 +220,16 @@ std::vector<SolverEntry> FrictionSolvers() {
            .uses_tolerance = true,
            .why_not_guaranteed = &AnyPsd,
            .make = MakeOnAuto<RelaxationSolver>("relaxation"),
-           .takes_friction = true},
+           .takes_friction = true,
+           .takes_plain = false},
           {.key = "shift",
            .method = "relaxations of friction with shifted gaps, a few Newton steps on modes after each",
            .source = "De Saxce, Feng 1991; Acary et al. 2011",
            .uses_tolerance = true,
            .why_not_guaranteed = &ModesMayCycle,
            .make = MakeOnAuto<ShiftSolver>("shift"),
-           .takes_friction = true},
+           .takes_friction = true,
+           .takes_plain = false},
           {.key = "mode-newton",
            .method = "Newton's method on the modes of contacts, proximal, with sweeps where it stalls",
            .source = "Alart, Curnier 1991",
@@ -235,7 +237,8 @@ std::vector<SolverEntry> FrictionSolvers() {
            .why_not_guaranteed = &ModesMayCycle,
            .make = &Make<ModeNewtonSolver>,
            .takes_friction = true,
-           .takes_bounded = true},
+           .takes_bounded = true,
+           .takes_plain = false},
           {.key = "lagged-bounds",
            .method = "friction bounded by the normal forces of the last of a row of box programs",
            .source = "Haslinger 1983; Panagiotopoulos 1985",
@@ -243,7 +246,8 @@ std::vector<SolverEntry> FrictionSolvers() {
            .why_not_guaranteed = &NoContraction,
            .make = MakeOnAuto<LaggedBoundsSolver>("lagged-bounds"),
            .takes_friction = true,
-           .takes_bounded = true}};
+           .takes_bounded = true,
+           .takes_plain = false}};
 }
 
 // What is not in this build has no `make`, and stays in the table.
@@ -510,6 +514,7 @@ void RegisterExternalSolver(const std::string& key, const std::vector<std::strin
       entry.uses_tolerance = found->uses_tolerance;
       entry.takes_friction = found->takes_friction;
       entry.takes_bounded = found->takes_bounded;
+      entry.takes_plain = found->takes_plain;
       entry.method_class = found->method_class;
       entry.base = found->key;
       entry.ablation = "baseline";

@@ -46,6 +46,8 @@ struct SolverEntry {
   /// LcpSolver::TakesFriction and TakesBounded: what problems campaigns give it.
   bool takes_friction = false;
   bool takes_bounded = false;  ///< see takes_friction
+  /// False of a method made for friction: campaigns give it no plain problem.
+  bool takes_plain = true;
   /// What limits its size (SizeLimitOf).
   MethodClass method_class = MethodClass::kAnySize;
   /// A library's own options, never asked for the tier's tolerance.

@@ -2,10 +2,17 @@
 
 #include <clocale>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <system_error>
 
 namespace lcpbench {
+
+std::string FormatNumber(double value, const char* format) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), format, value);
+  return text.data();
+}
 
 std::optional<double> ParseNumber(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);

@@ -19,9 +19,11 @@
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/measure/progress.h"
 #include "benchmarks/measure/quantile.h"
+#include "benchmarks/measure/text_table.h"
 #include "solvers/registry.h"
 #include "support/file_lock.h"
 #include "support/input_error.h"
+#include "support/number_text.h"
 #include "support/text_file.h"
 
 namespace lcpbench {
@@ -61,6 +63,7 @@ class Campaign {
       if (launch == launches.others + 1) timed = NearTasks();
       const auto time = [&](const Task& task) { Time(task, PassKind::kFresh, launch); };
       if (!VisitAll(timed, launch, "launch " + std::to_string(launch), time)) return false;
+      if (launch == 1) PrintStandings();
     }
     const auto explain = [&](const Task& task) {
       Time(task, PassKind::kParts, 1);
@@ -163,49 +166,89 @@ class Campaign {
     return request;
   }
 
-  // Near are those within Launches::within times the least median of those that verify Launches::right of the class's
-  // weight, or of all where nobody does. Where nobody solves half of a class at a tier, nobody is near there.
-  std::vector<Task> NearTasks() const {
-    struct Standing {
-      double median_s;
-      bool right;
-    };
-    std::map<std::tuple<std::size_t, std::string>, std::map<std::string, Standing>> standings;  // by class and tier
+  struct Standing {
+    double median_s = 0;  // by weight, failures infinite
+    double weight = 0;
+    double right = 0;  // of the weight
+  };
+  // By tier and first problem, then by solver.
+  using Standings = std::map<std::pair<double, std::size_t>, std::map<std::string, Standing>>;
+
+  // What is known so far. @param whole  of whole size classes, also where every problem is a task of its own
+  Standings FindStandings(bool whole) const {
+    Standings standings;
+    std::map<Standing*, std::vector<std::pair<double, double>>> times;  // with weights
     for (const Task& task : tasks_) {
       for (const double tier : task.judged) {
-        const TaskKey key(task, tier);
-        const Journal::Judgement* found = journal_.Find(key);
+        const Journal::Judgement* found = journal_.Find(TaskKey(task, tier));
         if (found == nullptr || found->quickest_s.empty()) continue;
-        std::vector<std::pair<double, double>> times;  // with weights
-        double weight = 0;
-        double right = 0;
+        Standing& standing = standings[{tier, task.begin - (whole ? task.first : 0)}][task.solver];
         for (std::size_t place = 0; place < task.count(); ++place) {
           if (!NotTaken(FindSolver(task.solver), ProblemOf(task, place).entry->properties).empty()) continue;
           const double own = ProblemOf(task, place).weight;
           const bool fails = found->unverified.contains(place) || found->changed.contains(place);
-          times.emplace_back(fails ? std::numeric_limits<double>::infinity() : found->quickest_s[place], own);
-          weight += own;
-          if (!fails) right += own;
+          const double time_s = fails ? std::numeric_limits<double>::infinity() : found->quickest_s[place];
+          standing.weight += own;
+          if (!fails) standing.right += own;
+          // What a launch warms up on it does not time.
+          if (fails || std::isfinite(time_s)) times[&standing].emplace_back(time_s, own);
         }
-        const Standing standing{WeightedQuantile(std::move(times), 0.5), right >= plan_.launches.right * weight};
-        standings[{task.begin, key.tier}][task.solver] = standing;
       }
     }
+    for (auto& [standing, of_problems] : times) standing->median_s = WeightedQuantile(std::move(of_problems), 0.5);
+    return standings;
+  }
+
+  // Near are those within Launches::within times the least median of those that verify Launches::right of the class's
+  // weight, or of all where nobody does. Where nobody solves half of a class at a tier, nobody is near there.
+  std::vector<Task> NearTasks() const {
     std::set<std::pair<std::size_t, std::string>> near;  // class and solver
-    for (const auto& [of, solvers] : standings) {
-      const bool any_right = std::any_of(solvers.begin(), solvers.end(), [](const auto& s) { return s.second.right; });
+    for (const auto& [of, solvers] : FindStandings(false)) {
+      const auto is_right = [&](const auto& solver) {
+        return solver.second.right >= plan_.launches.right * solver.second.weight;
+      };
+      const bool any_right = std::ranges::any_of(solvers, is_right);
       double best = std::numeric_limits<double>::infinity();
-      for (const auto& [solver, standing] : solvers) {
-        if (standing.right || !any_right) best = std::min(best, standing.median_s);
+      for (const auto& solver : solvers) {
+        if (is_right(solver) || !any_right) best = std::min(best, solver.second.median_s);
       }
       for (const auto& [solver, standing] : solvers) {
         const bool is_near = std::isfinite(best) && standing.median_s <= plan_.launches.within * best;
-        if (is_near) near.emplace(std::get<0>(of), solver);
+        if (is_near) near.emplace(of.second, solver);
       }
     }
     std::vector<Task> tasks = tasks_;
     std::erase_if(tasks, [&](const Task& task) { return !near.contains({task.begin, task.solver}); });
     return tasks;
+  }
+
+  // A first result while the other launches run.
+  void PrintStandings() const {
+    constexpr double kUsual = 1e-6;
+    const bool is_asked = std::ranges::count(plan_.tiers, kUsual) > 0;
+    const double told = is_asked ? kUsual : std::ranges::min(plan_.tiers);
+    std::vector<std::vector<std::string>> rows{{"rows"}};
+    for (const std::string& solver : plan_.solvers) rows.push_back({solver});
+    for (const auto& [of, solvers] : FindStandings(true)) {
+      if (of.first != told) continue;
+      rows.front().emplace_back(problems_[of.second].size_class->key);
+      for (auto row = rows.begin() + 1; row != rows.end(); ++row) {
+        const auto found = solvers.find(row->front());
+        row->push_back(found == solvers.end() ? "" : TextOf(found->second));
+      }
+    }
+    std::erase_if(rows, [](const std::vector<std::string>& row) {
+      return std::all_of(row.begin() + 1, row.end(), [](const std::string& cell) { return cell.empty(); });
+    });
+    if (rows.empty()) return;
+    std::cout << "median times so far, asked for " << FormatNumber(told, "%g")
+              << ", and how much is right where it is not all:\n"
+              << FormatTable(rows) << std::flush;
+  }
+
+  static std::string TextOf(const Standing& standing) {
+    const double share = standing.right / standing.weight;
+    return TimeText(standing.median_s) + (share < 1 ? " " + FormatNumber(std::floor(100 * share), "%.0f") + " %" : "");
   }
 
   void Time(const Task& task, PassKind kind, int launch) {
@@ -433,7 +476,13 @@ Planned ReadPlanned(const CampaignPlan& plan) {
   RequireValid(plan);
   Planned planned{ReadManifests(plan), {}};
   planned.problems = PlanProblems(plan, planned.manifests);
-  if (!planned.problems.empty() || !PlanPasses(plan, planned.manifests).empty()) return planned;
+  if (!PlanTasks(plan, planned.problems).empty() || !PlanPasses(plan, planned.manifests).empty()) return planned;
+  const auto made_for_friction = [](const std::string& key) { return !FindSolver(key).takes_plain; };
+  if (!planned.problems.empty() && std::ranges::all_of(plan.solvers, made_for_friction)) {
+    throw InputError("campaign '" + plan.name +
+                     "': nothing to solve: its problems are plain, its solvers for friction");
+  }
+  if (!planned.problems.empty()) return planned;  // its solvers are not in this build
   const std::string rows =
       plan.most_rows > 0 ? ", or no problem has at most " + std::to_string(plan.most_rows) + " rows" : "";
   throw InputError("campaign '" + plan.name + "': nothing to solve: " +

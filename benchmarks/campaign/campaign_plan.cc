@@ -9,10 +9,12 @@
 #include <string_view>
 #include <tuple>
 #include <utility>
+#include <variant>
 
 #include "benchmarks/collection/plan.h"
 #include "benchmarks/collection/turns.h"
 #include "model/scenes/random.h"
+#include "model/scenes/scene.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -57,6 +59,13 @@ void AddByTier(Task task, const CampaignPlan& plan, std::vector<Task>* tasks) {
     task.judged = {tier};
     tasks->push_back(task);
   }
+}
+
+// Engines' recordings are without friction.
+bool IsPlain(const SequenceEntry& entry) {
+  const auto* start = std::get_if<Recipe>(&entry.source);
+  return start == nullptr ||
+         std::ranges::none_of(FrictionScenes(), [&](const SceneFamily& family) { return family.key == start->scene; });
 }
 
 // What a problem's size class is made of: scenes of ours (placed or in motion) and engines' recordings; and, apart from
@@ -176,6 +185,7 @@ bool IsInMeans(const std::string& manifest, const ManifestEntry& entry) {
 }
 
 std::string NotTaken(const SolverEntry& solver, const ProblemProperties& problem) {
+  if (problem.is_plain() && !solver.takes_plain) return "plain rows";
   if (problem.friction > 0 && !solver.takes_friction) return "friction rows";
   return problem.bounded > 0 && !solver.takes_bounded ? "bounded rows" : "";
 }
@@ -221,10 +231,14 @@ std::vector<Task> PlanTasks(const CampaignPlan& plan, const std::vector<PlannedP
       ++end;
     }
     Index least_rows = problems[begin].entry->properties.rows;
-    for (std::size_t k = begin; k < end; ++k) least_rows = std::min(least_rows, problems[k].entry->properties.rows);
+    bool is_plain = true;
+    for (std::size_t k = begin; k < end; ++k) {
+      least_rows = std::min(least_rows, problems[k].entry->properties.rows);
+      is_plain = is_plain && problems[k].entry->properties.is_plain();
+    }
     for (const std::string& key : plan.solvers) {
       const SolverEntry& solver = FindSolver(key);
-      if (!solver.available) continue;
+      if (!solver.available || (is_plain && !solver.takes_plain)) continue;
       Task task;
       task.solver = key;
       task.runs = KeyForRows(solver, size_class->most);
@@ -247,7 +261,7 @@ std::vector<Task> PlanPasses(const CampaignPlan& plan, const std::vector<Manifes
     for (const SequenceEntry& entry : manifests[m].sequences) {
       for (const std::string& key : plan.solvers) {
         const SolverEntry& solver = FindSolver(key);
-        if (!solver.available) continue;
+        if (!solver.available || (!solver.takes_plain && IsPlain(entry))) continue;
         Task task;
         task.solver = solver.key;
         task.runs = KeyForRows(solver, SizeOf(entry));

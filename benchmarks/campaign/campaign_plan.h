@@ -94,8 +94,8 @@ struct PlannedProblem {
 /// bounded rows, which most solvers do not take: what they do there is compared apart.
 bool IsInMeans(const std::string& manifest, const ManifestEntry& entry);
 
-/// "" where the solver takes such rows (SolverEntry::takes_friction, takes_bounded), else the kind that it does not
-/// take.
+/// "" where the solver takes such rows (SolverEntry::takes_friction, takes_bounded, takes_plain), else the kind that it
+/// does not take.
 std::string NotTaken(const SolverEntry& solver, const ProblemProperties& problem);
 
 /// The campaign's problems by size class, within a class those of the collection before those that fill it up, and
@@ -134,7 +134,8 @@ struct Task {
   std::size_t count() const { return end - begin; }
 };
 
-/// All tasks, by class, problem, solver and tier, the loosest tier first. Solvers that are not in the build have none.
+/// All tasks, by class, problem, solver and tier, the loosest tier first. Solvers that are not in the build have none,
+/// and methods made for friction none where all is plain (SolverEntry::takes_plain).
 std::vector<Task> PlanTasks(const CampaignPlan& plan, const std::vector<PlannedProblem>& problems);
 
 /// All passes over the manifests' sequences, in the same order. @param manifests  must outlive the result

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <iostream>
 
 #include "benchmarks/command/commands.h"
@@ -53,8 +54,10 @@ struct MotionCommand {
       study.scenes.push_back(start.Load());
     }
     if (solvers.empty()) {
+      const bool is_plain =
+          std::ranges::none_of(study.scenes, [](const MovingScene& scene) { return HasFriction(scene.world); });
       for (const SolverEntry& entry : AllSolvers()) {
-        if (entry.available) solvers.push_back(entry.key);
+        if (entry.available && (entry.takes_plain || !is_plain)) solvers.push_back(entry.key);
       }
     }
     for (const std::string& driver : solvers) study.drivers.push_back(ParseMotionDriver(driver));

@@ -1,15 +1,14 @@
 #include "benchmarks/recommend/measurement.h"
 
 #include <algorithm>
-#include <array>
 #include <boost/algorithm/string/replace.hpp>
-#include <cstdio>
 #include <limits>
 #include <set>
 #include <tuple>
 #include <utility>
 
 #include "benchmarks/measure/quantile.h"
+#include "support/number_text.h"
 
 namespace lcpbench {
 namespace {
@@ -129,12 +128,6 @@ Assessment Assess(const Measurement& measured, const RecommendationRequest& requ
                          Percent(1 - found.in_time) + " of the steps";
   }
   return found;
-}
-
-std::string FormatNumber(double value, const char* format) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), format, value);
-  return text.data();
 }
 
 std::vector<Assessment> RankMeasurements(const std::vector<Measurement>& measurements,

@@ -71,7 +71,4 @@ Assessment Assess(const Measurement& measured, const RecommendationRequest& requ
 std::vector<Assessment> RankMeasurements(const std::vector<Measurement>& measurements,
                                          const RecommendationRequest& request);
 
-/// As printf writes it. @param format  of one double
-std::string FormatNumber(double value, const char* format);
-
 }  // namespace lcpbench

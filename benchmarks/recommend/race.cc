@@ -12,6 +12,7 @@
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/measure/progress.h"
 #include "benchmarks/measure/reference_solves.h"
+#include "support/number_text.h"
 #include "support/process_watch.h"
 
 namespace lcpbench {

@@ -43,6 +43,11 @@ World WorldOf(const ContactSystem& system) {
   return world;
 }
 
+bool HasFriction(const World& world) {
+  return std::ranges::any_of(world.bodies, [](const Body& body) { return body.friction != 0; }) ||
+         std::ranges::any_of(world.friction, [](const PairFriction& pair) { return pair.mu != 0; });
+}
+
 ContactSystem InstantOf(const World& world, std::vector<Constraint> contacts) {
   ContactSystem system{world.name, world.bodies, world.joints};
   std::erase_if(system.constraints, [&world](const Constraint& joint) {

@@ -42,6 +42,9 @@ struct World {
 /// torques on its movable bodies, constant in the world's directions, and the friction of its contacts.
 World WorldOf(const ContactSystem& system);
 
+/// Whether any of its contacts can have friction.
+bool HasFriction(const World& world);
+
 /// One instant of `world`: its bodies under its loads, its joints, and the given contacts after them, with the world's
 /// friction. Ropes whose ends coincide are left out.
 ContactSystem InstantOf(const World& world, std::vector<Constraint> contacts);

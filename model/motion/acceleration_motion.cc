@@ -41,10 +41,7 @@ const AccelerationOptions& Valid(const AccelerationOptions& options) {
 }
 
 World WithoutFriction(World world) {
-  const bool body =
-      std::any_of(world.bodies.begin(), world.bodies.end(), [](const Body& b) { return b.friction != 0; });
-  const bool pair = std::any_of(world.friction.begin(), world.friction.end(), [](const auto& p) { return p.mu != 0; });
-  if (body || pair) {
+  if (HasFriction(world)) {
     throw InputError("scene '" + world.name + "' has friction, which motions at the velocity level take only");
   }
   return world;

@@ -1,12 +1,15 @@
 """What the numbers cannot carry. Each line states a fact of these results; lines whose fact does not hold are left
 out."""
 
+import math
 from collections.abc import Iterator
+
+import pandas as pd
 
 from . import formats
 from .inputs import Inputs
 from .statistics.cells import CHANGED, NOT_ASKED, VERIFIED
-from .statistics.launches import TOGETHER
+from .statistics.launches import KEY, TOGETHER
 from .statistics.load import ORIGINS, TASK_BUDGET
 
 # A solver is called out as built for looser tiers when it verifies less than this part of what it does at the loosest.
@@ -58,13 +61,11 @@ def _noise(inputs: Inputs) -> _Lines:
     launches = inputs.measured.launches
     launches = launches[launches["launch"] != TOGETHER]
     if len(launches):
-        spread = launches.groupby(["solver", "size_class", "tier"])["level"].agg(["std", "count"])
-        disturbed = int(launches["disturbed"].sum())
+        spread = launches.groupby(KEY)["level"].agg(["std", "count"])
         yield ("Noise", "Launches of one solver on one class differ by "
                f"{formats.percent(spread['std'].median())} in the median (standard deviation of their levels), and by more than "
-               f"{formats.percent(spread['std'].quantile(0.9))} in a tenth of the classes; the intervals include this. "
-               f"{disturbed} of {len(launches)} launches were disturbed by the machine also when they were run again; they do "
-               "not count where there are others. Differences within the intervals mean nothing.")
+               f"{formats.percent(spread['std'].quantile(0.9))} in a tenth of the classes; the intervals include this. Differences within the intervals mean nothing.")
+        yield from _disturbed(launches)
         few = float((spread["count"] < _FEW).mean())
         if few > 0.005:
             yield ("Single launches", f"{formats.percent(few)} of the pairs of solver and class were launched only once: their intervals "
@@ -74,6 +75,24 @@ def _noise(inputs: Inputs) -> _Lines:
         yield ("Answers that changed", f"In {formats.plural(len(changed), 'cell')} the answer was verified when the problem "
                "was solved by itself, and not in a timed pass, after other problems: counted as failed (for example "
                f"{formats.words(list(dict.fromkeys(changed['solver']))[:5])}).")
+
+
+def _disturbed(launches: pd.DataFrame) -> _Lines:
+    """What share of the launches the machine disturbed, and whether it shows in the times."""
+    if not launches["disturbed"].any():
+        return
+    levels = launches.groupby([*KEY, "disturbed"])["level"]
+    medians = levels.median().unstack().reindex(columns=[False, True])
+    alone = float(medians[False].isna().mean())
+    slower, usual = float((medians[True] - medians[False]).dropna().median()), float(levels.std().dropna().median())
+    words = [f"{formats.percent(float(launches['disturbed'].mean()))} of the launches ({int(launches['disturbed'].sum())} of {len(launches)}) "
+             "were disturbed by the machine also when they were run again. They count only where the solver has no others on the "
+             f"class: in {formats.percent(alone)} of the pairs of solver and class."]
+    if math.isfinite(slower):
+        words.append(f"Where it has both, they took {formats.percent(abs(math.expm1(slower)))} {'more' if slower > 0 else 'less'} in the median, "
+                     + ("within what launches differ by anyway: it hardly matters." if abs(slower) <= usual else
+                        "by which those that count may be off." if alone else "and none of them counts."))
+    yield "Disturbed launches", " ".join(words)
 
 
 def _few(items: list[str], most: int, between: str = ", ") -> str:

@@ -41,6 +41,8 @@ FRICTION_MOTION_WORDS = ("Scenes driven by solvers that are exact, loose, or sto
 FRICTION_ERROR_WORDS = ("Of wrong answers at the strictest tier. ρ: median against Coulomb's law, and against the solver's own "
                         "model where it has one. Parts: mean share of the sum of squares (docs/friction.md section 4).")
 
+_ENOUGH = 3  # launches: Student's factor for two makes intervals three times wider than for three
+
 ORIGIN_WORDS = ("Share of the problems that is verified, and median time over that of the fastest right solver of each problem, "
          "at the main tier; ✗: fails on half. Own scenes and motions are this project's; engines' problems were recorded from "
          "scenes of their own; literature is what others published. In parentheses: problems.")
@@ -57,7 +59,7 @@ def caption(inputs: Inputs, found: Headline) -> str:
             "*Problems*: how many, and in parentheses how many their weights are worth. *Peers*: solvers and settings of other "
             "projects that had a turn. *Right*: share verified. **Bold**: no other solver is both faster and right on as much. "
             "Ratios are our time over theirs, problem by problem where theirs is right, with 95 % intervals by bootstrap over "
-            f"launches, families and bases{_where(inputs)}.")
+            f"launches, families and bases{_where(inputs)}.{_narrower(inputs)}")
 
 
 def short_caption(inputs: Inputs, found: Headline) -> str:
@@ -66,6 +68,13 @@ def short_caption(inputs: Inputs, found: Headline) -> str:
     return (f"{shown_tables.key(found.own)} against {portfolio}the fastest peer of each problem, by size class, at tier {power(found.tier)}"
             f"{_where(inputs)}. A time is from the caller's arrays to f, of a problem not seen before; an answer that "
             "is not verified is infinitely slow. Intervals (95 %) are over launches and problems.")
+
+
+def _narrower(inputs: Inputs) -> str:
+    """Which commands narrow the intervals of a first look."""
+    most = max(campaign.info.get("passes", 0) for campaign in inputs.campaigns)
+    return (f" {plural(most, 'launch', 'launches')} of a solver and few problems make wide intervals: `make report RUN_OPTIONS='--launches 10'` narrows "
+            "them in some minutes, `make report SUITE=standard` with far more problems in hours.") if 0 < most < _ENOUGH else ""
 
 
 def _where(inputs: Inputs) -> str:

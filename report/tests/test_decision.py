@@ -1,12 +1,14 @@
 """Which backend the report names, and what its summary says."""
 
 import unittest
+from dataclasses import replace
 
 import pandas as pd
 
 from lcpbench_report import decision, fairness, shown_tables, summary
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
+from lcpbench_report.statistics.launches import TOGETHER
 from .cases import FolderCase
 from .synthetic_campaign import cells_of, fail, only, write_campaign
 from .synthetic_report import whole_inputs, write_all
@@ -88,6 +90,18 @@ class WholeReport(unittest.TestCase):
         self.assertIn("one interval from the caller's arrays", found["Fresh times"])
         self.assertNotIn("External programs of protocol 1", found)
         self.assertNotIn("Ablation", found)
+        self.assertNotIn("Disturbed launches", found)
+
+    def test_disturbed_launches_are_told_with_their_share_and_what_they_do(self):
+        launches = self.inputs.measured.launches
+        calm = launches["launch"] == TOGETHER
+        for first, shift, words in ((1, 0.7, "they took 10[0-9].% more in the median, and none of them counts"),
+                                    (1, 0.0, "it hardly matters"), (0, 0.0, "in 100.% of the pairs of solver and class[.]$")):
+            disturbed = ~calm & (launches["launch"] > first)
+            changed = launches.assign(disturbed=disturbed, level=launches["level"] + shift * disturbed)
+            text = dict(fairness.limitations(replace(self.inputs, measured=self.inputs.measured._replace(launches=changed))))["Disturbed launches"]
+            self.assertIn(f"({disturbed.sum()} of {(~calm).sum()})", text)
+            self.assertRegex(text, words)
 
 
 class Parts(FolderCase):

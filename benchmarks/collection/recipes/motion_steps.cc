@@ -123,9 +123,7 @@ std::string ForEachSequenceProblem(
   const std::string id = RecipeId(start) + "-motion-";
   int number = 0;
   const MovingScene scene = LoadScene(start.scene, start.rows, start.seed);
-  const bool has_friction = !scene.world.friction.empty() ||
-                            std::ranges::any_of(scene.world.bodies, [](const Body& body) { return body.friction > 0; });
-  LcpSolver& solver = has_friction ? static_cast<LcpSolver&>(sweeps) : exact;
+  LcpSolver& solver = HasFriction(scene.world) ? static_cast<LcpSolver&>(sweeps) : exact;
   return FollowScene(scene, solver, steps, [&](const MotionProblem& met) {
     handle(WithId(met.problem, id + std::to_string(number++)), met);
     return true;

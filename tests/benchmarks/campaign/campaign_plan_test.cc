@@ -155,11 +155,33 @@ TEST(NotTaken, IsWhatASolverOfTheKeyRefuses) {
     return of;
   };
   for (const SolverEntry& entry : AllSolvers()) {
-    EXPECT_EQ(NotTaken(entry, properties(0, 0)), "") << entry.key;
+    EXPECT_EQ(NotTaken(entry, properties(0, 0)), entry.takes_plain ? "" : "plain rows") << entry.key;
     EXPECT_EQ(NotTaken(entry, properties(3, 0)), entry.takes_friction ? "" : "friction rows") << entry.key;
     EXPECT_EQ(NotTaken(entry, properties(0, 2)), entry.takes_bounded ? "" : "bounded rows") << entry.key;
     EXPECT_EQ(NotTaken(entry, properties(1, 1)).empty(), entry.takes_friction && entry.takes_bounded) << entry.key;
   }
+}
+
+// A class with one problem that is not plain has a task of them, for that one.
+TEST(PlanTasks, MethodsMadeForFrictionHaveNoneWhereAllIsPlain) {
+  std::vector<Manifest> manifests(1);
+  for (const Index rows : {5, 20, 21}) {
+    manifests[0].problems.push_back(Entry("p" + std::to_string(rows), "base", "placed", rows, false));
+  }
+  manifests[0].problems.back().properties.friction = 1;
+  for (const char* scene : {"disc-pile", "slope-stacks"}) {
+    SequenceEntry& sequence = manifests[0].sequences.emplace_back();
+    sequence.id = scene;
+    sequence.source = Recipe{.scene = scene, .rows = 12};
+  }
+  const CampaignPlan plan{.manifests = {"set"}, .solvers = {"pgs", "relaxation"}, .tiers = {1e-6}};
+  std::map<std::string, std::set<std::string>> classes, sequences;  // by solver
+  for (const Task& task : PlanTasks(plan, PlanProblems(plan, manifests))) classes[task.solver].insert(task.about);
+  for (const Task& pass : PlanPasses(plan, manifests)) sequences[pass.solver].insert(pass.about);
+  EXPECT_EQ(classes.at("pgs"), (std::set<std::string>{"4-6", "13-30"}));
+  EXPECT_EQ(classes.at("relaxation"), (std::set<std::string>{"13-30"}));
+  EXPECT_EQ(sequences.at("pgs"), (std::set<std::string>{"disc-pile", "slope-stacks"}));
+  EXPECT_EQ(sequences.at("relaxation"), (std::set<std::string>{"slope-stacks"}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, CampaignProblems, testing::Range(1, 21));
