@@ -64,11 +64,12 @@ REFERENCE_OTHERS  := smoke pathological large sequences-qp friction
 # Of a report: folders besides that of its name, and studies.
 MORE_friction     := $(REFERENCE)/friction-pathological --motion $(REFERENCE)/friction-motion --pictures $(PICTURES)
 
-.PHONY: $(BASELINE) $(V3) core help deps peers configure command build test python-test report run pictures ablation calibrate record-engines fresh-benchmark scene-benchmark solver-curves slurm-try doc reference-report check format fuzz attack install clean
+.PHONY: $(BASELINE) $(V3) core help deps peers configure command build test test-long python-test report run pictures ablation calibrate record-engines fresh-benchmark scene-benchmark solver-curves slurm-try doc reference-report check format fuzz attack install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
 	@echo "make test     install what is missing, build, run all tests"
+	@echo "make test-long     with more cases what make test proves with few: after changes of solvers or of the report"
 	@echo "make python-test   install the Python package into build/python-venv, on the libraries of the build, and run its tests"
 	@echo "make build    install what is missing, configure and build"
 	@echo "make core       the campaign behind the published numbers, on two processors (AGAIN=FOLDER compares with that one)"
@@ -107,9 +108,12 @@ build: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS)
 
 test: build
-	@rm -f $(BUILD)/Testing/tests.xml
+	@rm -rf $(BUILD)/Testing/tests.xml $(BUILD)/Testing/gtest
 	@ctest --preset $(PRESET) -j $(JOBS) --output-junit Testing/tests.xml; status=$$?; \
-	  $(PYTHON) tests/skipped.py $(BUILD)/Testing/tests.xml; exit $$status
+	  $(PYTHON) tests/skipped.py $(BUILD)/Testing/tests.xml $(BUILD)/Testing/gtest; exit $$status
+
+test-long: build
+	@ctest --preset $(PRESET) -j $(JOBS) -C Long -L long
 
 # pip builds the extension alone, in build/python, with the tools of the environment itself.
 python-test: command

@@ -51,6 +51,7 @@ const std::vector<DirectSolver>& DirectSolvers() {
     };
     all[3].row_limit = "max_dense_rows";
     all[8].undecided = 0.0005;
+    std::erase_if(all, [](const DirectSolver& solver) { return !FindSolver(solver.key).available; });
     return all;
   }();
   return solvers;
@@ -58,10 +59,7 @@ const std::vector<DirectSolver>& DirectSolvers() {
 
 std::string NameOf(const testing::TestParamInfo<DirectSolver>& info) { return info.param.name; }
 
-void DirectSolverTest::SetUp() {
-  if (!FindSolver(GetParam().key).available) GTEST_SKIP() << GetParam().key << " is not in this build";
-  solver_ = MakeSolver(GetParam().key, GetParam().settings);
-}
+void DirectSolverTest::SetUp() { solver_ = MakeSolver(GetParam().key, GetParam().settings); }
 
 void DirectSolverTest::ExpectSolved(const TestProblem& test, const LcpResult& result) {
   const Verdict verdict = Verify(test.problem, result, 1e-9, &test.reference);

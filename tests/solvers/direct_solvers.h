@@ -40,7 +40,8 @@ struct DirectSolver {
 
 inline std::ostream& operator<<(std::ostream& out, const DirectSolver& direct) { return out << direct.name; }
 
-/// Dantzig's two orders, Lemke, both forms of block pivoting, the active set, semismooth Newton, `auto`, and ipm.
+/// Dantzig's two orders, Lemke, both forms of block pivoting, the active set, semismooth Newton, `auto`, and ipm;
+/// those of this build.
 const std::vector<DirectSolver>& DirectSolvers();
 
 /// Name of the parametrised test.

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -48,14 +47,8 @@ class PeerContract : public SolverTest {
   }
 };
 
-std::vector<SolverEntry> Peers() {
-  std::vector<SolverEntry> peers;
-  std::copy_if(AllSolvers().begin(), AllSolvers().end(), std::back_inserter(peers),
-               [](const SolverEntry& entry) { return entry.origin == SolverOrigin::kPeer; });
-  return peers;
-}
-
-INSTANTIATE_TEST_SUITE_P(AllPeers, PeerContract, testing::ValuesIn(Peers()), SolverTestName);
+INSTANTIATE_TEST_SUITE_P(AllPeers, PeerContract, testing::ValuesIn(SolversOf(SolverOrigin::kPeer)), SolverTestName);
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(PeerContract);
 
 // How many of them a peer must answer rightly was measured where it was in the build, else it is one.
 TEST_P(PeerContract, AnswersProblemsRightly) {
@@ -195,7 +188,8 @@ TEST(PeerSettings, AShiftedFactorizationSolvesMoreOfTheSingularProblems) {
 }
 
 TEST(PeerFacts, ToleranceAndAblationAreSaid) {
-  for (const SolverEntry& peer : Peers()) {
+  for (const SolverEntry& peer : AllSolvers()) {
+    if (peer.origin != SolverOrigin::kPeer || !peer.base.empty()) continue;
     EXPECT_EQ(peer.ablation, "");
     // So many sweeps are no answer to a tolerance either.
     EXPECT_EQ(peer.tolerance() == "default", peer.key.ends_with("-default") || peer.key.starts_with("bullet-si-"))
@@ -203,8 +197,8 @@ TEST(PeerFacts, ToleranceAndAblationAreSaid) {
   }
   RegisterAblations();
   RegisterAblations();
-  for (const SolverEntry& peer : Peers()) {
-    if (!peer.available || !peer.base.empty()) continue;
+  for (const SolverEntry& peer : SolversOf(SolverOrigin::kPeer)) {
+    if (!peer.base.empty()) continue;
     const SolverEntry& checked = FindSolver(peer.key + "-checked");
     EXPECT_EQ(checked.ablation, "checked");
     EXPECT_EQ(checked.base, peer.key);

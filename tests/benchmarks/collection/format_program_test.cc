@@ -17,6 +17,15 @@
 namespace lcpbench {
 namespace {
 
+// Each file is read by a process of its own, which takes a while. Ranks, joints and degenerate rows take turns of 16, so
+// that every fifth problem has all of them together.
+std::vector<TestProblem> EveryFifthProblem() {
+  const std::vector<TestProblem> all = GeneratedProblems();
+  std::vector<TestProblem> some;
+  for (std::size_t k = 0; k < all.size(); k += 5) some.push_back(all[k]);
+  return some;
+}
+
 class FormatProgram : public FolderTest {
  protected:
   LcpProblem Back(const LcpProblem& problem, const std::string& ending) const {
@@ -28,7 +37,7 @@ class FormatProgram : public FolderTest {
 
 TEST_F(FormatProgram, ProblemsComeBackBitForBit) {
   int mixed = 0, plain = 0;
-  for (const TestProblem& test : GeneratedProblems()) {
+  for (const TestProblem& test : EveryFifthProblem()) {
     SCOPED_TRACE(test.problem.id());
     (test.problem.bilateral_rows().empty() ? plain : mixed) += 1;
     const LcpProblem sparse = InForm(test.problem, MatrixForm::kSparse);
@@ -46,8 +55,8 @@ TEST_F(FormatProgram, ProblemsComeBackBitForBit) {
     EXPECT_EQ(program.DenseA(), dense.DenseA());
     EXPECT_EQ(program.bilateral_rows(), sparse.bilateral_rows());
   }
-  EXPECT_GT(mixed, 10);
-  EXPECT_GT(plain, 10);
+  EXPECT_GT(mixed, 8);
+  EXPECT_GT(plain, 8);
 }
 
 TEST_F(FormatProgram, TheEndsOfTheRangeComeBackToo) {
@@ -65,7 +74,7 @@ TEST_F(FormatProgram, TheEndsOfTheRangeComeBackToo) {
 // In any order of rows, and with contacts that have none.
 TEST_F(FormatProgram, FrictionInThePlaneAndBoundsComeBackBitForBit) {
   std::mt19937 random(7);
-  for (const TestProblem& test : GeneratedProblems()) {
+  for (const TestProblem& test : EveryFifthProblem()) {
     std::vector<Index> unilateral;
     for (Index row = 0; row < test.problem.size(); ++row) {
       if (!test.problem.is_bilateral(row)) unilateral.push_back(row);

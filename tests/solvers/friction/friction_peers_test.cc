@@ -39,7 +39,7 @@ TEST(FrictionPeers, AreTheKnownOnes) {
 
 TEST(FrictionPeers, AnswerTheRecordsOrRefuseByName) {
   for (const auto& [key, least_right] : LeastRight()) {
-    if (!FindSolver(key).available) GTEST_SKIP() << key << " is not in this build";
+    if (!FindSolver(key).available) continue;
     const auto solver = MakeSolver(key);
     int taken = 0, right = 0;
     for (const FrictionRecord& record : FrictionRecords()) {
@@ -64,7 +64,7 @@ TEST(FrictionPeers, AnswerTheRecordsOrRefuseByName) {
 // What is eliminated has w = 0 to rounding, whatever the library makes of the rest.
 TEST(FrictionPeers, JointsLeaveAndComeBack) {
   for (const auto& [key, least_right] : LeastRight()) {
-    if (!FindSolver(key).available) GTEST_SKIP() << key << " is not in this build";
+    if (!FindSolver(key).available) continue;
     const auto solver = MakeSolver(key);
     int joints = 0;
     for (const FrictionRecord& record : FrictionRecords()) {
