@@ -5,9 +5,9 @@
 // The K-th of its calls of KIND from main on fails with errno ERROR; with ERROR 0 the process is killed there
 // (SIGKILL), a write after half of it. When the process ends by itself, the number of these calls is written to the
 // file COUNT.
-//     write   also pwrite, writev, send      read    readv; files    fsync   also fdatasync
-//     tell    write to standard error
-//     rename                                 fork    also vfork      malloc  whatever allocates
+//     write   also pwrite, writev    read    readv; files    fsync   also fdatasync
+//     send    to another process     tell    write to standard error
+//     rename                         fork    also vfork      malloc  whatever allocates
 // Programs that the process starts are left alone.
 
 #include <dlfcn.h>
@@ -51,8 +51,8 @@ bool Fails(const char* of_kind) {
   return true;
 }
 
-bool WriteFails(int file, const void* data, std::size_t size) {
-  if (!IsTheOne(file == STDERR_FILENO ? "tell" : "write")) return false;
+bool WriteFails(int file, const void* data, std::size_t size, const char* of_kind = "write") {
+  if (!IsTheOne(file == STDERR_FILENO ? "tell" : of_kind)) return false;
   if (error == 0) {
     syscall(SYS_write, file, data, size / 2);
     kill(getpid(), SIGKILL);
@@ -122,7 +122,7 @@ ssize_t writev(int file, const iovec* parts, int count) {
   return fails ? -1 : syscall(SYS_writev, file, parts, count);
 }
 ssize_t send(int file, const void* data, std::size_t size, int flags) {
-  return WriteFails(file, data, size) ? -1 : syscall(SYS_sendto, file, data, size, flags, nullptr, 0);
+  return WriteFails(file, data, size, "send") ? -1 : syscall(SYS_sendto, file, data, size, flags, nullptr, 0);
 }
 
 ssize_t read(int file, void* data, std::size_t size) {

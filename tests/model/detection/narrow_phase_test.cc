@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <string>
 #include <tuple>
 
@@ -12,6 +11,7 @@
 #include "tests/model/contact/random_contacts.h"
 #include "tests/model/detection/gap_sampling.h"
 #include "tests/model/shape/random_outlines.h"
+#include "tests/support/cases.h"
 
 namespace lcpbench {
 namespace {
@@ -19,12 +19,9 @@ namespace {
 using namespace testing;
 
 // Configurations of each ordered pair of kinds beside each other, and as many of one inside the other: so that every
-// pair of kinds, of equal ones too, gets at least twice as many: 50 by default, 200 in `make test-long`; the comparison of
-// 10^4 and more per pair takes LCPBENCH_DETECTION_CASES=5500.
-int CasesPerPair() {
-  const char* cases = std::getenv("LCPBENCH_DETECTION_CASES");
-  return cases != nullptr ? std::atoi(cases) : 50;
-}
+// pair of kinds, of equal ones too, gets at least twice as many. `make test-long` has 200; the comparison of 10^4 and
+// more per pair takes LCPBENCH_DETECTION_CASES=5500.
+int CasesPerPair() { return Cases("LCPBENCH_DETECTION_CASES", 50); }
 
 struct Tally {
   int configurations = 0;
