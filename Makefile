@@ -83,7 +83,7 @@ help:
 	@echo "make peers    install the libraries of the peer solvers (cmake/packages/) and reconfigure"
 	@echo "make slurm-try   try campaigns as job arrays on a Slurm of its own (needs root once; a minute)"
 	@echo "make doc      reference of the public headers, build/doc/html/index.html"
-	@echo "make check    formatting, lint, and whether the public headers are documented"
+	@echo "make check    formatting, documentation of the public headers, and lint of what was changed (ALL=1: of everything)"
 	@echo "make format   reformat our own code"
 	@echo "make fuzz     feed every reader of files mutated ones, each for FUZZ_SECONDS (now: $(FUZZ_SECONDS))"
 	@echo "make attack   problems of known status at extreme scales, also with friction, by all own solvers (ATTACK_PROBLEMS, ATTACK_SEED; at most an hour)"
@@ -117,6 +117,7 @@ test-long: build
 
 # pip builds the extension alone, in build/python, with the tools of the environment itself.
 python-test: command
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target lcpbench_step
 	@[ -x $(PYTHON_VENV)/bin/python ] || $(PYTHON) -m venv $(PYTHON_VENV)
 	@$(PYTHON) -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")' \
 	  > build/python-requires.txt

@@ -124,22 +124,22 @@ TEST_P(SolverContract, RowsWhoseTermsCancelMayFailButMayNotLie) {
 
 // The floor is told by those that fail at it, and by no others.
 TEST_P(SolverContract, AFailureAtTheRoundingFloorSaysSo) {
-  constexpr double kTolerance = 1e-9;
+  constexpr double kAsked = 1e-9;
   int told = 0;
   for (unsigned seed = 0; seed < 200; ++seed) {
     const TwoJoints test = NearlyParallelJoints(seed);
     const double floor = RoundingFloor(test.problem, test.f);
-    const LcpResult result = Solve(test.problem, kTolerance, kShortTime);
+    const LcpResult result = Solve(test.problem, kAsked, kShortTime);
     const bool tells = result.detail.find("1e-09 is below the rounding floor") != std::string::npos;
     const bool is_near = (result.f - test.f).norm() <= 1e-2 * test.f.norm();
     SCOPED_TRACE(test.problem.id() + ": floor " + std::to_string(std::log10(floor)) + ", " + result.detail);
     if (tells) {
       EXPECT_EQ(result.status, LcpStatus::kNumericalFailure);
-      EXPECT_GT(floor, 0.9 * kTolerance);
-      EXPECT_FALSE(Verify(test.problem, result, kTolerance).passes);
+      EXPECT_GT(floor, 0.9 * kAsked);
+      EXPECT_FALSE(Verify(test.problem, result, kAsked).passes);
       ++told;
     }
-    if (result.status == LcpStatus::kNumericalFailure && is_near && floor > 1.1 * kTolerance) {
+    if (result.status == LcpStatus::kNumericalFailure && is_near && floor > 1.1 * kAsked) {
       EXPECT_EQ(tells, ComputeMetrics(test.problem, result.f).rho <= std::min(kFloorReach * floor, kLargestFloor));
     }
   }

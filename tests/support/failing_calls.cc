@@ -6,6 +6,7 @@
 // (SIGKILL), a write after half of it. When the process ends by itself, the number of these calls is written to the
 // file COUNT.
 //     write   also pwrite, writev, send      read    readv; files    fsync   also fdatasync
+//     tell    write to standard error
 //     rename                                 fork    also vfork      malloc  whatever allocates
 // Programs that the process starts are left alone.
 
@@ -51,7 +52,7 @@ bool Fails(const char* of_kind) {
 }
 
 bool WriteFails(int file, const void* data, std::size_t size) {
-  if (!IsTheOne("write")) return false;
+  if (!IsTheOne(file == STDERR_FILENO ? "tell" : "write")) return false;
   if (error == 0) {
     syscall(SYS_write, file, data, size / 2);
     kill(getpid(), SIGKILL);

@@ -172,7 +172,7 @@ TEST(PlanTasks, MethodsMadeForFrictionHaveNoneWhereAllIsPlain) {
   for (const char* scene : {"disc-pile", "slope-stacks"}) {
     SequenceEntry& sequence = manifests[0].sequences.emplace_back();
     sequence.id = scene;
-    sequence.source = Recipe{.scene = scene, .rows = 12};
+    sequence.source = Recipe{.scene = scene, .rows = 12, .changes = {}};
   }
   const CampaignPlan plan{.manifests = {"set"}, .solvers = {"pgs", "relaxation"}, .tiers = {1e-6}};
   std::map<std::string, std::set<std::string>> classes, sequences;  // by solver

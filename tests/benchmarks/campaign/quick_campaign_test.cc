@@ -65,7 +65,8 @@ TEST_F(QuickCampaign, HasASpreadOfEverything) {
     EXPECT_EQ(stepped.count(engine), FindSolver(engine).available ? 1U : 0U) << engine;
   }
   for (const SolverEntry& entry : AllSolvers()) {
-    if (!entry.available) continue;
+    // Other tests may have registered some.
+    if (!entry.available || !entry.base.empty()) continue;
     std::set<std::string> expected = {"1e-09"};
     if (entry.uses_tolerance) expected.insert("1e-06");
     EXPECT_EQ(tiers[entry.key], entry.takes_plain ? expected : std::set<std::string>()) << entry.key;

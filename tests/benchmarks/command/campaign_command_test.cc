@@ -36,7 +36,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kLong = "--launches 20 ";  // so many that signals come in the midst of them
+constexpr const char* kLong = "--launches 6 ";  // so many that signals come in the midst of them
 // No limit ends anything, however slow the machine or a sanitizer is.
 constexpr const char* kNoHurry = "--time-limit 60 ";
 constexpr const char* kManifest = LCPBENCH_SOURCE_DIR "/data/smoke.json";

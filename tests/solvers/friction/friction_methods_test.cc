@@ -288,7 +288,7 @@ TEST(FrictionMethods, InfeasibleOnlyByARayOfNormalForces) {
 
 // Two motors that pull against each other without a limit, beside contacts that have a solution.
 TEST(FrictionMethods, InfeasibleByARayOfBoundedRows) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kUnlimited = std::numeric_limits<double>::infinity();
   for (unsigned seed = 0; seed < 20; ++seed) {
     const LcpProblem problem = RandomFrictionProblem(8000 + seed, 6);
     const Index n = problem.size();
@@ -300,7 +300,7 @@ TEST(FrictionMethods, InfeasibleByARayOfBoundedRows) {
     }
     RowBounds bounds = RowBounds::WithBilateralRows(n + 2, problem.bilateral_rows());
     bounds.friction = problem.friction_rows();
-    bounds.bounded = {{n, 0, kInfinity}, {n + 1, 0, kInfinity}};
+    bounds.bounded = {{n, 0, kUnlimited}, {n + 1, 0, kUnlimited}};
     Eigen::VectorXd b(n + 2);
     b << problem.b(), -1, -1;
     const LcpProblem pulled =
