@@ -10,7 +10,7 @@ PYTHON_VENV := build/python-venv
 
 # A motion without friction for the report.
 MOTION_RESULTS ?= build/results/motion
-MOTION = --scenes disc-pile --size 16 --steps 100 --tolerances 1e-6,1e-9 --budget 0.5
+MOTION = --scenes boxes-and-discs --size 16 --steps 100 --budget 0.5
 
 # One with friction: solvers that are exact, loose, and stopped early (docs/motion.md has more scenes).
 FRICTION_RESULTS ?= build/results/friction-motion

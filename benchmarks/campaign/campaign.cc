@@ -184,7 +184,9 @@ class Campaign {
         if (found == nullptr || found->quickest_s.empty()) continue;
         Standing& standing = standings[{tier, task.begin - (whole ? task.first : 0)}][task.solver];
         for (std::size_t place = 0; place < task.count(); ++place) {
-          if (!NotTaken(FindSolver(task.solver), ProblemOf(task, place).entry->properties).empty()) continue;
+          const ManifestEntry& entry = *ProblemOf(task, place).entry;
+          const bool has_solution = entry.reference.status != "infeasible";
+          if (!has_solution || !NotTaken(FindSolver(task.solver), entry.properties).empty()) continue;
           const double own = ProblemOf(task, place).weight;
           const bool fails = found->unverified.contains(place) || found->changed.contains(place);
           const double time_s = fails ? std::numeric_limits<double>::infinity() : found->quickest_s[place];

@@ -17,7 +17,7 @@ constexpr const char* kQuickProblems =
     "^solve/(squeezed-row|barely-squeezed-row|idle-line|fixed-pairs|overpinned-beam)-n40-s1/|"
     "^solve/(tall-stacks-n40-s1-mass-ratio-1e[+]08|disc-track-n40-s1-conformal-1e-06|gear-train-n60-s1-scale-rows-60|"
     "disc-pile-n30-s1-duplicate-rows-1|disc-pile-n30-s1-oppose-rows-0.2|ovals-in-bowl-n60-s1-crowd-contacts-1e-07)/|"
-    "^steps/disc-pile-n40-s1-motion/"
+    "^steps/boxes-and-discs-n40-s1-motion/"
     "(?!ipopt|siconos|petsc|tao|cgal|clp|alglib|simbody|drake|pinocchio|[a-z]+-(dual|primal))";
 
 // The better of the default and the tuned settings of each method, without methods that nobody would choose.
@@ -49,7 +49,7 @@ const std::vector<CampaignPlan>& NamedCampaigns() {
        .tiers = {1e-6, 1e-9},
        .filter = kQuickProblems,
        .fills = false,
-       .launches = {.near = 2},
+       .launches = {.near = 4},
        .rounds = 2,
        .limits = {.most_s = 0.2}},
       // The numbers in README.md and docs/, and comparisons between commits: every class to 10^4 rows, with all

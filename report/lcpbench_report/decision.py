@@ -86,6 +86,8 @@ def by_deadline(inputs: Inputs) -> list[dict]:
     if deadlines is None:
         return []
     found = []
+    if deadlines["size"].nunique() == 2:  # one and all are the same
+        deadlines = deadlines[deadlines["size"] != ALL]
     # Loosest tier first; all sizes together come last.
     for (tier, size), rows in sorted(deadlines.groupby(["tier", "size"]), key=lambda part: (
             -part[0][0], math.inf if part[0][1] == ALL else float(part[0][1]))):

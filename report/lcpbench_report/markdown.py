@@ -41,8 +41,6 @@ FRICTION_MOTION_WORDS = ("Scenes driven by solvers that are exact, loose, or sto
 FRICTION_ERROR_WORDS = ("Of wrong answers at the strictest tier. ρ: median against Coulomb's law, and against the solver's own "
                         "model where it has one. Parts: mean share of the sum of squares (docs/friction.md section 4).")
 
-_ENOUGH = 3  # launches: Student's factor for two makes intervals three times wider than for three
-
 ORIGIN_WORDS = ("Share of the problems that is verified, and median time over that of the fastest right solver of each problem, "
          "at the main tier; ✗: fails on half. Own scenes and motions are this project's; engines' problems were recorded from "
          "scenes of their own; literature is what others published. In parentheses: problems.")
@@ -72,9 +70,9 @@ def short_caption(inputs: Inputs, found: Headline) -> str:
 
 def _narrower(inputs: Inputs) -> str:
     """Which commands narrow the intervals of a first look."""
-    most = max(campaign.info.get("passes", 0) for campaign in inputs.campaigns)
-    return (f" {plural(most, 'launch', 'launches')} of a solver and few problems make wide intervals: `make report RUN_OPTIONS='--launches 10'` narrows "
-            "them in some minutes, `make report SUITE=standard` with far more problems in hours.") if 0 < most < _ENOUGH else ""
+    quick = next((campaign.info for campaign in inputs.campaigns if campaign.info["name"] == "quick"), None)
+    return (f" Few problems and at most {quick['passes']} launches of a solver make wide intervals: `make report RUN_OPTIONS='--launches 10'` "
+            "narrows them in some minutes, `make report SUITE=standard`, with far more problems, in hours.") if quick else ""
 
 
 def _where(inputs: Inputs) -> str:

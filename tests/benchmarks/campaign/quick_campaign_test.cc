@@ -108,7 +108,7 @@ TEST_F(QuickCampaign, HasASpreadOfEverything) {
 TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
   const std::string command =
       "run --solvers dantzig,pgs --filter '/(disc-pile-n(2|10)-s1|idle-line-n40-s1|"
-      "disc-pile-n40-s1-motion/pgs/1e-06)/' --launches 1 -o " +
+      "boxes-and-discs-n40-s1-motion/pgs/1e-06)/' --launches 1 -o " +
       Path("q");
   const CommandOutcome run = Succeed(command);
   // The first result, while the other launches run: a column per size class.
