@@ -17,8 +17,8 @@
 namespace lcpbench {
 namespace {
 
-// Each file is read by a process of its own, which takes a while. Ranks, joints and degenerate rows take turns of 16, so
-// that every fifth problem has all of them together.
+// Each file is read by a process of its own, which takes a while. Ranks, joints and degenerate rows take turns of 16,
+// so that every fifth problem has all of them together.
 std::vector<TestProblem> EveryFifthProblem() {
   const std::vector<TestProblem> all = GeneratedProblems();
   std::vector<TestProblem> some;
