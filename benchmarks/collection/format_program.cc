@@ -30,6 +30,11 @@ class FormatProgram {
     };
     bool is_whole = WriteAll(process_->socket(), request.data(), request.size(), kForever) == Transfer::kDone &&
                     receive(&kind, 1) && receive(&size, sizeof size);
+    if (is_whole && kind != '+' && kind != '-') {
+      process_.reset();
+      throw InputError(
+          place + ": what the program of formats answers is not understood: does its Python print something first?");
+    }
     if (is_whole) {
       answer.resize(size);
       is_whole = receive(answer.data(), size);

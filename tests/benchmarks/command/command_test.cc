@@ -523,5 +523,22 @@ TEST_F(Command, ConvertInPlaceAndOnAFullDiskKeepsTheInput) {
   EXPECT_EQ(Records(ReadFile(x)).size(), 1U);
 }
 
+// PYTHONPATH and PYTHONHOME may be meant for another Python; an interpreter may print lines of its own.
+TEST_F(Command, PythonProgramsDoNotTakeTheCallersPython) {
+  Write("p.qps", "NAME p\nROWS\n N c\nCOLUMNS\n x1 c -1\nRHS\nQUADOBJ\n x1 x1 2\nENDATA\n");
+  Write("numpy.py", "raise ImportError('built for another Python')\n");
+  Write("sitecustomize.py", "print('modules loaded')\n");
+  const std::string command = program_;
+  for (const char* variable : {"PYTHONPATH", "PYTHONHOME"}) {
+    program_ = variable + ("=" + folder_.string()) + " " + command;
+    EXPECT_EQ(Records(Succeed("solve --solver auto " + Path("p.qps")).out).at(0).at("f").at(0), 0.5) << variable;
+    ExpectMistake("report " + Path("none"), "none");
+  }
+  Write("python.sh", "#!/bin/sh\necho modules loaded\nexec /usr/bin/python3 \"$@\"\n");
+  std::filesystem::permissions(Path("python.sh"), std::filesystem::perms::owner_all);
+  program_ = "LCPBENCH_PYTHON=" + Path("python.sh") + " " + command;
+  ExpectMistake("solve --solver auto " + Path("p.qps"), "answers is not understood");
+}
+
 }  // namespace
 }  // namespace lcpbench
