@@ -11,14 +11,14 @@ import io
 import pickle
 import pickletools
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
 from numpy.lib import format as npy
 
 from .problem import FormatError, StoredProblem, mismatch, refuse_rows, sparse
-from .words import Words
+from .words import Words, number
 
 _MOST_NPZ_ROWS = 23_000  # 4 GB of P, the most that zip has without extensions
 _ABSENT = "GhAb"  # constraints
@@ -94,79 +94,111 @@ class _Qps:
     def __init__(self, words: Words, id: str):
         self._words = words
         self._id = id
-        self._objective = None
+        self._rows: dict[bytes, int] = {}  # the objective, and free ones that mean nothing
         self._columns: dict[bytes, int] = {}
         self._b: list[float] = []
         self._bounds: dict[int, tuple[float, float]] = {}
+        self._bound_set: bytes | None = None  # the first; b"" where sets have no names
         self._entries: list[tuple[int, int, float]] = []
 
     def read(self) -> StoredProblem:
-        sections = {b"NAME": None, b"ROWS": self._row, b"COLUMNS": self._column, b"RHS": self._right_side, b"RANGES": None,
-                    b"BOUNDS": self._bound, b"QUADOBJ": self._quadratic, b"QMATRIX": self._quadratic}
+        sections = {b"NAME": None, b"OBJSENSE": self._sense, b"ROWS": self._row, b"COLUMNS": self._column,
+                    b"RHS": self._right_side, b"RANGES": None, b"BOUNDS": self._bound, b"QUADOBJ": self._quadratic,
+                    b"QMATRIX": self._quadratic}
         words, section, seen = self._words, b"", set()
         while words.next_line():
-            line = words.line
-            if not line.strip() or line.startswith(b"*"):
+            line = words.line.split()
+            if not line or words.line.startswith(b"*"):
                 continue
-            if line[:1].isspace():
+            if words.line[:1].isspace():
                 if sections.get(section) is None:
-                    words.reject(self._CONSTRAINTS if section == b"RANGES" else "a section", line.strip())
-                sections[section](line.split())
+                    words.reject(self._CONSTRAINTS if section == b"RANGES" else "a section", words.line.strip())
+                sections[section](line)
                 continue
-            section = line.split()[0]
+            section = line[0]
             if section == b"ENDATA":
                 return self._problem(b"QMATRIX" not in seen)
             if section not in sections:
-                words.reject("a section NAME, ROWS, COLUMNS, RHS, BOUNDS, QUADOBJ, QMATRIX or ENDATA", section)
+                words.reject(f"a section {', '.join(map(bytes.decode, sections))} or ENDATA", section)
             if section in seen or section in (b"QUADOBJ", b"QMATRIX") and seen & {b"QUADOBJ", b"QMATRIX"}:
                 words.reject("every section once", section)
             seen.add(section)
+            if section == b"OBJSENSE" and line[1:]:
+                self._sense(line[1:])
         words.reject_end("ENDATA")
 
+    def _sense(self, line: list[bytes]) -> None:
+        if len(line) != 1 or line[0].upper() not in (b"MIN", b"MINIMIZE"):
+            self._words.reject("MIN or MINIMIZE, as an LCP is that of a least value", b" ".join(line))
+
     def _row(self, line: list[bytes]) -> None:
-        if len(line) != 2 or line[0] != b"N" or self._objective is not None:
-            self._words.reject(f"one row N, the objective, and {self._CONSTRAINTS}", b" ".join(line))
-        self._objective = line[1]
+        if len(line) != 2 or line[0] != b"N":
+            self._words.reject(f"rows N, of which the first is the objective, and {self._CONSTRAINTS}", b" ".join(line))
+        if line[1] in self._rows:
+            self._words.reject("every row once", line[1])
+        self._rows[line[1]] = len(self._rows)
+
+    def _values(self, line: list[bytes]) -> float:
+        """The sum of those of the objective, of pairs of a row and a value."""
+        total = 0.0
+        for row, value in zip(line[::2], line[1::2], strict=True):
+            if row not in self._rows:
+                self._words.reject("a row of the section ROWS", row)
+            total += self._words.number(value) if self._rows[row] == 0 else 0.0
+        return total
+
+    def _new_column(self, name: bytes) -> int:
+        self._b.append(0.0)
+        return self._columns.setdefault(name, len(self._b) - 1)
 
     def _column(self, line: list[bytes]) -> None:
         if len(line) < 3 or len(line) % 2 == 0:
             self._words.reject("a column, and rows with their values", b" ".join(line))
-        index = self._columns.setdefault(line[0], len(self._b))
-        if index == len(self._b):
-            self._b.append(0.0)
-        elif index != len(self._b) - 1:
+        index = self._columns[line[0]] if line[0] in self._columns else self._new_column(line[0])
+        if index != len(self._b) - 1:
             self._words.reject("all entries of a column together", line[0])
-        for row, value in zip(line[1::2], line[2::2], strict=True):
-            if row != self._objective:
-                self._words.reject(f"the row {(self._objective or b'of the objective').decode(errors='replace')}", row)
-            self._b[index] += self._words.number(value)
+        self._b[index] += self._values(line[1:])
 
     def _right_side(self, line: list[bytes]) -> None:
-        """A constant of the objective, which changes no solution."""
-        for row, value in zip(line[len(line) % 2::2], line[len(line) % 2 + 1::2], strict=True):
-            self._words.number(value)
-            if row != self._objective:
-                self._words.reject(self._CONSTRAINTS, row)
+        """Constants of rows N, which change no solution."""
+        self._values(line[len(line) % 2:])
 
-    def _index(self, name: bytes) -> int:
-        index = self._columns.get(name)
-        return self._words.reject("a column of the section COLUMNS", name) if index is None else index
+    def _is_value(self, word: bytes) -> bool:
+        return word not in self._columns and number(word) is not None
 
     def _bound(self, line: list[bytes]) -> None:
-        kind = line[0]
+        """Of the first set. A column without cost may stand here for the first time."""
+        kind, rest = line[0], line[1:]
         has_value = kind in (b"LO", b"UP", b"FX")
         if not has_value and kind not in (b"FR", b"MI", b"PL"):
             self._words.reject("a bound LO, UP, FX, FR, MI or PL", kind)
-        rest = line[1:]
-        if len(rest) not in ((2, 3) if has_value else (1, 2)):
-            self._words.reject("a bound's kind, set, column" + (" and value" if has_value else ""), b" ".join(line))
-        value = self._words.number(rest.pop()) if has_value else 0.0
-        index = self._index(rest[-1])
+        form = "a bound's kind, set, column" + (" and value" if has_value else "")
+        if not 1 + has_value <= len(rest) <= 3:
+            self._words.reject(form, b" ".join(line))
+        value = 0.0
+        if has_value:
+            value = self._words.number(rest.pop())
+        elif len(rest) == 3 or (rest[0] in self._columns and self._is_value(rest[-1])):
+            rest.pop()  # means nothing
+        if self._is_value(rest[-1]):
+            self._words.reject(form, b" ".join(line))
+        name = rest[0] if len(rest) == 2 else b""
+        self._bound_set = name if self._bound_set is None else self._bound_set
+        if bool(name) != bool(self._bound_set):
+            self._words.reject("the name of a set in every bound, or in none", b" ".join(line))
+        if name == self._bound_set:
+            self._set_bound(kind, self._columns[rest[-1]] if rest[-1] in self._columns else self._new_column(rest[-1]), value)
+
+    def _set_bound(self, kind: bytes, index: int, value: float) -> None:
         lower, upper = self._bounds.get(index, (0.0, np.inf))
         if kind == b"UP" and value < 0 and lower == 0:
-            self._words.reject("a lower bound before an upper one below 0", b" ".join(line))
+            self._words.reject("a lower bound before an upper one below 0", self._words.line.strip())
         self._bounds[index] = {b"LO": (value, upper), b"UP": (lower, value), b"FX": (value, value), b"FR": (-np.inf, np.inf),
                                b"MI": (-np.inf, upper), b"PL": (lower, np.inf)}[kind]
+
+    def _index(self, name: bytes) -> int:
+        index = self._columns.get(name)
+        return self._words.reject("a column of the sections COLUMNS or BOUNDS", name) if index is None else index
 
     def _quadratic(self, line: list[bytes]) -> None:
         if len(line) < 3 or len(line) % 2 == 0:
@@ -177,11 +209,12 @@ class _Qps:
     def _problem(self, is_triangle: bool) -> StoredProblem:
         n = len(self._b)
         row, column, value = (np.array([entry[k] for entry in self._entries], dtype=kind) for k, kind in enumerate((int, int, float)))
-        if is_triangle:
+        if is_triangle:  # of a pair either entry
             other = row != column
-            if (row < column).any() and (row > column).any():
-                self._words.reject("one triangle of the matrix in QUADOBJ", "entries of both")
             row, column, value = np.r_[row, column[other]], np.r_[column, row[other]], np.r_[value, value[other]]
+            places, names = np.sort(row * n + column), list(self._columns)
+            for twice in places[1:][places[1:] == places[:-1]][:1]:
+                self._words.reject("every pair of columns once in QUADOBJ", names[twice // n] + b" " + names[twice % n])
         A = sparse(self._words.place, (n, n), row, column, value)
         lower, upper = np.zeros(n), np.full(n, np.inf)
         for index, (low, high) in self._bounds.items():
@@ -193,8 +226,9 @@ class _Qps:
 
 
 def read_qps(lines: Iterable[bytes], name: str, id: str) -> StoredProblem:
-    """Free format: no spaces in names. The problem is sparse. An upper bound below 0 beside no lower one is refused, as
-    programs take it for different things."""
+    """Free format: no spaces in names. The problem is sparse. Rows N behind the first, sets of bounds behind the first and
+    a number that a kind of bound does not use mean nothing, as for other readers. An upper bound below 0 beside no lower
+    one is refused, as programs take it for different things."""
     return _Qps(Words(lines, name), id).read()
 
 

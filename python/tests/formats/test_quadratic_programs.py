@@ -85,19 +85,66 @@ class QuadraticPrograms(FormatTest):
         # No bounds at all, as for qpsolvers: all free.
         self.assertEqual(self.load("p.npz", _npz(P=P, q=[1.0, 2])).bilateral.tolist(), [0, 1])
 
+    def assertBounds(self, lines, lower, upper):
+        with self.subTest(lines):
+            problem = self.load("p.qps", _qps("BOUNDS", *lines, "QUADOBJ", " f1 f1 1"))
+            self.assertEqual(tuple(bounds.tolist() for bounds in quadratic._bounds(problem)), (lower, upper))
+
+    def test_the_first_set_of_bounds_counts(self):
+        inf = np.inf
+        self.assertBounds([" UP B1 f2 0.5", " UP B2 f2 0.25", " FR B2 f1", " MI B2 f9"], [0, 0], [inf, 0.5])
+        self.assertBounds([" FX B2 f1 3", " LO B1 f1 4", " UP B2 f2 1"], [3, 0], [3, 1])
+        self.assertBounds([" UP f2 0.5", " LO f1 -1"], [-1, 0], [inf, 0.5])  # sets without names
+
+    def test_numbers_behind_bounds_without_a_value_mean_nothing(self):
+        inf = np.inf
+        self.assertBounds([" FR B f1 0", " MI B f2 1e30"], [-inf, -inf], [inf, inf])
+        self.assertBounds([" UP B f1 3", " PL B f1 7", " UP B f2 3", " PL B f2"], [0, 0], [inf, inf])
+        self.assertBounds([" FR f1 0", " MI f2"], [-inf, -inf], [inf, inf])
+        for kind, upper in (("FR f1 %s", inf), ("UP f1 %s 4", 4)):  # a set that is named as a column
+            self.assertBounds([" " + kind % "f2"], [0, -inf if upper == inf else 0], [inf, upper])
+            self.assertBounds([" " + kind % "f3"], [0, 0, -inf if upper == inf else 0], [inf, inf, upper])
+
+    def test_columns_may_stand_in_bounds_alone(self):
+        self.assertBounds([" LO B f3 1", " UP B f4 2", " UP B f3 5"], [0, 0, 1, 0], [np.inf, np.inf, 5, 2])
+        problem = self.load("p.qps", _qps("BOUNDS", " LO B x 1", "QUADOBJ", " f1 f1 2 x -1", " x x 2"))
+        self.assertEqual((problem.b.tolist(), problem.entries().toarray().tolist()), ([-1, 2, 0], [[2, 0, -1], [0, 0, 0], [-1, 0, 2]]))
+
+    def test_pairs_stand_in_either_triangle(self):
+        for lines in ([" f1 f1 2 f2 -1", " f2 f2 3 x 4", " x f1 5"], [" x f2 4", " f1 x 5 f2 -1", " f2 f2 3", " f1 f1 2"]):
+            problem = self.load("p.qps", _qps("BOUNDS", " FR B x", "QUADOBJ", *lines))
+            self.assertEqual(problem.entries().toarray().tolist(), [[2, -1, 5], [-1, 3, 4], [5, 4, 0]])
+
+    def test_further_free_rows_mean_nothing(self):
+        text = ("ROWS\n N obj\n N other\n N third\nCOLUMNS\n f1 obj -1 other 5\n f2 third 7\n f2 other 3 obj 2\n f3 other 1\n"
+                "RHS\n RHS obj 1 other 4\nENDATA\n")
+        self.assertEqual(self.load("p.qps", text).b.tolist(), [-1, 2, 0])
+
+    def test_the_sense_is_that_of_a_least_value(self):
+        for sense in ("OBJSENSE\n    MIN", "OBJSENSE MIN", "OBJSENSE\n Minimize", "OBJSENSE"):
+            self.assertEqual(self.load("p.qps", sense + "\n" + _qps("QUADOBJ", " f1 f1 1")).b.tolist(), [-1, 2])
+
     def test_what_is_wrong_with_a_qps_file_is_told_with_its_line(self):
-        for lines, words in (([" RHS c1 3"], ":8: expected no constraints but bounds"), (["RANGES", " r c1 1"], ":9: expected no constraints"),
+        sense = "expected MIN or MINIMIZE, as an LCP is that of a least value, found"
+        for lines, words in (([" RHS c1 3"], ":8: expected a row of the section ROWS, found 'c1'"), (["RANGES", " r c1 1"], ":9: expected no constraints"),
                              (["BOUNDS", " BV B f1"], "expected a bound LO, UP, FX, FR, MI or PL, found 'BV'"),
-                             (["BOUNDS", " UP B f1 -4"], "a lower bound before"), (["BOUNDS", " UP B f3 4"], "a column of the section COLUMNS, found 'f3'"),
+                             (["BOUNDS", " UP B f1 -4"], "a lower bound before"), (["BOUNDS", " FR 3"], "a bound's kind, set, column, found 'FR 3'"),
+                             (["BOUNDS", " FR f3 0"], "a bound's kind, set, column, found 'FR f3 0'"),
+                             (["BOUNDS", " UP f1"], "a bound's kind, set, column and value, found 'UP f1'"),
+                             (["BOUNDS", " UP B f1 1", " UP f2 1"], "the name of a set in every bound, or in none, found 'UP f2 1'"),
                              (["BOUNDS", " LO B f1 5", " UP B f1 4"], "bounds with a number between them, found 5.0 and 4.0 of variable 1"),
                              (["BOUNDS", " LO B f1 nan"], "a finite number, found 'nan'"), (["BOUNDS", " LO B f1 1e999"], "found '1e999'"),
-                             (["QUADOBJ", " f1 f2 1", " f2 f1 1"], "one triangle of the matrix"), (["QMATRIX", " f1 f2 1"], "a symmetric matrix"),
+                             (["QUADOBJ", " f1 f3 4"], "a column of the sections COLUMNS or BOUNDS, found 'f3'"),
+                             (["QUADOBJ", " f1 f2 1", " f2 f1 1"], "every pair of columns once in QUADOBJ, found 'f1 f2'"),
+                             (["QUADOBJ", " f2 f2 1 f1 1 f2 1"], "every pair of columns once"), (["QMATRIX", " f1 f2 1"], "a symmetric matrix"),
                              (["QUADOBJ", " f1 f2"], "columns with their values"), (["QUADOBJ", "QMATRIX"], "every section once"),
-                             (["OBJSENSE", " MAX"], "expected a section NAME, ROWS"), (["QUADOBJ", " f1 f1 1e308", " f1 f1 1e308"], "whose sum is finite")):
+                             (["OBJSENSE", " MAX"], f":9: {sense} 'MAX'"), (["OBJSENSE MAXIMIZE"], f":8: {sense} 'MAXIMIZE'"),
+                             (["QMATRIX", " f1 f1 1e308", " f1 f1 1e308"], "whose sum is finite")):
             with self.subTest(lines):
                 self.assertRefused("p.qps", _qps(*lines), words)
         self.assertRefused("p.qps", _qps().replace("ENDATA\n", ""), ":7: expected ENDATA, found the end of the file")
-        self.assertRefused("p.qps", _qps().replace(" N obj", " N obj\n L c1"), "one row N, the objective")
+        self.assertRefused("p.qps", _qps().replace(" N obj", " N obj\n L c1"), "rows N, of which the first is the objective, and no constraints")
+        self.assertRefused("p.qps", _qps().replace(" N obj", " N obj\n N obj"), ":4: expected every row once, found 'obj'")
         self.assertRefused("p.qps", _qps().replace("f2 obj", "f1 obj 3\n f2 obj 4\n f1 obj"), "all entries of a column together")
         self.assertRefused("p.qps", b"", "p.qps:1: expected ENDATA, found the end of the file")
         self.assertRefused("p.qps.gz", b"\x1f\x8bno gzip", "damaged or incomplete")
