@@ -22,6 +22,9 @@ from .words import Words, number
 
 _MOST_NPZ_ROWS = 23_000  # 4 GB of P, the most that zip has without extensions
 _ABSENT = "GhAb"  # constraints
+_NUMBERS = "integers, truth values or IEEE numbers of at most 64 bits"
+_OF_SAVE_NPZ = {"format", "shape", "data"}  # of scipy.sparse.save_npz, whatever the format
+_EXACT = 2.0**53  # integers up to it are doubles
 codecs.lookup("cp437")  # of names in archives: a process that reads can import nothing more
 
 
@@ -253,11 +256,16 @@ class _Archive:
         except (zipfile.BadZipFile, NotImplementedError, ValueError, EOFError) as error:
             raise mismatch(str(path), "an npz file (zip)", f"one that cannot be unpacked: {error}") from error
 
+    def require_program(self) -> None:
+        """@raise FormatError  for the file of a sparse matrix alone"""
+        if _OF_SAVE_NPZ <= {name.removesuffix(".npy") for name in self._zip.namelist()}:
+            raise mismatch(str(self._path), "the arrays P and q of a program", "a matrix, as scipy.sparse.save_npz writes it")
+
     def mismatch(self, name: str, expected: str, found: object) -> FormatError:
         return mismatch(f"{self._path}: {name}", expected, found)
 
     def array(self, name: str, dimensions: int) -> np.ndarray | None:
-        """64-bit numbers; None where there is no such array, or None in the file."""
+        """Doubles; None where there is no such array, or None in the file."""
         names = [found for found in self._zip.namelist() if found == f"{name}.npy"]
         if not names:
             return None
@@ -279,9 +287,9 @@ class _Archive:
         if dtype.hasobject:
             if shape == () and _instructions(member.read(1 << 16)) in _NOTHING:
                 return None
-            raise self.mismatch(name, "64-bit IEEE numbers or None", "other objects of Python, which are not unpickled")
-        if dtype not in (np.dtype("<f8"), np.dtype(">f8")):
-            raise self.mismatch(name, "64-bit IEEE numbers", dtype)
+            raise self.mismatch(name, f"{_NUMBERS}, or None", "other objects of Python, which are not unpickled")
+        if dtype.kind not in "biuf" or dtype.itemsize > 8:
+            raise self.mismatch(name, _NUMBERS, dtype)
         if len(shape) != dimensions or min(shape) < 0:
             raise self.mismatch(name, f"{dimensions} dimensions", shape)
         count = int(np.prod([int(length) for length in shape], dtype=object))
@@ -294,7 +302,12 @@ class _Archive:
             left -= len(part)
         if member.read(1):
             raise self.mismatch(name, f"{count} numbers", "more")
-        values = np.frombuffer(b"".join(parts), dtype=dtype).astype(np.float64)
+        found = np.frombuffer(b"".join(parts), dtype=dtype)
+        values = found.astype(np.float64)
+        if dtype.kind in "iu":
+            is_large = np.abs(values) >= _EXACT
+            for value in [value for value in found[is_large].tolist() if int(float(value)) != value][:1]:
+                raise self.mismatch(name, "integers that are exact in doubles", value)
         return values.reshape(shape, order="F" if by_columns else "C")
 
     def reals(self, name: str, shape: tuple[int, ...] | None, may_be_infinite: bool = False) -> np.ndarray | None:
@@ -311,6 +324,7 @@ class _Archive:
 def read_npz(path: Path, id: str) -> StoredProblem:
     """The problem is dense. Where there are no lower bounds, or no upper ones, they are infinite, as for qpsolvers."""
     archive = _Archive(path)
+    archive.require_program()
     q = archive.reals("q", None)
     if q is None:
         raise archive.mismatch("q", "an array of numbers", "none")

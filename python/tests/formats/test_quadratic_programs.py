@@ -8,6 +8,7 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
+import scipy.sparse
 from stored_problems import FormatError, FormatTest, StoredProblem, difference, formats, generated, quadratic
 
 
@@ -153,9 +154,9 @@ class QuadraticPrograms(FormatTest):
         P, q = np.eye(2), np.ones(2)
         for arrays, words in (({"P": P}, "q: expected an array of numbers, none"), ({"q": q}, "P: expected an array of numbers, found none"),
                               ({"P": np.eye(3), "q": q}, "P: expected 2 x 2 numbers, found 3 x 3"), ({"P": q, "q": q}, "P: expected 2 dimensions"),
-                              ({"P": P, "q": np.ones(2, dtype=int)}, "q: expected 64-bit IEEE numbers, found int64"),
-                              ({"P": P, "q": np.array(["a", "b"])}, "q: expected 64-bit IEEE numbers, found <U1"),
-                              ({"P": P.astype(np.float32), "q": q}, "found float32"), ({"P": P * np.nan, "q": q}, "P: expected finite numbers"),
+                              ({"P": P, "q": np.array(["a", "b"])}, f"q: expected {quadratic._NUMBERS}, found <U1"),
+                              ({"P": P.astype(complex), "q": q}, "numbers of at most 64 bits, found complex128"),
+                              ({"P": P.astype(np.longdouble), "q": q}, "numbers of at most 64 bits, found float"), ({"P": P * np.nan, "q": q}, "P: expected finite numbers"),
                               ({"P": P, "q": q, "lb": np.full(2, np.nan)}, "lb: expected numbers, found others"),
                               ({"P": P, "q": q, "lb": np.ones(3)}, "lb: expected 2 numbers, found 3"),
                               ({"P": P, "q": q, "lb": q, "ub": -q}, "bounds with a number between them"),
@@ -167,6 +168,32 @@ class QuadraticPrograms(FormatTest):
         whole = _npz(P=P, q=q)
         for k in range(1, 20):
             self.assertRefused("p.npz", whole[:len(whole) * k // 20], "")
+
+    def test_numbers_that_doubles_hold_are_read(self):
+        P, q = [[2, 1], [1, 3]], [1, 0]
+        for kind in ("?", "<i1", "<u2", ">i4", "<i8", ">u8", "<f2", "<f4", ">f4"):
+            matrix = np.array(P, dtype=kind)
+            problem = self.load("p.npz", _npz(P=matrix, q=np.array(q, dtype=kind), lb=np.array([0, 1], dtype=kind)))
+            self.assertEqual((problem.A.tolist(), problem.b.tolist()), (matrix.astype(float).tolist(), q), kind)
+            self.assertEqual((problem.A.dtype, problem.bounded["lower"].tolist()), (np.float64, [1]))
+        for value in (-2**63, 2**53, -2**53 - 2, 2**62 + 2**10):
+            self.assertEqual(self.load("p.npz", _npz(P=P, q=[1, value])).b.tolist(), [1, value])
+        self.assertEqual(self.load("p.npz", _npz(P=P, q=np.array([0, 2**63], dtype=np.uint64))).b.tolist(), [0, 2**63])
+        for values in ([1, 2**53 + 1], [-2**53 - 1, 0], [2**63 - 1, 0], np.array([0, 2**64 - 1], dtype=np.uint64)):
+            value = next(value for value in np.array(values).tolist() if abs(value) > 1)
+            self.assertRefused("p.npz", _npz(P=P, q=values), f"q: expected integers that are exact in doubles, found {value}")
+
+    def test_matrices_of_scipy_are_named(self):
+        for kind in ("csr", "csc", "coo", "bsr", "dia"):
+            stream = io.BytesIO()
+            scipy.sparse.save_npz(stream, scipy.sparse.eye(3, format=kind))
+            self.assertRefused("p.npz", stream.getvalue(), "p.npz: expected the arrays P and q of a program, found a matrix, as scipy.sparse.save_npz")
+
+    def test_byte_order_marks_are_named(self):
+        for name, text in (("p.qps", _qps()), ("p.mps", ""), ("p.dat", "1 0 1 1 1 1 2 -1")):
+            for coding, mark in (("UTF-8", "utf-8-sig"), ("UTF-16", "utf-16"), ("UTF-16", "utf-16-be")):
+                content = (text if mark != "utf-16-be" else "\ufeff" + text).encode(mark)
+                self.assertRefused(name, content, f"{name}:1: expected text without a byte order mark, found one of {coding}")
 
     def test_nothing_is_unpickled(self):
         ran = self.folder / "ran"
