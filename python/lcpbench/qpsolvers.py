@@ -4,7 +4,7 @@
 
 P symmetric and positive semidefinite. Its optimality conditions are the box LCP w = P x + q, which `lcpbench.solve`
 solves. Importing this module registers the solver; problems with G, h, A or b are refused. Methods that do not take
-bounded rows get rows with one bound as x = lb + f or x = ub - f, f >= 0.
+bounded rows get rows with one bound as x = lb + f or x = ub - f, f >= 0. Bounds of 1e20 and beyond are infinite.
 
     import qpsolvers, lcpbench.qpsolvers
     x = qpsolvers.solve_qp(P, q, lb=lb, ub=ub, solver="lcpbench")
@@ -20,6 +20,7 @@ from qpsolvers.exceptions import ProblemError
 from qpsolvers.solvers import solve_function
 
 from . import _core
+from .formats.quadratic import with_infinities
 
 __all__ = ["solve_problem"]
 
@@ -44,8 +45,8 @@ def solve_problem(problem: Problem, initvals: np.ndarray | None = None, verbose:
     if any(part is not None for part in (G, h, A, b)):
         raise ProblemError("lcpbench takes problems with bounds only: expected G, h, A and b to be None")
     n = len(q)
-    lower = np.full(n, -np.inf) if lb is None else np.asarray(lb, dtype=float)
-    upper = np.full(n, np.inf) if ub is None else np.asarray(ub, dtype=float)
+    lower = np.full(n, -np.inf) if lb is None else with_infinities(np.asarray(lb, dtype=float))
+    upper = np.full(n, np.inf) if ub is None else with_infinities(np.asarray(ub, dtype=float))
     solution = Solution(problem)
     if np.any(lower > upper):
         solution.found = False

@@ -72,6 +72,17 @@ def test_solve_qp_and_warm_starts():
     assert "lcpbench" in qpsolvers.available_solvers
 
 
+@pytest.mark.parametrize("far", [1e20, 1e30, 1e300, np.inf])
+@pytest.mark.parametrize("method", ["auto", "dantzig"])  # which takes rows with one bound
+def test_bounds_of_1e20_and_beyond_are_infinite(far, method):
+    unbounded = qpsolvers.Problem(np.diag([0.0, 3.0]), np.array([1.0, -2.0]), lb=np.array([-far, 0.0]), ub=np.full(2, far))
+    assert not qpsolvers.solve_problem(unbounded, "lcpbench", method=method).found
+    problem = qpsolvers.Problem(np.eye(3), np.array([1.0, -2.0, 3.0]), lb=np.array([-far, 3.0, -far]), ub=np.array([far, far, -4.0]))
+    solution = qpsolvers.solve_problem(problem, "lcpbench", method=method)
+    assert solution.found and solution.x == pytest.approx([-1, 3, -4])
+    assert solution.z_box == pytest.approx([0, -1, 1])
+
+
 def test_what_has_no_solution_is_not_found():
     assert qpsolvers.solve_qp(np.zeros((1, 1)), np.array([1.0]), ub=np.ones(1), solver="lcpbench") is None  # unbounded
     crossed = qpsolvers.Problem(np.eye(1), np.zeros(1), lb=np.ones(1), ub=-np.ones(1))

@@ -21,6 +21,7 @@ from .problem import FormatError, StoredProblem, mismatch, refuse_rows, sparse
 from .words import Words, number
 
 _MOST_NPZ_ROWS = 23_000  # 4 GB of P, the most that zip has without extensions
+_INFINITE = 1e20  # bounds of this size and beyond
 _ABSENT = "GhAb"  # constraints
 _NUMBERS = "integers, truth values or IEEE numbers of at most 64 bits"
 _OF_SAVE_NPZ = {"format", "shape", "data"}  # of scipy.sparse.save_npz, whatever the format
@@ -28,8 +29,16 @@ _EXACT = 2.0**53  # integers up to it are doubles
 codecs.lookup("cp437")  # of names in archives: a process that reads can import nothing more
 
 
+def with_infinities(bounds: np.ndarray) -> np.ndarray:
+    """Bounds of 1e20 and beyond are infinite, for which programs' tools have no other word."""
+    return np.where(np.abs(bounds) >= _INFINITE, np.copysign(np.inf, bounds), bounds)
+
+
 def _require_qp(problem: StoredProblem) -> None:
     refuse_rows(problem, takes_bounded=True)
+    bounds = np.concatenate(_bounds(problem))
+    for bound in bounds[bounds != with_infinities(bounds)][:1]:
+        raise mismatch(problem.place, f"bounds below {_INFINITE:g}, from which on they are infinite; JSON lines have larger ones", float(bound))
     if problem.J is not None:
         return
     A = problem.entries()
@@ -54,6 +63,7 @@ def _problem(place: str, id: str, A: np.ndarray, b: np.ndarray, lower: np.ndarra
     """A program's bounds are kinds of rows. @param A  dense or sparse"""
     if not (abs(A - A.T) == 0 if isinstance(A, np.ndarray) else abs(A - A.T).tocoo().data == 0).all():
         raise mismatch(place, "a symmetric matrix of the quadratic terms", "another")
+    lower, upper = with_infinities(lower), with_infinities(upper)
     for k in np.flatnonzero((lower > upper) | (lower == np.inf) | (upper == -np.inf))[:1]:
         raise mismatch(place, "bounds with a number between them", f"{float(lower[k])} and {float(upper[k])} of variable {k + 1}")
     is_above_free = upper == np.inf

@@ -65,7 +65,11 @@ class QuadraticPrograms(FormatTest):
     def test_what_is_no_qp_is_not_written(self):
         unsymmetric = StoredProblem("u", np.ones(2), A=np.array([[1.0, 2], [3, 1]]))
         friction = StoredProblem("f", np.ones(2), A=np.eye(2), friction={"row": np.array([1]), "normal": np.array([0]), "mu": np.array([0.5])})
+        bounded = {"row": np.array([1]), "lower": np.array([-1e20]), "upper": np.array([1.0])}
+        far = StoredProblem("b", np.ones(2), A=np.eye(2), bounded=bounded)
         for write in (quadratic.write_qps, quadratic.write_npz):
+            with self.assertRaisesRegex(FormatError, r"problem 'b': expected bounds below 1e\+20, from which on .*, found -1e\+20"):
+                write(far)
             with self.assertRaisesRegex(FormatError, "problem 'u': expected a symmetric A, as that of a QP is, found an asymmetry of 1; --sym"):
                 write(unsymmetric)
             with self.assertRaisesRegex(FormatError, "problem 'f' has friction rows, which the format has no place for; expected JSON lines"):
@@ -105,6 +109,21 @@ class QuadraticPrograms(FormatTest):
         for kind, upper in (("FR f1 %s", inf), ("UP f1 %s 4", 4)):  # a set that is named as a column
             self.assertBounds([" " + kind % "f2"], [0, -inf if upper == inf else 0], [inf, upper])
             self.assertBounds([" " + kind % "f3"], [0, 0, -inf if upper == inf else 0], [inf, inf, upper])
+
+    def test_bounds_of_1e20_and_beyond_are_infinite(self):
+        inf, below = np.inf, np.nextafter(1e20, 0)
+        for size in ("1e20", "1e30", "1E+300"):
+            self.assertBounds([f" LO B f1 -{size}", f" UP B f2 {size}"], [-inf, 0], [inf, inf])
+            self.assertBounds([f" LO B f1 -{size}", " UP B f1 -1", " LO B f2 -2", f" UP B f2 {size}"], [-inf, -2], [-1, inf])
+            for bound in (f"LO B f1 {size}", f"FX B f1 {size}", f"FX B f1 -{size}"):
+                self.assertRefused("p.qps", _qps("BOUNDS", " " + bound), "bounds with a number between them")
+        self.assertBounds([f" LO B f1 {-below!r}", f" UP B f2 {below!r}"], [-below, 0], [inf, below])
+        for kind in (float, np.float32):
+            lower, upper = (np.array(bounds, dtype=kind) for bounds in ([-1e20, 0, -1e30, -1], [1e30, 1e20, 2, 1e30]))
+            problem = self.load("p.npz", _npz(P=np.eye(4), q=np.ones(4), lb=lower, ub=upper))
+            self.assertEqual([bounds.tolist() for bounds in quadratic._bounds(problem)], [[-inf, 0, -inf, -1], [inf, inf, 2, inf]])
+            self.assertEqual((problem.bilateral.tolist(), problem.bounded["row"].tolist()), ([0], [2, 3]))
+            self.assertRefused("p.npz", _npz(P=np.eye(4), q=np.ones(4), ub=-upper), "bounds with a number between them")
 
     def test_columns_may_stand_in_bounds_alone(self):
         self.assertBounds([" LO B f3 1", " UP B f4 2", " UP B f3 5"], [0, 0, 1, 0], [np.inf, np.inf, 5, 2])
