@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.lib import format as npy
+from scipy.sparse import coo_array, csr_array
 
 from .problem import FormatError, StoredProblem, mismatch, refuse_rows, sparse
 from .words import Words, number
@@ -39,16 +40,19 @@ def _require_qp(problem: StoredProblem) -> None:
     bounds = np.concatenate(_bounds(problem))
     for bound in bounds[bounds != with_infinities(bounds)][:1]:
         raise mismatch(problem.place, f"bounds below {_INFINITE:g}, from which on they are infinite; JSON lines have larger ones", float(bound))
-    if problem.J is not None:
-        return
-    A = problem.entries()
-    difference = (A - A.T).tocoo()
-    if not difference.data.any():
-        return
+    if problem.J is None:
+        _require_symmetry(problem.place, problem.matrix(), 0.0)
+
+
+def _require_symmetry(place: str, A: np.ndarray | csr_array, most: float) -> None:
+    """@param most  of the asymmetry as docs/formats.md has it"""
     diagonal = np.sqrt(np.abs(A.diagonal()))
-    scale = diagonal[difference.row] * diagonal[difference.col]
-    asymmetry = (np.abs(difference.data) / np.where(scale > 0, scale, 1.0)).max()
-    raise mismatch(problem.place, "a symmetric A, as that of a QP is", f"an asymmetry of {asymmetry:.17g}; --symmetrize makes a small one 0")
+    with np.errstate(over="ignore"):
+        difference = coo_array(A - A.T)
+        scale = diagonal[difference.row] * diagonal[difference.col]
+        asymmetry = np.max(np.abs(difference.data) / np.where(scale > 0, scale, 1.0), initial=0.0)
+    if asymmetry > most:
+        raise mismatch(place, "a symmetric matrix, as that of a QP is", f"an asymmetry of {asymmetry:.17g}; --symmetrize makes a small one 0")
 
 
 def _bounds(problem: StoredProblem) -> tuple[np.ndarray, np.ndarray]:
@@ -59,10 +63,8 @@ def _bounds(problem: StoredProblem) -> tuple[np.ndarray, np.ndarray]:
     return lower, upper
 
 
-def _problem(place: str, id: str, A: np.ndarray, b: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> StoredProblem:
-    """A program's bounds are kinds of rows. @param A  dense or sparse"""
-    if not (abs(A - A.T) == 0 if isinstance(A, np.ndarray) else abs(A - A.T).tocoo().data == 0).all():
-        raise mismatch(place, "a symmetric matrix of the quadratic terms", "another")
+def _problem(place: str, id: str, A: np.ndarray | csr_array, b: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> StoredProblem:
+    """A program's bounds are kinds of rows."""
     lower, upper = with_infinities(lower), with_infinities(upper)
     for k in np.flatnonzero((lower > upper) | (lower == np.inf) | (upper == -np.inf))[:1]:
         raise mismatch(place, "bounds with a number between them", f"{float(lower[k])} and {float(upper[k])} of variable {k + 1}")
@@ -104,9 +106,10 @@ class _Qps:
 
     _CONSTRAINTS = "no constraints but bounds, as an LCP has none"
 
-    def __init__(self, words: Words, id: str):
+    def __init__(self, words: Words, id: str, most_asymmetry: float):
         self._words = words
         self._id = id
+        self._most_asymmetry = most_asymmetry
         self._rows: dict[bytes, int] = {}  # the objective, and free ones that mean nothing
         self._columns: dict[bytes, int] = {}
         self._b: list[float] = []
@@ -229,6 +232,7 @@ class _Qps:
             for twice in places[1:][places[1:] == places[:-1]][:1]:
                 self._words.reject("every pair of columns once in QUADOBJ", names[twice // n] + b" " + names[twice % n])
         A = sparse(self._words.place, (n, n), row, column, value)
+        _require_symmetry(self._words.place, A, self._most_asymmetry)
         lower, upper = np.zeros(n), np.full(n, np.inf)
         for index, (low, high) in self._bounds.items():
             lower[index], upper[index] = low, high
@@ -238,11 +242,11 @@ class _Qps:
         return _problem(self._words.place, self._id, A, b, lower, upper)
 
 
-def read_qps(lines: Iterable[bytes], name: str, id: str) -> StoredProblem:
+def read_qps(lines: Iterable[bytes], name: str, id: str, most_asymmetry: float = 0.0) -> StoredProblem:
     """Free format: no spaces in names. The problem is sparse. Rows N behind the first, sets of bounds behind the first and
     a number that a kind of bound does not use mean nothing, as for other readers. An upper bound below 0 beside no lower
     one is refused, as programs take it for different things."""
-    return _Qps(Words(lines, name), id).read()
+    return _Qps(Words(lines, name), id, most_asymmetry).read()
 
 
 def _instructions(pickled: bytes) -> list[tuple]:
@@ -331,7 +335,7 @@ class _Archive:
         return values
 
 
-def read_npz(path: Path, id: str) -> StoredProblem:
+def read_npz(path: Path, id: str, most_asymmetry: float = 0.0) -> StoredProblem:
     """The problem is dense. Where there are no lower bounds, or no upper ones, they are infinite, as for qpsolvers."""
     archive = _Archive(path)
     archive.require_program()
@@ -342,6 +346,7 @@ def read_npz(path: Path, id: str) -> StoredProblem:
     P = archive.reals("P", (n, n))
     if P is None:
         raise archive.mismatch("P", "an array of numbers", "none")
+    _require_symmetry(f"{path}: P", P, most_asymmetry)
     for name in _ABSENT:
         if archive.array(name, 2 if name in "GA" else 1) is not None:
             raise archive.mismatch(name, "None, as an LCP has no constraints but bounds", "an array")

@@ -28,10 +28,10 @@ class QuadraticPrograms(FormatTest):
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
 
-    def load(self, name, content):
+    def load(self, name, content, **options):
         path = self.folder / name
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
-        return formats.load(path)[0]
+        return formats.load(path, **options)[0]
 
     def assertRefused(self, name, content, words):
         self.assertRefusal(f"{self.folder / name}:", words, self.load, name, content)
@@ -70,7 +70,7 @@ class QuadraticPrograms(FormatTest):
         for write in (quadratic.write_qps, quadratic.write_npz):
             with self.assertRaisesRegex(FormatError, r"problem 'b': expected bounds below 1e\+20, from which on .*, found -1e\+20"):
                 write(far)
-            with self.assertRaisesRegex(FormatError, "problem 'u': expected a symmetric A, as that of a QP is, found an asymmetry of 1; --sym"):
+            with self.assertRaisesRegex(FormatError, "problem 'u': expected a symmetric matrix, as that of a QP is, found an asymmetry of 1; --sym"):
                 write(unsymmetric)
             with self.assertRaisesRegex(FormatError, "problem 'f' has friction rows, which the format has no place for; expected JSON lines"):
                 write(friction)
@@ -135,6 +135,16 @@ class QuadraticPrograms(FormatTest):
             problem = self.load("p.qps", _qps("BOUNDS", " FR B x", "QUADOBJ", *lines))
             self.assertEqual(problem.entries().toarray().tolist(), [[2, -1, 5], [-1, 3, 4], [5, 4, 0]])
 
+    def test_asymmetric_matrices_are_read_where_that_is_asked_for(self):
+        P = np.array([[4, 1 + 2.0**-10], [1, 9]])
+        text = _qps("QMATRIX", *(f" f{i + 1} f{j + 1} {P[i, j]!r}" for i in range(2) for j in range(2)))
+        for name, content, place in (("p.qps", text, ":13: "), ("p.npz", _npz(P=P, q=np.ones(2)), ": P: ")):
+            for most in (0.0, 2.0**-10 / 6 * (1 - 1e-12)):
+                self.assertRefusal(f"{self.folder / name}{place}", "expected a symmetric matrix, as that of a QP is, found an asymmetry of 0.0001627",
+                                   self.load, name, content, most_asymmetry=most)
+            for most in (2.0**-10 / 6, 1):
+                self.assertEqual(self.load(name, content, most_asymmetry=most).entries().toarray().tolist(), P.tolist())
+
     def test_further_free_rows_mean_nothing(self):
         text = ("ROWS\n N obj\n N other\n N third\nCOLUMNS\n f1 obj -1 other 5\n f2 third 7\n f2 other 3 obj 2\n f3 other 1\n"
                 "RHS\n RHS obj 1 other 4\nENDATA\n")
@@ -180,7 +190,7 @@ class QuadraticPrograms(FormatTest):
                               ({"P": P, "q": q, "lb": np.ones(3)}, "lb: expected 2 numbers, found 3"),
                               ({"P": P, "q": q, "lb": q, "ub": -q}, "bounds with a number between them"),
                               ({"P": P, "q": q, "G": P, "h": q}, "G: expected None, as an LCP has no constraints but bounds"),
-                              ({"P": np.array([[1.0, 2], [3, 1]]), "q": q}, "a symmetric matrix of the quadratic terms")):
+                              ({"P": np.array([[1.0, 2], [3, 1]]), "q": q}, "P: expected a symmetric matrix")):
             with self.subTest(words):
                 self.assertRefused("p.npz", _npz(**arrays), words.replace(", none", ", found none"))
         self.assertRefused("p.npz", b"PK no zip", "expected an npz file (zip)")
