@@ -1,6 +1,5 @@
 """The published JSON Schemas, and changes of documents that they must refuse."""
 
-import copy
 import json
 from pathlib import Path
 
@@ -15,15 +14,14 @@ def json_of(path: Path):
 
 
 def changed(document, path, value):
-    """A copy of `document` with the member at `path` set to `value`, or taken away where that is REMOVED."""
-    document = copy.deepcopy(document)
-    parent = document
-    for key in path[:-1]:
-        parent = parent[key]
-    if value is REMOVED:
-        del parent[path[-1]]
+    """`document` with the member at `path` set to `value`, or taken away where that is REMOVED; all else is shared."""
+    document, (key, *rest) = document.copy(), path
+    if rest:
+        document[key] = changed(document[key], rest, value)
+    elif value is REMOVED:
+        del document[key]
     else:
-        parent[path[-1]] = value
+        document[key] = value
     return document
 
 

@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import math
 import os
 import subprocess
 import tempfile
@@ -133,7 +134,9 @@ def _changes(document, most):
     """(path, document) of changes of single members; of long documents, a fair sample."""
     changes = [(path, value) for path in _paths(document) for value in _VALUES]
     step = max(1, len(changes) // most)
-    for path, value in changes[::step] if step > 1 else changes:
+    while math.gcd(step, len(_VALUES)) > 1:  # so that every value has its turn
+        step += 1
+    for path, value in changes[::step]:
         yield path, changed(document, path, value)
     for path in [(), *_paths(document)]:
         member = document
@@ -167,7 +170,7 @@ class Formats(unittest.TestCase):
         for name, (documents, beyond) in _DOCUMENTS.items():
             documents = json.loads(json.dumps(documents))  # without members in common
             validator = validator_of(name)
-            most = 4000 // len(documents)
+            most = 1000 // len(documents)
             cases = [((), document) for document in documents] + [case for document in documents for case in _changes(document, most)]
             for (path, document), said in zip(cases, _read(name, [json.dumps(document) for _, document in cases]), strict=True):
                 with self.subTest(name, path=path):
@@ -251,7 +254,7 @@ class Formats(unittest.TestCase):
             for file in files:
                 with gzip.open(_ROOT / file, "rt") as opened:
                     for number, line in enumerate(opened, start=1):
-                        if len(line) < 20_000:
+                        if number % 4 == 1 and len(line) < 20_000:
                             self.assertTrue(validator.is_valid(json.loads(line)), f"{file}:{number}")
         for name, file in {"tuned": "data/tuned.json", "campaign": "report/reference/core/campaign.json"}.items():
             self.assertEqual([error.message for error in validator_of(name).iter_errors(json_of(_ROOT / file))], [], file)

@@ -26,7 +26,8 @@ function(expect program text)
 endfunction()
 
 set(made "${WORK_DIR}/made")
-set(options -G "${GENERATOR}" "-DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix" "-DMADE_DIR=${made}" -DCMAKE_BUILD_TYPE=Release)
+set(options -G "${GENERATOR}" "-DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix" "-DMADE_DIR=${made}" -DCMAKE_BUILD_TYPE=Release
+    "-DCMAKE_CXX_FLAGS_RELEASE=-O0 -DNDEBUG")  # what they call is optimised
 run("${CMAKE_COMMAND}" --install "${BUILD_DIR}" --prefix "${WORK_DIR}/prefix")
 # A peer in Python uses the module beside the installed worker, not that of the source: it ends with the module.
 file(GLOB_RECURSE module "${WORK_DIR}/prefix/*/lcpbench/python/peers.py")

@@ -180,7 +180,7 @@ TEST(Protocol, BrokenPayloadsAreErrors) {
 // Recorded conversations and changes of them.
 TEST(ProtocolLaw, HoldsForTheCorpusAndItsChanges) {
   ExpectLawHolds(
-      BrokenProtocolLaw, "protocol_corpus", 20000,
+      BrokenProtocolLaw, "protocol_corpus", 4000,
       [random = std::mt19937_64(1), of_text = ChangesOfText()](const std::string& bytes, const auto& corpus) mutable {
         std::vector<std::string> changes = of_text(bytes, corpus);
         changes.push_back(OverwrittenBytes(bytes, &random));
