@@ -111,7 +111,7 @@ class QuadraticPrograms(FormatTest):
             self.assertBounds([" " + kind % "f3"], [0, 0, -inf if upper == inf else 0], [inf, inf, upper])
 
     def test_bounds_of_1e20_and_beyond_are_infinite(self):
-        inf, below = np.inf, np.nextafter(1e20, 0)
+        inf, below = np.inf, float(np.nextafter(1e20, 0))
         for size in ("1e20", "1e30", "1E+300"):
             self.assertBounds([f" LO B f1 -{size}", f" UP B f2 {size}"], [-inf, 0], [inf, inf])
             self.assertBounds([f" LO B f1 -{size}", " UP B f1 -1", " LO B f2 -2", f" UP B f2 {size}"], [-inf, -2], [-1, inf])
@@ -137,7 +137,7 @@ class QuadraticPrograms(FormatTest):
 
     def test_asymmetric_matrices_are_read_where_that_is_asked_for(self):
         P = np.array([[4, 1 + 2.0**-10], [1, 9]])
-        text = _qps("QMATRIX", *(f" f{i + 1} f{j + 1} {P[i, j]!r}" for i in range(2) for j in range(2)))
+        text = _qps("QMATRIX", *(f" f{i + 1} f{j + 1} {P[i, j]:.17g}" for i in range(2) for j in range(2)))
         for name, content, place in (("p.qps", text, ":13: "), ("p.npz", _npz(P=P, q=np.ones(2)), ": P: ")):
             for most in (0.0, 2.0**-10 / 6 * (1 - 1e-12)):
                 self.assertRefusal(f"{self.folder / name}{place}", "expected a symmetric matrix, as that of a QP is, found an asymmetry of 0.0001627",
