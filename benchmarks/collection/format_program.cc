@@ -73,6 +73,7 @@ std::string Ask(const std::string& request, const std::string& place) {
 LcpProblem ReadWithPython(const std::string& path, const ReadingOptions& options) {
   nlohmann::json chosen = {{"box_friction", options.box_friction}, {"without_friction", options.without_friction}};
   if (!options.fclib_triplets.empty()) chosen["fclib_triplets"] = options.fclib_triplets;
+  if (options.symmetrize) chosen["most_asymmetry"] = *options.symmetrize;
   // A path may be any bytes: they follow the request.
   const nlohmann::json request = {{"read", path.size()}, {"options", chosen}};
   return ParseLcpRecord(Ask(request.dump() + "\n" + path, path), path).problem;
