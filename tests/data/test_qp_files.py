@@ -95,7 +95,7 @@ class QpFiles(unittest.TestCase):
         for name in ["p.qps", "p.npz"]:
             done = subprocess.run([_COMMAND, "convert", "-", "-o", str(self.folder / name)], input=line, capture_output=True, text=True)
             self.assertEqual(done.returncode, 2)
-            self.assertIn("problem 'u': expected a symmetric A", done.stderr)
+            self.assertIn("problem 'u': expected a symmetric matrix", done.stderr)
             self.assertFalse((self.folder / name).exists())
 
 
