@@ -15,7 +15,7 @@ std::vector<std::string> PythonCommand(const std::string& from_program, const st
     throw InputError("the Python program is neither at " + installed + " nor at " + in_source);
   }
   const char* chosen = std::getenv("LCPBENCH_PYTHON");
-  return {chosen != nullptr ? chosen : "/usr/bin/python3", program};
+  return {chosen != nullptr ? chosen : "/usr/bin/python3", "-E", "-s", program};
 }
 
 }  // namespace lcpbench

@@ -20,6 +20,11 @@ constexpr double kAllowedLeast = 20e-6;
 constexpr double kLeastLimit = 1e-9;
 constexpr double kSecondsBetweenSteps = 0.2;  // that are told of
 
+bool ShowsThereIsNoSolution(const LcpResult& result, const Verdict& verdict) {
+  return result.status == LcpStatus::kInfeasible && verdict.farkas && verdict.farkas->accepted &&
+         !verdict.false_infeasible;
+}
+
 }  // namespace
 
 StepRecord::StepRecord(const std::vector<double>& judged) {
@@ -29,13 +34,15 @@ StepRecord::StepRecord(const std::vector<double>& judged) {
   }
 }
 
-void StepRecord::Add(const LcpResult& result, double latency_s, bool preempted, const Metrics* metrics) {
+void StepRecord::Add(const LcpResult& result, double latency_s, bool preempted, const Verdict* verdict) {
+  const bool has_none = verdict != nullptr && ShowsThereIsNoSolution(result, *verdict);
+  const Metrics* metrics = verdict == nullptr || has_none ? nullptr : &verdict->metrics;
   for (TierCounts& counts : verdicts_) {
-    if (metrics != nullptr && PassesTier(*metrics, counts.tier)) continue;
+    if (has_none || (metrics != nullptr && PassesTier(*metrics, counts.tier))) continue;
     counts.failed.push_back(steps_);
     if (metrics != nullptr && result.status == LcpStatus::kSolved) ++counts.false_successes;
   }
-  if (metrics == nullptr) late_.push_back(steps_);
+  if (verdict == nullptr) late_.push_back(steps_);
   if (preempted) preempted_.push_back(steps_);
   const auto add = [&](const char* field, double Metrics::*number) {
     const bool known = metrics != nullptr && metrics->*number != -1;
@@ -133,8 +140,8 @@ SequenceReply SequenceRunner::Run(const SequenceRequest& request, const BeginPha
       taken_on = std::move(start);
       continue;
     }
-    const Metrics metrics = Verify(step.problem, result, request.tier, &step.reference).metrics;
-    record.Add(result, latency, preempted, &metrics);
+    const Verdict verdict = Verify(step.problem, result, request.tier, &step.reference);
+    record.Add(result, latency, preempted, &verdict);
     taken_on = result.f.allFinite() ? result.f : Eigen::VectorXd();
   }
   reply.results = record.Results(all);

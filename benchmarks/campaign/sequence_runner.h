@@ -18,8 +18,9 @@ class StepRecord {
   /// @param judged  tiers
   explicit StepRecord(const std::vector<double>& judged);
 
-  /// The next step. @param metrics  null: the answer was late, and does not count
-  void Add(const LcpResult& result, double latency_s, bool preempted, const Metrics* metrics);
+  /// The next step. An accepted proof that it has no solution is a right answer, without a residual.
+  /// @param verdict  null: the answer was late, and does not count
+  void Add(const LcpResult& result, double latency_s, bool preempted, const Verdict* verdict);
   /// The members of steps.jsonl from `reached` on. Steps that were not reached count as failed.
   nlohmann::json Results(int all) const;
 

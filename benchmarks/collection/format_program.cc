@@ -30,6 +30,11 @@ class FormatProgram {
     };
     bool is_whole = WriteAll(process_->socket(), request.data(), request.size(), kForever) == Transfer::kDone &&
                     receive(&kind, 1) && receive(&size, sizeof size);
+    if (is_whole && kind != '+' && kind != '-') {
+      process_.reset();
+      throw InputError(
+          place + ": what the program of formats answers is not understood: does its Python print something first?");
+    }
     if (is_whole) {
       answer.resize(size);
       is_whole = receive(answer.data(), size);
@@ -68,6 +73,7 @@ std::string Ask(const std::string& request, const std::string& place) {
 LcpProblem ReadWithPython(const std::string& path, const ReadingOptions& options) {
   nlohmann::json chosen = {{"box_friction", options.box_friction}, {"without_friction", options.without_friction}};
   if (!options.fclib_triplets.empty()) chosen["fclib_triplets"] = options.fclib_triplets;
+  if (options.symmetrize) chosen["most_asymmetry"] = *options.symmetrize;
   // A path may be any bytes: they follow the request.
   const nlohmann::json request = {{"read", path.size()}, {"options", chosen}};
   return ParseLcpRecord(Ask(request.dump() + "\n" + path, path), path).problem;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "benchmarks/measure/quantile.h"
+#include "solvers/lcp/solver.h"
 #include "support/number_text.h"
 
 namespace lcpbench {
@@ -38,9 +39,10 @@ std::string MostFrequentFailure(const Measurement& measured) {
   std::string failure;
   int steps = 0;
   for (const auto& [claim, count] : measured.claims) {
-    if (claim == "solved" || count <= steps) continue;
+    const int failed = claim == ToString(LcpStatus::kInfeasible) ? count - measured.proofs : count;
+    if (claim == ToString(LcpStatus::kSolved) || failed <= steps) continue;
     failure = claim;
-    steps = count;
+    steps = failed;
   }
   return failure;
 }
@@ -81,24 +83,32 @@ void Passes::Add(const SequenceReply& reply, bool disturbed, double tolerance) {
   found_.outcome = reply.outcome;
   found_.detail = reply.detail;
   found_.claims = results.at("claims").get<std::map<std::string, int>>();
+  std::set<size_t> failed;
   for (const nlohmann::json& verdict : results.at("verdicts")) {
     const auto tier = verdict.at("tier").get<double>();
     const int passed = verdict.at("passed").get<int>();
     found_.passed[tier] = found_.passes == 0 ? passed : std::min(found_.passed[tier], passed);
     if (tier != tolerance) continue;
+    failed = verdict.at("failed_steps").get<std::set<size_t>>();
     found_.false_successes = std::max(found_.false_successes, verdict.at("false_successes").get<int>());
   }
   const auto preempted = results.at("preempted").get<std::set<size_t>>();
   const auto reached = results.at("reached").get<size_t>();
+  found_.proofs = 0;
   for (size_t step = 0; step < reached; ++step) {
     const double latency = NumberAt(results.at("latency_s"), step);
     all_[step].push_back(latency);
     if (!disturbed && preempted.count(step) == 0) calm_[step].push_back(latency);
     found_.latency_s[step] = MedianOf(calm_[step].empty() ? all_[step] : calm_[step]);
     found_.raw_max_s = std::max(found_.raw_max_s, latency);
-    found_.rho = std::max(found_.rho, NumberAt(results.at("rho"), step));
+    // What is right without forces is a proof.
+    if (results.at("rho").at(step).is_null() && !failed.contains(step)) {
+      ++found_.proofs;
+    } else {
+      found_.rho = std::max(found_.rho, NumberAt(results.at("rho"), step));
+    }
   }
-  if (reached == 0) found_.rho = kInfinity;
+  if (static_cast<size_t>(found_.proofs) == reached) found_.rho = kInfinity;
   if (disturbed) ++found_.disturbed;
   ++found_.passes;
 }

@@ -31,7 +31,8 @@ struct Measurement {
   std::map<double, int> passed;       ///< steps verified, by tier: of the worst pass
   int false_successes = 0;            ///< of the worst pass, at the tolerance
   std::map<std::string, int> claims;  ///< steps by the solver's own word, of the last pass
-  double rho = 0;                     ///< largest of all answers; infinite where there is none
+  int proofs = 0;                     ///< steps shown to have no solution, which are right, of the last pass
+  double rho = 0;                     ///< largest of all forces; infinite where there are none
   int disturbed = 0;                  ///< passes during which the processor's clock was slow
 };
 

@@ -36,6 +36,10 @@ std::string Evidence(const Recommendation& all, const Assessment& each) {
   std::string text = each.measured.solver + start + ": " + TimeText(each.p50_s) + " median, " + TimeText(each.p99_s) +
                      " p99, rho " + ErrorText(each.measured.rho);
   if (all.request.deadline_s) text += ", in time " + ShortText(100 * each.in_time) + " %";
+  if (each.measured.proofs > 0) {
+    text += ", shows that " + std::to_string(each.measured.proofs) + " of " +
+            std::to_string(each.measured.latency_s.size()) + " steps have no solution";
+  }
   return each.shortcoming.empty() ? text : text + "; " + each.shortcoming;
 }
 
@@ -233,6 +237,7 @@ nlohmann::ordered_json DescribeRecommendation(const Recommendation& all) {
                               {"verdicts", tiers},
                               {"false_successes", measured.false_successes},
                               {"claims", measured.claims},
+                              {"proofs", measured.proofs},
                               {"rho", FiniteOrNull(measured.rho)},
                               {"outcome", measured.outcome},
                               {"detail", measured.detail},

@@ -1,6 +1,6 @@
 """qpsolvers: the KKT conditions of programs with bounds only; a refusal otherwise."""
 
-import lcpbench.qpsolvers  # noqa: F401
+import lcpbench.qpsolvers as qpsolvers_of_lcpbench
 import numpy as np
 import pytest
 import qpsolvers
@@ -70,6 +70,51 @@ def test_solve_qp_and_warm_starts():
     assert x == pytest.approx([0.5, 0])
     assert qpsolvers.solve_qp(P, q, lb=np.zeros(2), solver="lcpbench", initvals=x) == pytest.approx(x)
     assert "lcpbench" in qpsolvers.available_solvers
+
+
+@pytest.mark.parametrize("sparse", [False, True])
+@pytest.mark.parametrize("method", ["auto", "dantzig", "lemke"])
+@pytest.mark.parametrize("P", [[[1, 5], [5, 1]], [[1, 0], [0, -1]], [[-1]], [[0, 1], [1, 0]], [[0, 1], [1, 5]], [[-1, 0], [0, -2]],
+                               [[1e20, 0], [0, -1]], [[1e-20, 1e-3], [1e-3, 1]], [[1, 1 + 1e-9], [1 + 1e-9, 1]], [[-1e-300]],
+                               [[2, 2, 2], [2, 2, 2], [2, 2, 1]], [[1, -.6, -.6], [-.6, 1, -.6], [-.6, -.6, 1]]])
+def test_saddles_maxima_and_unbounded_programs_are_refused(P, method, sparse):
+    P = scipy.sparse.csc_matrix(P, dtype=float) if sparse else np.array(P, dtype=float)
+    n = P.shape[0]
+    for bounds in ({}, {"lb": np.zeros(n)}, {"lb": -np.ones(n), "ub": np.ones(n)}):
+        with pytest.raises(ProblemError, match="expected P to be positive semidefinite"):
+            qpsolvers.solve_problem(qpsolvers.Problem(P, np.zeros(n), **bounds), "lcpbench", method=method)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.integers(0, 10**6), st.integers(1, 40), st.integers(1, 40), st.booleans())
+def test_semidefiniteness_is_told_but_for_rounding(seed, n, rank, sparse):
+    random = np.random.default_rng(seed)
+    C = random.normal(size=(rank, n)) * (random.random((rank, n)) < 0.3) * 10.0 ** random.integers(-9, 9, n)
+    C[:, random.random(n) < 0.2] = C[:, :1] * 3  # columns that depend on another
+    made = scipy.sparse.csc_matrix if sparse else np.asarray
+    P = np.tril(C.T @ C) + np.tril(C.T @ C, -1).T
+    assert qpsolvers_of_lcpbench._is_semidefinite(made(P))
+    scale = np.sqrt(np.where(P.diagonal() > 0, P.diagonal(), 1))
+    least = np.linalg.eigvalsh(P / scale[:, None] / scale)[0]
+    assert not qpsolvers_of_lcpbench._is_semidefinite(made(P - np.diag((least + 1e-9) * scale**2)))
+
+
+def test_large_sparse_matrices_are_told_apart():
+    n = 20000
+    chain = scipy.sparse.diags([-np.ones(n - 1), np.r_[1, np.full(n - 2, 2.0), 1], -np.ones(n - 1)], offsets=[-1, 0, 1], format="csc")
+    assert qpsolvers_of_lcpbench._is_semidefinite(chain)  # singular
+    assert not qpsolvers_of_lcpbench._is_semidefinite(chain - 1e-6 * scipy.sparse.identity(n, format="csc"))
+
+
+@pytest.mark.parametrize("far", [1e20, 1e30, 1e300, np.inf])
+@pytest.mark.parametrize("method", ["auto", "dantzig"])  # which takes rows with one bound
+def test_bounds_of_1e20_and_beyond_are_infinite(far, method):
+    unbounded = qpsolvers.Problem(np.diag([0.0, 3.0]), np.array([1.0, -2.0]), lb=np.array([-far, 0.0]), ub=np.full(2, far))
+    assert not qpsolvers.solve_problem(unbounded, "lcpbench", method=method).found
+    problem = qpsolvers.Problem(np.eye(3), np.array([1.0, -2.0, 3.0]), lb=np.array([-far, 3.0, -far]), ub=np.array([far, far, -4.0]))
+    solution = qpsolvers.solve_problem(problem, "lcpbench", method=method)
+    assert solution.found and solution.x == pytest.approx([-1, 3, -4])
+    assert solution.z_box == pytest.approx([0, -1, 1])
 
 
 def test_what_has_no_solution_is_not_found():

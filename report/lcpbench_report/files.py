@@ -40,5 +40,6 @@ def replaced(path: Path) -> Iterator[Path]:
 
 
 def write_text(path: Path, text: str) -> None:
+    """In UTF-8. Bytes of names that are no UTF-8 are written as in Python's strings: \\udce9."""
     with replaced(path) as beside:
-        beside.write_text(text, encoding="utf-8")
+        beside.write_text(text, encoding="utf-8", errors="backslashreplace")

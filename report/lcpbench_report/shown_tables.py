@@ -76,8 +76,9 @@ def equal_flags(inputs: Inputs) -> Table | None:
     return Table(["compiled for", "ours / peer", *map(size_class, sizes)], rows, "ll" + "r" * len(sizes))
 
 
-def instruction_sets(inputs: Inputs) -> Table | None:
-    """The front page's: a row per instruction set, ours over the fastest single peer that is compiled for no less."""
+def single_peers(inputs: Inputs, found: Headline) -> Table | None:
+    """The front page's: ours over the fastest single peer on the front of a class, by name; and a row per instruction set,
+    ours over the faster of the codes that are compiled for no less."""
     table = choice.table(inputs, "equal_flags", choice.main_tier(inputs))
     if table.empty:
         return None
@@ -85,7 +86,12 @@ def instruction_sets(inputs: Inputs) -> Table | None:
     most = table[table["rival"] != PORTFOLIO].groupby(["flags", "size_class"])["ratio"].max()
     rows = [[flags, *(times(most[flags, one]) if (flags, one) in most.index else DASH for one in sizes)]
             for flags in FLAGS if flags in most.index.get_level_values(0)]
-    return Table(["compiled for", *map(size_class, sizes)], rows, "l" + "r" * len(sizes))
+    fronts = {row.size_class: [of for of in row.rivals.values() if of.front and of.key not in (PORTFOLIO, FASTEST)]
+              for row in found.classes}
+    fastest = [max(fronts.get(one, ()), key=lambda of: of.ratio.median, default=None) for one in sizes]
+    rows = [["the machine's, peers as they come", *(times(of.ratio.median) if of else DASH for of in fastest)],
+            ["that peer", *(key(of.key) if of else "the portfolio is faster" for of in fastest)], *rows]
+    return Table(["ours compiled for", *map(size_class, sizes)], rows, "l" + "r" * len(sizes))
 
 
 def outcomes(found: Headline) -> Table | None:

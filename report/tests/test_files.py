@@ -37,6 +37,8 @@ class Files(FolderCase):
         write_text(self.folder / "link.csv", "new")
         self.assertEqual((path.read_text(), self.names()), ("new", ["link.csv", "x.csv"]))
         self.assertEqual(path.stat().st_mode & 0o777, 0o600)
+        write_text(path, os.fsdecode(b"r\xe9sum\xc3\xa9"))  # names are any bytes
+        self.assertEqual(path.read_text(encoding="utf-8"), "r\\udce9sumé")
         with self.assertRaises(FileNotFoundError) as caught:
             write_text(self.folder / "none" / "x", "")
         self.assertEqual(caught.exception.filename, str(self.folder / "none" / "x"))

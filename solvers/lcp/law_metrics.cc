@@ -23,8 +23,37 @@ Extended Larger(Extended x, Extended y) { return std::isnan(x) || x > y ? x : y;
 Extended Quotient(Extended part, Extended whole) { return part == 0 ? 0 : part / whole; }
 Extended Clamped(Extended x, Extended lower, Extended upper) { return std::min(std::max(x, lower), upper); }
 
+// The natural residual phi - clamp(phi - omega, lower, upper) without that sum, in which a large phi rounds omega away.
+// Of an end that is infinite nothing is left; NaN stays.
+// @param from_lower, from_upper  phi less the lower and less the upper end
+Extended NaturalResidual(Extended omega, Extended from_lower, Extended from_upper) {
+  return std::max(std::min(omega, from_lower), from_upper);
+}
+
 // D^1/2, 1 where A_ii = 0.
 Extended RootOf(Extended diagonal) { return diagonal == 0 ? 1 : std::sqrt(diagonal); }
+
+// x + factor y, rounded once: a friction force at its bound differs from it in bits that the product alone would lose.
+Extended Sum(double x, double factor, double y) { return std::fma(Extended{factor}, Extended{y}, Extended{x}); }
+
+// A friction force less the ends of what it may be, -mu f_n and mu f_n.
+struct FromEnds {
+  Extended lower, upper;
+};
+FromEnds FromEndsOf(const FrictionRow& row, const Eigen::VectorXd& f) {
+  const double normal = std::max(f[row.normal], 0.0);
+  return {Sum(f[row.row], row.mu, normal), Sum(f[row.row], -row.mu, normal)};
+}
+// A sliding force less what the law asks for.
+Extended SlidingDefect(const FrictionRow& row, const Eigen::VectorXd& f) {
+  return Sum(f[row.row], row.slip * row.mu, f[row.normal]);
+}
+// The natural residual of a bounded row. Differences are formed before they are scaled, so that they are exact where
+// f is near an end.
+Extended BoundedResidual(const BoundedRow& row, double f, Extended root, Extended omega) {
+  const Extended force = f;
+  return NaturalResidual(omega, root * (force - row.lower), root * (force - row.upper));
+}
 
 // One pass over the rows of each law.
 class LawMeasure {
@@ -112,27 +141,29 @@ class LawMeasure {
 
   void MeasureFriction(const FrictionRow& row) {
     const Index t = row.row;
-    const Extended mu = row.mu;
-    const Extended limit = mu * (root_[t] / root_[row.normal]) * Positive(phi_[row.normal]);
-    squared_ += Square(phi_[t] - Clamped(phi_[t] - omega_[t], -limit, limit));
-    cone_ += Square(Positive(std::abs(phi_[t]) - limit));
-    const Extended x = Clamped(phi_[t], -limit, limit);
-    dissipation_ += Square(x - Clamped(x - omega_[t], -limit, limit));
+    const Extended mu = row.mu, root = root_[t], omega = omega_[t];
+    const FromEnds from = FromEndsOf(row, rows_.f);
+    const Extended outside = Positive(std::max(-from.lower, from.upper));
+    squared_ += Square(NaturalResidual(omega, root * from.lower, root * from.upper));
+    cone_ += Square(root * outside);
+    // The same with f clipped to the cone.
+    const Extended width = 2 * mu * Positive(rows_.f[row.normal]);
+    dissipation_ +=
+        Square(NaturalResidual(omega, root * Clamped(from.lower, 0, width), root * Clamped(from.upper, -width, 0)));
     power_ += phi_[t] * omega_[t];
     created_ += Positive(phi_[t] * omega_[t]);
 
-    const Extended f = rows_.f[t], w = rows_.w[t], most = mu * Positive(rows_.f[row.normal]);
-    const Extended unit = mu == 0 ? 0 : mu * ForceUnit(row.normal);
-    const Extended sticks = Larger(GapError(t, w), ForceError(t, Positive(std::abs(f) - most), unit));
-    const Extended slips_up = Larger(GapError(t, Positive(-w)), ForceError(t, f + most, unit));
-    const Extended slips_down = Larger(GapError(t, Positive(w)), ForceError(t, f - most, unit));
+    const Extended w = rows_.w[t], unit = mu == 0 ? 0 : mu * ForceUnit(row.normal);
+    const Extended sticks = Larger(GapError(t, w), ForceError(t, outside, unit));
+    const Extended slips_up = Larger(GapError(t, Positive(-w)), ForceError(t, from.lower, unit));
+    const Extended slips_down = Larger(GapError(t, Positive(w)), ForceError(t, from.upper, unit));
     worst_ = Larger(std::min({sticks, slips_up, slips_down}), worst_);
   }
 
   void MeasureSliding(const FrictionRow& row) {
     has_energy_ = false;
     const Extended mu = row.mu;
-    const Extended defect = rows_.f[row.row] + row.slip * mu * rows_.f[row.normal];
+    const Extended defect = SlidingDefect(row, rows_.f);
     joints_ += Square(root_[row.row] * defect);
     squared_ += Square(root_[row.row] * defect);
     worst_ = Larger(ForceError(row.row, defect, mu == 0 ? 0 : mu * ForceUnit(row.normal)), worst_);
@@ -142,7 +173,7 @@ class LawMeasure {
     has_energy_ = false;
     const Index i = row.row;
     const Extended f = rows_.f[i], w = rows_.w[i], unit = ForceUnit(i);
-    const Extended residual = phi_[i] - Clamped(phi_[i] - omega_[i], root_[i] * row.lower, root_[i] * row.upper);
+    const Extended residual = BoundedResidual(row, rows_.f[i], root_[i], omega_[i]);
     bounds_ += Square(residual);
     squared_ += Square(residual);
     const Extended outside = std::max(Positive(row.lower - f), Positive(f - row.upper));
@@ -197,35 +228,32 @@ double RelaxationResidual(const LcpProblem& problem, const Eigen::VectorXd& f, c
   if (f.size() != problem.size() || !f.allFinite() || !w.allFinite()) return std::numeric_limits<double>::infinity();
   const ExtendedVector root = problem.DiagonalA().cast<Extended>().cwiseAbs().unaryExpr(&RootOf);
   const ExtendedVector phi = root.cwiseProduct(f.cast<Extended>());
-  const ExtendedVector trial = phi - w.cast<Extended>().cwiseQuotient(root);
-  // Plain rows first; contacts with friction then overwrite what they project together.
-  ExtendedVector projected = phi;
+  const ExtendedVector omega = w.cast<Extended>().cwiseQuotient(root);
+  // phi less the projection of phi - omega. Plain rows first; contacts with friction then overwrite what they project
+  // together.
+  ExtendedVector residual = omega;
   for (Index i = 0; i < f.size(); ++i) {
-    if (problem.kind(i) == RowKind::kUnilateral) projected[i] = Positive(trial[i]);
-    if (problem.kind(i) == RowKind::kBilateral) projected[i] = trial[i];
+    if (problem.kind(i) == RowKind::kUnilateral) residual[i] = std::min(phi[i], omega[i]);
   }
   for (const BoundedRow& row : problem.bounded_rows()) {
-    projected[row.row] = Clamped(trial[row.row], root[row.row] * row.lower, root[row.row] * row.upper);
+    residual[row.row] = BoundedResidual(row, f[row.row], root[row.row], omega[row.row]);
   }
   for (const FrictionRow& row : problem.friction_rows()) {
-    const Extended mu = row.mu * (root[row.row] / root[row.normal]);
-    const Extended normal = trial[row.normal], tangent = trial[row.row];
-    Extended& on_normal = projected[row.normal];
-    Extended& on_tangent = projected[row.row];
+    const Index n = row.normal, t = row.row;
+    const Extended mu = row.mu * (root[t] / root[n]);
     if (row.slip != 0) {
-      on_tangent = -row.slip * mu * on_normal;
-    } else if (std::abs(tangent) <= mu * normal) {
-      on_normal = normal;
-      on_tangent = tangent;
-    } else {
-      // Onto the nearer edge (1, +-mu), or the tip.
-      const Extended side = tangent < 0 ? -mu : mu;
-      on_normal = Positive((normal + side * tangent) / (1 + side * side));
-      on_tangent = side * on_normal;
+      residual[t] = root[t] * SlidingDefect(row, f) - row.slip * mu * residual[n];
+      continue;
     }
+    // Along the edge (1, side mu) that phi - omega is nearer to, which ends at the tip, and from it out of the cone.
+    const int side = phi[t] < omega[t] ? -1 : 1;
+    const Extended along = std::min(Sum(w[n], side * row.mu, w[t]) / root[n], phi[n] + side * mu * phi[t]);
+    const Extended across = std::max(side * omega[t] - mu * omega[n], root[t] * Sum(side * f[t], -row.mu, f[n]));
+    residual[n] = (along - mu * across) / (1 + mu * mu);
+    residual[t] = side * (mu * along + across) / (1 + mu * mu);
   }
   const Extended scale = LoadScale(problem, root);
-  const Extended norm = (phi - projected).norm();
+  const Extended norm = residual.norm();
   return static_cast<double>(scale == 0 ? norm : norm / scale);
 }
 

@@ -47,8 +47,8 @@ class _Format:
 _FORMATS = (
     _Format("hdf5", (".hdf5", ".h5"), "fclib", "read", "write", False, ("fclib_triplets", "tangents")),
     _Format("dat", (".dat",), "siconos", "read", "write", True, ("tangents",)),
-    _Format("qps", (".qps", ".mps"), "quadratic", "read_qps", "write_qps", True),
-    _Format("npz", (".npz",), "quadratic", "read_npz", "write_npz", False),
+    _Format("qps", (".qps", ".mps"), "quadratic", "read_qps", "write_qps", True, ("most_asymmetry",)),
+    _Format("npz", (".npz",), "quadratic", "read_npz", "write_npz", False, ("most_asymmetry",)),
 )
 
 
@@ -70,13 +70,14 @@ def _tangents(box_friction: bool, without_friction: bool) -> Tangents:
 
 
 def load(path: str | os.PathLike, *, fclib_triplets: str | None = None, box_friction: bool = False,
-         without_friction: bool = False) -> list[StoredProblem]:
+         without_friction: bool = False, most_asymmetry: float = 0.0) -> list[StoredProblem]:
     """The problems of a file, whose ending tells the format: one of .hdf5, .h5, .dat, .qps, .mps, .npz.
 
     @param fclib_triplets    what the list p of FCLib's triplets has: "rows-first" (fclib.h), "columns-first" (Siconos);
            None: what the ranges of the indices allow; refused where both fit
     @param box_friction      bounds the force of each tangent of contacts in space, whose friction is that of a disc
     @param without_friction  of contacts the normal rows alone
+    @param most_asymmetry    of the matrix of a quadratic program, which is read as it stands: docs/formats.md has the measure
     @raise FormatError  where the file holds no problem of this format
     @raise MemoryError  where the problem does not fit into memory
     """
@@ -84,7 +85,8 @@ def load(path: str | os.PathLike, *, fclib_triplets: str | None = None, box_fric
     one, id, is_gzip = format_of(path)
     if fclib_triplets not in (None, "rows-first", "columns-first"):
         raise FormatError(f"fclib_triplets: expected rows-first, columns-first or None, found {fclib_triplets!r}")
-    options = {"fclib_triplets": fclib_triplets, "tangents": _tangents(box_friction, without_friction)}
+    options = {"fclib_triplets": fclib_triplets, "tangents": _tangents(box_friction, without_friction),
+               "most_asymmetry": most_asymmetry}
     options = {name: value for name, value in options.items() if name in one.options}
     read = one.function(one.read)
     try:

@@ -11,32 +11,48 @@ import io
 import pickle
 import pickletools
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
 from numpy.lib import format as npy
+from scipy.sparse import coo_array, csr_array
 
 from .problem import FormatError, StoredProblem, mismatch, refuse_rows, sparse
-from .words import Words
+from .words import Words, number
 
 _MOST_NPZ_ROWS = 23_000  # 4 GB of P, the most that zip has without extensions
+_INFINITE = 1e20  # bounds of this size and beyond
 _ABSENT = "GhAb"  # constraints
+_NUMBERS = "integers, truth values or IEEE numbers of at most 64 bits"
+_OF_SAVE_NPZ = {"format", "shape", "data"}  # of scipy.sparse.save_npz, whatever the format
+_EXACT = 2.0**53  # integers up to it are doubles
 codecs.lookup("cp437")  # of names in archives: a process that reads can import nothing more
+
+
+def with_infinities(bounds: np.ndarray) -> np.ndarray:
+    """Bounds of 1e20 and beyond are infinite, for which programs' tools have no other word."""
+    return np.where(np.abs(bounds) >= _INFINITE, np.copysign(np.inf, bounds), bounds)
 
 
 def _require_qp(problem: StoredProblem) -> None:
     refuse_rows(problem, takes_bounded=True)
-    if problem.J is not None:
-        return
-    A = problem.entries()
-    difference = (A - A.T).tocoo()
-    if not difference.data.any():
-        return
+    bounds = np.concatenate(_bounds(problem))
+    for bound in bounds[bounds != with_infinities(bounds)][:1]:
+        raise mismatch(problem.place, f"bounds below {_INFINITE:g}, from which on they are infinite; JSON lines have larger ones", float(bound))
+    if problem.J is None:
+        _require_symmetry(problem.place, problem.matrix(), 0.0)
+
+
+def _require_symmetry(place: str, A: np.ndarray | csr_array, most: float) -> None:
+    """@param most  of the asymmetry as docs/formats.md has it"""
     diagonal = np.sqrt(np.abs(A.diagonal()))
-    scale = diagonal[difference.row] * diagonal[difference.col]
-    asymmetry = (np.abs(difference.data) / np.where(scale > 0, scale, 1.0)).max()
-    raise mismatch(problem.place, "a symmetric A, as that of a QP is", f"an asymmetry of {asymmetry:.17g}; --symmetrize makes a small one 0")
+    with np.errstate(over="ignore"):
+        difference = coo_array(A - A.T)
+        scale = diagonal[difference.row] * diagonal[difference.col]
+        asymmetry = np.max(np.abs(difference.data) / np.where(scale > 0, scale, 1.0), initial=0.0)
+    if asymmetry > most:
+        raise mismatch(place, "a symmetric matrix, as that of a QP is", f"an asymmetry of {asymmetry:.17g}; --symmetrize makes a small one 0")
 
 
 def _bounds(problem: StoredProblem) -> tuple[np.ndarray, np.ndarray]:
@@ -47,10 +63,9 @@ def _bounds(problem: StoredProblem) -> tuple[np.ndarray, np.ndarray]:
     return lower, upper
 
 
-def _problem(place: str, id: str, A: np.ndarray, b: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> StoredProblem:
-    """A program's bounds are kinds of rows. @param A  dense or sparse"""
-    if not (abs(A - A.T) == 0 if isinstance(A, np.ndarray) else abs(A - A.T).tocoo().data == 0).all():
-        raise mismatch(place, "a symmetric matrix of the quadratic terms", "another")
+def _problem(place: str, id: str, A: np.ndarray | csr_array, b: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> StoredProblem:
+    """A program's bounds are kinds of rows."""
+    lower, upper = with_infinities(lower), with_infinities(upper)
     for k in np.flatnonzero((lower > upper) | (lower == np.inf) | (upper == -np.inf))[:1]:
         raise mismatch(place, "bounds with a number between them", f"{float(lower[k])} and {float(upper[k])} of variable {k + 1}")
     is_above_free = upper == np.inf
@@ -91,82 +106,115 @@ class _Qps:
 
     _CONSTRAINTS = "no constraints but bounds, as an LCP has none"
 
-    def __init__(self, words: Words, id: str):
+    def __init__(self, words: Words, id: str, most_asymmetry: float):
         self._words = words
         self._id = id
-        self._objective = None
+        self._most_asymmetry = most_asymmetry
+        self._rows: dict[bytes, int] = {}  # the objective, and free ones that mean nothing
         self._columns: dict[bytes, int] = {}
         self._b: list[float] = []
         self._bounds: dict[int, tuple[float, float]] = {}
+        self._bound_set: bytes | None = None  # the first; b"" where sets have no names
         self._entries: list[tuple[int, int, float]] = []
 
     def read(self) -> StoredProblem:
-        sections = {b"NAME": None, b"ROWS": self._row, b"COLUMNS": self._column, b"RHS": self._right_side, b"RANGES": None,
-                    b"BOUNDS": self._bound, b"QUADOBJ": self._quadratic, b"QMATRIX": self._quadratic}
+        sections = {b"NAME": None, b"OBJSENSE": self._sense, b"ROWS": self._row, b"COLUMNS": self._column,
+                    b"RHS": self._right_side, b"RANGES": None, b"BOUNDS": self._bound, b"QUADOBJ": self._quadratic,
+                    b"QMATRIX": self._quadratic}
         words, section, seen = self._words, b"", set()
         while words.next_line():
-            line = words.line
-            if not line.strip() or line.startswith(b"*"):
+            line = words.line.split()
+            if not line or words.line.startswith(b"*"):
                 continue
-            if line[:1].isspace():
+            if words.line[:1].isspace():
                 if sections.get(section) is None:
-                    words.reject(self._CONSTRAINTS if section == b"RANGES" else "a section", line.strip())
-                sections[section](line.split())
+                    words.reject(self._CONSTRAINTS if section == b"RANGES" else "a section", words.line.strip())
+                sections[section](line)
                 continue
-            section = line.split()[0]
+            section = line[0]
             if section == b"ENDATA":
                 return self._problem(b"QMATRIX" not in seen)
             if section not in sections:
-                words.reject("a section NAME, ROWS, COLUMNS, RHS, BOUNDS, QUADOBJ, QMATRIX or ENDATA", section)
+                words.reject(f"a section {', '.join(map(bytes.decode, sections))} or ENDATA", section)
             if section in seen or section in (b"QUADOBJ", b"QMATRIX") and seen & {b"QUADOBJ", b"QMATRIX"}:
                 words.reject("every section once", section)
             seen.add(section)
+            if section == b"OBJSENSE" and line[1:]:
+                self._sense(line[1:])
         words.reject_end("ENDATA")
 
+    def _sense(self, line: list[bytes]) -> None:
+        if len(line) != 1 or line[0].upper() not in (b"MIN", b"MINIMIZE"):
+            self._words.reject("MIN or MINIMIZE, as an LCP is that of a least value", b" ".join(line))
+
     def _row(self, line: list[bytes]) -> None:
-        if len(line) != 2 or line[0] != b"N" or self._objective is not None:
-            self._words.reject(f"one row N, the objective, and {self._CONSTRAINTS}", b" ".join(line))
-        self._objective = line[1]
+        if len(line) != 2 or line[0] != b"N":
+            self._words.reject(f"rows N, of which the first is the objective, and {self._CONSTRAINTS}", b" ".join(line))
+        if line[1] in self._rows:
+            self._words.reject("every row once", line[1])
+        self._rows[line[1]] = len(self._rows)
+
+    def _values(self, line: list[bytes]) -> float:
+        """The sum of those of the objective, of pairs of a row and a value."""
+        total = 0.0
+        for row, value in zip(line[::2], line[1::2], strict=True):
+            if row not in self._rows:
+                self._words.reject("a row of the section ROWS", row)
+            total += self._words.number(value) if self._rows[row] == 0 else 0.0
+        return total
+
+    def _new_column(self, name: bytes) -> int:
+        self._b.append(0.0)
+        return self._columns.setdefault(name, len(self._b) - 1)
 
     def _column(self, line: list[bytes]) -> None:
         if len(line) < 3 or len(line) % 2 == 0:
             self._words.reject("a column, and rows with their values", b" ".join(line))
-        index = self._columns.setdefault(line[0], len(self._b))
-        if index == len(self._b):
-            self._b.append(0.0)
-        elif index != len(self._b) - 1:
+        index = self._columns[line[0]] if line[0] in self._columns else self._new_column(line[0])
+        if index != len(self._b) - 1:
             self._words.reject("all entries of a column together", line[0])
-        for row, value in zip(line[1::2], line[2::2], strict=True):
-            if row != self._objective:
-                self._words.reject(f"the row {(self._objective or b'of the objective').decode(errors='replace')}", row)
-            self._b[index] += self._words.number(value)
+        self._b[index] += self._values(line[1:])
 
     def _right_side(self, line: list[bytes]) -> None:
-        """A constant of the objective, which changes no solution."""
-        for row, value in zip(line[len(line) % 2::2], line[len(line) % 2 + 1::2], strict=True):
-            self._words.number(value)
-            if row != self._objective:
-                self._words.reject(self._CONSTRAINTS, row)
+        """Constants of rows N, which change no solution."""
+        self._values(line[len(line) % 2:])
 
-    def _index(self, name: bytes) -> int:
-        index = self._columns.get(name)
-        return self._words.reject("a column of the section COLUMNS", name) if index is None else index
+    def _is_value(self, word: bytes) -> bool:
+        return word not in self._columns and number(word) is not None
 
     def _bound(self, line: list[bytes]) -> None:
-        kind = line[0]
+        """Of the first set. A column without cost may stand here for the first time."""
+        kind, rest = line[0], line[1:]
         has_value = kind in (b"LO", b"UP", b"FX")
         if not has_value and kind not in (b"FR", b"MI", b"PL"):
             self._words.reject("a bound LO, UP, FX, FR, MI or PL", kind)
-        rest = line[1:]
-        if len(rest) not in ((2, 3) if has_value else (1, 2)):
-            self._words.reject("a bound's kind, set, column" + (" and value" if has_value else ""), b" ".join(line))
-        value = self._words.number(rest.pop()) if has_value else 0.0
-        index = self._index(rest[-1])
+        form = "a bound's kind, set, column" + (" and value" if has_value else "")
+        if not 1 + has_value <= len(rest) <= 3:
+            self._words.reject(form, b" ".join(line))
+        value = 0.0
+        if has_value:
+            value = self._words.number(rest.pop())
+        elif len(rest) == 3 or (rest[0] in self._columns and self._is_value(rest[-1])):
+            rest.pop()  # means nothing
+        if self._is_value(rest[-1]):
+            self._words.reject(form, b" ".join(line))
+        name = rest[0] if len(rest) == 2 else b""
+        self._bound_set = name if self._bound_set is None else self._bound_set
+        if bool(name) != bool(self._bound_set):
+            self._words.reject("the name of a set in every bound, or in none", b" ".join(line))
+        if name == self._bound_set:
+            self._set_bound(kind, self._columns[rest[-1]] if rest[-1] in self._columns else self._new_column(rest[-1]), value)
+
+    def _set_bound(self, kind: bytes, index: int, value: float) -> None:
         lower, upper = self._bounds.get(index, (0.0, np.inf))
         if kind == b"UP" and value < 0 and lower == 0:
-            self._words.reject("a lower bound before an upper one below 0", b" ".join(line))
+            self._words.reject("a lower bound before an upper one below 0", self._words.line.strip())
         self._bounds[index] = {b"LO": (value, upper), b"UP": (lower, value), b"FX": (value, value), b"FR": (-np.inf, np.inf),
                                b"MI": (-np.inf, upper), b"PL": (lower, np.inf)}[kind]
+
+    def _index(self, name: bytes) -> int:
+        index = self._columns.get(name)
+        return self._words.reject("a column of the sections COLUMNS or BOUNDS", name) if index is None else index
 
     def _quadratic(self, line: list[bytes]) -> None:
         if len(line) < 3 or len(line) % 2 == 0:
@@ -177,12 +225,14 @@ class _Qps:
     def _problem(self, is_triangle: bool) -> StoredProblem:
         n = len(self._b)
         row, column, value = (np.array([entry[k] for entry in self._entries], dtype=kind) for k, kind in enumerate((int, int, float)))
-        if is_triangle:
+        if is_triangle:  # of a pair either entry
             other = row != column
-            if (row < column).any() and (row > column).any():
-                self._words.reject("one triangle of the matrix in QUADOBJ", "entries of both")
             row, column, value = np.r_[row, column[other]], np.r_[column, row[other]], np.r_[value, value[other]]
+            places, names = np.sort(row * n + column), list(self._columns)
+            for twice in places[1:][places[1:] == places[:-1]][:1]:
+                self._words.reject("every pair of columns once in QUADOBJ", names[twice // n] + b" " + names[twice % n])
         A = sparse(self._words.place, (n, n), row, column, value)
+        _require_symmetry(self._words.place, A, self._most_asymmetry)
         lower, upper = np.zeros(n), np.full(n, np.inf)
         for index, (low, high) in self._bounds.items():
             lower[index], upper[index] = low, high
@@ -192,10 +242,11 @@ class _Qps:
         return _problem(self._words.place, self._id, A, b, lower, upper)
 
 
-def read_qps(lines: Iterable[bytes], name: str, id: str) -> StoredProblem:
-    """Free format: no spaces in names. The problem is sparse. An upper bound below 0 beside no lower one is refused, as
-    programs take it for different things."""
-    return _Qps(Words(lines, name), id).read()
+def read_qps(lines: Iterable[bytes], name: str, id: str, most_asymmetry: float = 0.0) -> StoredProblem:
+    """Free format: no spaces in names. The problem is sparse. Rows N behind the first, sets of bounds behind the first and
+    a number that a kind of bound does not use mean nothing, as for other readers. An upper bound below 0 beside no lower
+    one is refused, as programs take it for different things."""
+    return _Qps(Words(lines, name), id, most_asymmetry).read()
 
 
 def _instructions(pickled: bytes) -> list[tuple]:
@@ -219,11 +270,16 @@ class _Archive:
         except (zipfile.BadZipFile, NotImplementedError, ValueError, EOFError) as error:
             raise mismatch(str(path), "an npz file (zip)", f"one that cannot be unpacked: {error}") from error
 
+    def require_program(self) -> None:
+        """@raise FormatError  for the file of a sparse matrix alone"""
+        if _OF_SAVE_NPZ <= {name.removesuffix(".npy") for name in self._zip.namelist()}:
+            raise mismatch(str(self._path), "the arrays P and q of a program", "a matrix, as scipy.sparse.save_npz writes it")
+
     def mismatch(self, name: str, expected: str, found: object) -> FormatError:
         return mismatch(f"{self._path}: {name}", expected, found)
 
     def array(self, name: str, dimensions: int) -> np.ndarray | None:
-        """64-bit numbers; None where there is no such array, or None in the file."""
+        """Doubles; None where there is no such array, or None in the file."""
         names = [found for found in self._zip.namelist() if found == f"{name}.npy"]
         if not names:
             return None
@@ -245,9 +301,9 @@ class _Archive:
         if dtype.hasobject:
             if shape == () and _instructions(member.read(1 << 16)) in _NOTHING:
                 return None
-            raise self.mismatch(name, "64-bit IEEE numbers or None", "other objects of Python, which are not unpickled")
-        if dtype not in (np.dtype("<f8"), np.dtype(">f8")):
-            raise self.mismatch(name, "64-bit IEEE numbers", dtype)
+            raise self.mismatch(name, f"{_NUMBERS}, or None", "other objects of Python, which are not unpickled")
+        if dtype.kind not in "biuf" or dtype.itemsize > 8:
+            raise self.mismatch(name, _NUMBERS, dtype)
         if len(shape) != dimensions or min(shape) < 0:
             raise self.mismatch(name, f"{dimensions} dimensions", shape)
         count = int(np.prod([int(length) for length in shape], dtype=object))
@@ -260,7 +316,12 @@ class _Archive:
             left -= len(part)
         if member.read(1):
             raise self.mismatch(name, f"{count} numbers", "more")
-        values = np.frombuffer(b"".join(parts), dtype=dtype).astype(np.float64)
+        found = np.frombuffer(b"".join(parts), dtype=dtype)
+        values = found.astype(np.float64)
+        if dtype.kind in "iu":
+            is_large = np.abs(values) >= _EXACT
+            for value in [value for value in found[is_large].tolist() if int(float(value)) != value][:1]:
+                raise self.mismatch(name, "integers that are exact in doubles", value)
         return values.reshape(shape, order="F" if by_columns else "C")
 
     def reals(self, name: str, shape: tuple[int, ...] | None, may_be_infinite: bool = False) -> np.ndarray | None:
@@ -274,9 +335,10 @@ class _Archive:
         return values
 
 
-def read_npz(path: Path, id: str) -> StoredProblem:
+def read_npz(path: Path, id: str, most_asymmetry: float = 0.0) -> StoredProblem:
     """The problem is dense. Where there are no lower bounds, or no upper ones, they are infinite, as for qpsolvers."""
     archive = _Archive(path)
+    archive.require_program()
     q = archive.reals("q", None)
     if q is None:
         raise archive.mismatch("q", "an array of numbers", "none")
@@ -284,6 +346,7 @@ def read_npz(path: Path, id: str) -> StoredProblem:
     P = archive.reals("P", (n, n))
     if P is None:
         raise archive.mismatch("P", "an array of numbers", "none")
+    _require_symmetry(f"{path}: P", P, most_asymmetry)
     for name in _ABSENT:
         if archive.array(name, 2 if name in "GA" else 1) is not None:
             raise archive.mismatch(name, "None, as an LCP has no constraints but bounds", "an array")

@@ -1,5 +1,6 @@
 """The words of a text file and their lines, for readers of formats that are words with spaces between them."""
 
+import codecs
 import collections
 import itertools
 import math
@@ -16,6 +17,7 @@ _NOT_OF_NUMBERS = re.compile(rb"[^0-9eE+.-]")
 _WHOLE = re.compile(rb"-?[0-9]{1,19}")
 _LONGEST = 40  # of a word in a refusal
 _MOST_WORDS = 1 << 16  # that are read at a time
+_MARKS = {codecs.BOM_UTF8: "UTF-8", codecs.BOM_UTF16_LE: "UTF-16", codecs.BOM_UTF16_BE: "UTF-16"}
 
 
 def number(word: bytes) -> float | None:
@@ -40,6 +42,9 @@ class Words:
         self.line = b""  # as it stands
         self._words: list[bytes] = []
         self._next = 0
+        for line in self.lines_ahead(1):
+            for coding in [coding for mark, coding in _MARKS.items() if line.startswith(mark)]:
+                raise FormatError(f"{self.place}: expected text without a byte order mark, found one of {coding}")
 
     @property
     def place(self) -> str:

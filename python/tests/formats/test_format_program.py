@@ -69,6 +69,14 @@ class FormatProgram(unittest.TestCase):
         self.assertEqual(answers[1][1].decode(), f"{self.folder}/absent.h5: cannot be opened: No such file or directory")
         self.assertEqual(json.loads(answers[2][1]), {"id": "good", "b": [-1.0], "A": [[2.0]], "bilateral": []})
 
+    def test_asymmetric_matrices_are_read_where_that_is_asked_for(self):
+        P = [[4.0, 1.0 + 2.0**-50], [1.0, 3.0]]
+        np.savez(self.folder / "p.npz", P=P, q=np.ones(2))
+        asked = [self.read_request(self.folder / "p.npz", **options) for options in ({}, {"most_asymmetry": 1e-9})]
+        (refused, said), (read, problem) = self.ask(*asked)
+        self.assertEqual((refused, read, json.loads(problem)["A"]), (b"-", b"+", P))
+        self.assertIn("--symmetrize", said.decode())
+
     def end(self, read):
         """How a confined process ends that reads so; None where it answers."""
         path = self.folder / "file.h5"

@@ -522,5 +522,34 @@ TEST_F(Command, ConvertInPlaceAndOnAFullDiskKeepsTheInput) {
   EXPECT_EQ(Records(ReadFile(x)).size(), 1U);
 }
 
+// One option for every format; who does not give it is told how large the asymmetry is.
+TEST_F(Command, SymmetrizeIsForProgramsToo) {
+  Write("p.qps",
+        "NAME p\nROWS\n N c\nCOLUMNS\n x1 c -1\n x2 c -2\nRHS\nQMATRIX\n x1 x1 4\n x1 x2 1.0000000000000002\n"
+        " x2 x1 1\n x2 x2 3\nENDATA\n");
+  ExpectMistake("solve --solver auto " + Path("p.qps"), "symmetri");
+  const nlohmann::json f = Records(Succeed("solve --symmetrize 1e-9 --solver auto " + Path("p.qps")).out).at(0).at("f");
+  EXPECT_NEAR(f.at(0).get<double>(), 1.0 / 11, 1e-12);
+  EXPECT_NEAR(f.at(1).get<double>(), 7.0 / 11, 1e-12);
+  ExpectMistake("solve --symmetrize 1e-17 --solver auto " + Path("p.qps"), "symmetri");
+}
+
+// PYTHONPATH and PYTHONHOME may be meant for another Python; an interpreter may print lines of its own.
+TEST_F(Command, PythonProgramsDoNotTakeTheCallersPython) {
+  Write("p.qps", "NAME p\nROWS\n N c\nCOLUMNS\n x1 c -1\nRHS\nQUADOBJ\n x1 x1 2\nENDATA\n");
+  Write("numpy.py", "raise ImportError('built for another Python')\n");
+  Write("sitecustomize.py", "print('modules loaded')\n");
+  const std::string command = program_;
+  for (const char* variable : {"PYTHONPATH", "PYTHONHOME"}) {
+    program_ = variable + ("=" + folder_.string()) + " " + command;
+    EXPECT_EQ(Records(Succeed("solve --solver auto " + Path("p.qps")).out).at(0).at("f").at(0), 0.5) << variable;
+    ExpectMistake("report " + Path("none"), "none");
+  }
+  Write("python.sh", "#!/bin/sh\necho modules loaded\nexec /usr/bin/python3 \"$@\"\n");
+  std::filesystem::permissions(Path("python.sh"), std::filesystem::perms::owner_all);
+  program_ = "LCPBENCH_PYTHON=" + Path("python.sh") + " " + command;
+  ExpectMistake("solve --solver auto " + Path("p.qps"), "answers is not understood");
+}
+
 }  // namespace
 }  // namespace lcpbench

@@ -75,9 +75,9 @@ struct PlantedRace {
       spent += latency;
       LcpResult result;
       result.status = LcpStatus::kSolved;
-      Metrics metrics;
-      metrics.rho = metrics.backward_error = k < solver.wrong ? 1 : 1e-12;
-      record.Add(result, latency, false, &metrics);
+      Verdict verdict;
+      verdict.metrics.rho = verdict.metrics.backward_error = k < solver.wrong ? 1 : 1e-12;
+      record.Add(result, latency, false, &verdict);
     }
     now += solver.hangs_s > 0 ? asked.budget_s + solver.hangs_s : spent;
     reply.results = record.Results(static_cast<int>(steps));
@@ -513,10 +513,50 @@ TEST_F(RecommendCommand, TheTextEndsWithLinesForCMakeUnlessNothingMeetsTheReques
   }
   EXPECT_EQ(none.out.find("MakeSolver"), std::string::npos) << none.out;
   EXPECT_TRUE(Json::parse(Run(late + " --json").out)["recommended"].is_null());
-  Write("none.jsonl", R"({"id":"none","A":[[0,0],[0,1]],"b":[-1,-1]})");
-  const Json unsolvable = Recommend(Path("none.jsonl"));
-  EXPECT_TRUE(unsolvable["recommended"].is_null());
-  EXPECT_EQ(unsolvable["ranked"][0]["verified"], 0);
+}
+
+// In campaigns, too, a proof is a right answer.
+TEST_F(RecommendCommand, AProofThatThereIsNoSolutionIsARightAnswer) {
+  const std::string solvable = R"({"id":"ok","A":[[4,1],[1,3]],"b":[-1,-2]})";
+  // A row that nothing moves, opposed rows, joints that contradict each other, and a row without an upper bound.
+  for (const char* none : {R"({"id":"p","A":[[0]],"b":[-1]})", R"({"id":"p","A":[[1,-1],[-1,1]],"b":[1,-2]})",
+                           R"({"id":"p","A":[[1,1],[1,1]],"b":[1,2],"bilateral":[0,1]})",
+                           R"({"id":"p","A":[[0]],"b":[-1],"bounded":{"row":[0],"lower":[-1],"upper":[null]}})"}) {
+    for (const int solved : {0, 1}) {
+      SCOPED_TRACE(none);
+      Write("none.jsonl", (solved > 0 ? solvable + "\n" : std::string()) + none + "\n");
+      const Json found = Recommend(Path("none.jsonl") + " --candidates auto,pgs");
+      EXPECT_EQ(found["recommended"], "auto");
+      const Json& row = RowOf(found, "auto");
+      EXPECT_EQ(row["verified"], 1) << row;
+      EXPECT_EQ(row["proofs"], found["samples"].get<int>() - solved);
+      EXPECT_EQ(row["rho"].is_null(), solved == 0) << row;
+      EXPECT_EQ(row["shortcoming"], "");
+    }
+  }
+  const CommandOutcome text = Succeed("recommend --rounds 1 --candidates auto " + Path("none.jsonl"));
+  EXPECT_NE(text.out.find("shows that 1 of 2 steps have no solution"), std::string::npos) << text.out;
+}
+
+TEST(StepRecord, OnlyAnAcceptedProofIsARightAnswerWithoutForces) {
+  LcpResult result;
+  result.status = LcpStatus::kInfeasible;
+  Verdict proof;
+  proof.metrics.rho = proof.metrics.backward_error = 1;
+  proof.farkas.emplace().accepted = true;
+  Verdict refused = proof, solvable = proof, without = proof;
+  refused.farkas->accepted = false;
+  solvable.false_infeasible = true;
+  without.farkas.reset();
+  StepRecord record({1e-3, 1e-9});
+  for (const Verdict& verdict : {proof, refused, solvable, without}) record.Add(result, 1, false, &verdict);
+  record.Add(result, 1, false, nullptr);
+  result.status = LcpStatus::kNumericalFailure;
+  record.Add(result, 1, false, &proof);
+  const Json found = record.Results(6);
+  for (const Json& verdict : found["verdicts"]) EXPECT_EQ(verdict["failed_steps"], Json({1, 2, 3, 4, 5}));
+  EXPECT_EQ(found["late"], Json({4}));
+  EXPECT_EQ(found["rho"], Json({nullptr, 1, 1, 1, nullptr, 1}));
 }
 
 TEST_F(RecommendCommand, AHangingOrLyingCandidateEndsAsAnEvidenceAgainstIt) {
