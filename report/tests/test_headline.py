@@ -20,7 +20,7 @@ class Headline(SharedFolderCase):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.folder = write_problems(cls.path / "standard")
+        cls.folder = write_problems(cls.path / "standard", tiers=(1e-6,))
         cls.inputs = load_inputs([cls.folder])
         cls.found = headline(cls.inputs)
         cls.text = markdown.full_headline(cls.inputs, cls.found)
