@@ -24,7 +24,7 @@ Extended Quotient(Extended part, Extended whole) { return part == 0 ? 0 : part /
 Extended Clamped(Extended x, Extended lower, Extended upper) { return std::min(std::max(x, lower), upper); }
 
 // The natural residual phi - clamp(phi - omega, lower, upper) without that sum, in which a large phi rounds omega away.
-// Of an end that is infinite nothing is left; NaN stays.
+// An infinite end drops out; NaN stays NaN.
 // @param from_lower, from_upper  phi less the lower and less the upper end
 Extended NaturalResidual(Extended omega, Extended from_lower, Extended from_upper) {
   return std::max(std::min(omega, from_lower), from_upper);
