@@ -25,6 +25,7 @@
 #include "solvers/ipopt/quadratic_program.h"
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/residual.h"
+#include "solvers/linear_algebra/loaded_blas.h"
 
 namespace lcpbench {
 namespace {
@@ -274,6 +275,7 @@ class Application {
     ++WorkCounts::OfThread().analyses;
     {
       const std::lock_guard lock(LibraryMutex());
+      RequireBlasMemory();
       application_ = new Ipopt::IpoptApplication(/*create_console_out=*/false);
       std::istringstream options(kOptions);
       if (application_->Initialize(options) != Ipopt::Solve_Succeeded) {

@@ -11,6 +11,7 @@
 
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/memory_budget.h"
+#include "solvers/linear_algebra/loaded_blas.h"
 #include "solvers/linear_algebra/supernodal_factor.h"
 
 namespace lcpbench {
@@ -296,6 +297,7 @@ double* CholmodFactor::values() { return state_->lower.valuePtr(); }
 bool CholmodFactor::Factorize() {
   const FactorClock::Scope clock;
   State& s = *state_;
+  if (s.factor->is_super != 0) RequireBlasMemory();
   if (s.factor->is_super != 0 && s.analysis == nullptr) {
     const SingleThread one(true);
     if (!s.panels.ready()) s.PreparePanels();

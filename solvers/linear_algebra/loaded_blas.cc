@@ -9,6 +9,8 @@
 #include <limits>
 #include <string_view>
 
+#include "solvers/lcp/memory_budget.h"
+
 namespace lcpbench {
 namespace {
 
@@ -65,7 +67,17 @@ bool HasNarrowBlasKernels() {
   return chosen != nullptr && !runnable.empty() && RegisterOf(chosen()) < RegisterOf(runnable.front());
 }
 
+void RequireBlasMemory() {
+  // Once it has its buffer, it keeps it.
+  static const bool there = [] {
+    if (Find<int (*)()>("openblas_get_num_threads") != nullptr) RequireMemory(kBlasBuffer, "OpenBLAS");
+    return true;
+  }();
+  static_cast<void>(there);
+}
+
 bool BlasIsRight() {
+  RequireBlasMemory();
   using Product = void (*)(const char*, const char*, const int*, const int*, const int*, const double*, const double*,
                            const int*, const double*, const int*, const double*, double*, const int*);
   using Factorization = void (*)(const char*, const int*, double*, const int*, int*);

@@ -24,7 +24,14 @@ std::vector<std::string> RunnableBlasKernels();
 /// runs its oldest kernels (Prescott, SSE3) on processors that are newer than itself.
 bool HasNarrowBlasKernels();
 
+/// To be called before the first use of BLAS. OpenBLAS takes a buffer of kBlasBuffer then, and where it gets none asks
+/// again for ever.
+/// @throws MemoryRefusal
+void RequireBlasMemory();
+inline constexpr double kBlasBuffer = 1 << 27;  ///< bytes of addresses (Debian's builds)
+
 /// Whether a product and a Cholesky factorization by the loaded BLAS agree with plain loops.
+/// @throws MemoryRefusal
 bool BlasIsRight();
 
 }  // namespace lcpbench

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "solvers/io/gzip_file.h"
+#include "solvers/registry.h"
 #include "support/subprocess.h"
 #include "tests/benchmarks/command/command_fixture.h"
 
@@ -101,6 +102,24 @@ TEST_F(Security, ALineThatUnpacksToMoreThanTheMemoryIsRefused) {
   ExpectMistake("solve --solver pgs " + Path("bomb.jsonl.gz"), "bomb.jsonl.gz:1: a line of this length needs ");
   fs::copy(folder_ / "bomb.jsonl.gz", folder_ / "bomb_b.mtx.gz");
   ExpectMistake("solve --solver pgs " + Path("bomb.mtx.gz"), "bomb_b.mtx.gz:1: a line of this length needs ");
+}
+
+// OpenBLAS spins where it gets no memory, for its threads at load or for its buffer at its first product.
+TEST_F(Security, CommandsEndWithLittleAddressSpace) {
+  if (SanitizerReservesMemory()) GTEST_SKIP() << "their address space cannot be limited";
+  Write("p.jsonl", R"({"id":"a","n":2,"A":[[4,1],[1,3]],"b":[-1,-2]})");
+  Write("small.sh", "ulimit -v $1\nshift\nexec timeout 60 " + program_ + " \"$@\"\n");
+  program_ = "sh " + Path("small.sh");
+  for (const std::string kilobytes : {"150000 ", "200000 ", "300000 ", "400000 "}) {
+    Succeed(kilobytes + "list rules");
+    for (const char* solver : {"auto", "bpp", "pgs"}) {
+      Succeed(kilobytes + "solve --solver " + solver + " " + Path("p.jsonl"));
+    }
+    if (!FindSolver("ipopt-qp").available) continue;
+    const CommandOutcome run = Run(kilobytes + "solve --solver ipopt-qp " + Path("p.jsonl"));
+    const bool refused = run.status == 2 && run.error.find("OpenBLAS needs ") != std::string::npos;
+    EXPECT_TRUE(refused || run.status == 0) << kilobytes << run.status << run.error;
+  }
 }
 
 }  // namespace
