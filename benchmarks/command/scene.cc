@@ -63,7 +63,7 @@ struct SceneCommand {
   MovingScene LoadAndMove() const {
     MovingScene scene = start.Load();
     if (time == 0) return scene;
-    const auto moving = MakeSolver(MovingSolver());
+    const auto moving = MakeMotionSolver(scene, MovingSolver());
     const auto motion = StartMotion(scene, SolverLimits(), *moving);
     const BudgetClock budget(start.budget_s);
     motion->set_check([&budget] { budget.Check(); });
@@ -118,7 +118,7 @@ struct SceneCommand {
     animation.budget_s = start.budget_s;
     const MovingScene scene = start.Load();
     const std::string key = MovingSolver();
-    const auto moving = MakeSolver(key);
+    const auto moving = MakeMotionSolver(scene, key);
     const auto motion = StartMotion(scene, SolverLimits(), *moving);
     Animation recorded;
     {

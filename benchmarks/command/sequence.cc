@@ -61,7 +61,7 @@ struct Sequence {
 
   int Run() const {
     const MovingScene scene = start.Load();
-    const std::unique_ptr<LcpSolver> made = MakeSolver(solver, ParseSettings(settings));
+    const std::unique_ptr<LcpSolver> made = MakeMotionSolver(scene, solver, ParseSettings(settings));
     LcpOptions limits = lcp;
     limits.time_limit_s = std::min(lcp.time_limit_s, start.budget_s);
     const std::unique_ptr<Motion> motion = StartMotion(scene, limits, *made);

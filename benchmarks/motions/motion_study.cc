@@ -166,7 +166,7 @@ class Study {
     outcome.level = scene.level;
     outcome.driver = driver;
     outcome.tolerance = tolerance;
-    const std::unique_ptr<LcpSolver> solver = MakeSolver(driver.solver);
+    const std::unique_ptr<LcpSolver> solver = MakeMotionSolver(scene, driver.solver);
     const std::unique_ptr<Motion> motion = Start(scene, tolerance, driver, solver.get());
     const double scale = reference.scale > 0 ? reference.scale : 1;
     const double start = reference.instants.front().energy;
@@ -274,7 +274,9 @@ void RequireValid(const MotionStudy& study) {
   for (const double tolerance : study.tolerances) {
     if (!(tolerance > 0 && tolerance < 1)) throw InputError("motion: tolerances: expected numbers in (0, 1)");
   }
-  for (const MotionDriver& driver : study.drivers) MakeSolver(driver.solver);
+  for (const MotionDriver& driver : study.drivers) {
+    for (const MovingScene& scene : study.scenes) MakeMotionSolver(scene, driver.solver);
+  }
   if (study.steps < 1) throw InputError("motion: steps: expected a number >= 1");
   if (!(study.budget_s > 0)) throw InputError("motion: budget: expected seconds > 0");
 }

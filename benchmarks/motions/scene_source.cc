@@ -8,11 +8,33 @@
 #include "model/contact/contact_row.h"
 #include "model/motion/contact_finder.h"
 #include "model/scenes/scene.h"
+#include "solvers/registry.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
 
 bool IsPath(const std::string& name) { return name.find('/') != std::string::npos || name.ends_with(".json"); }
+
+// Hands steps in which no contact has friction to `auto`.
+class FrictionDriver : public LcpSolver {
+ public:
+  explicit FrictionDriver(std::unique_ptr<LcpSolver> solver) : solver_(std::move(solver)) {}
+  std::string WhyUnsupported(const LcpProblem& problem) const override { return Of(problem).WhyRefused(problem); }
+  bool TakesFriction() const override { return true; }
+  bool TakesBounded() const override { return true; }
+
+ protected:
+  void DoPrepare(const LcpProblem& problem) override { Of(problem).Prepare(problem); }
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
+    Of(problem).Solve(problem, options, result);
+  }
+
+ private:
+  LcpSolver& Of(const LcpProblem& problem) const { return problem.is_plain() ? *plain_ : *solver_; }
+
+  const std::unique_ptr<LcpSolver> solver_, plain_ = MakeSolver(kDrivingSolver);
+};
 
 }  // namespace
 
@@ -66,6 +88,15 @@ ContactSystem InstantWithContacts(const World& world, MotionLevel level, double 
     return joint.type == ConstraintType::kRope && joint.length - DistanceOfEnds(joint, world.bodies) > found_gap * size;
   });
   return instant;
+}
+
+std::unique_ptr<LcpSolver> MakeMotionSolver(const MovingScene& scene, const std::string& key,
+                                            const Settings& settings) {
+  if (FindSolver(key).takes_plain) return MakeSolver(key, settings);
+  if (!HasFriction(scene.world)) {
+    throw InputError("solver '" + key + "' is made for friction: scene '" + scene.name + "' has none");
+  }
+  return std::make_unique<FrictionDriver>(MakeSolver(key, settings));
 }
 
 std::unique_ptr<Motion> StartMotion(const MovingScene& scene, const LcpOptions& lcp, LcpSolver& solver,

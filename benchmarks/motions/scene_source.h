@@ -9,6 +9,7 @@
 #include "model/contact/world.h"
 #include "model/motion/make_motion.h"
 #include "model/scene_file/scene_file.h"
+#include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {
@@ -57,6 +58,12 @@ ContactSystem LoadInstant(const std::string& name_or_file, int size, std::uint64
 /// `found_gap` [median extents of the movable bodies] and down to the depth that a motion at `level` treats.
 /// @throws InputError as DetectContacts, and where a motion at `level` would refuse bodies that overlap
 ContactSystem InstantWithContacts(const World& world, MotionLevel level, double found_gap);
+
+/// A solver that drives the scene. Steps in which no contact has friction are `auto`'s where the solver is made for
+/// friction.
+/// @throws InputError as MakeSolver, and for such a solver where the scene has no friction at all
+std::unique_ptr<LcpSolver> MakeMotionSolver(const MovingScene& scene, const std::string& key,
+                                            const Settings& settings = {});
 
 /// The scene's world, ready to move as the scene says under `solver`, which must outlive it.
 /// @param warm_start  VelocityOptions::warm_start

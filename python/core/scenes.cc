@@ -249,7 +249,7 @@ std::pair<std::string, std::string> Animate(const Scene& scene, const std::strin
   LcpOptions lcp;
   lcp.tolerance = tolerance;
   lcp.time_limit_s = options.budget_s;
-  const auto solver = MakeSolver(key);
+  const auto solver = MakeMotionSolver(scene.moving, key);
   const auto motion = StartMotion(scene.moving, lcp, *solver);
   Animation recorded = RecordAnimation(motion.get(), options);
   recorded.caption = key + ", " + std::string(ToString(scene.moving.level)) + " level";

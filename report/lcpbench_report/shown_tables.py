@@ -330,7 +330,7 @@ def friction(inputs: Inputs) -> Table | None:
                              * bool(of["false_successes"] + of["false_infeasible"])]) if of["solvable"] else DASH
                  for of in map(by.loc.__getitem__, tiers)]
         main = by.loc[choice.nearest(tiers)]
-        rows.append([*of_sets(of_set), key(solver), f"{int(main['taken'])} of {int(main['problems'])}", *words,
+        rows.append([*of_sets(of_set), _with_law(main, solver), f"{int(main['taken'])} of {int(main['problems'])}", *words,
                      seconds(main["median_s"]) if math.isfinite(main["median_s"]) else "✗",
                      with_interval(*(main[name] for name in RATIO))])
     return _table([*of_sets("problems"), "solver", "takes", *(f"right at {power(tier)}" for tier in tiers), "median time",
@@ -344,10 +344,14 @@ def friction_errors(inputs: Inputs) -> Table | None:
     # What rounding makes has no column.
     parts = [part for part in ERROR_PARTS if len(found) and (found[f"{part}_share"] >= 0.005).any()]
     of_sets = _where_several(found)
-    rows = [[*of_sets(of["set"]), key(of["solver"]), int(of["wrong"]), residual(of["rho"]), residual(of["model_rho"]),
+    rows = [[*of_sets(of["set"]), _with_law(of, of["solver"]), int(of["wrong"]), residual(of["rho"]), residual(of["model_rho"]),
              *(formats.percent(round(of[f"{part}_share"], 3)) for part in parts)] for of in found.to_dict("records")]
     return _table([*of_sets("problems"), "solver", "wrong", "ρ", "ρ of its own model", *(part.replace("_", " ") for part in parts)],
                   rows, "l" * len(of_sets("problems")) + "l" + "r" * (len(parts) + 3))
+
+
+def _with_law(row: dict, solver: str) -> str:
+    return key(solver) + ", relaxed law" * bool(row["relaxed"])
 
 
 def _where_several(found: pd.DataFrame) -> Callable[[str], list[str]]:

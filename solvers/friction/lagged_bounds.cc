@@ -47,7 +47,7 @@ class LaggedBoundsEngine {
   static constexpr bool kTakesFriction = true;
   static constexpr bool kTakesBounded = true;
 
-  std::string WhyUnsupported(const LcpProblem& problem) const { return WhyNotSymmetric(problem); }
+  std::string WhyUnsupported(const LcpProblem& problem) const { return WhyNotFriction(problem); }
   void Prepare(const LcpProblem& /*problem*/) {}
 
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {

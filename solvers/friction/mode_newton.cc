@@ -19,7 +19,7 @@ class ModeNewtonEngine {
   static constexpr bool kTakesFriction = true;
   static constexpr bool kTakesBounded = true;
 
-  std::string WhyUnsupported(const LcpProblem& problem) const { return WhyNotSymmetric(problem); }
+  std::string WhyUnsupported(const LcpProblem& problem) const { return WhyNotFriction(problem); }
   void Prepare(const LcpProblem& problem) {
     rows_.Prepare(problem);
     newton_.Reset();

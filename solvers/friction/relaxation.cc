@@ -50,18 +50,17 @@ class RelaxationEngine {
     for (const FrictionRow& row : problem.friction_rows()) {
       if (row.slip != 0) return "sliding rows";
     }
-    return ContactRows::WhyUnsupported(problem);
+    const std::string why = ContactRows::WhyUnsupported(problem);
+    return why.empty() ? WhyNotFriction(problem) : why;
   }
 
   void Prepare(const LcpProblem& problem) {
-    if (problem.is_plain()) return plain_->Prepare(problem);
     rows_.Set(problem.size(), problem.friction_rows());
     relaxed_ = Relax(problem, rows_);
     plain_->Prepare(*relaxed_);
   }
 
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-    if (problem.is_plain()) return plain_->Solve(problem, options, result);
     result->model = FrictionModel::kRelaxation;
     LcpOptions of_relaxed = options;
     Eigen::VectorXd start;
@@ -82,6 +81,7 @@ class RelaxationEngine {
       // The tolerance is relative to another load there.
       problem.ComputeW(result->f, &gaps_);
       const double residual = RelaxationResidual(problem, result->f, gaps_);
+      result->detail = "the relaxed law's answer: a contact that slips also opens";
       if (residual <= options.tolerance) return;
       result->status = LcpStatus::kNumericalFailure;
       result->detail = "the relaxed answer is not within the tolerance";

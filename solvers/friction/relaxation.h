@@ -24,14 +24,14 @@ struct WithinOptions {
 /// mu (a+ - a-); `auto` solves it. [docs/friction.md section 1; Anitescu 2006; Todorov 2014]
 ///
 /// A model of its own (LcpResult::model): a contact that slips also opens, w_n = mu |w_t|. Where no contact with a
-/// force slips its answer obeys Coulomb's law. A contact with mu = 0 keeps its one row, and a plain problem is
-/// `auto`'s.
+/// force slips its answer obeys Coulomb's law. A contact with mu = 0 keeps its one row. `detail`
+/// of a solved problem says that the answer is the relaxed law's.
 ///
-/// Takes friction rows, one a contact, and plain rows; symmetric positive semidefinite A, as `auto`. Refuses sliding
-/// and bounded rows, and several friction rows a contact. Status, iterations, ray and guarantees are those of `auto` on
-/// the relaxed problem, but for two: a ray of that is not one of the given problem, so that kInfeasible becomes
-/// kNumericalFailure, as does kSolved where Verdict::model_rho is above the tolerance.
-/// Cost: RelaxationOf and one solve.
+/// Takes friction rows, one a contact, beside plain rows; symmetric positive semidefinite A, as `auto`. Refuses plain
+/// problems, sliding and bounded rows, and several friction rows a contact. Status, iterations, ray and guarantees are
+/// those of `auto` on the relaxed problem, but for two: a ray of that is not one of the given problem, so that
+/// kInfeasible becomes kNumericalFailure, as does kSolved where Verdict::model_rho is above the tolerance. Cost:
+/// RelaxationOf and one solve.
 using RelaxationSolver = EngineSolver<WithinOptions, class RelaxationEngine>;
 extern template class EngineSolver<WithinOptions, RelaxationEngine>;
 

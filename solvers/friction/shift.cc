@@ -8,18 +8,15 @@ namespace lcpbench {
 
 class ShiftEngine {
  public:
-  explicit ShiftEngine(const WithinOptions& options)
-      : plain_(options.make_plain()), relaxation_(options), rounds_(RelaxProblems(options)) {}
+  explicit ShiftEngine(const WithinOptions& options) : relaxation_(options), rounds_(RelaxProblems(options)) {}
   static constexpr bool kTakesFriction = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const { return relaxation_.WhyUnsupported(problem); }
   void Prepare(const LcpProblem& problem) {
-    if (problem.is_plain()) return plain_->Prepare(problem);
     rows_.Prepare(problem);
     newton_.Reset();
   }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-    if (problem.is_plain()) return plain_->Solve(problem, options, result);
     constexpr int kMostRounds = 60;
     rows_.SetB(problem);
     rounds_.Start(rows_);
@@ -29,7 +26,6 @@ class ShiftEngine {
   }
 
  private:
-  const std::unique_ptr<LcpSolver> plain_;
   const RelaxationSolver relaxation_;
   ContactRows rows_;
   ModeSteps newton_;

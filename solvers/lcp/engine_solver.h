@@ -66,6 +66,12 @@ inline std::string WhyNotSymmetric(const LcpProblem& problem) {
          "siconos-newton-fb, petsc-ssls, bullet-lemke, drake-moby";
 }
 
+/// WhyUnsupported of methods made for friction: a plain problem would be another method's to solve.
+inline std::string WhyNotFriction(const LcpProblem& problem) {
+  const std::string why = WhyNotSymmetric(problem);
+  return why.empty() && problem.is_plain() ? "plain rows: the method is made for friction" : why;
+}
+
 template <typename Options, typename Engine>
 EngineSolver<Options, Engine>::EngineSolver(const Options& options) : engine_(std::make_unique<Engine>(options)) {}
 

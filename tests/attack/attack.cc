@@ -80,6 +80,7 @@ std::vector<Solver> SolversOf(const Plan& plan) {
   std::vector<Solver> solvers;
   for (const SolverEntry& entry : AllSolvers()) {
     if (entry.origin != SolverOrigin::kOwn || !entry.available) continue;
+    if (!plan.friction && !entry.takes_plain) continue;
     if (plan.friction && !entry.takes_friction && !entry.takes_bounded) continue;
     solvers.push_back({entry.key, [make = entry.make](const LcpProblem& problem, const LcpOptions& options) {
                          return SolveWith(make({}).get(), problem, options);

@@ -37,7 +37,12 @@ inline std::vector<SolverEntry> SolversOf(SolverOrigin origin) {
   }
   return solvers;
 }
-inline std::vector<SolverEntry> OwnSolvers() { return SolversOf(SolverOrigin::kOwn); }
+/// Ours that take plain problems.
+inline std::vector<SolverEntry> OwnSolvers() {
+  std::vector<SolverEntry> solvers = SolversOf(SolverOrigin::kOwn);
+  std::erase_if(solvers, [](const SolverEntry& entry) { return !entry.takes_plain; });
+  return solvers;
+}
 
 /// The key, as the name of a test instance.
 inline std::string SolverTestName(const testing::TestParamInfo<SolverEntry>& info) {

@@ -17,7 +17,8 @@ from .load import ERROR_PARTS, INFEASIBLE
 from .weighted import weighted_median, weighted_share
 
 COLUMNS = [*GROUP, "solver", "problems", "taken", "solvable", "right", "right_share", "false_successes",
-           "false_infeasible", "median_s", *RATIO, "wrong", "rho", "model_rho", *(f"{part}_share" for part in ERROR_PARTS)]
+           "false_infeasible", "median_s", *RATIO, "wrong", "rho", "model_rho",
+           "relaxed", *(f"{part}_share" for part in ERROR_PARTS)]
 
 
 def with_friction(cells: pd.DataFrame) -> pd.DataFrame:
@@ -29,7 +30,7 @@ def friction_table(cells: pd.DataFrame, ours: str = "", levels: Levels = Levels(
     was out of time at a looser tier, which are not right; `solvable`: of these, those that are not
     known to have no solution; of them `right` (verified), its share of the weight and the median time, in which what is
     not verified is infinite. RATIO: the time of `ours` over its, where it is verified. `wrong`: the others of them; of these the medians of rho and model_rho, and of each
-    part of the error the mean share of the sum of squares."""
+    part of the error the mean share of the sum of squares. `relaxed`: its answers are those of a relaxed law."""
     rows = []
     for label, of_group in groups(with_friction(cells)):
         asked, bootstrap = by_solver(of_group), Bootstrap(of_group)
@@ -55,6 +56,7 @@ def _measures(own: pd.DataFrame) -> dict:
             "false_infeasible": int(taken["false_infeasible"].astype(bool).sum()),
             "median_s": weighted_median(solvable["time_s"], solvable["weight"]), "wrong": len(answers),
             "rho": _median(answers["rho"]), "model_rho": _median(answers["model_rho"]),
+            "relaxed": bool(own["model_rho"].notna().any()),
             **{f"{part}_share": share for part, share in zip(ERROR_PARTS, shares)}}
 
 

@@ -166,7 +166,7 @@ TEST_F(SequenceCommand, MotionComparesEverySolverWithTheReference) {
   std::set<std::string> own;
   for (const SolverEntry& solver : OwnSolversAndAPeerOfEachLibrary()) {
     // These do not take some of the problems, which ends a motion early.
-    if (solver.key == "fixed-size-bpp" || solver.key == "band-pivoting") continue;
+    if (solver.key == "fixed-size-bpp" || solver.key == "band-pivoting" || !solver.takes_plain) continue;
     solvers += " " + solver.key;
     motions[solver.key] = solver.uses_tolerance ? 2 : 1;
     if (solver.origin == SolverOrigin::kOwn) own.insert(solver.key);
@@ -175,6 +175,7 @@ TEST_F(SequenceCommand, MotionComparesEverySolverWithTheReference) {
       "motion --scenes disc-pile,boxes-and-discs,disc-track@velocity --size 10 --steps 30 --tolerances 1e-3,1e-9 "
       "--budget 60 --solvers" +
       solvers + " -o " + Path("m"));
+  ExpectMistake("motion --scenes disc-pile --size 4 --solvers shift", "solver 'shift' is made for friction");
   const std::vector<std::string> rows = Lines(ReadFile(Path("m") + "/motion.csv"));
   std::map<std::string, std::size_t> rows_of;
   for (std::size_t i = 1; i < rows.size(); ++i) ++rows_of[Split(rows[i], ',')[4]];

@@ -311,5 +311,47 @@ TEST(FrictionMethods, InfeasibleByARayOfBoundedRows) {
   }
 }
 
+TEST(FrictionMethods, MadeForFrictionRefusePlainProblemsByName) {
+  const Eigen::Matrix2d A{{2, 1}, {1, 2}};
+  const LcpProblem plain = LcpProblem::FromDense("plain", A, Eigen::Vector2d(-1, -2));
+  RowBounds bounds;
+  bounds.bilateral = {1, 0};
+  const LcpProblem with_joint = LcpProblem::FromDense("joint", A, Eigen::Vector2d(-1, -2), bounds);
+  int refusing = 0;
+  for (const SolverEntry& entry : AllSolvers()) {
+    if (entry.takes_plain || !entry.available) continue;
+    ++refusing;
+    for (const LcpProblem& problem : {plain, with_joint}) {
+      const LcpResult result = SolveTo(entry.make({}).get(), problem);
+      EXPECT_EQ(result.status, LcpStatus::kUnsupported) << entry.key;
+      EXPECT_EQ(result.detail, "plain rows: the method is made for friction") << entry.key;
+    }
+    if (!entry.takes_bounded) continue;
+    bounds.bounded = {{1, -1, 1}};
+    const LcpProblem bounded = LcpProblem::FromDense("bounded", A, Eigen::Vector2d(-1, -2), bounds);
+    const LcpResult result = SolveTo(entry.make({}).get(), bounded);
+    EXPECT_EQ(result.status, LcpStatus::kSolved) << entry.key << ": " << result.detail;
+    bounds.bounded.clear();
+  }
+  EXPECT_GE(refusing, 4);
+}
+
+// A contact that sticks obeys both laws, one that slips the relaxed one only: f = (2, 1), w = (.5, -1) and Coulomb's
+// f = (2, 1), w = (0, -1) differ by the opening mu |w_t|.
+TEST(FrictionMethods, ARelaxedAnswerSaysWhoseLawItObeys) {
+  RowBounds bounds;
+  bounds.friction = {{.row = 1, .normal = 0, .mu = 0.5}};
+  for (const double pull : {-0.25, -3.0}) {
+    const LcpProblem problem =
+        LcpProblem::FromDense("block", Eigen::Matrix2d::Identity(), Eigen::Vector2d(-2, pull), bounds);
+    const LcpResult result = SolveTo(MakeSolver("relaxation").get(), problem);
+    EXPECT_EQ(result.status, LcpStatus::kSolved) << result.detail;
+    EXPECT_NE(result.detail.find("the relaxed law's answer"), std::string::npos) << result.detail;
+    const Verdict verdict = Verify(problem, result, 1e-9);
+    EXPECT_EQ(verdict.passes, pull > -1);
+    EXPECT_FALSE(verdict.false_success);
+  }
+}
+
 }  // namespace
 }  // namespace lcpbench
