@@ -8,6 +8,7 @@
 #include <functional>
 #include <utility>
 
+#include "model/contact/contact_row.h"
 #include "model/contact/path.h"
 #include "support/input_error.h"
 
@@ -137,6 +138,7 @@ class StepEvents {
       if (AddApproaches(&end, &events) && AddPathEnds(&end, &events)) break;
     }
     AddPassages(end, &events);
+    AddStops(end, &events);
     if (!AddReleases(end, &events)) return std::nullopt;
 
     if (events.empty()) return end;
@@ -208,32 +210,64 @@ class StepEvents {
     }
   }
 
+  // Pins that come to the speed of their motors.
+  void AddStops(const StepEnd& end, std::vector<Event>* events) const {
+    for (const Constraint& joint : flow_->held()) {
+      if (joint.slip == 0) continue;
+      const auto ahead = [joint](std::span<const Body> bodies) { return joint.slip * TurningSlip(joint, bodies); };
+      Event event;
+      event.smooth = true;
+      event.begin_value = ahead(begin_.bodies);
+      // One that begins to turn is at that speed but for rounding, and must fall behind it.
+      const double level = event.begin_value > kHeldTurning ? 0 : -2 * kHeldTurning;
+      event.begin_value -= level;
+      event.value = [this, ahead, level](double step, const MotionState& state) {
+        return ahead(BodiesAt(step, state)) - level;
+      };
+      if (event.value(end.step, end.state) <= 0) events->push_back(std::move(event));
+    }
+  }
+
+  // The force that a contact has to lose before it opens, and a torque to gain before its pin turns.
+  double Spare(const AnsweredLcp& answered, Index i) const {
+    const RowInfo& row = answered.lcp.rows[static_cast<std::size_t>(i)];
+    const double f = answered.result.f[i];
+    return row.axis == 'r' ? flow_->held()[static_cast<std::size_t>(row.constraint)].torque_limit - std::abs(f) : f;
+  }
+
+  // Accelerations by which contacts open and pins turn.
+  static Eigen::VectorXd RatesOf(const AnsweredLcp& answered) {
+    Eigen::VectorXd rates;
+    answered.lcp.problem.ComputeW(answered.result.f, &rates);
+    for (const BoundedRow& torque : answered.lcp.problem.bounded_rows())
+      rates[torque.row] = std::abs(rates[torque.row]);
+    return rates;
+  }
+
   // False if a contact outside its set was held: the step is too long.
   bool AddReleases(const StepEnd& end, std::vector<Event>* events) const {
-    if (begin_.held.empty()) return true;
+    if (begin_.held.empty() && begin_.answered.lcp.problem.is_plain()) return true;
     const AnsweredLcp last = flow_->Solve(end.state, begin_.time + end.step);
-    const Eigen::VectorXd& begin_f = begin_.answered.result.f;
-    const Eigen::VectorXd& f = last.result.f;
     const Eigen::VectorXd& diagonal = last.lcp.problem.DiagonalA();
-    Eigen::VectorXd w;
-    last.lcp.problem.ComputeW(f, &w);
+    const Eigen::VectorXd w = RatesOf(last);
     const double scale = kNegligible * LargestOf(last.lcp.problem.b());
-    for (Index i = 0; i < f.size(); ++i) {
+    for (Index i = 0; i < w.size(); ++i) {
       if (last.lcp.problem.is_bilateral(i)) continue;
       const double A = diagonal[i] > 0 ? diagonal[i] : 1;
       const RowInfo& row = last.lcp.rows[static_cast<std::size_t>(i)];
       // A contact that opened and was then held at its speed: it should have been left alone, and met again.
-      const bool was_free = begin_f[i] * A <= scale && row.d_dot > velocity_tolerance_;
-      if (was_free && f[i] * A > scale && end.step > kShortestStep) return false;
-      if (!(begin_f[i] * A > scale && w[i] > scale && f[i] * A <= scale)) continue;
+      const double first = A * Spare(begin_.answered, i);
+      const double spare = A * Spare(last, i);
+      const bool was_free =
+          first <= scale && (row.axis == 'r' ? std::abs(row.d_dot) > kHeldTurning : row.d_dot > velocity_tolerance_);
+      if (was_free && spare > scale && end.step > kShortestStep) return false;
+      if (!(first > scale && w[i] > scale && spare <= scale)) continue;
       Event event;
       event.value = [this, i, A](double step, const MotionState& state) {
         const AnsweredLcp answered = flow_->Solve(state, begin_.time + step);
-        Eigen::VectorXd rates;
-        answered.lcp.problem.ComputeW(answered.result.f, &rates);
-        return answered.result.f[i] * A - rates[i];
+        return Spare(answered, i) * A - RatesOf(answered)[i];
       };
-      event.begin_value = begin_f[i] * A;
+      event.begin_value = first;
       event.smooth = true;
       events->push_back(std::move(event));
     }

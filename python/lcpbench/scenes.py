@@ -67,7 +67,7 @@ class Row:
     Terms that a kind does not have are None.
     """
 
-    kind: str  # "contact", "tangent" (friction), "path joint", "pin" (two rows), "rod" or "rope"
+    kind: str  # "contact", "tangent" (friction), "path joint", "pin" (two rows), "torque" (of a pin), "rod" or "rope"
     constraint: int  # a contact and its tangent are one, and the two rows of a pin
     bilateral: bool  # w = 0, f free
     body1: int
