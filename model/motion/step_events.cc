@@ -135,10 +135,9 @@ class StepEvents {
     constexpr int kMostCuts = 8;
     for (int cut = 0; cut < kMostCuts; ++cut) {
       events.clear();
-      if (AddApproaches(&end, &events) && AddPathEnds(&end, &events)) break;
+      if (AddApproaches(&end, &events) && AddPathEnds(&end, &events) && AddStops(&end, &events)) break;
     }
     AddPassages(end, &events);
-    AddStops(end, &events);
     if (!AddReleases(end, &events)) return std::nullopt;
 
     if (events.empty()) return end;
@@ -210,8 +209,8 @@ class StepEvents {
     }
   }
 
-  // Pins that come to the speed of their motors.
-  void AddStops(const StepEnd& end, std::vector<Event>* events) const {
+  // Pins that come to the speed of their motors. Cuts the end where one came to it and left it again.
+  bool AddStops(StepEnd* end, std::vector<Event>* events) {
     for (const Constraint& joint : flow_->held()) {
       if (joint.slip == 0) continue;
       const auto ahead = [joint](std::span<const Body> bodies) { return joint.slip * TurningSlip(joint, bodies); };
@@ -224,8 +223,22 @@ class StepEvents {
       event.value = [this, ahead, level](double step, const MotionState& state) {
         return ahead(BodiesAt(step, state)) - level;
       };
-      if (event.value(end.step, end.state) <= 0) events->push_back(std::move(event));
+      const double last = event.value(end->step, end->state);
+      const auto rate = [&joint](const std::vector<double>& accelerations) {
+        const auto alpha = [&](int body) { return accelerations[3 * static_cast<std::size_t>(body) + 2]; };
+        return joint.slip * (alpha(joint.body1) - alpha(joint.body2));
+      };
+      if (last <= 0) {
+        events->push_back(std::move(event));
+      } else if (rate(begin_.accelerations) < 0) {
+        const double last_rate = rate(flow_->Accelerations(flow_->Solve(end->state, begin_.time + end->step)));
+        double deepest = 0;
+        const double time =
+            DeepestTime(event.begin_value, rate(begin_.accelerations), last, last_rate, end->step, &deepest);
+        if (deepest < 0 && CutsAt(time, event, end)) return false;
+      }
     }
+    return true;
   }
 
   // The force that a contact has to lose before it opens, and a torque to gain before its pin turns.

@@ -254,6 +254,29 @@ TEST(JointFriction, LetsAPendulumSwingOutAndStay) {
   }
 }
 
+// Near the turning point of its speed, a pendulum keeps for a moment the speed of its motor: a step must not pass over
+// that.
+TEST(Motors, AreNotPassedOverWithinAStep) {
+  World world = PinnedLever(0.3 - kPi / 2, 0, 0);
+  const double weight = WeightMoment(world);
+  const double limit = 0.02 * weight;
+  // The fastest that the full torque makes it, a little beyond the bottom.
+  const double beyond = std::asin(0.02);
+  const double fastest =
+      std::sqrt(2 * (weight * (std::cos(beyond) - std::cos(0.3)) + limit * (0.3 + beyond)) / InertiaAboutPin(world));
+  world.joints[0].torque_limit = limit;
+  for (const double share : {0.9995, 0.9999, 1.0001}) {
+    world.joints[0].speed = -share * fastest;
+    std::vector<double> angles;
+    for (const double frame : {0.8, 1e-3}) {
+      DrivenWorld driven(MotionLevel::kAcceleration, world);
+      for (int k = 1; k * frame < 0.8 + 1e-9; ++k) driven.AdvanceTo(k * frame);
+      angles.push_back(driven.body(1).theta);
+    }
+    EXPECT_NEAR(angles[0], angles[1], 1e-9) << share;
+  }
+}
+
 /// A belt along y = 0 that is turned by `angle`, and a body upon it. Edges run to the left: so does speed > 0.
 World Belt(double mu, double speed, const Outline& outline, double height, double angle = 0, bool belt_first = true) {
   Body belt = Fixed({"belt", {{{StraightEdge{{50, 0}, {-50, 0}}, 0, 1}}}}, {}, angle);
