@@ -21,6 +21,8 @@ constexpr double kEventDepth = 1e-4 * kContactTolerance;
 constexpr double kTimeFraction = 1e-9;
 /// Approaches are located more closely, to this fraction of the event depth below their level.
 constexpr double kDepthFraction = 0.01;
+/// Speeds of motors are met to this: what is left stays while they are held [rad/s].
+constexpr double kStopDepth = 1e-4 * kHeldTurning;
 /// Shorter steps are not given up for a gap that cannot be followed [s].
 constexpr double kShortestCut = 1e-13;
 /// Gaps that start below the event depth are met this fraction of it deeper.
@@ -172,6 +174,7 @@ class StepEvents {
     double begin = 0;  // of the time in which the event can be [s], and the value there
     double begin_value = 0;
     bool smooth = false;
+    Value rate = {};  // the rate of what is to be met as closely as an approach
     std::optional<Constraint> approaching;
     bool is_at_end = true;  // found there, not only at the beginning
   };
@@ -223,18 +226,20 @@ class StepEvents {
       event.value = [this, ahead, level](double step, const MotionState& state) {
         return ahead(BodiesAt(step, state)) - level;
       };
-      const double last = event.value(end->step, end->state);
-      const auto rate = [&joint](const std::vector<double>& accelerations) {
+      const auto rate = [joint](const std::vector<double>& accelerations) {
         const auto alpha = [&](int body) { return accelerations[3 * static_cast<std::size_t>(body) + 2]; };
         return joint.slip * (alpha(joint.body1) - alpha(joint.body2));
       };
+      event.rate = [this, rate](double step, const MotionState& state) {
+        return rate(flow_->Accelerations(flow_->Solve(state, begin_.time + step)));
+      };
+      const double last = event.value(end->step, end->state);
       if (last <= 0) {
         events->push_back(std::move(event));
       } else if (rate(begin_.accelerations) < 0) {
-        const double last_rate = rate(flow_->Accelerations(flow_->Solve(end->state, begin_.time + end->step)));
         double deepest = 0;
-        const double time =
-            DeepestTime(event.begin_value, rate(begin_.accelerations), last, last_rate, end->step, &deepest);
+        const double time = DeepestTime(event.begin_value, rate(begin_.accelerations), last,
+                                        event.rate(end->step, end->state), end->step, &deepest);
         if (deepest < 0 && CutsAt(time, event, end)) return false;
       }
     }
@@ -436,7 +441,7 @@ class StepEvents {
   }
 
   void Narrow(const Event& event, const StepInterpolant& between, StepEnd* end) const {
-    const double depth = kDepthFraction * kEventDepth;
+    const double depth = event.rate ? kStopDepth : kDepthFraction * kEventDepth;
     StepEnd after = *end;
     double before = event.begin;
     double step = Estimate(event, between, end->step);
@@ -452,6 +457,8 @@ class StepEvents {
         Constraint followed = *event.approaching;
         const double rate = ContactWatch::Evaluate(BodiesAt(step, state), &followed).d_dot;
         next = step - (g + depth / 2) / rate;
+      } else if (event.rate) {
+        next = step - (g + depth / 2) / event.rate(step, state);
       }
       if (g > 0) {
         before = step;
@@ -459,7 +466,7 @@ class StepEvents {
       } else {
         after.step = step;
         after.state = std::move(state);
-        if (!event.approaching || g >= -depth || after.step - before <= kShortestCut) break;
+        if (!(event.approaching || event.rate) || g >= -depth || after.step - before <= kShortestCut) break;
       }
       step = next;
     }

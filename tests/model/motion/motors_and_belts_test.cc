@@ -95,7 +95,7 @@ TEST(Motors, SpinAFlywheelUpAndThenBearItsLoad) {
         EXPECT_NEAR(driven.body(1).omega, sign * 1.5, 1e-10);
         EXPECT_NEAR(driven.force(), sign * limit, 1e-10);
         driven.AdvanceTo(3 * reached);
-        EXPECT_NEAR(driven.body(1).omega, sign * 3, 1e-8);
+        EXPECT_NEAR(driven.body(1).omega, sign * 3, 1e-9);
         EXPECT_NEAR(driven.force(), -sign * load, 1e-9);
         const double turned = level == MotionLevel::kVelocity ? 3 * kMotorStep : 1e-8;
         EXPECT_NEAR(driven.body(1).theta, sign * 3 * (2 + 0.5) * reached, turned);
@@ -130,8 +130,8 @@ TEST(Motors, DriveTwoBodiesAgainstEachOther) {
     driven.AdvanceTo(2 / (1 / inertia1 + 1 / inertia2));
     EXPECT_NEAR(driven.body(0).omega - driven.body(1).omega, 2, 1e-9);
     driven.AdvanceTo(1);
-    EXPECT_NEAR(driven.body(0).omega, 4 * inertia2 / (inertia1 + inertia2), 1e-8);
-    EXPECT_NEAR(driven.body(1).omega, -4 * inertia1 / (inertia1 + inertia2), 1e-8);
+    EXPECT_NEAR(driven.body(0).omega, 4 * inertia2 / (inertia1 + inertia2), 1e-9);
+    EXPECT_NEAR(driven.body(1).omega, -4 * inertia1 / (inertia1 + inertia2), 1e-9);
   }
 }
 
@@ -200,7 +200,7 @@ TEST(JointFriction, StopsAFlywheel) {
       EXPECT_NEAR(driven.body(1).theta, omega * stops / 2, level == MotionLevel::kVelocity ? 3 * kMotorStep : 1e-8);
       const double stopped = driven.body(1).theta;
       driven.AdvanceTo(stops + 5);
-      EXPECT_NEAR(driven.body(1).theta, stopped, 1e-8);
+      EXPECT_NEAR(driven.body(1).theta, stopped, 1e-9);
     }
   }
 }
@@ -248,8 +248,8 @@ TEST(JointFriction, LetsAPendulumSwingOutAndStay) {
   for (const MotionLevel level : kBothLevels) {
     DrivenWorld driven(level, world);
     driven.AdvanceTo(12);
-    EXPECT_NEAR(driven.body(1).theta + kPi / 2, side * phi, level == MotionLevel::kVelocity ? 0.01 : 1e-7);
-    EXPECT_NEAR(driven.body(1).omega, 0, 1e-8);
+    EXPECT_NEAR(driven.body(1).theta + kPi / 2, side * phi, level == MotionLevel::kVelocity ? 0.01 : 1e-8);
+    EXPECT_NEAR(driven.body(1).omega, 0, 1e-9);
     EXPECT_NEAR(driven.force(), weight * std::sin(side * phi), 2e-2 * weight);
   }
 }
