@@ -33,7 +33,8 @@ bool OnBody2(const ContactSystem& system, const Constraint& constraint) {
 }  // namespace
 
 bool IsDriven(const Body& body) {
-  return body.fixed && (Norm(body.v) > 0 || body.omega != 0 || Norm(body.acceleration) > 0 || body.alpha != 0);
+  return body.fixed && (Norm(body.v) > 0 || body.omega != 0 || Norm(body.acceleration) > 0 || body.alpha != 0 ||
+                        body.surface_speed != 0);
 }
 
 BodyPaths PathsOf(const Body& body, double unit, double band) {

@@ -45,7 +45,7 @@ inline constexpr std::string_view kConeColor = "#8C8C8C";
 inline constexpr std::array<std::string_view, 2> kFixedFill{"#ECECEC", "#9A9A9A"};
 inline constexpr std::array<std::string_view, 2> kDrivenFill{"#F3E8C8", "#A98A3A"};
 
-/// A fixed body that moves, or begins to, as prescribed.
+/// A fixed body that moves, or begins to, as prescribed, or whose surface does.
 bool IsDriven(const Body& body);
 
 /// A body's outline as paths in its frame (svg.h).

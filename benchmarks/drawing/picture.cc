@@ -115,6 +115,7 @@ std::string Tooltip(const Body& body) {
   if (!body.fixed) text += Short(body.mass) + " kg, ";
   if (body.fixed && !IsDriven(body)) return text + "fixed";
   if (body.fixed) text += "driven, ";
+  if (body.surface_speed != 0) text += "surface at " + Short(body.surface_speed) + " m/s, ";
   return text + "v = (" + Short(body.v.x) + ", " + Short(body.v.y) + ") m/s, " + Short(body.omega) + " rad/s";
 }
 

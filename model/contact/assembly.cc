@@ -52,6 +52,7 @@ class Assembler {
     Index rows = 0;
     for (const Constraint& constraint : system.constraints) {
       rows += constraint.type == ConstraintType::kPin || HasTangentRow(constraint) ? 2 : 1;
+      if (HasTorqueRow(constraint)) ++rows;
     }
     rows_.reserve(static_cast<size_t>(rows));
     J_.resize(rows, inverse_mass_.size());
@@ -65,6 +66,7 @@ class Assembler {
     J_.finalize();
     RowBounds bounds = RowBounds::WithBilateralRows(n, bilateral_);
     bounds.friction = std::move(tangents_);
+    bounds.bounded = std::move(torques_);
     return {std::move(rows_),
             LcpProblem::FromFactors(system_.name, J_, std::move(inverse_mass_), std::move(b_), std::move(bounds))};
   }
@@ -72,6 +74,10 @@ class Assembler {
  private:
   bool HasTangentRow(const Constraint& constraint) const {
     return friction_ == Friction::kRows && constraint.type == ConstraintType::kContact && constraint.friction != 0;
+  }
+
+  bool HasTorqueRow(const Constraint& constraint) const {
+    return friction_ == Friction::kRows && constraint.type == ConstraintType::kPin && constraint.torque_limit != 0;
   }
 
   void AddConstraint(size_t i) {
@@ -140,7 +146,8 @@ class Assembler {
     info.axis = 't';
     info.n = Perp(closest.n);
     info.d = 0;
-    info.d_dot = tangent.slip;
+    info.drive = 0 - body1.surface_speed - body2.surface_speed;
+    info.d_dot = tangent.slip + info.drive;
     info.gamma = tangent.gamma;
     AddRow(info, tangent.J);
   }
@@ -187,6 +194,18 @@ class Assembler {
               pin.g[axis], pin.g_dot[axis], pin.gamma[axis]},
              pin.J[axis]);
     }
+    if (!HasTorqueRow(constraint)) return;
+    const double limit = constraint.torque_limit * (step_ > 0 ? step_ : 1);
+    torques_.push_back(
+        {static_cast<Index>(rows_.size()), constraint.slip < 0 ? limit : -limit, constraint.slip > 0 ? -limit : limit});
+    RowInfo info = rows_.back();
+    info.axis = 'r';
+    info.bilateral = false;
+    info.n = {};
+    info.d = info.gamma = 0;
+    info.d_dot = TurningSlip(constraint, system_.bodies);
+    info.drive = 0 - constraint.speed;
+    AddRow(info, {0, 0, 1, 0, 0, -1});
   }
 
   void AddRow(const RowInfo& info, const std::array<double, 6>& J) {
@@ -198,7 +217,7 @@ class Assembler {
     if (step_ == 0) {
       b += info.gamma;
     } else if (!info.bilateral) {
-      b += std::max(info.d, 0.0) / step_;
+      b += std::max(info.d, 0.0) / step_ + info.drive;
     }
     // Finite inputs leave only overflow. J's other entries are components of n.
     if (!(std::isfinite(b) && std::isfinite(info.gamma) && std::isfinite(info.d) && std::isfinite(info.d_dot) &&
@@ -237,6 +256,7 @@ class Assembler {
   Eigen::VectorXd b_;
   std::vector<Index> bilateral_;
   std::vector<FrictionRow> tangents_;
+  std::vector<BoundedRow> torques_;
 };
 
 }  // namespace
@@ -251,7 +271,8 @@ AssembledLcp AssembleStepLcp(const ContactSystem& system, double h) {
 
 AssembledLcp AssembleInstant(const ContactSystem& system, double h) {
   for (const Constraint& constraint : system.constraints) {
-    if (constraint.type == ConstraintType::kContact && constraint.friction != 0) return AssembleStepLcp(system, h);
+    const bool has_friction = constraint.type == ConstraintType::kContact && constraint.friction != 0;
+    if (has_friction || constraint.torque_limit != 0) return AssembleStepLcp(system, h);
   }
   return AssembleContactLcp(system);
 }

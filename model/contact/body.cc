@@ -12,6 +12,9 @@ const char* WhyInvalid(const Body& body) {
   if (!(IsFinite(body.x) && std::isfinite(body.theta))) return "the position is not finite";
   if (!(IsFinite(body.v) && std::isfinite(body.omega))) return "the velocity is not finite";
   if (!(body.friction >= 0 && body.friction <= kMostFriction)) return "its friction must lie within 0..1e6";
+  if (!(body.fixed ? std::isfinite(body.surface_speed) : body.surface_speed == 0)) {
+    return "its surface speed must be finite, and 0 where it is movable";
+  }
   if (body.fixed) {
     const bool finite = IsFinite(body.acceleration) && std::isfinite(body.alpha);
     return finite ? nullptr : "the prescribed acceleration is not finite";

@@ -31,6 +31,9 @@ struct Body {
   /// Coefficient of friction of the surface, in [0, kMostFriction]. A contact that is found has sqrt(mu1 mu2), unless
   /// the world gives the pair another (world.h).
   double friction = 0;
+  /// Speed of the surface along the outline of a fixed body, as of a conveyor's belt [m/s]: > 0 the way that edges run,
+  /// counter-clockwise around the material. Friction acts on the slip relative to it.
+  double surface_speed = 0;
   /// What the body looks like, for pictures; assembly reads the constraints' features only.
   std::vector<OutlineEdge> outline;
   bool operator==(const Body&) const = default;

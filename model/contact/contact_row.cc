@@ -32,6 +32,11 @@ bool HasNoDirection(const Constraint& rope, std::span<const Body> bodies) {
          DistanceOfEnds(rope, bodies) <= kSingularD * rope.length;
 }
 
+double TurningSlip(const Constraint& pin, std::span<const Body> bodies) {
+  return bodies[static_cast<std::size_t>(pin.body1)].omega - bodies[static_cast<std::size_t>(pin.body2)].omega -
+         pin.speed;
+}
+
 ContactRow ComputeContactRow(const ClosestPoints& closest, const Body& body1, const Body& body2) {
   const Vec2 n = closest.n;
   const Vec2 t = Perp(n);

@@ -66,6 +66,10 @@ struct PinRows {
   std::array<double, 2> gamma{};  ///< [m/s^2]
 };
 
+/// How much faster a pin turns than its motor drives it, omega1 - omega2 - speed [rad/s]; with J = [0, 0, 1, 0, 0, -1]
+/// this is J v - speed, so that f is the torque on body 1.
+double TurningSlip(const Constraint& pin, std::span<const Body> bodies);
+
 /// Row of axis e: J = [e, R1 x e, -e, -R2 x e], gamma = -omega1^2 e.R1 + omega2^2 e.R2. [docs/model.md section 6] O(1).
 /// @param vertex1, vertex2  the joint's points in the body frames, rotations as SinCos(theta)
 PinRows ComputePinRows(Vec2 vertex1, const Rotation& rotation1, const Body& body1, Vec2 vertex2,

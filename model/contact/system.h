@@ -13,7 +13,7 @@ namespace lcpbench {
 enum class ConstraintType {
   kContact,    ///< unilateral: gap >= 0, f >= 0; one row
   kPathJoint,  ///< bilateral: a vertex kept on an edge; one row
-  kPin,        ///< bilateral: two vertices kept together; two rows, world x then y
+  kPin,        ///< bilateral: two vertices kept together; two rows, world x then y (and a torque's)
   kRod,        ///< bilateral: two vertices kept at distance `length`, d = |p1 - p2| - length; one row
   kRope,       ///< unilateral: two vertices at most `length` apart, d = length - |p1 - p2|, f >= 0 pulls; one row
 };
@@ -40,6 +40,12 @@ struct Constraint {
   std::size_t piece = 0;  ///< of `path`, on which the joint is now: its edge is that piece's curve
   /// Coefficient of Coulomb friction of a contact, in [0, kMostFriction]; ignored by all others.
   double friction = 0;
+  /// Of a pin: a torque of at most this [N m], >= 0, drives omega1 - omega2 to `speed` [rad/s]. A motor, or with the
+  /// speed 0 dry friction of the joint; one row more.
+  double torque_limit = 0;
+  double speed = 0;
+  /// +-1: it is known that the pin turns faster or slower than that, so its torque on body 1 is -slip torque_limit.
+  signed char slip = 0;
   bool operator==(const Constraint&) const = default;
 };
 

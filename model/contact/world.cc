@@ -75,6 +75,11 @@ void RequireValid(const World& world) {
     if (joint.type == ConstraintType::kContact) throw InputError(name + ": contacts are found, not listed");
     const bool known = joint.body1 >= 0 && joint.body1 < count && joint.body2 >= 0 && joint.body2 < count;
     if (!known || joint.body1 == joint.body2) throw InputError(name + ": expected the indices of two different bodies");
+    const bool turns = joint.torque_limit != 0 || joint.speed != 0;
+    if (turns && joint.type != ConstraintType::kPin) throw InputError(name + ": only a pin has a torque limit");
+    if (!(joint.torque_limit >= 0 && std::isfinite(joint.torque_limit) && std::isfinite(joint.speed))) {
+      throw InputError(name + ": expected a torque limit >= 0 and a speed, both finite");
+    }
     if (const std::string why = WhyInvalidPath(joint); !why.empty()) throw InputError(name + ": " + why);
   }
   PairFrictions pairs;

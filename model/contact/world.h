@@ -50,8 +50,8 @@ bool HasFriction(const World& world);
 ContactSystem InstantOf(const World& world, std::vector<Constraint> contacts);
 
 /// @throws InputError naming the world and the body, joint or load: a mass or inertia that is not > 0, numbers that are
-///         not finite, indices that are not those of two different bodies, a contact among the joints, an invalid path,
-///         friction outside [0, kMostFriction] or given twice
+///         not finite, indices that are not those of two different bodies, a contact among the joints, a torque limit <
+///         0 or of a joint that is no pin, an invalid path, friction outside [0, kMostFriction] or given twice
 void RequireValid(const World& world);
 
 }  // namespace lcpbench

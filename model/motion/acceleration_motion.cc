@@ -210,7 +210,7 @@ class AccelerationMotion final : public Motion {
     std::vector<Constraint> loaded;
     bool separates = false;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (rows[i].bilateral || answered.result.f[static_cast<Index>(i)] <= 0) continue;
+      if (rows[i].bilateral || !rows[i].has_gap() || answered.result.f[static_cast<Index>(i)] <= 0) continue;
       loaded.push_back(ContactOf(rows[i], lasting));
       separates = separates || rows[i].d_dot > threshold;
     }
@@ -252,9 +252,19 @@ class AccelerationMotion final : public Motion {
     CorrectVelocities();
   }
 
+  // Pins that do not turn at the speed of their motors: their torque is known.
+  void NoteSlips() {
+    for (Constraint& joint : bilateral_) {
+      const double slip = TurningSlip(joint, world_.bodies);
+      const bool holds = joint.torque_limit == 0 || std::abs(slip) <= kHeldTurning;
+      joint.slip = static_cast<signed char>(holds ? 0 : slip > 0 ? 1 : -1);
+    }
+  }
+
   // The held set of the next step: without rows that open; the LCP before is observed.
   StepBegin Begin() {
     const std::vector<Constraint> lasting = LastingContacts();
+    NoteSlips();
     flow_.Hold(WithJoints(lasting), last_f_);
     MotionState state = ConstrainedFlow::StateOf(world_.bodies);
     AnsweredLcp answered = flow_.Solve(state, time_);
@@ -277,6 +287,12 @@ class AccelerationMotion final : public Motion {
     std::vector<Constraint> held;
     for (const RowInfo& row : begin.answered.lcp.rows) {
       const auto i = static_cast<Index>(&row - begin.answered.lcp.rows.data());
+      if (row.axis == 'r') {
+        Constraint& joint = bilateral_[static_cast<std::size_t>(row.constraint)];
+        const bool yields = std::abs(f[i]) >= joint.torque_limit && std::abs(w[i]) > opens;
+        if (joint.slip == 0 && yields) joint.slip = w[i] > 0 ? 1 : -1;
+        continue;
+      }
       if (row.bilateral || (f[i] <= 0 && w[i] > opens)) continue;
       held.push_back(ContactOf(row, lasting));
     }

@@ -23,9 +23,10 @@ struct AccelerationOptions {
 /// evaluation; events located; impacts simultaneous. [docs/model.md sections 8, 9]
 ///
 /// A step ends early at the first event: the approach of a gap outside the held set to 0 (less 1e-4 kContactTolerance),
-/// the release of a held contact whose f falls to 0, or the passage of a contact's foot, or of a point on a path, from
-/// its edge to the next. An impact is due when a touching row (d <= 0) approaches faster than eps_v. docs/motion.md:
-/// how events are found and drift is corrected, and why nothing tunnels.
+/// the release of a held contact whose f falls to 0 or of a pin whose torque reaches its limit, a pin that comes to its
+/// motor's speed, or the passage of a contact's foot, or of a point on a path, from its edge to the next. An impact is
+/// due when a touching row (d <= 0) approaches faster than eps_v. docs/motion.md: how events are found and drift is
+/// corrected, and why nothing tunnels.
 ///
 /// Bodies that overlap by more than TreatedDepth, other than by a contact that was followed from outside, end the
 /// motion as kOverlap. Less is projected out at the start.
@@ -34,9 +35,8 @@ struct AccelerationOptions {
 /// kSolverFailed. Observers are called where there is an LCP: not for steps without any row.
 /// + - * / sqrt and correctly rounded functions only, so with a solver of that kind the same bits on every machine.
 /// @param solver  must outlive the motion
-/// @throws InputError for an invalid world or one with friction, options outside their ranges, or bodies that overlap
-/// by more than
-///         TreatedDepth, naming them
+/// @throws InputError for an invalid world or one whose contacts have friction, options outside their ranges, or bodies
+///         that overlap by more than TreatedDepth, naming them
 std::unique_ptr<Motion> MakeAccelerationMotion(World world, const AccelerationOptions& options, LcpSolver& solver);
 
 }  // namespace lcpbench

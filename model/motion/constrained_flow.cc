@@ -45,7 +45,7 @@ void ConstrainedFlow::Hold(std::vector<Constraint> constraints, Eigen::VectorXd 
 AnsweredLcp ConstrainedFlow::Solve(const MotionState& state, double time) {
   Place(state, time, &system_.bodies);
   SetLoads(loads_, system_.bodies);
-  AnsweredLcp answered{AssembleContactLcp(system_), {}};
+  AnsweredLcp answered{AssembleContactLcp(system_, Friction::kRows), {}};
   if (answered.lcp.rows.empty()) {
     answered.result.status = LcpStatus::kSolved;
   } else {

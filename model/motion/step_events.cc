@@ -8,6 +8,7 @@
 #include <functional>
 #include <utility>
 
+#include "model/contact/contact_row.h"
 #include "model/contact/path.h"
 #include "support/input_error.h"
 
@@ -20,6 +21,8 @@ constexpr double kEventDepth = 1e-4 * kContactTolerance;
 constexpr double kTimeFraction = 1e-9;
 /// Approaches are located more closely, to this fraction of the event depth below their level.
 constexpr double kDepthFraction = 0.01;
+/// Speeds of motors are met to this: what is left stays while they are held [rad/s].
+constexpr double kStopDepth = 1e-4 * kHeldTurning;
 /// Shorter steps are not given up for a gap that cannot be followed [s].
 constexpr double kShortestCut = 1e-13;
 /// Gaps that start below the event depth are met this fraction of it deeper.
@@ -134,7 +137,7 @@ class StepEvents {
     constexpr int kMostCuts = 8;
     for (int cut = 0; cut < kMostCuts; ++cut) {
       events.clear();
-      if (AddApproaches(&end, &events) && AddPathEnds(&end, &events)) break;
+      if (AddApproaches(&end, &events) && AddPathEnds(&end, &events) && AddStops(&end, &events)) break;
     }
     AddPassages(end, &events);
     if (!AddReleases(end, &events)) return std::nullopt;
@@ -171,6 +174,7 @@ class StepEvents {
     double begin = 0;  // of the time in which the event can be [s], and the value there
     double begin_value = 0;
     bool smooth = false;
+    Value rate = {};  // the rate of what is to be met as closely as an approach
     std::optional<Constraint> approaching;
     bool is_at_end = true;  // found there, not only at the beginning
   };
@@ -208,32 +212,80 @@ class StepEvents {
     }
   }
 
+  // Pins that come to the speed of their motors. Cuts the end where one came to it and left it again.
+  bool AddStops(StepEnd* end, std::vector<Event>* events) {
+    for (const Constraint& joint : flow_->held()) {
+      if (joint.slip == 0) continue;
+      const auto ahead = [joint](std::span<const Body> bodies) { return joint.slip * TurningSlip(joint, bodies); };
+      Event event;
+      event.smooth = true;
+      event.begin_value = ahead(begin_.bodies);
+      // One that begins to turn is at that speed but for rounding, and must fall behind it.
+      const double level = event.begin_value > kHeldTurning ? 0 : -2 * kHeldTurning;
+      event.begin_value -= level;
+      event.value = [this, ahead, level](double step, const MotionState& state) {
+        return ahead(BodiesAt(step, state)) - level;
+      };
+      const auto rate = [joint](const std::vector<double>& accelerations) {
+        const auto alpha = [&](int body) { return accelerations[3 * static_cast<std::size_t>(body) + 2]; };
+        return joint.slip * (alpha(joint.body1) - alpha(joint.body2));
+      };
+      event.rate = [this, rate](double step, const MotionState& state) {
+        return rate(flow_->Accelerations(flow_->Solve(state, begin_.time + step)));
+      };
+      const double last = event.value(end->step, end->state);
+      if (last <= 0) {
+        events->push_back(std::move(event));
+      } else if (rate(begin_.accelerations) < 0) {
+        double deepest = 0;
+        const double time = DeepestTime(event.begin_value, rate(begin_.accelerations), last,
+                                        event.rate(end->step, end->state), end->step, &deepest);
+        if (deepest < 0 && CutsAt(time, event, end)) return false;
+      }
+    }
+    return true;
+  }
+
+  // The force that a contact has to lose before it opens, and a torque to gain before its pin turns.
+  double Spare(const AnsweredLcp& answered, Index i) const {
+    const RowInfo& row = answered.lcp.rows[static_cast<std::size_t>(i)];
+    const double f = answered.result.f[i];
+    return row.axis == 'r' ? flow_->held()[static_cast<std::size_t>(row.constraint)].torque_limit - std::abs(f) : f;
+  }
+
+  // Accelerations by which contacts open and pins turn.
+  static Eigen::VectorXd RatesOf(const AnsweredLcp& answered) {
+    Eigen::VectorXd rates;
+    answered.lcp.problem.ComputeW(answered.result.f, &rates);
+    for (const BoundedRow& torque : answered.lcp.problem.bounded_rows())
+      rates[torque.row] = std::abs(rates[torque.row]);
+    return rates;
+  }
+
   // False if a contact outside its set was held: the step is too long.
   bool AddReleases(const StepEnd& end, std::vector<Event>* events) const {
-    if (begin_.held.empty()) return true;
+    if (begin_.held.empty() && begin_.answered.lcp.problem.is_plain()) return true;
     const AnsweredLcp last = flow_->Solve(end.state, begin_.time + end.step);
-    const Eigen::VectorXd& begin_f = begin_.answered.result.f;
-    const Eigen::VectorXd& f = last.result.f;
     const Eigen::VectorXd& diagonal = last.lcp.problem.DiagonalA();
-    Eigen::VectorXd w;
-    last.lcp.problem.ComputeW(f, &w);
+    const Eigen::VectorXd w = RatesOf(last);
     const double scale = kNegligible * LargestOf(last.lcp.problem.b());
-    for (Index i = 0; i < f.size(); ++i) {
+    for (Index i = 0; i < w.size(); ++i) {
       if (last.lcp.problem.is_bilateral(i)) continue;
       const double A = diagonal[i] > 0 ? diagonal[i] : 1;
       const RowInfo& row = last.lcp.rows[static_cast<std::size_t>(i)];
       // A contact that opened and was then held at its speed: it should have been left alone, and met again.
-      const bool was_free = begin_f[i] * A <= scale && row.d_dot > velocity_tolerance_;
-      if (was_free && f[i] * A > scale && end.step > kShortestStep) return false;
-      if (!(begin_f[i] * A > scale && w[i] > scale && f[i] * A <= scale)) continue;
+      const double first = A * Spare(begin_.answered, i);
+      const double spare = A * Spare(last, i);
+      const bool was_free =
+          first <= scale && (row.axis == 'r' ? std::abs(row.d_dot) > kHeldTurning : row.d_dot > velocity_tolerance_);
+      if (was_free && spare > scale && end.step > kShortestStep) return false;
+      if (!(first > scale && w[i] > scale && spare <= scale)) continue;
       Event event;
       event.value = [this, i, A](double step, const MotionState& state) {
         const AnsweredLcp answered = flow_->Solve(state, begin_.time + step);
-        Eigen::VectorXd rates;
-        answered.lcp.problem.ComputeW(answered.result.f, &rates);
-        return answered.result.f[i] * A - rates[i];
+        return Spare(answered, i) * A - RatesOf(answered)[i];
       };
-      event.begin_value = begin_f[i] * A;
+      event.begin_value = first;
       event.smooth = true;
       events->push_back(std::move(event));
     }
@@ -389,7 +441,7 @@ class StepEvents {
   }
 
   void Narrow(const Event& event, const StepInterpolant& between, StepEnd* end) const {
-    const double depth = kDepthFraction * kEventDepth;
+    const double depth = event.rate ? kStopDepth : kDepthFraction * kEventDepth;
     StepEnd after = *end;
     double before = event.begin;
     double step = Estimate(event, between, end->step);
@@ -405,6 +457,8 @@ class StepEvents {
         Constraint followed = *event.approaching;
         const double rate = ContactWatch::Evaluate(BodiesAt(step, state), &followed).d_dot;
         next = step - (g + depth / 2) / rate;
+      } else if (event.rate) {
+        next = step - (g + depth / 2) / event.rate(step, state);
       }
       if (g > 0) {
         before = step;
@@ -412,7 +466,7 @@ class StepEvents {
       } else {
         after.step = step;
         after.state = std::move(state);
-        if (!event.approaching || g >= -depth || after.step - before <= kShortestCut) break;
+        if (!(event.approaching || event.rate) || g >= -depth || after.step - before <= kShortestCut) break;
       }
       step = next;
     }

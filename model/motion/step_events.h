@@ -11,6 +11,9 @@ namespace lcpbench {
 /// Errors do not make steps shorter than this [s]; events do.
 inline constexpr double kShortestStep = 1e-4;
 
+/// Pins with a torque limit that turn this near to their motor's speed hold it, while the torque suffices [rad/s].
+inline constexpr double kHeldTurning = 1e-6;
+
 /// Where a step starts: the instant, the held contacts (a part of the flow's held set, after its bilateral rows) and
 /// their LCP.
 struct StepBegin {
@@ -32,7 +35,8 @@ struct StepEnd {
   bool at_event = false;
 };
 
-/// Ends a step at its first event: an approach, a release, a passage to another edge or to another piece of a path.
+/// Ends a step at its first event: an approach, a release (of a pin's torque: that its limit is reached), a pin that
+/// comes to the speed of its motor, a passage to another edge or to another piece of a path.
 /// docs/motion.md says how events are found.
 /// @param velocity_tolerance  slower contacts rest or slide [m/s]
 /// @param step, state  of the whole step, `state` as the flow's Step gives it

@@ -108,7 +108,7 @@ class VelocityMotion final : public Motion {
   double DepthTerm(const RowInfo& row, const Constraint& constraint, double h) const {
     const bool contact = constraint.type == ConstraintType::kContact;
     const double clamp = kDepthClamp * size_;
-    if (row.axis == 't') return 0;
+    if (!row.has_gap()) return row.drive;
     if (row.bilateral) return std::clamp(row.d, -clamp, clamp) / h;
     double c = row.d >= 0 ? row.d / h : std::max(row.d, -clamp) / h;
     if (contact && constraint.friction > 0 && std::abs(row.d) <= kClosed * size_) c = 0;
@@ -132,7 +132,7 @@ class VelocityMotion final : public Motion {
     bool due = false;
     std::vector<bool> touches(system->constraints.size(), false);
     for (const RowInfo& row : rows) {
-      if (row.axis == 't') continue;
+      if (!row.has_gap()) continue;
       const bool closes = !row.bilateral && Closes(row, h);
       due = due || (closes && -row.d_dot > impact.velocity_tolerance);
       if (row.bilateral || closes || row.d <= kContactGap * size_) {
@@ -177,9 +177,12 @@ class VelocityMotion final : public Motion {
     const std::string id = world_.name + "-step" + std::to_string(statistics_.steps);
     // What a step is repeated with while no solution exists.
     const std::function<void()> relax_depth = [&] {
-      for (Index i = 0; i < n; ++i) c[i] = assembled.is_bilateral(i) ? 0 : std::max(c[i], 0.0);
+      for (Index i = 0; i < n; ++i) {
+        if (lcp.rows[static_cast<std::size_t>(i)].has_gap()) c[i] = assembled.is_bilateral(i) ? 0 : std::max(c[i], 0.0);
+      }
     };
     const std::function<void()> relax_drive = [&] {
+      for (const FrictionRow& row : assembled.friction_rows()) c[row.row] = 0;
       for (BodyIndex i = 0; i < world_.bodies.size(); ++i) {
         if (world_.bodies[i].fixed) v.segment<3>(Column(i)).setZero();
       }
@@ -241,17 +244,17 @@ class VelocityMotion final : public Motion {
     std::vector<Constraint> found = finder_.Find(world_.bodies, range, TreatedDepth(MotionLevel::kVelocity, size_));
     const std::size_t count = found.size();
     ContactSystem system = InstantOf(world_, std::move(found));
-    AssembledLcp lcp = AssembleContactLcp(system, Friction::kRows);
+    AssembledLcp lcp = AssembleStepLcp(system, h);
     NoteGaps(system, lcp.rows);
     std::vector<Constraint> contacts = WithoutGhosts(system, lcp.rows, options_.doubtful_depth * size_);
     if (contacts.size() < count) {
       system = InstantOf(world_, std::move(contacts));
-      lcp = AssembleContactLcp(system, Friction::kRows);
+      lcp = AssembleStepLcp(system, h);
     }
     if (options_.restitution > 0 && options_.impact_law == ImpactLaw::kPoisson &&
         ResolveImpacts(lcp.rows, h, &system)) {
       v_free = FreeVelocity(world_.bodies, h);
-      lcp = AssembleContactLcp(system, Friction::kRows);
+      lcp = AssembleStepLcp(system, h);
     }
     GuessImpulses(system, lcp.rows);
 

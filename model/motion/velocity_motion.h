@@ -29,7 +29,8 @@ struct VelocityOptions {
 /// The time stepping of Anitescu and Potra (1997) and Stewart and Trinkle (1996) [docs/model.md section 9, friction.md
 /// section 9]:
 ///     v^ = v + h M^-1 F,   w = A p + J v^ + c,   0 <= p perp w >= 0 (joints: w = 0, p free),
-///     |p_t| <= mu p_n, p_t = -sign(w_t) mu p_n where w_t is not 0   (tangent rows, of contacts with mu > 0; c = 0),
+///     |p_t| <= mu p_n, p_t = -sign(w_t) mu p_n where w_t is not 0   (tangent rows, of contacts with mu > 0),
+///     |p| <= h torque_limit   (bounded rows, of pins with one),   c = RowInfo::drive of both kinds,
 ///     v+ = v^ + M^-1 J^T p,   x+ = x + h v+,   theta+ = theta + h omega+,
 /// with J, the gaps d and the forces F at the step's beginning, p impulses [N s], w velocities [m/s], and
 ///     c = d / h                                   of contacts and ropes with d >= 0 (with friction, d beyond 1e-10

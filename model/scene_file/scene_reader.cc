@@ -108,12 +108,13 @@ void ReadState(const JsonField& field, Vec2 origin, Body* body) {
   body->theta = ReadNumber(field, "angle", 0);
   body->v = ReadVector(field, "velocity", {});
   body->omega = ReadNumber(field, "angular_velocity", 0);
-  for (const char* key : {"acceleration", "angular_acceleration"}) {
+  for (const char* key : {"acceleration", "angular_acceleration", "surface_speed"}) {
     if (field.Has(key) && !body->fixed)
       field[key].Fail("is prescribed for fixed bodies only; others follow their loads");
   }
   body->acceleration = ReadVector(field, "acceleration", {});
   body->alpha = ReadNumber(field, "angular_acceleration", 0);
+  body->surface_speed = ReadNumber(field, "surface_speed", 0);
   // A body whose frame is the drawing's keeps its numbers to the sign of zero.
   if (IsZero(origin)) return;
   const Vec2 arm = Rotate(SinCos(body->theta), origin);
@@ -144,7 +145,8 @@ double ReadFriction(const JsonField& field) {
 
 Body ReadBody(const JsonField& field, const NamedShapes& shapes, Vec2* origin) {
   field.RequireOnlyKeys({"name", "shape", "fixed", "density", "mass", "inertia", "center_of_mass", "position", "angle",
-                         "velocity", "angular_velocity", "acceleration", "angular_acceleration", "friction"});
+                         "velocity", "angular_velocity", "acceleration", "angular_acceleration", "friction",
+                         "surface_speed"});
   Body body;
   body.name = ReadName(field["name"]);
   body.fixed = field.Has("fixed") && field["fixed"].Boolean();
@@ -264,9 +266,9 @@ Constraint ReadJoint(const JsonField& field, const SceneBodies& bodies) {
   const bool is_pin = joint.type == ConstraintType::kPin;
   const bool at_place = is_pin && field.Has("at");
   if (at_place) {
-    field.RequireOnlyKeys({"type", "body1", "body2", "at"});
+    field.RequireOnlyKeys({"type", "body1", "body2", "at", "torque_limit", "speed"});
   } else if (is_pin) {
-    field.RequireOnlyKeys({"type", "body1", "body2", "point1", "point2", "at"});
+    field.RequireOnlyKeys({"type", "body1", "body2", "point1", "point2", "at", "torque_limit", "speed"});
   } else {
     field.RequireOnlyKeys({"type", "body1", "body2", "point1", "point2", "length"});
   }
@@ -276,6 +278,9 @@ Constraint ReadJoint(const JsonField& field, const SceneBodies& bodies) {
   joint.feature1 = read_end(joint.body1, "point1");
   joint.feature2 = read_end(joint.body2, "point2");
   if (!is_pin) joint.length = ReadLength(field, joint, bodies);
+  if (field.Has("torque_limit")) joint.torque_limit = ReadNonNegative(field["torque_limit"]);
+  joint.speed = ReadNumber(field, "speed", 0);
+  if (field.Has("speed") && !field.Has("torque_limit")) field["speed"].Fail("needs \"torque_limit\" beside it");
   return joint;
 }
 

@@ -145,6 +145,7 @@ class Writer {
     if (body.fixed) {
       Add(&json, "acceleration", body.acceleration);
       Add(&json, "angular_acceleration", body.alpha);
+      Add(&json, "surface_speed", body.surface_speed);
     }
     return json;
   }
@@ -171,6 +172,8 @@ class Writer {
     AddFeature(&json, "1", joint.feature1);
     AddFeature(&json, "2", joint.feature2);
     if (joint.type == ConstraintType::kRod || joint.type == ConstraintType::kRope) json["length"] = joint.length;
+    if (joint.torque_limit != 0 || !IsDefault(joint.speed)) json["torque_limit"] = joint.torque_limit;
+    Add(&json, "speed", joint.speed);
     if (joint.type == ConstraintType::kPathJoint) {
       if (joint.s1) json["s1"] = *joint.s1;
       if (joint.s2) json["s2"] = *joint.s2;

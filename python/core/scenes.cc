@@ -202,7 +202,7 @@ nb::dict DescribeRow(const Scene& scene, std::size_t i) {
   const Body& body2 = scene.system.bodies[static_cast<std::size_t>(constraint.body2)];
   const bool is_tangent = row.axis == 't';
   nb::dict of;
-  of["kind"] = is_tangent ? "tangent" : ToString(constraint.type);
+  of["kind"] = is_tangent ? "tangent" : row.axis == 'r' ? "torque" : ToString(constraint.type);
   of["constraint"] = row.constraint;
   of["bilateral"] = row.bilateral;
   of["body1"] = constraint.body1;

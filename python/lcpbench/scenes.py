@@ -63,11 +63,12 @@ class Body:
 class Row:
     """A row of J and what it is made of: d' = J v, d'' = J a + gamma (docs/model.md sections 1 to 7).
 
-    Of the level of forces b = J M^-1 F + gamma, of a time step h b = J (v + h M^-1 F) + max(d, 0) / h.
+    Of the level of forces b = J M^-1 F + gamma, of a time step h b = J (v + h M^-1 F) + max(d, 0) / h;
+    of a tangent less the speeds of belts, of a torque less its motor's.
     Terms that a kind does not have are None.
     """
 
-    kind: str  # "contact", "tangent" (friction), "path joint", "pin" (two rows), "rod" or "rope"
+    kind: str  # "contact", "tangent" (friction), "path joint", "pin" (two rows), "torque" (of a pin), "rod" or "rope"
     constraint: int  # a contact and its tangent are one, and the two rows of a pin
     bilateral: bool  # w = 0, f free
     body1: int

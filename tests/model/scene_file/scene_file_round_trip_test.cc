@@ -130,6 +130,7 @@ World RandomWorld(std::uint64_t seed) {
   fixed.inertia = size();
   fixed.acceleration = point();
   fixed.alpha = number();
+  fixed.surface_speed = number();
   const Vec2 first = point();
   const Vec2 second = point();
   fixed.outline = {{StraightEdge{first, second}, 0.25, 0.75},
@@ -154,6 +155,8 @@ World RandomWorld(std::uint64_t seed) {
   world.joints = {{ConstraintType::kPin, 0, last, Vertex{point()}, Vertex{point()}, {}, {}, 0, 0},
                   {ConstraintType::kRod, 1, last, Vertex{point()}, Vertex{point()}, {}, {}, 0, size()},
                   {ConstraintType::kRope, last, 2, Vertex{point()}, Vertex{point()}, {}, {}, 0, size()}};
+  world.joints[0].torque_limit = size();
+  world.joints[0].speed = number();
   for (const OutlineEdge& edge : fixed.outline) {
     Constraint path{ConstraintType::kPathJoint, 3, last - 1, Vertex{point()}, {}, {}, number(), number(), 0};
     std::visit([&path](const auto& e) { path.feature2 = e; }, edge.edge);
