@@ -203,21 +203,32 @@ class AccelerationMotion final : public Motion {
     CopyVelocities(system.bodies, world_.bodies);
   }
 
-  // Stops contacts that separate although they carry a force; true if there was one.
-  bool HoldTogether(const AnsweredLcp& answered, const std::vector<Constraint>& lasting) {
+  // Contacts that separate although they carry a force: stops them, or, where that would press others together, drops
+  // all that separate from `lasting`. True if there was one.
+  bool HoldTogether(const AnsweredLcp& answered, std::vector<Constraint>* lasting) {
     const double threshold = kVelocityThreshold * options_.impact.velocity_tolerance;
     const std::vector<RowInfo>& rows = answered.lcp.rows;
     std::vector<Constraint> loaded;
+    std::vector<Constraint> meeting;
     bool separates = false;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (rows[i].bilateral || answered.result.f[static_cast<Index>(i)] <= 0) continue;
-      loaded.push_back(ContactOf(rows[i], lasting));
+      if (rows[i].bilateral) continue;
+      if (rows[i].d_dot <= threshold) meeting.push_back(ContactOf(rows[i], *lasting));
+      if (answered.result.f[static_cast<Index>(i)] <= 0) continue;
+      loaded.push_back(ContactOf(rows[i], *lasting));
       separates = separates || rows[i].d_dot > threshold;
     }
     if (!separates) return false;
     ContactSystem system = SystemOf(loaded);
     StopSeparation(options_.impact, Impulses(false), &system);
-    CopyVelocities(system.bodies, world_.bodies);
+    ContactSystem others = SystemOf(meeting);
+    CopyVelocities(system.bodies, others.bodies);
+    if (WorstViolation(AssembleContactLcp(others).rows, &RowInfo::d_dot) > threshold) {
+      *lasting = std::move(meeting);
+      flow_.Hold(WithJoints(*lasting), Eigen::VectorXd());
+    } else {
+      CopyVelocities(system.bodies, world_.bodies);
+    }
     return true;
   }
 
@@ -254,11 +265,11 @@ class AccelerationMotion final : public Motion {
 
   // The held set of the next step: without rows that open; the LCP before is observed.
   StepBegin Begin() {
-    const std::vector<Constraint> lasting = LastingContacts();
+    std::vector<Constraint> lasting = LastingContacts();
     flow_.Hold(WithJoints(lasting), last_f_);
     MotionState state = ConstrainedFlow::StateOf(world_.bodies);
     AnsweredLcp answered = flow_.Solve(state, time_);
-    if (HoldTogether(answered, lasting)) {
+    if (HoldTogether(answered, &lasting)) {
       state = ConstrainedFlow::StateOf(world_.bodies);
       answered = flow_.Solve(state, time_);
     }

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <utility>
+#include <variant>
 
 #include "model/contact/path.h"
 #include "support/input_error.h"
@@ -136,6 +137,7 @@ class StepEvents {
       events.clear();
       if (AddApproaches(&end, &events) && AddPathEnds(&end, &events)) break;
     }
+    if (closed_unseen_ && step > kShortestStep) return std::nullopt;
     AddPassages(end, &events);
     if (!AddReleases(end, &events)) return std::nullopt;
 
@@ -365,7 +367,10 @@ class StepEvents {
       event.begin = InSightFrom(constraint, end);
       if (event.begin > 0) first = TryEvaluate(BodiesAt(event.begin, Between(end).At(event.begin)), constraint);
     }
-    if (!first || first->d < -kContactTolerance) return std::nullopt;
+    if (!first || first->d < -kContactTolerance) {
+      closed_unseen_ = closed_unseen_ || (first && ClosedWithin(event.begin, constraint, *first));
+      return std::nullopt;
+    }
     const double level = Level(first->d);
     event.begin_value = first->d - level;
     event.value = [this, constraint, level](double step, const MotionState& state) {
@@ -373,6 +378,14 @@ class StepEvents {
       return ContactWatch::Evaluate(BodiesAt(step, state), &followed).d - level;
     };
     return event;
+  }
+
+  // Whether two edges that overlap where they come into sight, at `time`, may have been apart at the beginning: at
+  // twice their speed they get as deep.
+  static bool ClosedWithin(double time, const Constraint& constraint, const TouchPoint& touch) {
+    const bool is_corner =
+        std::holds_alternative<Vertex>(constraint.feature1) || std::holds_alternative<Vertex>(constraint.feature2);
+    return time > 0 && !is_corner && touch.d >= 2 * time * touch.d_dot;
   }
 
   // The time on the interpolant at which the event has just happened.
@@ -430,6 +443,9 @@ class StepEvents {
   const StepBegin& begin_;
   ConstrainedFlow* flow_;
   std::optional<StepInterpolant> between_;
+  // Edges came into sight behind a join as an overlap: those before the join met, which may have no gap any more at the
+  // end of the step.
+  bool closed_unseen_ = false;
 };
 
 }  // namespace
