@@ -129,7 +129,7 @@ class StepEvents {
       : velocity_tolerance_(velocity_tolerance), watch_(watch), begin_(begin), flow_(flow) {}
 
   std::optional<StepEnd> Cut(double step, MotionState state) {
-    StepEnd end{step, std::move(state), {}, {}, false};
+    StepEnd end{step, std::move(state), {}, {}, false, {}};
     end.found = watch_.Find(BodiesAt(end.step, end.state));
     std::vector<Event> events;
     constexpr int kMostCuts = 8;
@@ -153,6 +153,7 @@ class StepEvents {
         continue;
       }
       if (event.approaching) cut.touching.push_back(*event.approaching);
+      cut.met = event.approaching ? event.approaching : event.ending;
       end = std::move(cut);
     }
     // A gap that closed where its features are not the closest ones, and an overlap at the end: shorter steps show
@@ -174,7 +175,8 @@ class StepEvents {
     double begin_value = 0;
     bool smooth = false;
     std::optional<Constraint> approaching;
-    bool is_at_end = true;  // found there, not only at the beginning
+    std::optional<Constraint> ending;  // a contact that passes on or opens
+    bool is_at_end = true;             // found there, not only at the beginning
   };
 
   std::vector<Body> BodiesAt(double step, const MotionState& state) const {
@@ -206,6 +208,7 @@ class StepEvents {
         return lies_on(BodiesAt(step, state), held) ? 1.0 : -1.0;
       };
       event.begin_value = 1;
+      event.ending = held;
       events->push_back(std::move(event));
     }
   }
@@ -237,6 +240,7 @@ class StepEvents {
       };
       event.begin_value = begin_f[i] * A;
       event.smooth = true;
+      event.ending = flow_->held()[static_cast<std::size_t>(row.constraint)];
       events->push_back(std::move(event));
     }
     return true;
@@ -274,7 +278,7 @@ class StepEvents {
 
   // Ends the step at `time` if the event has happened there.
   bool CutsAt(double time, const Event& event, StepEnd* end) {
-    StepEnd inner{time, StateAfter(time), {}, {}, false};
+    StepEnd inner{time, StateAfter(time), {}, {}, false, {}};
     try {
       if (event.value(time, inner.state) > 0) return false;
     } catch (const InputError&) {
