@@ -129,14 +129,14 @@ World MeshWorld(const Mesh& mesh) {
 void ExpectConstantRatio(const Mesh& mesh, int steps) {
   SCOPED_TRACE(::testing::Message() << mesh.teeth1 << ":" << mesh.teeth2 << ", " << mesh.pressure_angle
                                     << " rad, contact ratio " << mesh.contact_ratio << ", " << steps << " steps");
-  constexpr double kSeconds = 0.35;
+  constexpr double kDuration = 0.35;
   const World world = MeshWorld(mesh);
   const double ratio = -static_cast<double>(mesh.teeth1) / mesh.teeth2;
   AccelerationOptions options;
   options.max_events = 100;
   Mover mover(world, options);
   for (int k = 0; k < steps; ++k) {
-    mover->Advance(kSeconds / steps);
+    mover->Advance(kDuration / steps);
     ASSERT_EQ(mover->status(), MotionStatus::kMoving) << mover->detail();
     EXPECT_NEAR(mover.body(2).omega, ratio, 1e-5);
     EXPECT_NEAR(mover.body(2).theta - world.bodies[2].theta, ratio * mover->time(), 1e-6);
