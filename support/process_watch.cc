@@ -21,13 +21,13 @@ constexpr int kProbeRuns = 5;
 // What reading the clocks may add to the wall-clock time, which counts in passes of some 100 us [s].
 constexpr double kClockReads = 5e-6;
 
+}  // namespace
+
 double ThreadTime() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
-
-}  // namespace
 
 long long InvoluntarySwitches() {
   rusage usage{};

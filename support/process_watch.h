@@ -6,6 +6,9 @@ namespace lcpbench {
 /// of the clock rate, whatever lies in caches. A processor that throttles shows here.
 double ProbeSpeed();
 
+/// Processor time of the calling thread [s].
+double ThreadTime();
+
 /// How often the calling thread was taken off the processor though it wanted to go on.
 long long InvoluntarySwitches();
 

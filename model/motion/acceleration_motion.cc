@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "model/motion/step_events.h"
 #include "support/input_error.h"
 #include "support/number_text.h"
+#include "support/process_watch.h"
 
 namespace lcpbench {
 namespace {
@@ -32,6 +34,10 @@ constexpr double kVelocityThreshold = 1e-3;
 /// Corrections go this far below the threshold that calls for them.
 constexpr double kCorrectionGoal = 0.01;
 constexpr double kShortestTrial = 1e-14;
+/// Where the same two bodies have met or parted more often than this within kShortestStep ...
+constexpr int kManyMeetings = 100;
+/// ... a motion stalls after this processor time [s].
+constexpr double kLongestStall = 1;
 
 // @throws InputError naming the option and its range
 const AccelerationOptions& Valid(const AccelerationOptions& options) {
@@ -89,6 +95,8 @@ class AccelerationMotion final : public Motion {
  private:
   void Move(double duration) override {
     if (!CanAdvance(duration, kLargestStep)) return;
+    // What was done in between is not the motion's, and the thread may be another.
+    recent_.begin_processor = ThreadTime();
     const double end = time_ + duration;
     while (status_ == MotionStatus::kMoving && time_ < end) Step(end);
   }
@@ -203,21 +211,32 @@ class AccelerationMotion final : public Motion {
     CopyVelocities(system.bodies, world_.bodies);
   }
 
-  // Stops contacts that separate although they carry a force; true if there was one.
-  bool HoldTogether(const AnsweredLcp& answered, const std::vector<Constraint>& lasting) {
+  // Contacts that separate although they carry a force: stops them, or, where that would press others together, drops
+  // all that separate from `lasting`. True if there was one.
+  bool HoldTogether(const AnsweredLcp& answered, std::vector<Constraint>* lasting) {
     const double threshold = kVelocityThreshold * options_.impact.velocity_tolerance;
     const std::vector<RowInfo>& rows = answered.lcp.rows;
     std::vector<Constraint> loaded;
+    std::vector<Constraint> meeting;
     bool separates = false;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (rows[i].bilateral || !rows[i].has_gap() || answered.result.f[static_cast<Index>(i)] <= 0) continue;
-      loaded.push_back(ContactOf(rows[i], lasting));
+      if (rows[i].bilateral || !rows[i].has_gap()) continue;
+      if (rows[i].d_dot <= threshold) meeting.push_back(ContactOf(rows[i], *lasting));
+      if (answered.result.f[static_cast<Index>(i)] <= 0) continue;
+      loaded.push_back(ContactOf(rows[i], *lasting));
       separates = separates || rows[i].d_dot > threshold;
     }
     if (!separates) return false;
     ContactSystem system = SystemOf(loaded);
     StopSeparation(options_.impact, Impulses(false), &system);
-    CopyVelocities(system.bodies, world_.bodies);
+    ContactSystem others = SystemOf(meeting);
+    CopyVelocities(system.bodies, others.bodies);
+    if (WorstViolation(AssembleContactLcp(others).rows, &RowInfo::d_dot) > threshold) {
+      *lasting = std::move(meeting);
+      flow_.Hold(WithJoints(*lasting), Eigen::VectorXd());
+    } else {
+      CopyVelocities(system.bodies, world_.bodies);
+    }
     return true;
   }
 
@@ -235,14 +254,35 @@ class AccelerationMotion final : public Motion {
     return true;
   }
 
-  void CountEvent(const char* what) {
-    if (time_ - events_begin_ > kShortestStep) {
-      events_ = 0;
-      events_begin_ = time_;
+  void CountEvent(const char* what, const std::optional<Constraint>& met = {}) {
+    if (time_ - recent_.begin > kShortestStep) recent_ = {time_, ThreadTime(), 0, {}, {}};
+    ++recent_.events;
+    bool lingers = false;
+    if (met) {
+      recent_.met = met;
+      const int meetings = ++recent_.meetings[{met->body1, met->body2}];
+      lingers = meetings > kManyMeetings && ThreadTime() - recent_.begin_processor > kLongestStall;
     }
-    if (++events_ <= options_.max_events) return;
-    Stall("more than " + std::to_string(options_.max_events) + " events or steps within " + NumberText(kShortestStep) +
-          " s at t = " + NumberText(time_) + " s, the last of them " + what);
+    if (recent_.events <= options_.max_events && !lingers) return;
+    std::string text = "more than " + std::to_string(recent_.events - 1) + " events or steps within " +
+                       NumberText(kShortestStep) + " s" +
+                       (lingers ? " and " + NumberText(kLongestStall) + " s of processor time" : "") +
+                       " at t = " + NumberText(time_) + " s, the last of them " + what;
+    if (recent_.met) {
+      const Constraint& last = *recent_.met;
+      text += "; the last to meet or part: " + EdgeText(last.body1, last.feature1) + " and " +
+              EdgeText(last.body2, last.feature2);
+    }
+    Stall(text);
+  }
+
+  std::string EdgeText(int index, const Feature& feature) const {
+    const Body& body = world_.bodies[static_cast<std::size_t>(index)];
+    const auto edge = std::find_if(body.outline.begin(), body.outline.end(),
+                                   [&](const OutlineEdge& piece) { return ToFeature(piece.edge) == feature; });
+    return "'" + body.name + "' (" +
+           (edge == body.outline.end() ? Describe(feature) : "edge " + std::to_string(edge - body.outline.begin())) +
+           ")";
   }
 
   // Everything that happens in an instant: corrections and impacts.
@@ -263,12 +303,12 @@ class AccelerationMotion final : public Motion {
 
   // The held set of the next step: without rows that open; the LCP before is observed.
   StepBegin Begin() {
-    const std::vector<Constraint> lasting = LastingContacts();
+    std::vector<Constraint> lasting = LastingContacts();
     NoteSlips();
     flow_.Hold(WithJoints(lasting), last_f_);
     MotionState state = ConstrainedFlow::StateOf(world_.bodies);
     AnsweredLcp answered = flow_.Solve(state, time_);
-    if (HoldTogether(answered, lasting)) {
+    if (HoldTogether(answered, &lasting)) {
       state = ConstrainedFlow::StateOf(world_.bodies);
       answered = flow_.Solve(state, time_);
     }
@@ -350,7 +390,8 @@ class AccelerationMotion final : public Motion {
     known.insert(known.end(), reached->touching.begin(), reached->touching.end());
     UpdateContacts(known, reached->found);
     CountEvent(reached->at_event ? "a contact that opens, closes or passes on to another edge"
-                                 : "a step that speeds or errors shorten");
+                                 : "a step that speeds or errors shorten",
+               reached->met);
     if (!reached->at_event) RequireAdvance(begin.bodies, reached->step, kContactTolerance);
     EndIfUntreatable(reached->step, std::max(watch_.range(), treated_));
   }
@@ -364,8 +405,15 @@ class AccelerationMotion final : public Motion {
   std::vector<Constraint> watched_;   // within the range there
   Eigen::VectorXd last_f_;
   double next_step_;
-  int events_ = 0;  // since events_begin_
-  double events_begin_ = 0;
+  // What happened within kShortestStep.
+  struct Recent {
+    double begin = 0;            // [s]
+    double begin_processor = 0;  // processor time then [s]
+    int events = 0;
+    std::map<std::pair<int, int>, int> meetings;  // events of contacts, by bodies
+    std::optional<Constraint> met;                // the last of them
+  };
+  Recent recent_;
 };
 
 }  // namespace

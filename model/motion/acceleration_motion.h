@@ -15,7 +15,8 @@ struct AccelerationOptions {
   /// Tolerance and limits of every solve; initial_f is not read. Solves within a step start from the forces at its
   /// beginning.
   LcpOptions lcp;
-  /// More events and steps than this within 1e-4 s end the motion as kStalled.
+  /// More events and steps than this within 1e-4 s end the motion as kStalled; so do more than 100 meetings of the same
+  /// two bodies there, once they have taken a second of processor time.
   int max_events = 10'000;
 };
 

@@ -96,7 +96,7 @@ class CountedSolver {
 };
 
 /// A world in motion under a solver. Not thread-safe; the solver must outlive it.
-/// The same world, options, solver and build give the same bits.
+/// The same world, options, solver and build give the same bits, for as long as the motion goes.
 class Motion {
  public:
   virtual ~Motion() = default;

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <utility>
+#include <variant>
 
 #include "model/contact/contact_row.h"
 #include "model/contact/path.h"
@@ -131,7 +132,7 @@ class StepEvents {
       : velocity_tolerance_(velocity_tolerance), watch_(watch), begin_(begin), flow_(flow) {}
 
   std::optional<StepEnd> Cut(double step, MotionState state) {
-    StepEnd end{step, std::move(state), {}, {}, false};
+    StepEnd end{step, std::move(state), {}, {}, false, {}};
     end.found = watch_.Find(BodiesAt(end.step, end.state));
     std::vector<Event> events;
     constexpr int kMostCuts = 8;
@@ -139,6 +140,7 @@ class StepEvents {
       events.clear();
       if (AddApproaches(&end, &events) && AddPathEnds(&end, &events) && AddStops(&end, &events)) break;
     }
+    if (closed_unseen_ && step > kShortestStep) return std::nullopt;
     AddPassages(end, &events);
     if (!AddReleases(end, &events)) return std::nullopt;
 
@@ -154,6 +156,7 @@ class StepEvents {
         continue;
       }
       if (event.approaching) cut.touching.push_back(*event.approaching);
+      cut.met = event.approaching ? event.approaching : event.ending;
       end = std::move(cut);
     }
     // A gap that closed where its features are not the closest ones, and an overlap at the end: shorter steps show
@@ -176,7 +179,8 @@ class StepEvents {
     bool smooth = false;
     Value rate = {};  // the rate of what is to be met as closely as an approach
     std::optional<Constraint> approaching;
-    bool is_at_end = true;  // found there, not only at the beginning
+    std::optional<Constraint> ending;  // a contact that passes on or opens
+    bool is_at_end = true;             // found there, not only at the beginning
   };
 
   std::vector<Body> BodiesAt(double step, const MotionState& state) const {
@@ -208,6 +212,7 @@ class StepEvents {
         return lies_on(BodiesAt(step, state), held) ? 1.0 : -1.0;
       };
       event.begin_value = 1;
+      event.ending = held;
       events->push_back(std::move(event));
     }
   }
@@ -287,6 +292,7 @@ class StepEvents {
       };
       event.begin_value = first;
       event.smooth = true;
+      event.ending = flow_->held()[static_cast<std::size_t>(row.constraint)];
       events->push_back(std::move(event));
     }
     return true;
@@ -324,7 +330,7 @@ class StepEvents {
 
   // Ends the step at `time` if the event has happened there.
   bool CutsAt(double time, const Event& event, StepEnd* end) {
-    StepEnd inner{time, StateAfter(time), {}, {}, false};
+    StepEnd inner{time, StateAfter(time), {}, {}, false, {}};
     try {
       if (event.value(time, inner.state) > 0) return false;
     } catch (const InputError&) {
@@ -417,7 +423,10 @@ class StepEvents {
       event.begin = InSightFrom(constraint, end);
       if (event.begin > 0) first = TryEvaluate(BodiesAt(event.begin, Between(end).At(event.begin)), constraint);
     }
-    if (!first || first->d < -kContactTolerance) return std::nullopt;
+    if (!first || first->d < -kContactTolerance) {
+      closed_unseen_ = closed_unseen_ || (first && ClosedWithin(event.begin, constraint, *first));
+      return std::nullopt;
+    }
     const double level = Level(first->d);
     event.begin_value = first->d - level;
     event.value = [this, constraint, level](double step, const MotionState& state) {
@@ -425,6 +434,14 @@ class StepEvents {
       return ContactWatch::Evaluate(BodiesAt(step, state), &followed).d - level;
     };
     return event;
+  }
+
+  // Whether two edges that overlap where they come into sight, at `time`, may have been apart at the beginning: at
+  // twice their speed they get as deep.
+  static bool ClosedWithin(double time, const Constraint& constraint, const TouchPoint& touch) {
+    const bool is_corner =
+        std::holds_alternative<Vertex>(constraint.feature1) || std::holds_alternative<Vertex>(constraint.feature2);
+    return time > 0 && !is_corner && touch.d >= 2 * time * touch.d_dot;
   }
 
   // The time on the interpolant at which the event has just happened.
@@ -484,6 +501,9 @@ class StepEvents {
   const StepBegin& begin_;
   ConstrainedFlow* flow_;
   std::optional<StepInterpolant> between_;
+  // Edges came into sight behind a join as an overlap: those before the join met, which may have no gap any more at the
+  // end of the step.
+  bool closed_unseen_ = false;
 };
 
 }  // namespace

@@ -33,6 +33,7 @@ struct StepEnd {
   std::vector<Constraint> found;     ///< contacts and ropes within the range at the end
   std::vector<Constraint> touching;  ///< those whose approach ended the step
   bool at_event = false;
+  std::optional<Constraint> met;  ///< what the event is of; none for ends of paths
 };
 
 /// Ends a step at its first event: an approach, a release (of a pin's torque: that its limit is reached), a pin that

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -85,9 +86,60 @@ TEST(AccelerationMotion, WithoutARestingSpeedBouncingStalls) {
   mover->Advance(5);
   EXPECT_EQ(mover->status(), MotionStatus::kStalled);
   EXPECT_NE(mover->detail().find("more than 10 events"), std::string::npos) << mover->detail();
+  EXPECT_NE(mover->detail().find("'floor' (edge 0) and 'disc' (edge 0)"), std::string::npos) << mover->detail();
   const double stopped = mover->time();
   mover->Advance(1);
   EXPECT_EQ(mover->time(), stopped);
+}
+
+// A lever lies on two posts; one of them sinks a little below the other, slower than what counts as rest, and comes
+// back: the lever stays on the one that is higher.
+TEST(AccelerationMotion, ALeverStaysOnThePostThatIsHigher) {
+  constexpr double kRadius = 0.1;
+  for (const double speed : {1e-7, 3e-7, 8e-7}) {
+    SCOPED_TRACE(speed);
+    const double back = 0.1;  // [s]
+    Body at_rest = Fixed(Disc(kRadius), {0.7, -kRadius});
+    Body sinking = Fixed(Disc(kRadius), {1, -kRadius});
+    sinking.v.y = -speed;
+    sinking.acceleration.y = 2 * speed / back;
+    Body lever = Movable(Box(3, 0.2), {0, 0.1});
+    World world = WorldWith("lever on posts", {Anchor(), at_rest, sinking, lever}, {});
+    world.joints = {Joint(ConstraintType::kPin, 3, {0, -0.1}, 0, {})};
+    world.loads.wrenches = {{{3, {}}, {}, -50}};
+    AccelerationOptions options;
+    options.max_events = 100;
+    Mover mover(world, options);
+    for (const double until : {0.08, 0.5}) {
+      mover->Advance(until - mover->time());
+      ASSERT_EQ(mover->status(), MotionStatus::kMoving) << mover->detail();
+      EXPECT_NEAR(mover.body(3).theta, std::max(0.0, until * (until / back - 1) * speed), kContactTolerance);
+    }
+    EXPECT_LE(mover->statistics().steps, 60);
+  }
+}
+
+// While the disc falls, the wheel's edges pass by under it: those that it meets are out of sight at the end of a step.
+TEST(AccelerationMotion, ADiscLandsOnATurningWheelOfShortCurves) {
+  constexpr int kEdges = 60;
+  std::vector<OutlinePiece> wheel;
+  for (int k = 0; k < kEdges; ++k) {
+    constexpr double kTurn = 2 * kPi / kEdges;
+    const Vec2 from = Direction(k * kTurn);
+    const Vec2 to = Direction((k + 1) * kTurn);
+    const double along = 4.0 / 3 * std::tan(kTurn / 4);
+    wheel.push_back({BezierEdge{{from, from + along * Perp(from), to - along * Perp(to), to}}, 0, 1});
+  }
+  for (const double speed : {1.0, 2.0, -4.0}) {
+    SCOPED_TRACE(speed);
+    Body turning = Fixed({"wheel", {wheel}});
+    turning.omega = speed;
+    Mover mover(WorldWith("wheel", {turning, Movable(Disc(1), {0, 2 + 2e-6})}, {0, -0.02}));
+    mover->Advance(0.2);
+    EXPECT_EQ(mover->status(), MotionStatus::kMoving) << mover->detail();
+    EXPECT_NEAR(mover.body(1).x.y, 2, 1e-6);
+    EXPECT_LE(mover->statistics().worst_penetration, 1e-6);
+  }
 }
 
 TEST(AccelerationMotion, ABoxThatFallsOnACornerComesToLieFlat) {

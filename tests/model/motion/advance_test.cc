@@ -12,6 +12,7 @@
 #include "model/shape/shapes.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
+#include "support/process_watch.h"
 #include "tests/model/motion/acceleration_mover.h"
 
 namespace lcpbench {
@@ -78,6 +79,36 @@ TEST(Advance, SpeedsThatLeaveNoStepEndTheMotion) {
     started.motion->Advance(0.05);
     ExpectStalled(started, "more than 200 events or steps within 1e-04 s");
     EXPECT_LE(started.motion->statistics().steps, 201);
+  }
+}
+
+// Bounces that come to rest late, of which one takes a second of processor time.
+TEST(Advance, TheSameBodiesThatMeetForASecondEndTheMotion) {
+  MotionOptions options;
+  options.acceleration.impact.restitution = 0.5;
+  options.acceleration.impact.resting_speed = 0;
+  options.acceleration.impact.velocity_tolerance = 1e-12;
+  const World world = WorldWith("zeno", {Floor(), Movable(Disc(0.1), {0, 0.1 + 1e-5})}, {0, -1000});
+  constexpr int kLong = 300;
+  for (const double seconds : {0.2, 1.1}) {
+    Started started(MotionLevel::kAcceleration, world, options);
+    const MotionStatistics& statistics = started.motion->statistics();
+    bool waited = false;
+    started.motion->set_check([&] {
+      if (waited || statistics.impacts < kLong) return;
+      waited = true;
+      for (const double until = ThreadTime() + seconds; ThreadTime() < until;) {
+      }
+    });
+    started.motion->Advance(1e-3);
+    EXPECT_TRUE(waited);
+    if (seconds < 1) {
+      EXPECT_EQ(started.motion->status(), MotionStatus::kMoving) << started.motion->detail();
+    } else {
+      ExpectStalled(started, " events or steps within 1e-04 s and 1 s of processor time at t = 0.0004");
+      ExpectStalled(started, "the last to meet or part: 'floor' (edge 0) and 'disc' (edge 0)");
+      EXPECT_LE(statistics.impacts, kLong + 1);
+    }
   }
 }
 
