@@ -3,6 +3,7 @@
 #include "python/core/derivative.h"
 #include "python/core/exact.h"
 #include "python/core/functions.h"
+#include "python/core/long_work.h"
 #include "python/core/problem.h"
 #include "python/core/problem_views.h"
 #include "python/core/result.h"
@@ -33,6 +34,7 @@ void Translate(const std::exception_ptr& thrown, void* /*unused*/) {
 NB_MODULE(_core, module) {
   using namespace lcpbench::python;
   ImportNumpy();
+  IsMainThread();
   nb::register_exception_translator(&Translate);
   module.attr("__version__") = LCPBENCH_VERSION;
   module.def(
