@@ -42,7 +42,7 @@ DerivativeOfProblem MakeDerivative(const LcpProblem& given, nb::handle result, d
   const bool is_answer = nb::isinstance<Result>(result);
   const Eigen::VectorXd f = is_answer ? nb::cast<const Result&>(result).answer.f : ReadEigen(result, "result");
   const double most_asymmetry = ReadSymmetrize(symmetrize);
-  return Abandonable(IsShort(given), [=]() -> DerivativeOfProblem {
+  return LeavableWithoutGil(IsShort(given), [=]() -> DerivativeOfProblem {
     const LcpProblem problem = WithSymmetry(given, most_asymmetry);
     return {problem, Derivative(problem, f, options)};
   });
@@ -52,13 +52,14 @@ SolutionChange Jvp(const DerivativeOfProblem& self, nb::handle dA, nb::handle dJ
                    nb::handle db, nb::handle dmu) {
   const ProblemChange change{ReadChange(dA, "dA"), ReadChange(dJ, "dJ"), ReadOptional(dinverse_mass, "dinverse_mass"),
                              ReadOptional(db, "db"), ReadOptional(dmu, "dmu")};
-  return Abandonable(IsShort(self.problem), [=, derivative = self.derivative] { return derivative.Jvp(change); });
+  return LeavableWithoutGil(IsShort(self.problem),
+                            [=, derivative = self.derivative] { return derivative.Jvp(change); });
 }
 
 GradientOfProblem Vjp(const DerivativeOfProblem& self, nb::handle f_bar, nb::handle w_bar) {
   const Eigen::VectorXd of_f = ReadOptional(f_bar, "f_bar").value_or(Eigen::VectorXd());
   const Eigen::VectorXd of_w = ReadOptional(w_bar, "w_bar").value_or(Eigen::VectorXd());
-  return Abandonable(IsShort(self.problem), [=]() -> GradientOfProblem {
+  return LeavableWithoutGil(IsShort(self.problem), [=]() -> GradientOfProblem {
     return {self.problem, self.derivative.Vjp(of_f, of_w)};
   });
 }

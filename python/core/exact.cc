@@ -84,7 +84,7 @@ Certificate Certify(const LcpProblem& given, nb::handle time_limit, nb::handle s
   const double time_limit_s = ReadNumber(time_limit, "time_limit", ExactOptions().time_limit_s);
   if (!(time_limit_s > 0)) Refuse("time_limit", "is " + std::to_string(time_limit_s) + ", expected a number > 0");
   const double most_asymmetry = ReadSymmetrize(symmetrize);
-  return Abandonable(false, [=] {
+  return LeavableWithoutGil(false, [=] {
     const LcpProblem problem = WithSymmetry(given, most_asymmetry);
     if (problem.Asymmetry() != 0) {
       Refuse("problem", "A has an asymmetry of " + FormatNumber(problem.Asymmetry(), "%.3g") +

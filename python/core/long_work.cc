@@ -1,7 +1,22 @@
 #include "python/core/long_work.h"
 
+#include "solvers/linear_algebra/loaded_blas.h"
+
 namespace lcpbench::python {
 namespace nb = nanobind;
+
+namespace {
+std::atomic<int> most_threads = 0;  // 0: not limited
+}  // namespace
+
+int LimitThreads(int threads) {
+  most_threads = threads;
+  return LimitLibraryThreads(threads);
+}
+
+void LimitThreadsAgain() {
+  if (most_threads > 0) LimitLibraryThreads(most_threads);
+}
 
 bool IsMainThread() {
   static const auto main =

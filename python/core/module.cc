@@ -11,7 +11,6 @@
 #include "python/core/solver.h"
 #include "python/core/step.h"
 #include "solvers/lcp/memory_budget.h"
-#include "solvers/linear_algebra/loaded_blas.h"
 #include "support/input_error.h"
 
 namespace lcpbench::python {
@@ -38,7 +37,7 @@ NB_MODULE(_core, module) {
   nb::register_exception_translator(&Translate);
   module.attr("__version__") = LCPBENCH_VERSION;
   module.def(
-      "limit_library_threads", &lcpbench::LimitLibraryThreads, nb::arg("threads"),
+      "limit_library_threads", &LimitThreads, nb::arg("threads"),
       "Limits the threads of BLAS and OpenMP below the solvers, for the whole process, as the command does: to 1. "
       "Returns how many BLAS reports.");
   BindProblem(module);

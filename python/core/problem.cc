@@ -178,11 +178,17 @@ LcpProblem GivenProblem::Make(const MatrixFacts& facts) const {
   if (form_ == MatrixForm::kSparse) return LcpProblem::FromSparse("", MakeSparse("A"), vector(b_), bounds_, facts);
   const auto [rows, columns] = std::pair(dense_->rows, dense_->columns);
   RequireMemory(static_cast<double>(rows) * static_cast<double>(columns) * sizeof(double), "a copy of A");
-  Eigen::MatrixXd A;
-  if (dense_->by_columns) {
-    A = Eigen::Map<const Eigen::MatrixXd>(dense_->data, rows, columns);
-  } else {
-    A = Eigen::Map<const Eigen::MatrixXd>(dense_->data, columns, rows).transpose();
+  Eigen::MatrixXd A(rows, columns);
+  constexpr Index kColumnsAtOnce = 64;
+  for (Index j = 0; j < columns; j += kColumnsAtOnce) {
+    Interruption::Check();
+    const Index some = std::min(kColumnsAtOnce, columns - j);
+    if (dense_->by_columns) {
+      A.middleCols(j, some) = Eigen::Map<const Eigen::MatrixXd>(dense_->data + j * rows, rows, some);
+    } else {
+      A.middleCols(j, some) =
+          Eigen::Map<const Eigen::MatrixXd>(dense_->data, columns, rows).middleRows(j, some).transpose();
+    }
   }
   return LcpProblem::FromDense("", std::move(A), vector(b_), bounds_, facts);
 }
@@ -215,12 +221,15 @@ void InitProblem(LcpProblem* self, nb::handle A, nb::handle b, nb::handle J, nb:
   facts.columns_per_body = columns_per_body;
   const double most = ReadSymmetrize(symmetrize);
   WithoutGil([&] {
-    LcpProblem problem = WithSymmetry(given.Make(facts), most, facts);
-    if (symmetric && !problem.IsNumericallySymmetric()) {
-      Refuse("symmetric", "A has an asymmetry of " + FormatNumber(problem.Asymmetry(), "%.3g") +
-                              ", expected a symmetric matrix; symmetrize= makes a small one 0");
-    }
-    new (self) LcpProblem(std::move(problem));
+    const LcpProblem made = given.Make(facts);
+    new (self) LcpProblem(Leavable(IsShort(made) || (!symmetric && most < 0), [=] {
+      LcpProblem problem = WithSymmetry(made, most, facts);
+      if (symmetric && !problem.IsNumericallySymmetric()) {
+        Refuse("symmetric", "A has an asymmetry of " + FormatNumber(problem.Asymmetry(), "%.3g") +
+                                ", expected a symmetric matrix; symmetrize= makes a small one 0");
+      }
+      return problem;
+    }));
   });
 }
 

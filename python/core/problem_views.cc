@@ -22,7 +22,7 @@ nb::object View(const T* data, Index size, nb::handle owner) {
 
 nb::object DenseA(nb::handle self) {
   const LcpProblem& problem = ProblemOf(self);
-  Abandonable(IsShort(problem), [=] { return problem.DenseA().size(); });
+  LeavableWithoutGil(IsShort(problem), [=] { return problem.DenseA().size(); });
   const auto n = static_cast<std::size_t>(problem.size());
   return nb::cast(nb::ndarray<nb::numpy, const double, nb::ndim<2>, nb::f_contig>(problem.DenseA().data(), {n, n}, self,
                                                                                   {1, static_cast<std::int64_t>(n)}));
@@ -39,7 +39,7 @@ nb::object SciPyRows(const SparseMatrix& matrix, nb::handle owner) {
 
 nb::object SparseA(nb::handle self) {
   const LcpProblem& problem = ProblemOf(self);
-  Abandonable(IsShort(problem), [=] { return problem.SparseA().size(); });
+  LeavableWithoutGil(IsShort(problem), [=] { return problem.SparseA().size(); });
   return SciPyRows(problem.SparseA(), self);
 }
 

@@ -38,7 +38,7 @@ nb::object ReadRay(nb::handle self) {
 Verdict Judge(const LcpProblem& problem, const LcpResult& answer, double tolerance) {
   if (!(tolerance > 0 && tolerance < 1))
     Refuse("tolerance", "is " + std::to_string(tolerance) + ", expected a number in (0, 1)");
-  return Abandonable(IsShort(problem), [=] { return Verify(problem, answer, tolerance); });
+  return LeavableWithoutGil(IsShort(problem), [=] { return Verify(problem, answer, tolerance); });
 }
 
 const Verdict& ReadVerdict(Result& result) {
@@ -51,10 +51,10 @@ const Verdict& ReadVerdict(Result& result) {
 
 std::optional<bool> IsUnique(Result& result) {
   if (!ReadVerdict(result).passes) return std::nullopt;
-  return Abandonable(IsShort(result.problem),
-                     [problem = result.problem, f = result.answer.f, tolerance = result.tolerance] {
-                       return IsOnlyAnswer(problem, f, tolerance);
-                     });
+  return LeavableWithoutGil(IsShort(result.problem),
+                            [problem = result.problem, f = result.answer.f, tolerance = result.tolerance] {
+                              return IsOnlyAnswer(problem, f, tolerance);
+                            });
 }
 
 std::string Describe(const Result& result) {

@@ -115,7 +115,7 @@ Scene Replaced(const Scene& scene, nb::handle forces, nb::handle velocities, nb:
   set(velocities, "velocities", &Body::v, &Body::omega);
   if (!friction.is_none()) SetContactFriction(friction, &system);
   MovingScene moving = scene.moving;
-  return Abandonable(false, [=]() mutable {
+  return LeavableWithoutGil(false, [=]() mutable {
     moving.world = WorldOf(system);
     return Assembled(std::move(moving), std::move(system));
   });
@@ -247,7 +247,7 @@ std::string Draw(const Scene& scene, nb::handle f, nb::handle w, const std::stri
     forces = ReadEigen(f, "f") / unit;
     accelerations = ReadEigen(w, "w") / unit;
   }
-  return Abandonable(false, [=] {
+  return LeavableWithoutGil(false, [=] {
     const PictureExtras extras{&scene.moving.world.loads, caption};
     return RenderSvg(scene.system, scene.lcp, has_forces ? &forces : nullptr, has_forces ? &accelerations : nullptr,
                      extras);
@@ -258,7 +258,7 @@ std::string Draw(const Scene& scene, nb::handle f, nb::handle w, const std::stri
 std::pair<std::string, std::string> Animate(const Scene& scene, const std::string& key, double tolerance,
                                             const AnimationOptions& options) {
   RequireValid(options);
-  return Abandonable(false, [=]() -> std::pair<std::string, std::string> {
+  return LeavableWithoutGil(false, [=]() -> std::pair<std::string, std::string> {
     LcpOptions lcp;
     lcp.tolerance = tolerance;
     lcp.time_limit_s = options.budget_s;
@@ -309,7 +309,7 @@ void BindScenes(nb::module_& module) {
       "load_scene",
       [](const std::string& name, int size, std::uint64_t seed, std::optional<double> friction,
          const std::string& level, std::optional<double> step) {
-        return Abandonable(false, [=] { return LoadByName(name, size, seed, {friction, level, step}); });
+        return LeavableWithoutGil(false, [=] { return LoadByName(name, size, seed, {friction, level, step}); });
       },
       nb::arg("name"), nb::arg("size"), nb::arg("seed"), nb::arg("friction").none(), nb::arg("level"),
       nb::arg("step").none());
@@ -317,7 +317,7 @@ void BindScenes(nb::module_& module) {
       "read_scene",
       [](const std::string& text, std::optional<double> friction, const std::string& level,
          std::optional<double> step) {
-        return Abandonable(false, [=] { return ReadText(text, {friction, level, step}); });
+        return LeavableWithoutGil(false, [=] { return ReadText(text, {friction, level, step}); });
       },
       nb::arg("text"), nb::arg("friction").none(), nb::arg("level"), nb::arg("step").none());
   module.def("scene_families", [] {

@@ -74,6 +74,22 @@ LcpOptions ReadOptions(nb::handle tolerance, nb::handle time_limit, std::int64_t
   return options;
 }
 
+std::optional<Eigen::VectorXd> ReadStart(nb::handle initial_f) {
+  if (initial_f.is_none()) return std::nullopt;
+  return ReadEigen(initial_f, "initial_f");
+}
+
+// Where this is interrupted, the solver may be at work still.
+LcpResult SolveLeavable(const std::shared_ptr<LcpSolver>& solver, const LcpProblem& problem, const LcpOptions& options,
+                        std::optional<Eigen::VectorXd> start) {
+  return Leavable(IsShort(problem), [=, options = options, start = std::move(start)]() mutable {
+    if (start) options.initial_f = &*start;
+    LcpResult answer;
+    solver->Solve(problem, options, &answer);
+    return answer;
+  });
+}
+
 // A solver object that has solved other problems gives the bits of a new one (LcpSolver), so that each thread keeps its
 // last one; but not what it holds of large problems, nor one that was interrupted. Who has it takes it: handlers of
 // signals may call within a call.
@@ -93,9 +109,10 @@ class ThreadSolver {
     if (may_stay_) std::swap(kept_, OfThread());
   }
 
-  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-    kept_.solver->Solve(problem, options, result);
+  LcpResult Solve(const LcpProblem& problem, const LcpOptions& options, std::optional<Eigen::VectorXd> start) {
+    LcpResult answer = SolveLeavable(kept_.solver, problem, options, std::move(start));
     may_stay_ = problem.size() <= kMostKeptRows;
+    return answer;
   }
 
  private:
@@ -103,7 +120,7 @@ class ThreadSolver {
   struct Kept {
     std::string key;
     Settings settings;
-    std::unique_ptr<LcpSolver> solver;
+    std::shared_ptr<LcpSolver> solver;
   };
   static Kept& OfThread() {
     thread_local Kept kept;
@@ -131,9 +148,8 @@ nb::object Solve(nb::handle A, nb::handle b, nb::handle J, nb::handle inverse_ma
   } else {
     given.emplace(ProblemArguments{A, b, J, inverse_mass, bilateral, friction, bounded});
   }
-  LcpOptions options = ReadOptions(tolerance, time_limit, max_iterations);
-  Eigen::VectorXd start;
-  if (!initial_f.is_none()) options.initial_f = &(start = ReadEigen(initial_f, "initial_f"));
+  const LcpOptions options = ReadOptions(tolerance, time_limit, max_iterations);
+  std::optional<Eigen::VectorXd> start = ReadStart(initial_f);
   const double most_asymmetry = ReadSymmetrize(symmetrize);
   ThreadSolver backend(ReadKey(solver), ReadSettings(settings));
   LcpResult answer;
@@ -142,7 +158,7 @@ nb::object Solve(nb::handle A, nb::handle b, nb::handle J, nb::handle inverse_ma
   WithoutGil([&] {
     const double begin = SteadyNow();
     problem = WithSymmetry(given ? given->Make() : *made, most_asymmetry);
-    backend.Solve(*problem, options, &answer);
+    answer = backend.Solve(*problem, options, std::move(start));
     time_s = SteadyNow() - begin;
   });
   return nb::cast(Result{std::move(*problem), std::move(answer), options.tolerance, time_s});
@@ -160,9 +176,16 @@ class Solver {
     const double most_asymmetry = ReadSymmetrize(symmetrize);
     WithoutGil([&] {
       const auto turn = TakeTurn(mutex_);
-      const LcpProblem problem = WithSymmetry(given, most_asymmetry);
-      solver_->Prepare(problem);
-      problem_ = problem;
+      try {
+        problem_ = Leavable(IsShort(given), [=, solver = solver_] {
+          LcpProblem problem = WithSymmetry(given, most_asymmetry);
+          solver->Prepare(problem);
+          return problem;
+        });
+      } catch (const Interrupted&) {
+        solver_ = MakeSolver(key_, settings_);
+        throw;
+      }
     });
   }
 
@@ -199,9 +222,7 @@ class Solver {
   }
 
   nb::object Solve(nb::handle initial_f) {
-    LcpOptions options = options_;
-    Eigen::VectorXd start;
-    if (!initial_f.is_none()) options.initial_f = &(start = ReadEigen(initial_f, "initial_f"));
+    std::optional<Eigen::VectorXd> start = ReadStart(initial_f);
     LcpResult answer;
     std::optional<LcpProblem> problem;
     double time_s = 0;
@@ -210,14 +231,14 @@ class Solver {
       problem = RequireProblem();
       const double begin = SteadyNow();
       try {
-        solver_->Solve(*problem, options, &answer);
+        answer = SolveLeavable(solver_, *problem, options_, std::move(start));
       } catch (const Interrupted&) {
         solver_ = MakeSolver(key_, settings_);
         throw;
       }
       time_s = SteadyNow() - begin;
     });
-    return nb::cast(Result{std::move(*problem), std::move(answer), options.tolerance, time_s});
+    return nb::cast(Result{std::move(*problem), std::move(answer), options_.tolerance, time_s});
   }
 
  private:
@@ -226,7 +247,7 @@ class Solver {
     return *problem_;
   }
 
-  std::unique_ptr<LcpSolver> solver_;
+  std::shared_ptr<LcpSolver> solver_;
   std::string key_;
   Settings settings_;
   LcpOptions options_;

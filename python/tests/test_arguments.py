@@ -105,11 +105,6 @@ def test_unknown_members_are_named_with_the_known(call, law, members):
     call(**{law: {name: of for name, of in members.items() if name != stranger}})
 
 
-def test_unknown_members_of_a_scene_are_refused():
-    with pytest.raises(ValueError, match="bodys"):
-        lcpbench.generate({"bodys": []})
-
-
 @pytest.mark.parametrize("call", CALLS.values(), ids=CALLS)
 def test_bilateral_has_one_meaning(call):
     def result(bilateral):
