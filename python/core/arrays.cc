@@ -184,6 +184,9 @@ bool IsArray(nb::handle value) { return PyArray_Check(value.ptr()); }
 
 Vector<unsigned char> ReadBilateral(nb::handle value, Index n) {
   if (value.is_none()) return {};
+  if (PyArray_CheckExact(value.ptr()) && PyArray_TYPE(AsArray(value)) == NPY_BOOL) {
+    return ReadVector<unsigned char>(value, "bilateral", n, "n");
+  }
   const nb::object given = ToArray(value, "bilateral");
   if (PyArray_TYPE(AsArray(given)) == NPY_BOOL) return ReadVector<unsigned char>(given, "bilateral", n, "n");
   const auto rows = ReadVector<std::int64_t>(given, "bilateral");

@@ -1,5 +1,7 @@
 #include "python/core/long_work.h"
 
+#include <dlfcn.h>
+
 #include "solvers/linear_algebra/loaded_blas.h"
 
 namespace lcpbench::python {
@@ -15,7 +17,9 @@ int LimitThreads(int threads) {
 }
 
 void LimitThreadsAgain() {
-  if (most_threads > 0) LimitLibraryThreads(most_threads);
+  // Not that of BLAS, which is of the process and may not change while others are in it.
+  static const auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "omp_set_num_threads"));
+  if (most_threads > 0 && set != nullptr) set(most_threads);
 }
 
 bool IsMainThread() {

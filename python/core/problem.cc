@@ -181,7 +181,7 @@ LcpProblem GivenProblem::Make(const MatrixFacts& facts) const {
   Eigen::MatrixXd A(rows, columns);
   constexpr Index kColumnsAtOnce = 64;
   for (Index j = 0; j < columns; j += kColumnsAtOnce) {
-    Interruption::Check();
+    if (j > 0) Interruption::Check();  // not of few columns: it reads the clock
     const Index some = std::min(kColumnsAtOnce, columns - j);
     if (dense_->by_columns) {
       A.middleCols(j, some) = Eigen::Map<const Eigen::MatrixXd>(dense_->data + j * rows, rows, some);
@@ -221,8 +221,12 @@ void InitProblem(LcpProblem* self, nb::handle A, nb::handle b, nb::handle J, nb:
   facts.columns_per_body = columns_per_body;
   const double most = ReadSymmetrize(symmetrize);
   WithoutGil([&] {
-    const LcpProblem made = given.Make(facts);
-    new (self) LcpProblem(Leavable(IsShort(made) || (!symmetric && most < 0), [=] {
+    LcpProblem made = given.Make(facts);
+    if (!symmetric && most < 0) {
+      new (self) LcpProblem(std::move(made));
+      return;
+    }
+    new (self) LcpProblem(Leavable(IsShort(made), [=] {
       LcpProblem problem = WithSymmetry(made, most, facts);
       if (symmetric && !problem.IsNumericallySymmetric()) {
         Refuse("symmetric", "A has an asymmetry of " + FormatNumber(problem.Asymmetry(), "%.3g") +

@@ -80,11 +80,16 @@ std::optional<Eigen::VectorXd> ReadStart(nb::handle initial_f) {
 }
 
 // Where this is interrupted, the solver may be at work still.
-LcpResult SolveLeavable(const std::shared_ptr<LcpSolver>& solver, const LcpProblem& problem, const LcpOptions& options,
+LcpResult SolveLeavable(const std::shared_ptr<LcpSolver>& solver, const LcpProblem& problem, LcpOptions options,
                         std::optional<Eigen::VectorXd> start) {
-  return Leavable(IsShort(problem), [=, options = options, start = std::move(start)]() mutable {
+  LcpResult answer;
+  if (IsShort(problem)) {  // whose time copies would show in
     if (start) options.initial_f = &*start;
-    LcpResult answer;
+    solver->Solve(problem, options, &answer);
+    return answer;
+  }
+  return Leavable(false, [=, start = std::move(start)]() mutable {
+    if (start) options.initial_f = &*start;
     solver->Solve(problem, options, &answer);
     return answer;
   });
@@ -96,21 +101,19 @@ LcpResult SolveLeavable(const std::shared_ptr<LcpSolver>& solver, const LcpProbl
 class ThreadSolver {
  public:
   ThreadSolver(std::string_view key, Settings settings) {
-    std::swap(kept_, OfThread());
-    if (kept_.solver == nullptr || kept_.key != key || kept_.settings != settings) {
-      kept_.solver = MakeSolver(key, settings);
-      kept_.key = key;
-      kept_.settings = std::move(settings);
+    if (kept_ == nullptr || kept_->key != key || kept_->settings != settings) {
+      std::shared_ptr<LcpSolver> solver = MakeSolver(key, settings);
+      kept_ = std::make_unique<Kept>(std::string(key), std::move(settings), std::move(solver));
     }
   }
   ThreadSolver(const ThreadSolver&) = delete;
   ThreadSolver& operator=(const ThreadSolver&) = delete;
   ~ThreadSolver() {
-    if (may_stay_) std::swap(kept_, OfThread());
+    if (may_stay_) OfThread() = std::move(kept_);
   }
 
   LcpResult Solve(const LcpProblem& problem, const LcpOptions& options, std::optional<Eigen::VectorXd> start) {
-    LcpResult answer = SolveLeavable(kept_.solver, problem, options, std::move(start));
+    LcpResult answer = SolveLeavable(kept_->solver, problem, options, std::move(start));
     may_stay_ = problem.size() <= kMostKeptRows;
     return answer;
   }
@@ -122,11 +125,11 @@ class ThreadSolver {
     Settings settings;
     std::shared_ptr<LcpSolver> solver;
   };
-  static Kept& OfThread() {
-    thread_local Kept kept;
+  static std::unique_ptr<Kept>& OfThread() {
+    thread_local std::unique_ptr<Kept> kept;
     return kept;
   }
-  Kept kept_;
+  std::unique_ptr<Kept> kept_ = std::move(OfThread());
   bool may_stay_ = false;
 };
 
