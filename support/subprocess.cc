@@ -23,18 +23,20 @@
 #include <utility>
 
 #include "support/clock.h"
+#include "support/interruption.h"
 
 namespace lcpbench {
 namespace {
 
 // Waits until the descriptor is ready or the time has come.
 bool WaitFor(int fd, short events, double until) {
-  constexpr double kLongest = 3600;  // s; poll's timeout is an int
+  const double longest = Interruption::IsPossible() ? Interruption::kPeriod : 3600;  // s; poll's timeout is an int
   for (;;) {
+    Interruption::Check();
     const double left = until - SteadyNow();
     if (left <= 0) return false;
     pollfd entry{fd, events, 0};
-    const int ready = poll(&entry, 1, static_cast<int>(std::ceil(1000 * std::min(left, kLongest))));
+    const int ready = poll(&entry, 1, static_cast<int>(std::ceil(1000 * std::min(left, longest))));
     if (ready > 0) return true;
     if (ready < 0 && errno != EINTR) return true;  // the read or write will say what is wrong
   }

@@ -88,20 +88,6 @@ class Refusals {
   int untold_ = 0;
 };
 
-// With (A + A^T) / 2, symmetric bit for bit, of a problem without factors. Nothing else is proved of it any more.
-LcpProblem Symmetrized(const LcpProblem& problem) {
-  MatrixFacts facts;
-  facts.symmetric = true;
-  // Halves first, so that nothing overflows.
-  if (problem.given_form() == MatrixForm::kDense) {
-    const Eigen::MatrixXd& A = problem.DenseA();
-    return LcpProblem::FromDense(problem.id(), 0.5 * A + 0.5 * A.transpose(), problem.b(), problem.bounds(), facts);
-  }
-  const SparseMatrix& A = problem.SparseA();
-  const SparseMatrix turned = A.transpose();
-  return LcpProblem::FromSparse(problem.id(), 0.5 * A + 0.5 * turned, problem.b(), problem.bounds(), facts);
-}
-
 // Hands problems that are read to a handler, those that nearly are symmetric made so, and tells of what was done.
 class Taker {
  public:

@@ -19,6 +19,7 @@
 #include "model/contact/loads.h"
 #include "model/scenes/parts.h"
 #include "support/input_error.h"
+#include "support/interruption.h"
 
 namespace lcpbench {
 namespace {
@@ -422,7 +423,10 @@ Animation RecordAnimation(Motion* motion, const AnimationOptions& options,
   animation.fps = options.fps;
   Listener listener;
   const BudgetClock budget(options.budget_s);
-  motion->set_check([&budget] { budget.Check(); });
+  motion->set_check([&budget] {
+    Interruption::Check();
+    budget.Check();
+  });
   motion->set_observer([&listener](const MotionProblem& problem) { listener(problem); });
   const double start = motion->time();
   animation.frames.push_back(FrameOf(*motion));

@@ -4,6 +4,7 @@
 
 #include <numpy/arrayobject.h>
 
+#include <algorithm>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -39,6 +40,17 @@ std::string TakePythonError() {
 
 constexpr int kAnyDimensions = -1;
 
+// Masked entries, which are missing, also of arrays in a list. What an array is made of must not have any: NumPy drops
+// the mask.
+void RequireUnmasked(nb::handle value, const char* name) {
+  if (PyArray_CheckExact(value.ptr()) || PyFloat_Check(value.ptr()) || PyLong_Check(value.ptr())) return;
+  if (nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value)) {
+    for (const nb::handle item : value) RequireUnmasked(item, name);
+  } else if (nb::hasattr(value, "mask") && nb::cast<bool>(nb::module_::import_("numpy.ma").attr("is_masked")(value))) {
+    Refuse(name, "has masked entries, expected numbers for all");
+  }
+}
+
 // A copy, or the array itself where it is of the type and without gaps already.
 nb::object Convert(nb::handle value, const char* name, int type, int dimensions, int flags, const char* expected) {
   nb::object array = ToArray(value, name);
@@ -72,6 +84,7 @@ nb::object Narrow(nb::handle value, const char* name, int dimensions) {
 
 template <typename T>
 Vector<T> Read(nb::handle value, const char* name, int dimensions) {
+  RequireUnmasked(value, name);
   nb::object owner = nb::borrow(value);
   if (!PyArray_Check(value.ptr()) || (dimensions != kAnyDimensions && PyArray_NDIM(AsArray(value)) != dimensions) ||
       !HasType(AsArray(value), kType<T>) || !PyArray_ISCARRAY_RO(AsArray(value))) {
@@ -115,6 +128,7 @@ Eigen::VectorXd ReadEigen(nb::handle value, const char* name) {
 }
 
 DenseMatrix ReadMatrix(nb::handle value, const char* name) {
+  RequireUnmasked(value, name);
   nb::object owner = nb::borrow(value);
   const auto is_usable = [](PyArrayObject* array) {
     return PyArray_NDIM(array) == 2 && HasType(array, NPY_DOUBLE) &&
@@ -129,6 +143,7 @@ DenseMatrix ReadMatrix(nb::handle value, const char* name) {
 }
 
 double* ReadOutput(nb::handle value, const char* name, Index size) {
+  RequireUnmasked(value, name);
   PyArrayObject* const array = AsArray(value);
   if (!PyArray_Check(value.ptr()) || !HasType(array, NPY_DOUBLE) || !PyArray_ISCARRAY(array) ||
       PyArray_SIZE(array) != size) {
@@ -159,6 +174,7 @@ nb::object ViewOf(const Eigen::VectorXd& values, nb::handle owner) {
 bool IsFloatArray(nb::handle value) { return PyArray_Check(value.ptr()) && PyArray_TYPE(AsArray(value)) == NPY_FLOAT; }
 
 nb::object ToArray(nb::handle value, const char* name) {
+  RequireUnmasked(value, name);
   nb::object array = nb::steal(PyArray_FromAny(value.ptr(), nullptr, 0, 0, 0, nullptr));
   if (!array.is_valid()) Refuse(name, "expected an array: " + TakePythonError());
   return array;
@@ -166,7 +182,22 @@ nb::object ToArray(nb::handle value, const char* name) {
 
 bool IsArray(nb::handle value) { return PyArray_Check(value.ptr()); }
 
-bool IsBoolArray(nb::handle value) { return PyArray_Check(value.ptr()) && PyArray_TYPE(AsArray(value)) == NPY_BOOL; }
+Vector<unsigned char> ReadBilateral(nb::handle value, Index n) {
+  if (value.is_none()) return {};
+  if (PyArray_CheckExact(value.ptr()) && PyArray_TYPE(AsArray(value)) == NPY_BOOL) {
+    return ReadVector<unsigned char>(value, "bilateral", n, "n");
+  }
+  const nb::object given = ToArray(value, "bilateral");
+  if (PyArray_TYPE(AsArray(given)) == NPY_BOOL) return ReadVector<unsigned char>(given, "bilateral", n, "n");
+  const auto rows = ReadVector<std::int64_t>(given, "bilateral");
+  unsigned char* mask = nullptr;
+  Vector<unsigned char> read{NewVector(n, &mask), nullptr, n};
+  read.data = mask;
+  std::fill_n(mask, n, 0);
+  const RowBounds bounds = RowBounds::WithBilateralRows(n, {rows.data, rows.data + rows.size});
+  std::copy(bounds.bilateral.begin(), bounds.bilateral.end(), mask);
+  return read;
+}
 
 double ReadNumber(nb::handle value, const char* name, double if_none) {
   if (value.is_none()) return if_none;

@@ -25,8 +25,9 @@ struct Vector {
   Index size = 0;
 };
 
-/// T: double, std::int32_t, std::int64_t or unsigned char (a mask: bool or uint8 of 0 and 1).
-/// @param value  an array, or what NumPy makes one of without losing digits; integers of any width within T's range
+/// T: double, std::int32_t, std::int64_t or unsigned char (a mask of bool).
+/// @param value  an array, or what NumPy makes one of without losing digits; integers of any width within T's range.
+///               Masked arrays must not have masked entries
 /// @throws InputError naming the argument
 template <typename T>
 Vector<T> ReadVector(nb::handle value, const char* name);
@@ -71,8 +72,10 @@ nb::object ToArray(nb::handle value, const char* name);
 bool IsArray(nb::handle value);
 /// Whether it is one of float32.
 bool IsFloatArray(nb::handle value);
-/// Whether it is one of bool.
-bool IsBoolArray(nb::handle value);
+/// Rows that are bilateral, as a mask: the caller's own where that is an array of n bool; else of integers, which are
+/// rows. None: nothing, without data.
+/// @throws InputError naming the argument
+Vector<unsigned char> ReadBilateral(nb::handle value, Index n);
 
 /// A number. None: `if_none`.
 /// @throws InputError naming the argument

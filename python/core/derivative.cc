@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "python/core/long_work.h"
 #include "python/core/problem.h"
 #include "python/core/result.h"
 #include "solvers/derivative/derivative.h"
@@ -35,28 +36,32 @@ std::optional<Eigen::VectorXd> ReadOptional(nb::handle value, const char* name) 
   return ReadEigen(value, name);
 }
 
-DerivativeOfProblem MakeDerivative(const LcpProblem& problem, nb::handle result, double tolerance,
-                                   double degeneracy_tolerance, double rank_tolerance) {
+DerivativeOfProblem MakeDerivative(const LcpProblem& given, nb::handle result, double tolerance,
+                                   double degeneracy_tolerance, double rank_tolerance, nb::handle symmetrize) {
   const DerivativeOptions options{tolerance, degeneracy_tolerance, rank_tolerance};
   const bool is_answer = nb::isinstance<Result>(result);
   const Eigen::VectorXd f = is_answer ? nb::cast<const Result&>(result).answer.f : ReadEigen(result, "result");
-  const nb::gil_scoped_release release;
-  return {problem, Derivative(problem, f, options)};
+  const double most_asymmetry = ReadSymmetrize(symmetrize);
+  return LeavableWithoutGil(IsShort(given), [=]() -> DerivativeOfProblem {
+    const LcpProblem problem = WithSymmetry(given, most_asymmetry);
+    return {problem, Derivative(problem, f, options)};
+  });
 }
 
 SolutionChange Jvp(const DerivativeOfProblem& self, nb::handle dA, nb::handle dJ, nb::handle dinverse_mass,
                    nb::handle db, nb::handle dmu) {
   const ProblemChange change{ReadChange(dA, "dA"), ReadChange(dJ, "dJ"), ReadOptional(dinverse_mass, "dinverse_mass"),
                              ReadOptional(db, "db"), ReadOptional(dmu, "dmu")};
-  const nb::gil_scoped_release release;
-  return self.derivative.Jvp(change);
+  return LeavableWithoutGil(IsShort(self.problem),
+                            [=, derivative = self.derivative] { return derivative.Jvp(change); });
 }
 
 GradientOfProblem Vjp(const DerivativeOfProblem& self, nb::handle f_bar, nb::handle w_bar) {
   const Eigen::VectorXd of_f = ReadOptional(f_bar, "f_bar").value_or(Eigen::VectorXd());
   const Eigen::VectorXd of_w = ReadOptional(w_bar, "w_bar").value_or(Eigen::VectorXd());
-  const nb::gil_scoped_release release;
-  return {self.problem, self.derivative.Vjp(of_f, of_w)};
+  return LeavableWithoutGil(IsShort(self.problem), [=]() -> GradientOfProblem {
+    return {self.problem, self.derivative.Vjp(of_f, of_w)};
+  });
 }
 
 nb::object Copy(const Eigen::VectorXd& values) {
@@ -183,11 +188,13 @@ Raises ValueError naming the argument.)")
 
 Where the point is degenerate: that of one mode, in which contacts that touch without force open and friction at its
 bound slips. Raises ValueError naming the argument.)");
-  module.def("derivative", &MakeDerivative, nb::arg("problem"), nb::arg("result"), nb::kw_only(),
-             nb::arg("tolerance") = 1e-6, nb::arg("degeneracy_tolerance") = 1e-8, nb::arg("rank_tolerance") = 1e-10,
-             nb::sig("def derivative(problem: Problem, result: Result | ArrayLike, *, tolerance: float = 1e-6, "
-                     "degeneracy_tolerance: float = 1e-8, rank_tolerance: float = 1e-10) -> Derivative"),
-             R"(Derivatives of a solution f, w in A, or J and the inverse masses, b and mu.
+  module.def(
+      "derivative", &MakeDerivative, nb::arg("problem"), nb::arg("result"), nb::kw_only(), nb::arg("tolerance") = 1e-6,
+      nb::arg("degeneracy_tolerance") = 1e-8, nb::arg("rank_tolerance") = 1e-10, nb::arg("symmetrize") = nb::none(),
+      nb::sig("def derivative(problem: Problem, result: Result | ArrayLike, *, tolerance: float = 1e-6, "
+              "degeneracy_tolerance: float = 1e-8, rank_tolerance: float = 1e-10, symmetrize: float | None = None) -> "
+              "Derivative"),
+      R"(Derivatives of a solution f, w in A, or J and the inverse masses, b and mu.
 
     problem = lcpbench.Problem(J=J, inverse_mass=inverse_mass, b=b)
     derivative = lcpbench.derivative(problem, lcpbench.solve(J=J, inverse_mass=inverse_mass, b=b))
@@ -198,6 +205,7 @@ result                an answer, or its forces (n,)
 tolerance             that f must pass
 degeneracy_tolerance  scaled forces and gaps up to this part of an island's largest force are 0
 rank_tolerance        rows whose condition is above its reciprocal depend on each other
+symmetrize            as of `solve`: the derivative is that of the problem with (A + A^T) / 2
 Raises ValueError naming the argument, also where f does not solve the problem.)");
 }
 

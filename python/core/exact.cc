@@ -9,8 +9,12 @@
 #include <vector>
 
 #include "benchmarks/measure/reference_solves.h"
+#include "python/core/long_work.h"
+#include "python/core/pickle.h"
+#include "python/core/problem.h"
 #include "solvers/exact/exact_lcp.h"
 #include "solvers/exact/modes/mode_search.h"
+#include "support/number_text.h"
 
 namespace lcpbench::python {
 namespace {
@@ -24,6 +28,12 @@ struct Certificate {
   std::optional<bool> f_unique, w_unique;
   std::optional<Index> rank;
 };
+
+template <typename Io>
+void Parts(Io& io, Certificate& c) {
+  State(io, c.status, c.detail, c.modes, c.certified, c.complete, c.f, c.w, c.f_least_norm, c.ray, c.f_unique,
+        c.w_unique, c.rank);
+}
 
 Certificate Plain(const LcpProblem& problem, double time_limit_s) {
   ExactOptions options;
@@ -70,11 +80,18 @@ Certificate ByModes(const LcpProblem& problem, double time_limit_s) {
   return certificate;
 }
 
-Certificate Certify(const LcpProblem& problem, nb::handle time_limit) {
+Certificate Certify(const LcpProblem& given, nb::handle time_limit, nb::handle symmetrize) {
   const double time_limit_s = ReadNumber(time_limit, "time_limit", ExactOptions().time_limit_s);
   if (!(time_limit_s > 0)) Refuse("time_limit", "is " + std::to_string(time_limit_s) + ", expected a number > 0");
-  const nb::gil_scoped_release release;
-  return problem.is_plain() ? Plain(problem, time_limit_s) : ByModes(problem, time_limit_s);
+  const double most_asymmetry = ReadSymmetrize(symmetrize);
+  return LeavableWithoutGil(false, [=] {
+    const LcpProblem problem = WithSymmetry(given, most_asymmetry);
+    if (problem.Asymmetry() != 0) {
+      Refuse("problem", "A has an asymmetry of " + FormatNumber(problem.Asymmetry(), "%.3g") +
+                            ", expected a symmetric matrix; symmetrize= makes a small one 0");
+    }
+    return problem.is_plain() ? Plain(problem, time_limit_s) : ByModes(problem, time_limit_s);
+  });
 }
 
 // A list of fractions.Fraction; None where there is nothing.
@@ -91,6 +108,7 @@ nb::object Fractions(const Certificate& certificate) {
 
 void BindExact(nb::module_& module) {
   nb::class_<Certificate>(module, "Certificate", "An answer in rational numbers, with what is proved of it.")
+
       .def_ro("status", &Certificate::status, "'solved', 'infeasible', 'not semidefinite', 'time limit' or 'unknown'.")
       .def_ro("certified", &Certificate::certified, "Checked in exact arithmetic from the definitions.")
       .def_ro("complete", &Certificate::complete, "Whether all solutions were looked at.")
@@ -113,14 +131,18 @@ void BindExact(nb::module_& module) {
       .def("__repr__", [](const Certificate& c) {
         return "Certificate(status='" + c.status + "', certified=" + (c.certified ? "True)" : "False)");
       });
+  MakePicklable<Certificate>(module.attr("Certificate"), [] { return Certificate(); });
   module.def("certify", &Certify, nb::arg("problem"), nb::kw_only(), nb::arg("time_limit") = nb::none(),
-             nb::sig("def certify(problem: Problem, *, time_limit: float | None = None) -> Certificate"),
+             nb::arg("symmetrize") = nb::none(),
+             nb::sig("def certify(problem: Problem, *, time_limit: float | None = None, symmetrize: float | None = "
+                     "None) -> Certificate"),
              R"(Solves a problem in rational numbers: its doubles are taken as the numbers that they are.
 
 Plain problems need a symmetric positive semidefinite A, and take milliseconds for some tens of rows and seconds for
 some hundreds; of problems with friction or bounded rows all solutions are found up to six contacts, one above.
 
 time_limit  [s], looked at between exact solves; None: an hour
+symmetrize  as of `solve`: the answer is that of (A + A^T) / 2
 Raises ValueError where A is not symmetric, or has more than 4000 rows.)");
 }
 

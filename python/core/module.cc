@@ -3,6 +3,7 @@
 #include "python/core/derivative.h"
 #include "python/core/exact.h"
 #include "python/core/functions.h"
+#include "python/core/long_work.h"
 #include "python/core/problem.h"
 #include "python/core/problem_views.h"
 #include "python/core/result.h"
@@ -10,7 +11,6 @@
 #include "python/core/solver.h"
 #include "python/core/step.h"
 #include "solvers/lcp/memory_budget.h"
-#include "solvers/linear_algebra/loaded_blas.h"
 #include "support/input_error.h"
 
 namespace lcpbench::python {
@@ -33,10 +33,11 @@ void Translate(const std::exception_ptr& thrown, void* /*unused*/) {
 NB_MODULE(_core, module) {
   using namespace lcpbench::python;
   ImportNumpy();
+  IsMainThread();
   nb::register_exception_translator(&Translate);
   module.attr("__version__") = LCPBENCH_VERSION;
   module.def(
-      "limit_library_threads", &lcpbench::LimitLibraryThreads, nb::arg("threads"),
+      "limit_library_threads", &LimitThreads, nb::arg("threads"),
       "Limits the threads of BLAS and OpenMP below the solvers, for the whole process, as the command does: to 1. "
       "Returns how many BLAS reports.");
   BindProblem(module);

@@ -4,48 +4,64 @@
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <string>
 #include <tuple>
 #include <utility>
 
+#include "python/core/long_work.h"
+#include "python/core/pickle.h"
 #include "solvers/lcp/memory_budget.h"
 #include "support/input_error.h"
+#include "support/number_text.h"
 
 namespace lcpbench::python {
 namespace {
 
 bool IsSparse(nb::handle value) { return !IsArray(value) && nb::hasattr(value, "tocsr"); }
 
-std::vector<unsigned char> ReadBilateral(nb::handle given, Index n) {
-  if (given.is_none()) return {};
-  const nb::object bilateral = ToArray(given, "bilateral");
-  if (IsBoolArray(bilateral)) {
-    const auto mask = ReadVector<unsigned char>(bilateral, "bilateral", n, "n");
-    return {mask.data, mask.data + n};
-  }
-  const auto rows = ReadVector<std::int64_t>(bilateral, "bilateral");
-  return RowBounds::WithBilateralRows(n, {rows.data, rows.data + rows.size}).bilateral;
+bool IsMapping(nb::handle value) {
+  if (nb::isinstance<nb::dict>(value)) return true;
+  return nb::isinstance(value, nb::module_::import_("collections.abc").attr("Mapping"));
 }
 
-// A member of an object, or of a dict; None where it may be missing and is.
-nb::object Member(nb::handle of, const char* name, const char* member, bool may_miss = false) {
-  const bool is_dict = nb::isinstance<nb::dict>(of);
-  const bool is_there = is_dict ? nb::borrow<nb::dict>(of).contains(member) : nb::hasattr(of, member);
-  if (is_there) return is_dict ? nb::object(of[member]) : nb::object(of.attr(member));
-  if (!may_miss) Refuse(name, std::string("lacks '") + member + "'");
-  return nb::none();
-}
+// Members of an object, or of a mapping, which may have no others.
+class Members {
+ public:
+  Members(nb::handle of, const char* name, std::initializer_list<const char*> known)
+      : of_(of), name_(name), is_mapping_(IsMapping(of)) {
+    if (!is_mapping_) return;
+    for (const nb::handle key : of.attr("keys")()) {
+      const std::string found = nb::str(key).c_str();
+      if (std::ranges::find(known, found) != known.end()) continue;
+      std::string expected;
+      for (const char* one : known) expected += (expected.empty() ? "" : ", ") + std::string(one);
+      Refuse(name, "has an unknown member '" + found + "', known are " + expected);
+    }
+  }
+  // None where it may be missing and is.
+  nb::object Get(const char* member, bool may_miss = false) const {
+    const bool is_there = is_mapping_ ? nb::cast<bool>(of_.attr("__contains__")(member)) : nb::hasattr(of_, member);
+    if (is_there) return is_mapping_ ? nb::object(of_[member]) : nb::object(of_.attr(member));
+    if (!may_miss) Refuse(name_, std::string("lacks '") + member + "'");
+    return nb::none();
+  }
+
+ private:
+  nb::handle of_;
+  const char* name_;
+  bool is_mapping_;
+};
 
 }  // namespace
 
 std::vector<FrictionRow> ReadFriction(nb::handle friction) {
   if (friction.is_none()) return {};
-  const char* const name = "friction";
-  const auto row = ReadVector<std::int64_t>(Member(friction, name, "row"), "friction.row");
-  const auto normal =
-      ReadVector<std::int64_t>(Member(friction, name, "normal"), "friction.normal", row.size, "rows of friction");
-  const auto mu = ReadVector<double>(Member(friction, name, "mu"), "friction.mu", row.size, "rows of friction");
-  const nb::object slips = Member(friction, name, "slip", true);
+  const Members of(friction, "friction", {"row", "normal", "mu", "slip"});
+  const auto row = ReadVector<std::int64_t>(of.Get("row"), "friction.row");
+  const auto normal = ReadVector<std::int64_t>(of.Get("normal"), "friction.normal", row.size, "rows of friction");
+  const auto mu = ReadVector<double>(of.Get("mu"), "friction.mu", row.size, "rows of friction");
+  const nb::object slips = of.Get("slip", true);
   Vector<std::int64_t> slip;
   if (!slips.is_none()) slip = ReadVector<std::int64_t>(slips, "friction.slip", row.size, "rows of friction");
   std::vector<FrictionRow> rows(static_cast<std::size_t>(row.size));
@@ -62,10 +78,10 @@ std::vector<FrictionRow> ReadFriction(nb::handle friction) {
 
 std::vector<BoundedRow> ReadBounded(nb::handle bounded) {
   if (bounded.is_none()) return {};
-  const char* const name = "bounded";
-  const auto row = ReadVector<std::int64_t>(Member(bounded, name, "row"), "bounded.row");
-  const auto lower = ReadVector<double>(Member(bounded, name, "lower"), "bounded.lower", row.size, "bounded rows");
-  const auto upper = ReadVector<double>(Member(bounded, name, "upper"), "bounded.upper", row.size, "bounded rows");
+  const Members of(bounded, "bounded", {"row", "lower", "upper"});
+  const auto row = ReadVector<std::int64_t>(of.Get("row"), "bounded.row");
+  const auto lower = ReadVector<double>(of.Get("lower"), "bounded.lower", row.size, "bounded rows");
+  const auto upper = ReadVector<double>(of.Get("upper"), "bounded.upper", row.size, "bounded rows");
   std::vector<BoundedRow> rows(static_cast<std::size_t>(row.size));
   for (Index k = 0; k < row.size; ++k) rows[static_cast<std::size_t>(k)] = {row.data[k], lower.data[k], upper.data[k]};
   return rows;
@@ -83,8 +99,10 @@ GivenProblem::GivenProblem(const ProblemArguments& arguments) {
   form_ = has_factors ? MatrixForm::kFactors : sparse_ ? MatrixForm::kSparse : MatrixForm::kDense;
   if (has_factors) inverse_mass_ = ReadFlat<double>(arguments.inverse_mass, "inverse_mass");
   b_ = ReadVector<double>(arguments.b, "b");
-  bounds_ = {ReadBilateral(arguments.bilateral, b_.size), ReadFriction(arguments.friction),
-             ReadBounded(arguments.bounded)};
+  const auto bilateral = ReadBilateral(arguments.bilateral, b_.size);
+  bounds_.friction = ReadFriction(arguments.friction);
+  bounds_.bounded = ReadBounded(arguments.bounded);
+  if (bilateral.data != nullptr) bounds_.bilateral.assign(bilateral.data, bilateral.data + bilateral.size);
 }
 
 SparseMatrix GivenProblem::ReadSparseMatrix(nb::handle matrix, const char* name) {
@@ -104,6 +122,9 @@ void GivenProblem::TakeMatrix(nb::handle matrix, const char* name) {
 GivenProblem::Sparse GivenProblem::ReadSparse(nb::handle value, const char* name) {
   nb::object given = nb::borrow(value);
   auto format = nb::cast<std::string>(nb::str(nb::getattr(given, "format", nb::str(""))));
+  if (const auto dimensions = nb::len(nb::object(given.attr("shape"))); dimensions != 2) {
+    Refuse(name, "expected two dimensions, found " + std::to_string(dimensions));
+  }
   if (format != "csr" && format != "csc") {
     given = given.attr("tocsr")();
     format = "csr";
@@ -115,6 +136,7 @@ GivenProblem::Sparse GivenProblem::ReadSparse(nb::handle value, const char* name
   CompressedArrays& arrays = read.arrays;
   std::tie(arrays.rows, arrays.columns) = nb::cast<std::pair<Index, Index>>(given.attr("shape"));
   arrays.by_columns = format == "csc";
+  arrays.adds_parts = true;
   const Index outer = arrays.by_columns ? arrays.columns : arrays.rows;
   if (read.starts.size != outer + 1) Refuse(name, "indptr does not fit its shape");
   // SciPy's arrays may be longer than what is used of them.
@@ -156,29 +178,63 @@ LcpProblem GivenProblem::Make(const MatrixFacts& facts) const {
   if (form_ == MatrixForm::kSparse) return LcpProblem::FromSparse("", MakeSparse("A"), vector(b_), bounds_, facts);
   const auto [rows, columns] = std::pair(dense_->rows, dense_->columns);
   RequireMemory(static_cast<double>(rows) * static_cast<double>(columns) * sizeof(double), "a copy of A");
-  Eigen::MatrixXd A;
-  if (dense_->by_columns) {
-    A = Eigen::Map<const Eigen::MatrixXd>(dense_->data, rows, columns);
-  } else {
-    A = Eigen::Map<const Eigen::MatrixXd>(dense_->data, columns, rows).transpose();
+  Eigen::MatrixXd A(rows, columns);
+  constexpr Index kColumnsAtOnce = 64;
+  for (Index j = 0; j < columns; j += kColumnsAtOnce) {
+    if (j > 0) Interruption::Check();  // not of few columns: it reads the clock
+    const Index some = std::min(kColumnsAtOnce, columns - j);
+    if (dense_->by_columns) {
+      A.middleCols(j, some) = Eigen::Map<const Eigen::MatrixXd>(dense_->data + j * rows, rows, some);
+    } else {
+      A.middleCols(j, some) =
+          Eigen::Map<const Eigen::MatrixXd>(dense_->data, columns, rows).middleRows(j, some).transpose();
+    }
   }
   return LcpProblem::FromDense("", std::move(A), vector(b_), bounds_, facts);
+}
+
+double ReadSymmetrize(nb::handle symmetrize) {
+  const double most = ReadNumber(symmetrize, "symmetrize", -1);
+  if (!symmetrize.is_none() && !(most >= 0))
+    Refuse("symmetrize", "is " + NumberText(most) + ", expected a number >= 0");
+  return most;
+}
+
+LcpProblem WithSymmetry(LcpProblem problem, double symmetrize, const MatrixFacts& facts) {
+  if (symmetrize < 0 || problem.Asymmetry() == 0) return problem;
+  if (problem.Asymmetry() > symmetrize) {
+    Refuse("symmetrize", "A has an asymmetry of " + FormatNumber(problem.Asymmetry(), "%.3g") + ", expected at most " +
+                             NumberText(symmetrize));
+  }
+  return Symmetrized(problem, facts);
 }
 
 namespace {
 
 void InitProblem(LcpProblem* self, nb::handle A, nb::handle b, nb::handle J, nb::handle inverse_mass,
                  nb::handle bilateral, nb::handle friction, nb::handle bounded, bool symmetric,
-                 bool positive_semidefinite, int columns_per_body) {
+                 bool positive_semidefinite, int columns_per_body, nb::handle symmetrize) {
   const GivenProblem given({A, b, J, inverse_mass, bilateral, friction, bounded});
   MatrixFacts facts;
   facts.symmetric = symmetric;
   facts.positive_semidefinite = positive_semidefinite;
   facts.columns_per_body = columns_per_body;
-  const nb::gil_scoped_release release;
-  LcpProblem problem = given.Make(facts);
-  if (symmetric && !problem.IsNumericallySymmetric()) Refuse("symmetric", "A is not symmetric");
-  new (self) LcpProblem(std::move(problem));
+  const double most = ReadSymmetrize(symmetrize);
+  WithoutGil([&] {
+    LcpProblem made = given.Make(facts);
+    if (!symmetric && most < 0) {
+      new (self) LcpProblem(std::move(made));
+      return;
+    }
+    new (self) LcpProblem(Leavable(IsShort(made), [=] {
+      LcpProblem problem = WithSymmetry(made, most, facts);
+      if (symmetric && !problem.IsNumericallySymmetric()) {
+        Refuse("symmetric", "A has an asymmetry of " + FormatNumber(problem.Asymmetry(), "%.3g") +
+                                ", expected a symmetric matrix; symmetrize= makes a small one 0");
+      }
+      return problem;
+    }));
+  });
 }
 
 const char* FormOf(const LcpProblem& problem) {
@@ -206,17 +262,19 @@ Jacobian J and b the gap accelerations at zero force. Immutable: solvers and thr
 those of `solve`, and copied.
 
 symmetric, positive_semidefinite: what is proved about A (of J always true); f_unique of a result needs both.
+symmetrize: A becomes (A + A^T) / 2 where max |A_ij - A_ji| / sqrt(|A_ii A_jj|) is at most that, else it is refused.
 columns_per_body: of J, 3 (bodies in the plane) or 6 (in space, in principal axes).
 Raises ValueError naming the argument.)")
       .def("__init__", &InitProblem, nb::arg("A") = nb::none(), nb::arg("b") = nb::none(), nb::kw_only(),
            nb::arg("J") = nb::none(), nb::arg("inverse_mass") = nb::none(), nb::arg("bilateral") = nb::none(),
            nb::arg("friction") = nb::none(), nb::arg("bounded") = nb::none(), nb::arg("symmetric") = false,
            nb::arg("positive_semidefinite") = false, nb::arg("columns_per_body") = 3,
+           nb::arg("symmetrize") = nb::none(),
            nb::sig("def __init__(self, A: object | None = None, b: numpy.typing.ArrayLike | None = None, *, "
                    "J: object | None = None, inverse_mass: numpy.typing.ArrayLike | None = None, "
                    "bilateral: numpy.typing.ArrayLike | None = None, friction: object | None = None, "
                    "bounded: object | None = None, symmetric: bool = False, positive_semidefinite: bool = False, "
-                   "columns_per_body: int = 3) -> None"))
+                   "columns_per_body: int = 3, symmetrize: float | None = None) -> None"))
       .def("__len__", &LcpProblem::size, "The number of rows n.")
       .def_prop_ro("size", &LcpProblem::size, "The number of rows n.")
       .def_prop_ro("form", &FormOf, "How A was given: 'dense', 'sparse' or 'factors'.")
@@ -224,6 +282,7 @@ Raises ValueError naming the argument.)")
           "b", [](nb::handle self) { return ViewOf(nb::cast<const LcpProblem&>(self).b(), self); },
           nb::sig("def b(self) -> numpy.typing.NDArray[numpy.float64]"),
           "(n,) gap accelerations at zero force; read-only.");
+  MakePicklable<LcpProblem>(module.attr("Problem"), &EmptyProblem);
 }
 
 }  // namespace lcpbench::python

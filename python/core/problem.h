@@ -56,6 +56,15 @@ class GivenProblem {
 std::vector<FrictionRow> ReadFriction(nb::handle friction);
 std::vector<BoundedRow> ReadBounded(nb::handle bounded);  ///< as ReadFriction
 
+/// The problem, A replaced by (A + A^T) / 2 where `symmetrize` is a number: the most asymmetry that it may have
+/// (LcpProblem::Asymmetry). Needs no GIL.
+/// @param symmetrize  ReadSymmetrize of the argument
+/// @param facts       of the new A
+/// @throws InputError naming the argument, where the asymmetry is larger
+LcpProblem WithSymmetry(LcpProblem problem, double symmetrize, const MatrixFacts& facts = {});
+/// The argument; -1 for None.
+double ReadSymmetrize(nb::handle symmetrize);
+
 /// The class Problem.
 void BindProblem(nb::module_& module);
 

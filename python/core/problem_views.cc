@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "python/core/long_work.h"
 #include "solvers/io/json_lines.h"
 
 namespace lcpbench::python {
@@ -21,13 +22,9 @@ nb::object View(const T* data, Index size, nb::handle owner) {
 
 nb::object DenseA(nb::handle self) {
   const LcpProblem& problem = ProblemOf(self);
-  const Eigen::MatrixXd* A = nullptr;
-  {
-    const nb::gil_scoped_release release;
-    A = &problem.DenseA();
-  }
+  LeavableWithoutGil(IsShort(problem), [=] { return problem.DenseA().size(); });
   const auto n = static_cast<std::size_t>(problem.size());
-  return nb::cast(nb::ndarray<nb::numpy, const double, nb::ndim<2>, nb::f_contig>(A->data(), {n, n}, self,
+  return nb::cast(nb::ndarray<nb::numpy, const double, nb::ndim<2>, nb::f_contig>(problem.DenseA().data(), {n, n}, self,
                                                                                   {1, static_cast<std::int64_t>(n)}));
 }
 
@@ -41,12 +38,9 @@ nb::object SciPyRows(const SparseMatrix& matrix, nb::handle owner) {
 }
 
 nb::object SparseA(nb::handle self) {
-  const SparseMatrix* A = nullptr;
-  {
-    const nb::gil_scoped_release release;
-    A = &ProblemOf(self).SparseA();
-  }
-  return SciPyRows(*A, self);
+  const LcpProblem& problem = ProblemOf(self);
+  LeavableWithoutGil(IsShort(problem), [=] { return problem.SparseA().size(); });
+  return SciPyRows(problem.SparseA(), self);
 }
 
 nb::object Factor(nb::handle self) {

@@ -10,8 +10,16 @@
 #include <utility>
 
 #include "benchmarks/measure/reference_solves.h"
+#include "python/core/long_work.h"
+#include "python/core/pickle.h"
 
 namespace lcpbench::python {
+
+template <typename Io>
+void Parts(Io& io, Result& r) {
+  State(io, r.problem, r.answer, r.tolerance, r.time_s, r.w, r.verdict);
+}
+
 namespace {
 
 nb::str Text(std::string_view text) { return nb::str(text.data(), text.size()); }
@@ -30,8 +38,7 @@ nb::object ReadRay(nb::handle self) {
 Verdict Judge(const LcpProblem& problem, const LcpResult& answer, double tolerance) {
   if (!(tolerance > 0 && tolerance < 1))
     Refuse("tolerance", "is " + std::to_string(tolerance) + ", expected a number in (0, 1)");
-  const nb::gil_scoped_release release;
-  return Verify(problem, answer, tolerance);
+  return LeavableWithoutGil(IsShort(problem), [=] { return Verify(problem, answer, tolerance); });
 }
 
 const Verdict& ReadVerdict(Result& result) {
@@ -44,8 +51,10 @@ const Verdict& ReadVerdict(Result& result) {
 
 std::optional<bool> IsUnique(Result& result) {
   if (!ReadVerdict(result).passes) return std::nullopt;
-  const nb::gil_scoped_release release;
-  return IsOnlyAnswer(result.problem, result.answer.f, result.tolerance);
+  return LeavableWithoutGil(IsShort(result.problem),
+                            [problem = result.problem, f = result.answer.f, tolerance = result.tolerance] {
+                              return IsOnlyAnswer(problem, f, tolerance);
+                            });
 }
 
 std::string Describe(const Result& result) {
@@ -59,7 +68,7 @@ std::string Describe(const Result& result) {
 // A number, None where it was not measured.
 nb::object Measured(double value) { return value == -1 ? nb::none() : nb::object(nb::float_(value)); }
 
-nb::dict Parts(const Verdict& verdict) {
+nb::dict ErrorParts(const Verdict& verdict) {
   const LawMetrics& m = verdict.metrics;
   nb::dict parts;
   for (const auto& [name, value] : {std::pair{"penetration", m.penetration},
@@ -116,7 +125,7 @@ It passes tier T where f is finite, rho <= T and eta <= sqrt(T).)")
       .def_prop_ro(
           "tier", [](const Verdict& v) { return v.best_tier == 0 ? nb::none() : nb::object(nb::float_(v.best_tier)); },
           nb::sig("def tier(self) -> float | None"), "The smallest of 1e-9, 1e-6, 1e-3 that f passes; None where none.")
-      .def_prop_ro("parts", &Parts, nb::sig("def parts(self) -> dict[str, float]"),
+      .def_prop_ro("parts", &ErrorParts, nb::sig("def parts(self) -> dict[str, float]"),
                    "Parts of the error where there are friction or bounded rows: penetration, adhesion, separation, "
                    "cone, dissipation, joints, beyond_bounds.")
       .def_prop_ro("metrics", &AllOf, nb::sig("def metrics(self) -> dict[str, float | None]"),
@@ -163,6 +172,7 @@ nb::object StatusKey(LcpStatus status) {
 void BindResult(nb::module_& module) {
   BindVerdict(module);
   nb::class_<Result>(module, "Result", "An answer. w, verdict and f_unique are computed when they are read.")
+
       .def_prop_ro(
           "f", [](nb::handle self) { return ViewOf(nb::cast<const Result&>(self).answer.f, self); },
           nb::sig("def f(self) -> numpy.typing.NDArray[numpy.float64]"),
@@ -189,6 +199,9 @@ void BindResult(nb::module_& module) {
                    "Whether f is the only solution; None where that is not known (of A: only where it is given as "
                    "symmetric and positive semidefinite).")
       .def("__repr__", &Describe);
+  MakePicklable<FarkasVerdict>(module.attr("RayVerdict"), [] { return FarkasVerdict(); });
+  MakePicklable<Verdict>(module.attr("Verdict"), [] { return Verdict(); });
+  MakePicklable<Result>(module.attr("Result"), [] { return Result{EmptyProblem(), {}}; });
 }
 
 }  // namespace lcpbench::python

@@ -18,6 +18,7 @@
 #include "model/contact/assembly.h"
 #include "model/contact/contact_row.h"
 #include "model/scenes/scene.h"
+#include "python/core/long_work.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
 
@@ -114,8 +115,10 @@ Scene Replaced(const Scene& scene, nb::handle forces, nb::handle velocities, nb:
   set(velocities, "velocities", &Body::v, &Body::omega);
   if (!friction.is_none()) SetContactFriction(friction, &system);
   MovingScene moving = scene.moving;
-  moving.world = WorldOf(system);
-  return Assembled(std::move(moving), std::move(system));
+  return LeavableWithoutGil(false, [=]() mutable {
+    moving.world = WorldOf(system);
+    return Assembled(std::move(moving), std::move(system));
+  });
 }
 
 // The model in Python's terms.
@@ -151,6 +154,7 @@ nb::dict DescribeCurve(const Curve& curve) {
 nb::list DescribeBodies(const Scene& scene) {
   nb::list bodies;
   for (const Body& body : scene.system.bodies) {
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
     nb::list edges;
     for (const OutlineEdge& piece : body.outline) {
       nb::dict edge = DescribeCurve(piece.edge);
@@ -227,33 +231,43 @@ nb::dict DescribeRow(const Scene& scene, std::size_t i) {
 
 nb::list DescribeRows(const Scene& scene) {
   nb::list rows;
-  for (std::size_t i = 0; i < scene.lcp.rows.size(); ++i) rows.append(DescribeRow(scene, i));
+  for (std::size_t i = 0; i < scene.lcp.rows.size(); ++i) {
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+    rows.append(DescribeRow(scene, i));
+  }
   return rows;
 }
 
 // Pictures. Of time steps, impulses and velocities are shown as the forces and accelerations of their step.
 std::string Draw(const Scene& scene, nb::handle f, nb::handle w, const std::string& caption) {
-  PictureExtras extras{&scene.moving.world.loads, caption};
-  if (f.is_none()) return RenderSvg(scene.system, scene.lcp, nullptr, nullptr, extras);
   const double unit = scene.is_time_step() ? scene.moving.step : 1;
-  const Eigen::VectorXd forces = ReadEigen(f, "f") / unit;
-  const Eigen::VectorXd accelerations = ReadEigen(w, "w") / unit;
-  return RenderSvg(scene.system, scene.lcp, &forces, &accelerations, extras);
+  const bool has_forces = !f.is_none();
+  Eigen::VectorXd forces, accelerations;
+  if (has_forces) {
+    forces = ReadEigen(f, "f") / unit;
+    accelerations = ReadEigen(w, "w") / unit;
+  }
+  return LeavableWithoutGil(false, [=] {
+    const PictureExtras extras{&scene.moving.world.loads, caption};
+    return RenderSvg(scene.system, scene.lcp, has_forces ? &forces : nullptr, has_forces ? &accelerations : nullptr,
+                     extras);
+  });
 }
 
 // The page, and why the motion stopped before its time ("" where it did not).
 std::pair<std::string, std::string> Animate(const Scene& scene, const std::string& key, double tolerance,
                                             const AnimationOptions& options) {
-  const nb::gil_scoped_release release;
   RequireValid(options);
-  LcpOptions lcp;
-  lcp.tolerance = tolerance;
-  lcp.time_limit_s = options.budget_s;
-  const auto solver = MakeMotionSolver(scene.moving, key);
-  const auto motion = StartMotion(scene.moving, lcp, *solver);
-  Animation recorded = RecordAnimation(motion.get(), options);
-  recorded.caption = key + ", " + std::string(ToString(scene.moving.level)) + " level";
-  return {RenderAnimationPage(recorded), recorded.stopped};
+  return LeavableWithoutGil(false, [=]() -> std::pair<std::string, std::string> {
+    LcpOptions lcp;
+    lcp.tolerance = tolerance;
+    lcp.time_limit_s = options.budget_s;
+    const auto solver = MakeMotionSolver(scene.moving, key);
+    const auto motion = StartMotion(scene.moving, lcp, *solver);
+    Animation recorded = RecordAnimation(motion.get(), options);
+    recorded.caption = key + ", " + std::string(ToString(scene.moving.level)) + " level";
+    return {RenderAnimationPage(recorded), recorded.stopped};
+  });
 }
 
 nb::list FamiliesOf(std::span<const SceneFamily> scenes, bool friction) {
@@ -295,7 +309,7 @@ void BindScenes(nb::module_& module) {
       "load_scene",
       [](const std::string& name, int size, std::uint64_t seed, std::optional<double> friction,
          const std::string& level, std::optional<double> step) {
-        return LoadByName(name, size, seed, {friction, level, step});
+        return LeavableWithoutGil(false, [=] { return LoadByName(name, size, seed, {friction, level, step}); });
       },
       nb::arg("name"), nb::arg("size"), nb::arg("seed"), nb::arg("friction").none(), nb::arg("level"),
       nb::arg("step").none());
@@ -303,7 +317,7 @@ void BindScenes(nb::module_& module) {
       "read_scene",
       [](const std::string& text, std::optional<double> friction, const std::string& level,
          std::optional<double> step) {
-        return ReadText(text, {friction, level, step});
+        return LeavableWithoutGil(false, [=] { return ReadText(text, {friction, level, step}); });
       },
       nb::arg("text"), nb::arg("friction").none(), nb::arg("level"), nb::arg("step").none());
   module.def("scene_families", [] {

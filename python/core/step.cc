@@ -1,11 +1,14 @@
 #include "python/core/step.h"
 
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "python/core/long_work.h"
+#include "python/core/pickle.h"
 #include "python/core/problem.h"
 #include "python/core/result.h"
 #include "solvers/lcp/compressed_rows.h"
@@ -44,15 +47,29 @@ struct GivenRows {
     }
     rows.bodies = inverse_mass.size / rows.columns_per_body;
     rows.inverse_mass = inverse_mass.data;
-    if (!given_bilateral.is_none()) {
-      bilateral = ReadVector<unsigned char>(given_bilateral, "bilateral", rows.rows, "n");
-      rows.bilateral = bilateral.data;
-    }
+    bilateral = ReadBilateral(given_bilateral, rows.rows);
+    rows.bilateral = bilateral.data;
     if (!given_friction.is_none()) rows.friction = friction = ReadFriction(given_friction);
     if (!given_bounded.is_none()) rows.bounded = bounded = ReadBounded(given_bounded);
   }
   GivenRows(const GivenRows&) = delete;
   GivenRows& operator=(const GivenRows&) = delete;
+
+  // What is written must not be read, nor written twice.
+  void RequireApart(const double* written, const char* name) const {
+    RequireApart(written, name, body, "body");
+    RequireApart(written, name, J, "J");
+    RequireApart(written, name, J_single, "J");
+    RequireApart(written, name, b, "b");
+    RequireApart(written, name, inverse_mass, "inverse_mass");
+    RequireApart(written, name, bilateral, "bilateral");
+  }
+  template <typename T>
+  void RequireApart(const double* written, const char* name, const Vector<T>& other, const char* other_name) const {
+    const std::less<const void*> is_before;
+    if (!is_before(written, other.data + other.size) || !is_before(other.data, written + rows.rows)) return;
+    Refuse(name, std::string("shares memory with ") + other_name + ", expected an array of its own");
+  }
 
   void RequireSize(const char* name, Index size, Index of_row, const char* expected) const {
     if (size == of_row * rows.rows) return;
@@ -84,11 +101,25 @@ struct BatchAnswer {
 // Threads take turns.
 class Step {
  public:
-  explicit Step(const StepOptions& options) : solver_(options) {}
+  explicit Step(const StepOptions& options) : options_(options), solver_(options) {}
+
+  nb::bytes GetState() {
+    StateWriter writer;
+    State(writer, options_.tolerance, options_.time_limit_s, options_.threads);
+    return writer.Take();
+  }
+  static void SetState(Step* self, const nb::bytes& state) {
+    StateReader reader(state);
+    StepOptions options;
+    State(reader, options.tolerance, options.time_limit_s, options.threads);
+    new (self) Step(options);
+  }
 
   void Reserve(Index max_rows, Index max_bodies) {
-    const std::lock_guard lock(mutex_);
-    solver_.Reserve(max_rows, max_bodies);
+    WithoutGil([&] {
+      const auto turn = TakeTurn(mutex_);
+      solver_.Reserve(max_rows, max_bodies);
+    });
   }
 
   Answer Solve(nb::handle body, nb::handle J, nb::handle b, nb::handle inverse_mass, nb::handle bilateral,
@@ -100,10 +131,18 @@ class Step {
     double* forces = nullptr;
     Answer answer = {Output(f, n, &forces), {}};
     if (!initial_f.is_none() && start.data == forces) start = Copied(start);
+    given.RequireApart(forces, "f");
+    given.RequireApart(forces, "f", start, "initial_f");
     double* const gaps = w.is_none() ? nullptr : ReadOutput(w, "w", n);
-    const nb::gil_scoped_release release;
-    const std::lock_guard lock(mutex_);
-    answer.of = solver_.Solve(given.rows, start.data, forces, gaps);
+    if (gaps != nullptr) {
+      given.RequireApart(gaps, "w");
+      given.RequireApart(gaps, "w", start, "initial_f");
+      given.RequireApart(gaps, "w", Vector<double>{{}, forces, n}, "f");
+    }
+    WithoutGil([&] {
+      const auto turn = TakeTurn(mutex_);
+      answer.of = solver_.Solve(given.rows, start.data, forces, gaps);
+    });
     return answer;
   }
 
@@ -117,9 +156,12 @@ class Step {
     if (!wrong.empty()) Refuse("starts", wrong);
     double* forces = nullptr;
     BatchAnswer answer = {Output(f, given.rows.rows, &forces), std::vector<StepAnswer>(start.size() - 1)};
-    const nb::gil_scoped_release release;
-    const std::lock_guard lock(mutex_);
-    solver_.SolveBatch(given.rows, start, forces, answer.problems);
+    given.RequireApart(forces, "f");
+    given.RequireApart(forces, "f", begins, "starts");
+    WithoutGil([&] {
+      const auto turn = TakeTurn(mutex_);
+      solver_.SolveBatch(given.rows, start, forces, answer.problems);
+    });
     return answer;
   }
 
@@ -151,8 +193,9 @@ class Step {
     return {std::move(owner), copy, start.size};
   }
 
+  StepOptions options_;
   StepSolver solver_;
-  std::mutex mutex_;
+  std::timed_mutex mutex_;
 };
 
 void InitStep(Step* self, nb::handle tolerance, nb::handle time_limit, int threads) {
@@ -187,11 +230,10 @@ J             (n, 2 p) or (n, 2, p) float64 or float32: p = 3 numbers a body in 
               (in principal axes), of the first body, then of the second
 b             (n,) gap accelerations at zero force [m/s^2]
 inverse_mass  (bodies, p), >= 0; 0: cannot move
-bilateral     (n,) bool: joints
-friction, bounded  as of `solve`
+bilateral, friction, bounded  as of `solve`
 initial_f     (n,) warm start: the forces of the step before, 0 for new rows
-f             (n,) where the forces are written [N]; None: a new array
-w             (n,) where A f + b is written; None: not wanted
+f             (n,) where the forces are written [N], which may be initial_f; None: a new array
+w             (n,) where A f + b is written; None: not wanted. Neither may share memory with another argument
 
 Arrays of these types without gaps are read in place; they are copied only where the step goes to other methods of
 `auto` (`fallbacks`), as one with more than 2000 rows that hang together does. The GIL is released.
@@ -249,6 +291,8 @@ Threads take turns.)")
            nb::arg("threads") = 1,
            nb::sig("def __init__(self, *, tolerance: float = 1e-9, time_limit: float | None = None, threads: int = 1) "
                    "-> None"))
+      .def("__getstate__", &Step::GetState)
+      .def("__setstate__", [](Step& self, const nb::bytes& state) { Step::SetState(&self, state); })
       .def("reserve", &Step::Reserve, nb::arg("max_rows"), nb::arg("max_bodies"),
            "Workspace for steps of up to so many rows and bodies; larger ones allocate by themselves.")
       .def("solve", &Step::Solve, nb::arg("body"), nb::arg("J"), nb::arg("b"), nb::arg("inverse_mass"), nb::kw_only(),

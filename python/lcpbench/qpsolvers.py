@@ -32,12 +32,13 @@ _ROUNDINGS = 16  # of an entry of P, in units of n times the precision: Cholesky
 
 
 def solve_problem(problem: Problem, initvals: np.ndarray | None = None, verbose: bool = False, method: str = "auto",
-                  **options) -> Solution:
+                  symmetrize: float | None = None, **options) -> Solution:
     """Solves a quadratic program with bounds only.
 
     initvals  (n,) warm start
     verbose   prints the status and rho
     method    a key of lcpbench.available_solvers()
+    symmetrize  as of lcpbench.solve, of P
     options   of lcpbench.solve: tolerance (on rho), time_limit, max_iterations, settings of the method
 
     The solution is `found` where the verifier passes it at the tolerance. `extras` has the method's status, iterations
@@ -49,6 +50,9 @@ def solve_problem(problem: Problem, initvals: np.ndarray | None = None, verbose:
     P, q, G, h, A, b, lb, ub = problem.unpack()
     if any(part is not None for part in (G, h, A, b)):
         raise ProblemError("lcpbench takes problems with bounds only: expected G, h, A and b to be None")
+    for name, part in (("P", P), ("q", q), ("lb", lb), ("ub", ub), ("initvals", initvals)):
+        if np.ma.is_masked(part):
+            raise ValueError(f"{name}: has masked entries, expected numbers for all")
     P = P if hasattr(P, "multiply") else np.asarray(P)
     n = len(q)
     lower = np.full(n, -np.inf) if lb is None else with_infinities(np.asarray(lb, dtype=float))
@@ -69,7 +73,7 @@ def solve_problem(problem: Problem, initvals: np.ndarray | None = None, verbose:
         P = _scaled(P, sign)
         initvals = None if initvals is None else sign * (initvals - origin)
     bounded = np.flatnonzero(~free & ~unilateral)
-    lcp = _core.Problem(P, load, bilateral=free, symmetric=True,
+    lcp = _core.Problem(P, load, bilateral=free, symmetric=True, symmetrize=symmetrize,
                         bounded={"row": bounded, "lower": lower[bounded], "upper": upper[bounded]})
     if not _is_semidefinite(P):
         raise ProblemError("lcpbench takes convex problems only: expected P to be positive semidefinite")

@@ -130,3 +130,21 @@ def test_other_constraints_are_refused(more):
         qpsolvers.solve_problem(problem, "lcpbench")
     with pytest.raises(ValueError, match="symmetric"):
         qpsolvers.solve_problem(qpsolvers.Problem(np.array([[1.0, 2.0], [0.0, 1.0]]), np.zeros(2)), "lcpbench")
+
+
+def test_a_P_that_is_nearly_symmetric_is_taken_where_asked():
+    P = np.array([[4, 1 + 1e-6], [1, 3]])
+    problem = qpsolvers.Problem(P, np.array([-1.0, -2]), lb=np.zeros(2))
+    with pytest.raises(ValueError, match="asymmetry of 2.89e-07, .*symmetrize="):
+        qpsolvers.solve_problem(problem, "lcpbench")
+    solution = qpsolvers.solve_problem(problem, "lcpbench", symmetrize=1e-5)
+    np.testing.assert_allclose(solution.x, [1 / 11, 7 / 11], atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["P", "q", "lb", "ub", "initvals"])
+def test_masked_entries_are_missing(name):
+    parts = {"P": np.eye(2), "q": -np.ones(2), "lb": np.zeros(2), "ub": np.ones(2), "initvals": np.zeros(2)}
+    parts[name] = np.ma.masked_array(parts[name], parts[name] > -2)
+    initvals = parts.pop("initvals")
+    with pytest.raises(ValueError, match=f"^{name}: has masked entries"):
+        qpsolvers_of_lcpbench.solve_problem(qpsolvers.Problem(**parts), initvals)

@@ -112,7 +112,7 @@ def test_an_infeasible_problem_has_a_ray():
     ({"A": A, "b": B, "inverse_mass": B}, "inverse_mass"),
     ({"J": A, "b": B}, "inverse_mass"),
     ({"J": A, "b": B, "inverse_mass": [1, -1]}, "inverse_mass"),
-    ({"J": sparse.csr_matrix(([1.0, 2.0], [0, 0], [0, 2, 2]), shape=(2, 2)), "b": B, "inverse_mass": [1, 1]}, "J"),
+    ({"J": sparse.csr_matrix(([1e308, 1e308], [0, 0], [0, 2, 2]), shape=(2, 2)), "b": B, "inverse_mass": [1, 1]}, "J"),
     ({"A": A, "b": B, "bilateral": [2]}, "bilateral"),
     ({"A": A, "b": B, "bilateral": [0.5]}, "bilateral"),
     ({"A": A, "b": B, "bilateral": [True]}, "bilateral"),

@@ -132,3 +132,47 @@ def test_what_is_wrong_is_named(change, name):
 def test_starts_are_checked():
     with pytest.raises(ValueError, match="^starts"):
         lcpbench.solve_batch(*random_step(1, 4), [0, 3])
+
+
+def _apart(n, names):
+    """Arrays of one memory, each a number after the one before, so that neighbours overlap."""
+    memory = np.zeros(n + len(names))
+    return {name: memory[k:k + n] for k, name in enumerate(names)}
+
+
+@pytest.mark.parametrize("change, name", [
+    (lambda a: {"f": (f := np.zeros(4)), "w": f}, "w"),
+    (lambda a: _apart(4, ["f", "w"]), "w"),
+    (lambda a: {"f": a["b"]}, "f"),
+    (lambda a: {"w": a["b"]}, "w"),
+    (lambda a: {"f": a["J"].reshape(-1)[2:6]}, "f"),
+    (lambda a: {"w": a["J"].reshape(-1)[-4:]}, "w"),
+    (lambda a: {"f": a["inverse_mass"].reshape(-1)[:4]}, "f"),
+    (lambda a: {"f": a["body"].view(float).reshape(-1)}, "f"),
+    (lambda a: {"f": (flags := np.zeros(4)), "bilateral": flags.view(bool)[8:12]}, "f"),
+    (lambda a: {"w": (w := np.zeros(4)), "initial_f": w}, "w"),
+    (lambda a: _apart(4, ["f", "initial_f"]), "f"),
+    (lambda a: _apart(4, ["initial_f", "f"]), "f"),
+])
+def test_what_is_written_is_nothing_else(change, name):
+    arguments = dict(zip(("body", "J", "b", "inverse_mass"), random_step(1, 4)))
+    arguments |= change(arguments)
+    with pytest.raises(ValueError, match=f"^{name}: shares memory with"):
+        lcpbench.StepSolver().solve(**arguments)
+
+
+def test_a_batch_does_not_write_what_it_reads():
+    body, J, b, inverse_mass = random_step(1, 4)
+    starts = np.array([0, 4, 0, 0, 0, 0, 0, 0], np.int32)
+    for f, other in ((b, "b"), (J.reshape(-1)[:4], "J"), (starts.view(float), "starts")):
+        with pytest.raises(ValueError, match=f"^f: shares memory with {other}"):
+            lcpbench.solve_batch(body, J, b, inverse_mass, starts[:2], f=f)
+
+
+def test_neighbours_in_one_memory_are_taken():
+    arguments = random_step(1, 4)
+    memory = np.zeros(12)
+    memory[8:] = arguments[2]
+    alone = lcpbench.StepSolver().solve(*arguments)
+    f = lcpbench.StepSolver().solve(*arguments[:2], memory[8:], arguments[3], f=memory[:4], w=memory[4:8]).f
+    assert f.tobytes() == alone.f.tobytes()

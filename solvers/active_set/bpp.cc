@@ -120,7 +120,7 @@ BlockPivoting::End BppEngine::Run(const Eigen::VectorXd* initial_f, Index n) {
 
 void BppEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   std::optional<Deadline> deadline;
-  if (std::isfinite(options.time_limit_s)) deadline.emplace(options);
+  if (Deadline::IsNeeded(options)) deadline.emplace(options);
   const std::int64_t factors = kFactorizationsPerRow * problem.size() + kExtraFactorizations;
   const Deadline* limit = deadline.has_value() ? &*deadline : nullptr;
   if (!setup_.Begin(problem, options, limit, factors, /*conjugate=*/true, result)) return;

@@ -341,7 +341,7 @@ BlockPivoting::End SemismoothNewtonEngine::Run(bool warm) {
 void SemismoothNewtonEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   tolerance_ = options.tolerance;
   std::optional<Deadline> deadline;
-  if (std::isfinite(options.time_limit_s)) deadline.emplace(options);
+  if (Deadline::IsNeeded(options)) deadline.emplace(options);
   deadline_ = deadline.has_value() ? &*deadline : nullptr;
   continuation_ = n_ >= options_.continuation_rows;
   const std::int64_t factors =

@@ -443,7 +443,7 @@ void AutoEngine::PrepareDividing(const LcpProblem& problem, bool islands_are_kno
 void AutoEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   // Reading the clock costs a tenth of the smallest problems, which a tableau ends in no time.
   std::optional<Deadline> limit;
-  if (std::isfinite(options.time_limit_s) && problem.size() > SmallPivoting::kRowsWithoutClock) limit.emplace(options);
+  if (Deadline::IsNeeded(options) && problem.size() > SmallPivoting::kRowsWithoutClock) limit.emplace(options);
   const bool is_taken = taken_ != Taken::kNothing && MayChoose(options);
   if (is_taken) {
     StepRows rows = step_.rows();
@@ -482,7 +482,7 @@ bool AutoEngine::SolveArrays(const ProblemArrays& arrays, const LcpOptions& opti
   taken_ = Take(arrays);
   if (taken_ == Taken::kNothing) return false;
   std::optional<Deadline> limit;
-  if (std::isfinite(options.time_limit_s) && arrays.rows > SmallPivoting::kRowsWithoutClock) limit.emplace(options);
+  if (Deadline::IsNeeded(options) && arrays.rows > SmallPivoting::kRowsWithoutClock) limit.emplace(options);
   const bool is_over = SolveInPlace(step_.rows(), options, limit.has_value() ? &*limit : nullptr, result);
   asked_in_place_ = !is_over;
   return is_over;

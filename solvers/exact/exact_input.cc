@@ -69,6 +69,9 @@ bool HasStrings(const Json& value) {
   return false;
 }
 
+// The begin of a message.
+std::string Named(const std::string& id) { return id.empty() ? "" : id + ": "; }
+
 // A = J M^-1 J^T, column by column of J.
 void Multiply(const std::vector<Entry>& J, const std::vector<Rational>& inverse_mass, ExactLcp* lcp) {
   std::vector<std::vector<const Entry*>> columns(inverse_mass.size());
@@ -91,7 +94,7 @@ void SetMatrix(const std::vector<Entry>& entries, ExactLcp* lcp) {
   for (Index i = 0; i < lcp->size; ++i) {
     for (Index j = 0; j < i; ++j) {
       if (lcp->A[At(i * lcp->size + j)] == lcp->A[At(j * lcp->size + i)]) continue;
-      throw InputError(lcp->id + ": A is not symmetric: entries (" + std::to_string(i) + ", " + std::to_string(j) +
+      throw InputError(Named(lcp->id) + "A is not symmetric: entries (" + std::to_string(i) + ", " + std::to_string(j) +
                        ") and (" + std::to_string(j) + ", " + std::to_string(i) +
                        ") differ; expected a symmetric positive semidefinite matrix, or J and invM");
     }
@@ -100,7 +103,7 @@ void SetMatrix(const std::vector<Entry>& entries, ExactLcp* lcp) {
 
 ExactLcp Frame(const LcpProblem& problem) {
   if (problem.size() > kMostExactRows) {
-    throw InputError(problem.id() + ": expected at most " + std::to_string(kMostExactRows) +
+    throw InputError(Named(problem.id()) + "expected at most " + std::to_string(kMostExactRows) +
                      " rows for an exact answer, found " + std::to_string(problem.size()));
   }
   ExactLcp lcp;

@@ -64,7 +64,7 @@ bool FirstOrderEngine::TakeArrays(const ProblemArrays& arrays, const LcpOptions&
 
 bool FirstOrderEngine::Expired() {
   unread_ = 0;
-  if (!std::isfinite(options_->time_limit_s)) return false;
+  if (!Deadline::IsNeeded(*options_)) return false;
   if (!deadline_.has_value()) deadline_.emplace(*options_);
   return deadline_->Expired();
 }
@@ -76,7 +76,7 @@ bool FirstOrderEngine::Begin(const LcpOptions& options, LcpResult* result) {
   chunk_ = std::max<Index>(1, kEntriesPerClockRead / rows_.rows->EntriesPerRow());
   // Few rows of a step are mostly done before the clock would be read: it starts then, some 20 us late.
   const bool is_short = step_ != nullptr && 2 * rows_.scaled.size < chunk_;
-  if (!is_short && std::isfinite(options.time_limit_s)) deadline_.emplace(options);
+  if (!is_short && Deadline::IsNeeded(options)) deadline_.emplace(options);
   unread_ = 0;
   tolerance_ = options.tolerance;
   limit_ = options.max_iterations > 0 ? options.max_iterations : setup_.default_limit;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -26,7 +25,7 @@ class FrictionAnswer {
   FrictionAnswer(const ContactRows& rows, const LcpProblem* problem, const LcpOptions& options, LcpResult* result,
                  Room* room = nullptr)
       : rows_(rows), problem_(problem), options_(options), result_(result), room_(room == nullptr ? own_ : *room) {
-    if (std::isfinite(options.time_limit_s)) deadline_.emplace(options);
+    if (Deadline::IsNeeded(options)) deadline_.emplace(options);
   }
   FrictionAnswer(const FrictionAnswer&) = delete;
   FrictionAnswer& operator=(const FrictionAnswer&) = delete;
@@ -63,7 +62,7 @@ class FrictionAnswer {
   const ContactRows& rows_;
   const LcpProblem* const problem_;
   const LcpOptions& options_;
-  std::optional<Deadline> deadline_;  // none where time is not limited: reading the clock costs
+  std::optional<Deadline> deadline_;  // none where it is not needed: reading the clock costs
   LcpResult* const result_;
   double rho_ = std::numeric_limits<double>::infinity();
   Room own_;

@@ -154,8 +154,8 @@ class IpmRun final : public AnswerSink, public ActiveBlock {
   // A factorization cannot be interrupted, so none is begun that would end late by more than kAllowedOvershoot, if it
   // takes as long as the one before with all that followed.
   bool NoTimeForAnother() {
-    if (!std::isfinite(options_.time_limit_s)) return false;
     const double now = deadline_.Elapsed();
+    if (!std::isfinite(options_.time_limit_s)) return false;
     const double lap = last_factorization_ < 0 ? 0.0 : now - last_factorization_;
     last_factorization_ = now;
     return now >= options_.time_limit_s || now + lap > (1 + kAllowedOvershoot) * options_.time_limit_s;

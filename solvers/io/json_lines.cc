@@ -7,6 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "solvers/lcp/verify.h"
@@ -219,6 +220,12 @@ constexpr const char* kKnownMembers[] = {
     "motion",   "friction", "bounded", "modes",  "pieces",   "complete",    "f_exact",   "w_exact",
     "w_unique", "solvable", "origin",  "purpose"};
 
+// Of the objects within a problem.
+constexpr const char *kCoordinates[] = {"shape", "row", "col", "val"}, *kFriction[] = {"row", "normal", "mu", "slip"},
+                     *kBounded[] = {"row", "lower", "upper"};
+constexpr std::pair<const char*, std::span<const char* const>> kInnerMembers[] = {
+    {"A", kCoordinates}, {"J", kCoordinates}, {"friction", kFriction}, {"bounded", kBounded}};
+
 // What other tools use these for, which a problem does not have.
 constexpr std::pair<const char*, const char*> kForeignMembers[] = {
     {"lo", "bounds of f"},        {"hi", "bounds of f"},
@@ -245,6 +252,14 @@ std::vector<std::string> UnknownMembers(const JsonField& record) {
         std::find(std::begin(kKnownMembers), std::end(kKnownMembers), name) != std::end(kKnownMembers);
     if (!is_known && !IsTimeStep(record, name)) {
       unknown.push_back(PointerToken(name));
+    }
+  }
+  for (const auto& [of, known] : kInnerMembers) {
+    if (!record.Has(of) || !record[of].IsObject()) continue;
+    for (const auto& [name, value] : record[of].Members()) {
+      if (std::ranges::find(known, name) == known.end()) {
+        unknown.push_back(std::string(of) + "/" + PointerToken(name));
+      }
     }
   }
   return unknown;

@@ -46,6 +46,27 @@ std::string WhyStoredTwice(const SparseMatrix& matrix, const char* name) {
   return {};
 }
 
+// Of sorted rows.
+void AddParts(SparseMatrix* matrix, const char* name) {
+  int* const starts = matrix->outerIndexPtr();
+  int* const columns = matrix->innerIndexPtr();
+  double* const values = matrix->valuePtr();
+  int kept = 0;
+  for (Eigen::Index i = 0, k = 0; i < matrix->outerSize(); ++i) {
+    starts[i] = kept;
+    for (; k < starts[i + 1]; ++k) {
+      const bool is_part = kept > starts[i] && columns[kept - 1] == columns[k];
+      if (!is_part) columns[kept++] = columns[k];
+      values[kept - 1] = is_part ? values[kept - 1] + values[k] : values[k];
+      if (std::isfinite(values[kept - 1])) continue;
+      throw InputError("values: the parts of entry (" + std::to_string(i) + ", " + std::to_string(columns[k]) +
+                       ") of " + name + " add up to no finite number");
+    }
+  }
+  starts[matrix->outerSize()] = kept;
+  matrix->resizeNonZeros(kept);
+}
+
 // Throws what was found to be wrong.
 void RequireNothing(const std::string& wrong) {
   if (!wrong.empty()) throw InputError(wrong);
@@ -106,7 +127,11 @@ SparseMatrix ToSparseMatrix(const CompressedArrays& arrays, const char* name) {
     const ByColumns sorted = as(SparseMatrix());  // going through the other order sorts the entries
     matrix = sorted;
   }
-  RequireNothing(WhyStoredTwice(matrix, name));
+  if (arrays.adds_parts) {
+    AddParts(&matrix, name);
+  } else {
+    RequireNothing(WhyStoredTwice(matrix, name));
+  }
   return matrix;
 }
 

@@ -28,13 +28,14 @@ struct CompressedArrays {
   std::span<const int> starts;     ///< a number for every row (or column) and one more
   std::span<const int> indices;    ///< the columns (or rows) of the entries, in any order within a row (or column)
   std::span<const double> values;  ///< the entries, as many as `indices`
+  bool adds_parts = false;         ///< an entry may be stored in parts, as SciPy has it: it is their sum
 };
 
 /// The same matrix as a SparseMatrix (problem.h), each array copied once where it is by rows whose columns ascend.
 /// O(rows + columns + entries)
 /// @param name  of the matrix, for messages
 /// @throws InputError naming the array, the place, what was expected and what was found: starts that do not fit,
-///         indices out of range or twice in one row, numbers that are not finite
+///         indices out of range or, unless parts are added, twice in one row, numbers that are not finite
 Eigen::SparseMatrix<double, Eigen::RowMajor, int> ToSparseMatrix(const CompressedArrays& arrays, const char* name);
 
 }  // namespace lcpbench

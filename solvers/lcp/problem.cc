@@ -756,6 +756,24 @@ LcpProblem InForm(const LcpProblem& problem, MatrixForm form) {
   return LcpProblem::FromSparse(problem.id(), problem.SparseA(), problem.b(), problem.bounds(), problem.facts());
 }
 
+LcpProblem Symmetrized(const LcpProblem& problem, MatrixFacts facts) {
+  facts.symmetric = true;
+  // Halves first, so that nothing overflows.
+  switch (problem.given_form()) {
+    case MatrixForm::kDense: {
+      const Eigen::MatrixXd& A = problem.DenseA();
+      return LcpProblem::FromDense(problem.id(), 0.5 * A + 0.5 * A.transpose(), problem.b(), problem.bounds(), facts);
+    }
+    case MatrixForm::kSparse: {
+      const SparseMatrix& A = problem.SparseA();
+      const SparseMatrix turned = A.transpose();
+      return LcpProblem::FromSparse(problem.id(), 0.5 * A + 0.5 * turned, problem.b(), problem.bounds(), facts);
+    }
+    default:
+      return problem;
+  }
+}
+
 void AssembleDenseA(const LcpProblem& problem, double* A, Index stride) {
   if (problem.has_factors()) return Assemble(problem.J(), problem.inverse_mass().data(), A, stride);
   const Index n = problem.size();

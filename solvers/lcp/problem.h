@@ -222,6 +222,10 @@ class LcpProblem {
 /// The same problem, given by its dense or its sparse A.
 LcpProblem InForm(const LcpProblem& problem, MatrixForm form);
 
+/// With (A + A^T) / 2, symmetric bit for bit; a problem by factors as it is.
+/// @param facts  what is proved about that matrix, besides that it is symmetric
+LcpProblem Symmetrized(const LcpProblem& problem, MatrixFacts facts = {});
+
 /// Writes A into n rows of `stride` >= n numbers each, padding zero, row after row. From factors no form of A is made:
 /// this is the one dense assembly that own solvers and peers pay for: entry (i, j) sums m_k (J_ik J_jk) over ascending
 /// k, so that A is bitwise symmetric and equal to that of LcpProblem::SparseA. O(n stride + sum over columns of (column

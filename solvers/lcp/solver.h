@@ -81,9 +81,13 @@ struct LcpResult {
   std::optional<Eigen::VectorXd> farkas_ray;
 };
 
-/// Reads the clock of `options` from its construction on.
+/// Reads the clock of `options` from its construction on. Whoever asks it anything is interrupted where the thread's
+/// work is (support/interruption.h).
 class Deadline {
  public:
+  /// Whether one is needed: time is limited, or the thread's work may be interrupted. Else reading the clock would cost
+  /// for nothing.
+  static bool IsNeeded(const LcpOptions& options);
   /// Starts now.
   explicit Deadline(const LcpOptions& options);
   /// One clock read; call it often enough for the accuracy that the limit shall have.

@@ -86,7 +86,7 @@ void PivotBase::Start(const LcpOptions& options) {
   tolerance_ = options.tolerance;
   proof_tolerance_ = std::min(tolerance_, kProofTolerance);
   deadline_.reset();
-  if (std::isfinite(options.time_limit_s)) deadline_.emplace(options);
+  if (Deadline::IsNeeded(options)) deadline_.emplace(options);
   work_left_ = 0;
   out_of_time_ = false;
   pivots_ = 0;

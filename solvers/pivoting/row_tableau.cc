@@ -41,7 +41,7 @@ bool RowTableau::SolveArrays(const ProblemArrays& arrays, const LcpOptions& opti
     gaps_.resize(all_.size());
   }
   std::optional<Deadline> deadline;
-  if (std::isfinite(options.time_limit_s) && n > SmallPivoting::kRowsWithoutClock) deadline.emplace(options);
+  if (Deadline::IsNeeded(options) && n > SmallPivoting::kRowsWithoutClock) deadline.emplace(options);
   SmallPivoting::Request request;
   request.deadline = deadline.has_value() ? &*deadline : nullptr;
   request.self_check = self_check;

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
+#include <chrono>
 #include <exception>
 #include <optional>
+#include <semaphore>
 #include <string>
 #include <system_error>
 #include <thread>
@@ -19,6 +20,7 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/step/check_rows.h"
 #include "support/input_error.h"
+#include "support/interruption.h"
 
 namespace lcpbench {
 namespace {
@@ -183,7 +185,7 @@ struct StepSolver::Implementation {
 
   RowAnswer SolveRows(const StepRows& of, const double* start, double* f, double* w) {
     std::optional<Deadline> limit;
-    if (of.rows > SmallPivoting::kRowsWithoutClock && std::isfinite(options.time_limit_s)) {
+    if (of.rows > SmallPivoting::kRowsWithoutClock && Deadline::IsNeeded(SolveOptions())) {
       limit.emplace(SolveOptions());
     }
     const Deadline* const deadline = limit.has_value() ? &*limit : nullptr;
@@ -321,12 +323,15 @@ void StepSolver::SolveBatch(const StepRows& rows, std::span<const std::int32_t> 
   CheckRows(rows.rows > 0 && has_lanes ? PartOf(rows, 0, 1) : rows, nullptr);
   constexpr std::size_t kProblemsAtOnce = 16;
   std::atomic<std::size_t> next = 0;
+  std::atomic<bool> is_interrupted = false;
+  std::counting_semaphore<> ended(0);
   const auto run = [&](Implementation* own) {
     try {
       BatchReceiver receiver(own, rows, laws, start, f, answers);
       if (has_lanes) return own->batch.Solve(rows, start, own->options.tolerance, &next, f, &receiver);
       for (std::size_t first = next.fetch_add(kProblemsAtOnce); first < answers.size();
            first = next.fetch_add(kProblemsAtOnce)) {
+        Interruption::Check();
         const std::size_t last = std::min(first + kProblemsAtOnce, answers.size());
         for (std::size_t k = first; k < last; ++k) receiver.Leave(static_cast<std::int32_t>(k));
       }
@@ -334,6 +339,12 @@ void StepSolver::SolveBatch(const StepRows& rows, std::span<const std::int32_t> 
       own->error = std::current_exception();
       next = answers.size();  // the others need not go on
     }
+  };
+  const auto look = [](void* flag) { return static_cast<std::atomic<bool>*>(flag)->load(); };
+  const auto run_beside = [&, is_possible = Interruption::IsPossible()](Implementation* own) {
+    const Interruption::Scope scope(is_possible ? +look : nullptr, &is_interrupted);
+    run(own);
+    ended.release();
   };
   for (const auto& own : threads_) {
     own->left = 0;
@@ -343,10 +354,19 @@ void StepSolver::SolveBatch(const StepRows& rows, std::span<const std::int32_t> 
   const std::size_t useful =
       std::min(threads_.size(), answers.size() / (has_lanes ? RowBatch::kBlock : kProblemsAtOnce));
   try {
-    for (std::size_t k = 1; k < useful; ++k) others.emplace_back(run, threads_[k].get());
+    for (std::size_t k = 1; k < useful; ++k) others.emplace_back(run_beside, threads_[k].get());
   } catch (const std::system_error&) {  // as many as there are
   }
-  run(threads_.front().get());
+  Implementation* const first = threads_.front().get();
+  run(first);
+  try {
+    for (std::size_t k = 0; k < others.size(); ++k) {
+      while (!ended.try_acquire_for(std::chrono::duration<double>(Interruption::kPeriod))) Interruption::Check();
+    }
+  } catch (const Interrupted&) {
+    first->error = std::current_exception();
+  }
+  is_interrupted = first->error != nullptr;
   for (std::thread& other : others) other.join();
   for (const auto& own : threads_) {
     if (own->error != nullptr) std::rethrow_exception(own->error);

@@ -245,6 +245,19 @@ class Formats(unittest.TestCase):
                         self.assertIn("p.jsonl: warning: ignored members that no problem has: " +
                                       ", ".join(f"'{name}'" for name in told).replace("\n", "\\n"), warning)
 
+    def test_unknown_members_within_members_are_named(self):
+        at = {"row": [1], "normal": [0], "mu": [1]}
+        line = {"id": "p", "A": {"shape": [2, 2], "row": [0, 1], "col": [0, 1], "val": [1, 1], "vals": []}, "b": [1, 1]}
+        for more, told in (({}, "'A/vals'"), ({"friction": at | {"slp": [1]}}, "'A/vals', 'friction/slp'"),
+                           ({"J": line["A"] | {"cols": []}, "invM": [1, 1]}, "'A/vals', 'J/cols', 'J/vals'"),
+                           ({"bounded": {"row": [1], "lower": [0], "upper": [None], "a/b": 1}}, "'A/vals', 'bounded/a~1b'")):
+            with tempfile.TemporaryDirectory() as folder:
+                Path(folder, "p.jsonl").write_text(json.dumps(line | more))
+                run = subprocess.run([_COMMAND, "solve", "--solver", "pgs", f"{folder}/p.jsonl"], capture_output=True, text=True,
+                                     check=False)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertIn(f"p.jsonl: warning: ignored members that no problem has: {told}\n", run.stderr)
+
     def test_files_of_ours_are_valid(self):
         lines = {"problem": sorted(str(path.relative_to(_ROOT)) for path in (_ROOT / "data/problems").glob("*.gz")
                                    if not path.name.endswith("-sequence.jsonl.gz")),
