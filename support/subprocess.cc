@@ -23,16 +23,16 @@
 #include <utility>
 
 #include "support/clock.h"
-#include "support/interruption.h"
+#include "support/cancellation.h"
 
 namespace lcpbench {
 namespace {
 
 // Waits until the descriptor is ready or the time has come.
 bool WaitFor(int fd, short events, double until) {
-  const double longest = Interruption::IsPossible() ? Interruption::kPeriod : 3600;  // s; poll's timeout is an int
+  const double longest = Cancellation::IsPossible() ? Cancellation::kPeriod : 3600;  // s; poll's timeout is an int
   for (;;) {
-    Interruption::Check();
+    Cancellation::Check();
     const double left = until - SteadyNow();
     if (left <= 0) return false;
     pollfd entry{fd, events, 0};

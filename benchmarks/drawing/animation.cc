@@ -19,7 +19,7 @@
 #include "model/contact/loads.h"
 #include "model/scenes/parts.h"
 #include "support/input_error.h"
-#include "support/interruption.h"
+#include "support/cancellation.h"
 
 namespace lcpbench {
 namespace {
@@ -424,7 +424,7 @@ Animation RecordAnimation(Motion* motion, const AnimationOptions& options,
   Listener listener;
   const BudgetClock budget(options.budget_s);
   motion->set_check([&budget] {
-    Interruption::Check();
+    Cancellation::Check();
     budget.Check();
   });
   motion->set_observer([&listener](const MotionProblem& problem) { listener(problem); });

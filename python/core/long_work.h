@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "solvers/lcp/problem.h"
-#include "support/interruption.h"
+#include "support/cancellation.h"
 
 namespace lcpbench::python {
 
@@ -33,7 +33,7 @@ void WithoutGil(Work work) {
   bool (*const look)(void*) = IsMainThread() ? &HasSignalRaised : nullptr;
   try {
     const nanobind::gil_scoped_release release;
-    const Interruption::Scope scope(look, nullptr);
+    const Cancellation::Scope scope(look, nullptr);
     work();
   } catch (...) {
     if (PyErr_Occurred() != nullptr) throw nanobind::python_error();
@@ -49,11 +49,11 @@ void WithoutGil(Work work) {
 /// @param is_short  a thread would cost too much
 template <typename Work>
 auto Leavable(bool is_short, Work work) {
-  if (is_short || !Interruption::IsPossible()) return work();
+  if (is_short || !Cancellation::IsPossible()) return work();
   const auto is_left = std::make_shared<std::atomic<bool>>(false);
   std::packaged_task<decltype(work())()> task([work = std::move(work), is_left]() mutable {
     const auto look = [](void* flag) { return static_cast<std::atomic<bool>*>(flag)->load(); };
-    const Interruption::Scope scope(look, is_left.get());
+    const Cancellation::Scope scope(look, is_left.get());
     LimitThreadsAgain();
     return work();
   });
@@ -61,8 +61,8 @@ auto Leavable(bool is_short, Work work) {
   std::thread(std::move(task)).detach();
   try {
     constexpr std::chrono::milliseconds kLook(20);
-    while (answer.wait_for(kLook) != std::future_status::ready) Interruption::Check();
-  } catch (const Interrupted&) {
+    while (answer.wait_for(kLook) != std::future_status::ready) Cancellation::Check();
+  } catch (const Cancelled&) {
     *is_left = true;
     throw;
   }
@@ -87,8 +87,8 @@ inline bool IsShort(const LcpProblem& problem) {
 inline std::unique_lock<std::timed_mutex> TakeTurn(std::timed_mutex& mutex) {
   std::unique_lock turn(mutex, std::try_to_lock);
   while (!turn.owns_lock()) {
-    Interruption::Check();
-    if (turn.try_lock_for(std::chrono::duration<double>(Interruption::kPeriod))) break;
+    Cancellation::Check();
+    if (turn.try_lock_for(std::chrono::duration<double>(Cancellation::kPeriod))) break;
   }
   return turn;
 }

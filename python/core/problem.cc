@@ -181,7 +181,7 @@ LcpProblem GivenProblem::Make(const MatrixFacts& facts) const {
   Eigen::MatrixXd A(rows, columns);
   constexpr Index kColumnsAtOnce = 64;
   for (Index j = 0; j < columns; j += kColumnsAtOnce) {
-    if (j > 0) Interruption::Check();  // not of few columns: it reads the clock
+    if (j > 0) Cancellation::Check();  // not of few columns: it reads the clock
     const Index some = std::min(kColumnsAtOnce, columns - j);
     if (dense_->by_columns) {
       A.middleCols(j, some) = Eigen::Map<const Eigen::MatrixXd>(dense_->data + j * rows, rows, some);

@@ -185,7 +185,7 @@ class Solver {
           solver->Prepare(problem);
           return problem;
         });
-      } catch (const Interrupted&) {
+      } catch (const Cancelled&) {
         solver_ = MakeSolver(key_, settings_);
         throw;
       }
@@ -235,7 +235,7 @@ class Solver {
       const double begin = SteadyNow();
       try {
         answer = SolveLeavable(solver_, *problem, options_, std::move(start));
-      } catch (const Interrupted&) {
+      } catch (const Cancelled&) {
         solver_ = MakeSolver(key_, settings_);
         throw;
       }

@@ -10,7 +10,7 @@
 #include "solvers/batch/extended_check.h"
 #include "solvers/batch/kernel.h"
 #include "solvers/linear_algebra/tableau_rules.h"
-#include "support/interruption.h"
+#include "support/cancellation.h"
 
 namespace lcpbench {
 namespace {
@@ -300,7 +300,7 @@ void RowBatch::Solve(const StepRows& rows, std::span<const std::int32_t> start, 
   own.Start(rows, start, tolerance, f, receiver);
   const std::size_t count = start.size() - 1;
   for (std::size_t first; (first = next->fetch_add(kBlock)) < count;) {
-    Interruption::Check();
+    Cancellation::Check();
     own.Sort(first, std::min(count, first + kBlock));
     own.SolveFull(&own.first_try);
     own.SolveFull(&own.second_try);

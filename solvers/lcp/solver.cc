@@ -11,7 +11,7 @@
 #include "solvers/lcp/in_sequence.h"
 #include "solvers/lcp/memory_budget.h"
 #include "support/input_error.h"
-#include "support/interruption.h"
+#include "support/cancellation.h"
 
 namespace lcpbench {
 namespace {
@@ -68,12 +68,12 @@ LcpStatus LcpStatusFromString(std::string_view key) {
 }
 
 bool Deadline::IsNeeded(const LcpOptions& options) {
-  return std::isfinite(options.time_limit_s) || Interruption::IsPossible();
+  return std::isfinite(options.time_limit_s) || Cancellation::IsPossible();
 }
 Deadline::Deadline(const LcpOptions& options) : now_(options.now), start_(now_()), limit_(options.time_limit_s) {}
 bool Deadline::Expired() const { return Elapsed() >= limit_; }
 double Deadline::Elapsed() const {
-  Interruption::Check();
+  Cancellation::Check();
   return now_() - start_;
 }
 double Deadline::Remaining() const { return std::max(0.0, limit_ - Elapsed()); }
@@ -118,7 +118,7 @@ void LcpSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
     // What another process solves it factorizes there.
     const bool is_known = result->own_solve_s < 0 && !std::isnan(clock.seconds());
     if (options.time_factorizations && is_known) result->factor_s = clock.seconds();
-  } catch (const Interrupted&) {
+  } catch (const Cancelled&) {
     prepared_.reset();  // what the solve had prepared besides may be half done
     throw;
   } catch (const MemoryRefusal& refusal) {

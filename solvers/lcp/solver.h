@@ -82,7 +82,7 @@ struct LcpResult {
 };
 
 /// Reads the clock of `options` from its construction on. Whoever asks it anything is interrupted where the thread's
-/// work is (support/interruption.h).
+/// work is (support/cancellation.h).
 class Deadline {
  public:
   /// Whether one is needed: time is limited, or the thread's work may be interrupted. Else reading the clock would cost

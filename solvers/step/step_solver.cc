@@ -20,7 +20,7 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/step/check_rows.h"
 #include "support/input_error.h"
-#include "support/interruption.h"
+#include "support/cancellation.h"
 
 namespace lcpbench {
 namespace {
@@ -331,7 +331,7 @@ void StepSolver::SolveBatch(const StepRows& rows, std::span<const std::int32_t> 
       if (has_lanes) return own->batch.Solve(rows, start, own->options.tolerance, &next, f, &receiver);
       for (std::size_t first = next.fetch_add(kProblemsAtOnce); first < answers.size();
            first = next.fetch_add(kProblemsAtOnce)) {
-        Interruption::Check();
+        Cancellation::Check();
         const std::size_t last = std::min(first + kProblemsAtOnce, answers.size());
         for (std::size_t k = first; k < last; ++k) receiver.Leave(static_cast<std::int32_t>(k));
       }
@@ -341,8 +341,8 @@ void StepSolver::SolveBatch(const StepRows& rows, std::span<const std::int32_t> 
     }
   };
   const auto look = [](void* flag) { return static_cast<std::atomic<bool>*>(flag)->load(); };
-  const auto run_beside = [&, is_possible = Interruption::IsPossible()](Implementation* own) {
-    const Interruption::Scope scope(is_possible ? +look : nullptr, &is_interrupted);
+  const auto run_beside = [&, is_possible = Cancellation::IsPossible()](Implementation* own) {
+    const Cancellation::Scope scope(is_possible ? +look : nullptr, &is_interrupted);
     run(own);
     ended.release();
   };
@@ -361,9 +361,9 @@ void StepSolver::SolveBatch(const StepRows& rows, std::span<const std::int32_t> 
   run(first);
   try {
     for (std::size_t k = 0; k < others.size(); ++k) {
-      while (!ended.try_acquire_for(std::chrono::duration<double>(Interruption::kPeriod))) Interruption::Check();
+      while (!ended.try_acquire_for(std::chrono::duration<double>(Cancellation::kPeriod))) Cancellation::Check();
     }
-  } catch (const Interrupted&) {
+  } catch (const Cancelled&) {
     first->error = std::current_exception();
   }
   is_interrupted = first->error != nullptr;

@@ -4,11 +4,11 @@ namespace lcpbench {
 
 /// Thrown where the work of this thread is interrupted. No std::exception, so that nobody who takes those as failures
 /// of a method goes on with another one.
-struct Interrupted {};
+struct Cancelled {};
 
 /// Whether somebody may want the work of this thread to end before its time, as Ctrl-C in Python does. By thread, so
 /// that it reaches whatever a call does.
-class Interruption {
+class Cancellation {
  public:
   static constexpr double kPeriod = 0.05;  ///< how often is asked [s]
 
@@ -25,7 +25,7 @@ class Interruption {
     Scope& operator=(const Scope&) = delete;
 
    private:
-    friend class Interruption;
+    friend class Cancellation;
     void Look();
 
     bool (*const happened_)(void*);
@@ -39,7 +39,7 @@ class Interruption {
   static bool IsPossible() { return current_ != nullptr; }
 
   /// To be called every few milliseconds; a clock read where IsPossible, else nothing.
-  /// @throws Interrupted
+  /// @throws Cancelled
   static void Check() {
     if (current_ != nullptr) current_->Look();
   }
