@@ -34,6 +34,8 @@ if(LCPBENCH_BUILD_BENCHMARKS)
     PATTERN "__pycache__" EXCLUDE)
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/python/lcpbench/formats" DESTINATION "${CMAKE_INSTALL_DATADIR}/lcpbench"
     COMPONENT command FILES_MATCHING PATTERN "*.py" PATTERN "__pycache__" EXCLUDE)
+  install(FILES "${PROJECT_SOURCE_DIR}/data/sealed.json" DESTINATION "${CMAKE_INSTALL_DATADIR}/lcpbench/data"
+          COMPONENT command)
   # The suites that need no more of the collection than a manifest and its answers.
   foreach(suite smoke engine)
     install(FILES "${PROJECT_SOURCE_DIR}/data/${suite}.json" DESTINATION "${CMAKE_INSTALL_DATADIR}/lcpbench/data"

@@ -115,6 +115,7 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
                {"fills", plan.fills},
                {"most_of_side", plan.most_of_side},
                {"seed", plan.seed},
+               {"sealed", plan.sealed.names()},
                {"size_classes", Json::array()}});
   for (const SizeClass& size_class : kSizeClasses) {
     const bool is_last = &size_class == &kSizeClasses.back();

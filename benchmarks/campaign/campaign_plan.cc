@@ -197,6 +197,7 @@ std::vector<PlannedProblem> PlanProblems(const CampaignPlan& plan, const std::ve
     const auto add = [&](const std::vector<ManifestEntry>& entries) {
       for (const ManifestEntry& entry : entries) {
         const Index rows = entry.properties.rows;
+        if (plan.without_sealed && plan.sealed.Has(entry.family)) continue;
         if (plan.most_rows > 0 && rows > plan.most_rows) continue;
         if (!plan.filter.empty() && !std::regex_search("solve/" + entry.id + "/", filter)) continue;
         problems.push_back({m, &entry, &SizeClassOf(rows), 1});

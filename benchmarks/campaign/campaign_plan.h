@@ -8,6 +8,7 @@
 
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/properties.h"
+#include "benchmarks/collection/sealed.h"
 #include "solvers/lcp/fresh_pass.h"
 #include "solvers/registry.h"
 #include "support/process_watch.h"
@@ -80,6 +81,8 @@ struct CampaignPlan {
   std::vector<double> deadlines_s = {0.1e-3, 1e-3, 16e-3};  ///< of a step
   double pass_budget_s = 20;  ///< of a pass over a sequence: no further step is begun after it
   TuningSource tuning = {};
+  SealedSet sealed = {};        ///< told in campaign.json, for the report to print it apart
+  bool without_sealed = false;  ///< leaves its problems out
 };
 
 /// A problem of the campaign.

@@ -48,6 +48,7 @@ CampaignPlan CampaignOf(const std::string& suite) {
   } else {
     throw InputError("unknown suite '" + suite + "', expected one of " + CampaignNames() + ", or a manifest's path");
   }
+  plan.sealed = SealedSet::Read(DataFile("sealed"));
   return plan;
 }
 

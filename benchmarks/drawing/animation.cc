@@ -18,8 +18,8 @@
 #include "benchmarks/measure/budget_clock.h"
 #include "model/contact/loads.h"
 #include "model/scenes/parts.h"
-#include "support/input_error.h"
 #include "support/cancellation.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

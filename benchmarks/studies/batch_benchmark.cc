@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "benchmarks/collection/sealed.h"
+#include "benchmarks/measure/data_file.h"
 #include "benchmarks/studies/step_arrays.h"
 #include "benchmarks/studies/study.h"
 #include "model/contact/assembly.h"
@@ -105,16 +107,19 @@ StepArrays RandomIsland(int p, int rows, std::uint64_t seed) {
 }
 
 // Many small problems in one piece of memory, as an engine has them after it has found its islands: half of them
-// generated scenes of all families, half random rows; sizes evenly mixed, each with bodies of its own. Scenes that have
-// no answer once J is rounded to single precision (self-stress and a load on it) are left out, in both precisions.
+// generated scenes of all families that are not sealed, half random rows; sizes evenly mixed, each with bodies of its
+// own. Scenes that have no answer once J is rounded to single precision (self-stress and a load on it) are left out, in
+// both precisions.
 class IslandBatch {
  public:
   // p is 3 in the plane and 6 in space; scenes lie in a plane of it then.
   IslandBatch(int p, int least_rows, int most_rows) {
     arrays.columns_per_body = p;
     std::vector<std::vector<StepArrays>> scenes(At(most_rows + 1));
+    const SealedSet sealed = SealedSet::Read(DataFile("sealed"));
     for (int n = least_rows; n <= most_rows; ++n) {
       for (const SceneFamily& family : AllScenes()) {
+        if (sealed.Has(family.key)) continue;
         for (std::uint64_t seed = 1; seed <= kSceneSeeds; ++seed) {
           const LcpProblem problem = AssembleContactLcp(family.generate(n, seed)).problem;
           if (!problem.has_two_body_rows()) continue;

@@ -17,7 +17,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr std::array kScenes = {"disc-pile", "chain-of-links", "slope-stacks", "voussoir-arch"};
+constexpr std::array kScenes = {"disc-pile", "chain-of-links", "pyramids", "card-house"};
 constexpr std::array kSizes = {10, 30, 100, 300, 1000};
 constexpr std::uint64_t kSeed = 1;
 constexpr double kStep = 0.01;          // [s]

@@ -19,13 +19,16 @@ namespace lcpbench {
 struct FreshSources {
   std::vector<std::string> manifests;  ///< paths
   std::vector<std::string> files;      ///< of problems, in any format that is read; JSON lines may be compressed
-  std::vector<std::string> scenes;     ///< families, as they are placed; "all", "friction"
-  std::vector<std::string> motions;    ///< families, steps of whose motions are taken (TakeSteps); as `scenes`
-  std::vector<int> sizes;              ///< rows of `scenes` and `motions`
-  std::vector<std::uint64_t> seeds;    ///< of both
-  int steps = 2;                       ///< of a motion
-  bool relaxed = false;                ///< of each problem with friction its relaxation, too, as an origin of its own
-  std::size_t most_problems = 0;       ///< of a stream; 0: all
+  /// Families, as they are placed; "all", "friction". The sealed ones (data/sealed.json) are in neither, and refused,
+  /// unless `sealed`.
+  std::vector<std::string> scenes;
+  std::vector<std::string> motions;  ///< families, steps of whose motions are taken (TakeSteps); as `scenes`
+  std::vector<int> sizes;            ///< rows of `scenes` and `motions`
+  std::vector<std::uint64_t> seeds;  ///< of both
+  int steps = 2;                     ///< of a motion
+  bool relaxed = false;              ///< of each problem with friction its relaxation, too, as an origin of its own
+  std::size_t most_problems = 0;     ///< of a stream; 0: all
+  bool sealed = false;               ///< takes the problems of sealed families and engines, too
 };
 
 /// The problems of one size class and origin, with the weights that they have in a campaign.
@@ -41,7 +44,7 @@ struct FreshStream {
 /// The streams that the sources give.
 class FreshProblems {
  public:
-  /// @param plan  most_rows, fills, filter and seed of it
+  /// @param plan  most_rows, fills, filter, seed and sealed set of it
   /// @throws InputError where something named does not exist or is another kind of file, and where nothing is found
   FreshProblems(const FreshSources& sources, const CampaignPlan& plan);
   FreshProblems(const FreshProblems&) = delete;
@@ -55,8 +58,8 @@ class FreshProblems {
   void Load(FreshStream* stream);
 
  private:
-  void AddScenes(const FreshSources& sources);
-  void AddMotions(const FreshSources& sources, Index most_rows);
+  void AddScenes(const FreshSources& sources, const SealedSet& sealed);
+  void AddMotions(const FreshSources& sources, const CampaignPlan& plan);
   void Keep(const LcpProblem& problem, const char* origin, const std::string& base);
 
   std::unique_ptr<LcpSolver> relaxing_;  // where relaxations are wanted: the solver, which knows what it takes

@@ -21,6 +21,8 @@ FRONT_WORDS = ("The front of single peers: no other peer is both faster and righ
                "take as it is given is not right here). A ratio whose interval contains 1 is undecided.")
 FLAG_WORDS = ("At equal flags: Debian compiles peers for any x86-64, and ours are compiled for the machine above. Here ours are "
               "compiled for less, or peers for the machine.")
+SEALED_WORDS = ("Families and engines of data/sealed.json are for measuring only: no limit of our solvers was chosen by them. At the "
+                "main tier; a time over that of the fastest right peer of the problem, medians.")
 LITERATURE_WORDS = "Published problems, which count in nothing else: share verified, and time over that of the fastest right solver."
 
 FRICTION_WORDS = ("Problems with friction, sliding or bounded rows. They are in no other table and in no mean, for most solvers do not take "
@@ -142,10 +144,12 @@ def render(inputs: Inputs, lines: list[str], changes: str = "") -> str:
         if found.classes:  # none where no problem counts, as those that are meant to break something
             parts += ["## Times", "", full_headline(inputs, found)]
         parts += _part("By origin of the problems", shown_tables.origins(inputs), ORIGIN_WORDS)
+        parts += _part("Sealed and open problems", shown_tables.sealed(inputs), SEALED_WORDS)
         parts += _part("Literature", shown_tables.literature(inputs), LITERATURE_WORDS)
         parts += _part("Friction", shown_tables.friction(inputs), f"{FRICTION_WORDS} {shown_tables.not_taking_friction(inputs)}".strip())
         parts += _part("Friction by size", shown_tables.friction_classes(inputs), FRICTION_CLASS_WORDS)
         if inputs.friction is not None:
+            parts += _part("Friction, sealed and open problems", shown_tables.sealed(inputs.friction), SEALED_WORDS)
             parts += _part("Friction, every solver by size", shown_tables.by_solver(headline(inputs.friction)),
                            f"Marks as above. {false_successes(inputs.friction)}")
         parts += _part("Errors of answers with friction", shown_tables.friction_errors(inputs), FRICTION_ERROR_WORDS)

@@ -17,6 +17,7 @@ from .statistics.friction import refusers
 from .statistics.groups import COUNTED
 from .statistics.load import ERROR_PARTS, ORIGINS
 from .statistics.rivals import FASTEST, FLAGS, PORTFOLIO
+from .statistics.weighted import weighted_median, weighted_share
 from .studies import DRIVER
 from .table import Table
 from .table import code as key
@@ -256,6 +257,32 @@ def origins(inputs: Inputs) -> Table | None:
     return _by_origin(inputs, choice.table(inputs, "origins", choice.main_tier(inputs)), 2)
 
 
+def sealed(inputs: Inputs) -> Table | None:
+    """A row per size class, at the main tier: the share right and the median time over that of the fastest right peer of
+    each problem, of open problems and of those of families and engines that no limit of ours was chosen by."""
+    names = {name for campaign in inputs.campaigns for name in campaign.info.get("sealed", [])}
+    cells = choice.main_cells(inputs)
+    own = cells[(cells["solver"] == inputs.ours) & (cells["verdict"] != NOT_ASKED)].set_index("problem")
+    is_sealed = own["family"].str.split(" ").str[0].isin(names)
+    if not is_sealed.any():
+        return None
+    others = cells[cells["solver"].isin(inputs.peers) & (cells["verdict"] == VERIFIED)].groupby("problem")["time_s"].min()
+    ratio = own["time_s"].div(others).reindex(own.index)
+
+    def words(which: pd.Series) -> list:
+        part, known = own[which], ratio[which].dropna()
+        if part.empty:
+            return [0, DASH, DASH]
+        median = weighted_median(known, part.loc[known.index, "weight"]) if len(known) else math.nan
+        return [len(part), share_of(weighted_share(part["verdict"] == VERIFIED, part["weight"])),
+                times(median) if math.isfinite(median) else DASH]
+
+    rows = [[size_class(one), *words(~is_sealed & (own["size_class"] == one)), *words(is_sealed & (own["size_class"] == one))]
+            for one in choice.size_classes(inputs, own)]
+    columns = ["problems", "right", "ours / fastest right peer"]
+    return _table(["rows", *(f"open: {name}" for name in columns), *(f"sealed: {name}" for name in columns)], rows, "lrrrrrr")
+
+
 def literature(inputs: Inputs) -> Table | None:
     """The same of published problems, which count in nothing else."""
     found = inputs.analysis.get("origins", pd.DataFrame(columns=["set", "tier", "origin"]))
@@ -440,7 +467,7 @@ def settings(inputs: Inputs) -> Table:
 PAPERS: dict[str, Callable[[Inputs], Table | None]] = {
     "headline": lambda inputs: by_solver(headline(inputs)) if len(inputs.cells) and headline(inputs).solvers else None,
     "front": lambda inputs: front(headline(inputs)) if len(inputs.cells) else None,
-    "coverage": coverage, "origins": origins, "literature": literature, "equal-flags": equal_flags,
+    "coverage": coverage, "origins": origins, "sealed": sealed, "literature": literature, "equal-flags": equal_flags,
     "friction-classes": friction_classes, "friction": friction,
     "friction-errors": friction_errors, "sequences": sequences,
 }

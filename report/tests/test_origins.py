@@ -9,7 +9,7 @@ import pandas as pd
 
 from lcpbench_report import summary
 from lcpbench_report.inputs import load_inputs
-from lcpbench_report.shown_tables import origins
+from lcpbench_report.shown_tables import origins, sealed
 from lcpbench_report.statistics.origins import LARGEST_LOSS, origin_table, rank_table
 from .cases import FolderCase
 from .synthetic_campaign import cells_of, fail, slower, write_campaign
@@ -94,6 +94,20 @@ class Said(FolderCase):
             return problem | ({"origin": "recorded"} if problem["problem"].endswith(_ENGINES) else {})
         return load_inputs([write_campaign(Path(self.folder) / "c", FACTORS, tiers=(1e-6,), copies=4, change=change,
                                            change_problem=to_engines)])
+
+    def test_sealed_problems_stand_beside_the_open_ones(self):
+        def seal(problem: dict) -> dict:
+            return problem | ({"family": "engine a"} if problem["problem"].endswith(_ENGINES) else {})
+        peers = {"second": {"origin": "peer"}, "third": {"origin": "peer"}}
+        folder = write_campaign(Path(self.folder) / "c", FACTORS, tiers=(1e-6,), copies=4, solvers=peers, change_problem=seal,
+                                change=of_engines("second", fail), info={"sealed": ["engine"]})
+        text = sealed(load_inputs([folder])).markdown()
+        self.assertIn("sealed: problems", text)
+        row = [cell.strip() for cell in text.splitlines()[2].strip("|").split("|")]
+        self.assertEqual([row[1], row[2], row[4], row[5]], ["4", "100\u202f%"] * 2)
+        self.assertAlmostEqual(float(row[3]), 0.5, delta=0.05)
+        self.assertAlmostEqual(float(row[6]), 0.25, delta=0.025)
+        self.assertIsNone(sealed(self._inputs()))
 
     def test_equal_rankings_are_said_to_hardly_change(self):
         line = summary.origins(self._inputs())

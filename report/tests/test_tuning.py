@@ -39,6 +39,25 @@ def chosen(times, false_successes=()) -> str:
     return keys[choice.choose(judged(cells, keys))]
 
 
+class Problems(FolderCase):
+    def test_sealed_families_are_left_out(self):
+        class Written(campaign.Command):
+            def run(self, *arguments, output=None):
+                if arguments[0] == "collection":
+                    ids = ("gear-train-n12-s1", "disc-pile-n12-s1", "spinning-drum-n12-s1")
+                    Path(arguments[-1]).write_text("".join(json.dumps({"id": name}) + "\n" for name in ids), encoding="utf-8")
+                elif arguments[0] == "generate":
+                    output.write(f'{{"id": "{arguments[1]}"}}\n'.encode())
+
+            def available(self, what):
+                return ["gear-train", "disc-pile", "spinning-drum", "gear-trains"]
+
+        campaign.make_problems(Written(Path("lcpbench")), DATA, Path(self.folder), [8], 1)
+        made = [json.loads(line)["id"] for name in ("smoke", "scenes")
+                for line in (Path(self.folder) / campaign.PROBLEMS / f"{name}.jsonl").read_text(encoding="utf-8").splitlines()]
+        self.assertEqual(made, ["disc-pile-n12-s1", "disc-pile", "gear-trains"])
+
+
 class Choice(unittest.TestCase):
     def setUp(self):
         self.times = median_times(np.random.default_rng(3), {"default": 1.0, "fast": 0.8, "same": 1.0}, 64)

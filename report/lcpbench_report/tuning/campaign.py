@@ -32,17 +32,25 @@ class Command:
 
 
 def make_problems(command: Command, data: Path, folder: Path, sizes: list[int], seed: int) -> None:
-    """Writes the tuning problems, those of the smoke tier and every scene family at `sizes`, as one set."""
+    """Writes the tuning problems, those of the smoke tier and every scene family at `sizes`, as one set. Families that are
+    for measuring only (data/sealed.json) are left out."""
+    sealed = json.loads((data / "sealed.json").read_text(encoding="utf-8"))["families"]
     problems = folder / PROBLEMS
     problems.mkdir(parents=True, exist_ok=True)
     command.run("collection", "write", str(data / SMOKE), "-o", str(problems / "smoke.jsonl"))
+    smoke = (problems / "smoke.jsonl").read_text(encoding="utf-8").splitlines(keepends=True)
+    (problems / "smoke.jsonl").write_text("".join(line for line in smoke if not _is_of(line, sealed)), encoding="utf-8")
     with replaced(problems / "scenes.jsonl") as beside, open(beside, "wb") as scenes:
-        for family in command.available("scenes"):
+        for family in [family for family in command.available("scenes") if family not in sealed]:
             for size in sizes:
                 command.run("generate", family, "--size", str(size), "--seed", str(seed), output=scenes)
                 scenes.flush()
     command.run("import", str(problems), "--name", "tuning", "--licence", "Apache-2.0", "--provenance",
                 f"{SMOKE} and lcpbench generate, seed {seed}")
+
+
+def _is_of(line: str, families: list[str]) -> bool:
+    return json.loads(line)["id"].startswith(tuple(f"{family}-" for family in families))
 
 
 def require_disjoint(manifest: Path, data: Path) -> list[str]:

@@ -76,6 +76,7 @@ def _friction(inputs: Inputs, pictures: Sequence[gallery.Picture]) -> dict | Non
     return {"lead": summary.friction(inputs), "words": markdown.FRICTION_WORDS, "not_taking": shown_tables.not_taking_friction(inputs),
             "class_words": markdown.FRICTION_CLASS_WORDS, "error_words": markdown.FRICTION_ERROR_WORDS, "motion_words": markdown.FRICTION_MOTION_WORDS,
             "classes": _html(shown_tables.friction_classes(inputs)), "table": _html(shown_tables.friction(inputs)),
+            "sealed": _html(of and shown_tables.sealed(of)), "sealed_words": markdown.SEALED_WORDS,
             "by_solver": _html(of and shown_tables.by_solver(headline(of)), "by-solver"), "errors": _html(shown_tables.friction_errors(inputs)),
             "motions": shown_tables.motions(inputs.friction_motion, friction=True), "figures": _drawn(friction.figures(inputs)),
             "pictures": [picture for picture in pictures if picture.friction]}
@@ -93,7 +94,7 @@ def _headline(inputs: Inputs) -> dict:
             "front_figure": drawn,
             "flags": _html(shown_tables.equal_flags(inputs)), "front_words": markdown.FRONT_WORDS,
             "flag_words": markdown.FLAG_WORDS, "literature_words": markdown.LITERATURE_WORDS, "caption": markdown.caption(inputs, found),
-            "ablation_words": markdown.ABLATION_WORDS, "origin_words": markdown.ORIGIN_WORDS,
+            "ablation_words": markdown.ABLATION_WORDS, "origin_words": markdown.ORIGIN_WORDS, "sealed_words": markdown.SEALED_WORDS,
             "rank_words": summary.origins(inputs)}
 
 
@@ -102,6 +103,7 @@ def _tables(inputs: Inputs) -> dict[str, Markup | None]:
              "deadlines": (shown_tables.within_deadlines(inputs), "choose"),
              "warm": (shown_tables.sequences(inputs, detailed=True), ""),
              "ablation": (shown_tables.ablation(inputs), ""), "origins": (shown_tables.origins(inputs), ""),
+             "sealed": (shown_tables.sealed(inputs), ""),
              "literature": (shown_tables.literature(inputs), ""),
              "settings": (shown_tables.settings(inputs), "")}
     return {name: _html(made, of_class) for name, (made, of_class) in found.items()}
