@@ -80,7 +80,10 @@ TEST(SealedSet, FreshProblemsLeaveItOutUnlessTold) {
   CampaignPlan plan;
   plan.sealed = SealedSet::Read(DataFile("sealed"));
   plan.without_sealed = true;
-  FreshSources sources{.scenes = {"all", "friction"}, .sizes = {12}, .seeds = {1}};
+  FreshSources sources;
+  sources.scenes = {"all", "friction"};
+  sources.sizes = {12};
+  sources.seeds = {1};
   const auto families = [&] {
     std::size_t found = 0;
     FreshProblems problems(sources, plan);
@@ -89,7 +92,7 @@ TEST(SealedSet, FreshProblemsLeaveItOutUnlessTold) {
   };
   EXPECT_EQ(families(), AllScenes().size() + FrictionScenes().size() - 4);
   sources.scenes = {"gear-train"};
-  ExpectRefusal([&] { families(); }, "scene family 'gear-train' is for measuring only (data/sealed.json): --sealed");
+  ExpectRefused([&] { families(); }, "scene family 'gear-train' is for measuring only (data/sealed.json): --sealed");
   sources.sealed = true;
   plan.without_sealed = false;
   EXPECT_EQ(families(), 1U);
