@@ -262,6 +262,8 @@ def sealed(inputs: Inputs) -> Table | None:
     each problem, of open problems and of those of families and engines that no limit of ours was chosen by."""
     names = {name for campaign in inputs.campaigns for name in campaign.info.get("sealed", [])}
     cells = choice.main_cells(inputs)
+    if not names or cells.empty:
+        return None
     own = cells[(cells["solver"] == inputs.ours) & (cells["verdict"] != NOT_ASKED)].set_index("problem")
     is_sealed = own["family"].str.split(" ").str[0].isin(names)
     if not is_sealed.any():

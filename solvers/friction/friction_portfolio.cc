@@ -1,6 +1,7 @@
 #include "solvers/friction/friction_portfolio.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -16,6 +17,12 @@ namespace {
 constexpr int kRounds = 4;
 // Lemke's path, with its dense inverse, is for islands of up to so many contacts.
 constexpr size_t kContactsOfPath = 128;
+
+// At tolerances from here on large islands are swept first: the relaxation, a plain problem of as many rows, may take
+// longer than all these sweeps.
+constexpr double kLooseTolerance = 1e-4;
+constexpr Index kLargeIsland = 129;  ///< rows
+constexpr double kLooseSweeps = 40;  ///< times the root of the rows: forces travel a row or so a sweep
 
 constexpr double kLeastTime = 1e-9;  // [s]: limits are > 0
 constexpr const char* kRay = "a ray without friction";
@@ -123,6 +130,11 @@ const char* FrictionPortfolio::Ask(const ContactRows& rows, FrictionAnswer* answ
   const auto ask_rounds = [&](int count) { return rounds_.Run(rows, count, &newton_, &phi_, answer); };
   if (!has_friction && rows.can_relax() && ask_rounds(1) != nullptr) return "no friction";
   if (const char* method = newton_.Begin(rows, answer)) return method;
+  if (answer->tolerance() >= kLooseTolerance && rows.size() >= kLargeIsland) {
+    phi_.setZero(rows.size());
+    const int sweeps = static_cast<int>(kLooseSweeps * std::sqrt(static_cast<double>(rows.size())));
+    if (newton_.Sweep(rows, sweeps, &phi_, answer)) return "sweeps";
+  }
   if (rows.can_relax()) {
     if (const char* method = ask_rounds(kRounds)) return method;
     if (!rounds_.is_solved() && !rounds_.ran_out_of_time() && FindRay(*answer, result)) return kRay;
