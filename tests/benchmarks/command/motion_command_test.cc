@@ -106,7 +106,6 @@ TEST_F(SequenceCommand, IsReadBackBitForBitAndSolvedByTheSolveCommand) {
 TEST_F(SequenceCommand, IsTheSameFileTwiceUnderEverySolver) {
   std::set<std::string> refusing;
   for (const SolverEntry& solver : OwnSolversAndAPeerOfEachLibrary()) {
-    if (!solver.takes_plain) continue;
     const std::string arguments =
         "sequence disc-pile --size 12 --steps 15 --tolerance 1e-6 --solver " + std::string(solver.key);
     const CommandOutcome first = Run(arguments);
@@ -167,7 +166,7 @@ TEST_F(SequenceCommand, MotionComparesEverySolverWithTheReference) {
   std::set<std::string> own;
   for (const SolverEntry& solver : OwnSolversAndAPeerOfEachLibrary()) {
     // These do not take some of the problems, which ends a motion early.
-    if (solver.key == "fixed-size-bpp" || solver.key == "band-pivoting" || !solver.takes_plain) continue;
+    if (solver.key == "fixed-size-bpp" || solver.key == "band-pivoting") continue;
     solvers += " " + solver.key;
     motions[solver.key] = solver.uses_tolerance ? 2 : 1;
     if (solver.origin == SolverOrigin::kOwn) own.insert(solver.key);
