@@ -22,8 +22,8 @@
 #include <system_error>
 #include <utility>
 
-#include "support/clock.h"
 #include "support/cancellation.h"
+#include "support/clock.h"
 
 namespace lcpbench {
 namespace {

@@ -43,9 +43,11 @@ def interrupted(call, after=0.3):
         timer.join()
 
 
-def dense(n, rank, seed=1):
+def dense(n, rank, seed=1, with_friction=False):
     X = np.random.default_rng(seed).normal(size=(n, rank))
-    return lcpbench.Problem(X @ X.T / rank, np.random.default_rng(seed).normal(size=n))
+    tangent = np.arange(1, n, 2)
+    friction = {"row": tangent, "normal": tangent - 1, "mu": np.full(len(tangent), 0.5)} if with_friction else None
+    return lcpbench.Problem(X @ X.T / rank, np.random.default_rng(seed).normal(size=n), friction=friction)
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +69,8 @@ def test_solve_is_interrupted(stack, solver, options):
 def test_every_method_is_interrupted(solver):
     if solver not in [entry.key for entry in lcpbench.available_solvers()]:
         pytest.skip("not in this build")
-    problem, small = dense(2500, 2500), dense(30, 30)
+    is_for_friction = solver in ("mode-newton", "shift")
+    problem, small = (dense(n, n, with_friction=is_for_friction) for n in (2500, 30))
     before = lcpbench.solve(small, solver=solver).f
 
     def call():  # some are fast

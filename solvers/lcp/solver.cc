@@ -10,8 +10,8 @@
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/in_sequence.h"
 #include "solvers/lcp/memory_budget.h"
-#include "support/input_error.h"
 #include "support/cancellation.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

@@ -19,8 +19,8 @@
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/step/check_rows.h"
-#include "support/input_error.h"
 #include "support/cancellation.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
