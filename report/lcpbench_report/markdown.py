@@ -21,8 +21,9 @@ FRONT_WORDS = ("The front of single peers: no other peer is both faster and righ
                "take as it is given is not right here). A ratio whose interval contains 1 is undecided.")
 FLAG_WORDS = ("At equal flags: Debian compiles peers for any x86-64, and ours are compiled for the machine above. Here ours are "
               "compiled for less, or peers for the machine.")
-SEALED_WORDS = ("Families and engines of data/sealed.json are for measuring only: no limit of our solvers was chosen by them. At the "
-                "main tier; a time over that of the fastest right peer of the problem, medians.")
+SEALED_WORDS = ("Families and engines of data/sealed.json are for measuring only: tools of development leave them out since 2026-11-28 "
+                "(limits that are older were chosen with them). At the main tier; times over that of the fastest right peer of "
+                "the problem, medians.")
 LITERATURE_WORDS = "Published problems, which count in nothing else: share verified, and time over that of the fastest right solver."
 
 FRICTION_WORDS = ("Problems with friction, sliding or bounded rows. They are in no other table and in no mean, for most solvers do not take "

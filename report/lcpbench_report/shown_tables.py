@@ -259,7 +259,7 @@ def origins(inputs: Inputs) -> Table | None:
 
 def sealed(inputs: Inputs) -> Table | None:
     """A row per size class, at the main tier: the share right and the median time over that of the fastest right peer of
-    each problem, of open problems and of those of families and engines that no limit of ours was chosen by."""
+    each problem, of open problems and of those of sealed families and engines (campaign.json)."""
     names = {name for campaign in inputs.campaigns for name in campaign.info.get("sealed", [])}
     cells = choice.main_cells(inputs)
     if not names or cells.empty:

@@ -149,6 +149,22 @@ TEST(FrictionMethods, AutoSolvesManyContactsFromEveryForm) {
   EXPECT_GE(solved, 40);
 }
 
+// Where sweeps alone meet a loose tolerance, `auto` asks for no relaxation, which may take longer than all its time.
+TEST(FrictionMethods, LooseTolerancesAreMetBySweepsInLargeIslands) {
+  const std::unique_ptr<LcpSolver> solver = MakeSolver("auto"), sweeps = MakeSolver("pgs");
+  int swept = 0;
+  for (const LcpProblem& problem : StructuredFrictionProblems(2, 250)) {
+    if (problem.size() < 400) continue;
+    const LcpResult by_sweeps = SolveTo(sweeps.get(), problem, 1e-3);
+    if (by_sweeps.status != LcpStatus::kSolved || by_sweeps.iterations > 400) continue;
+    const LcpResult result = SolveTo(solver.get(), problem, 1e-3);
+    EXPECT_TRUE(Verify(problem, result, 1e-3).passes) << problem.id() << " " << result.detail;
+    EXPECT_EQ(result.detail.find("proximal"), std::string::npos) << problem.id() << " " << result.detail;
+    if (result.detail.find("sweeps") != std::string::npos) ++swept;
+  }
+  EXPECT_GE(swept, 5);
+}
+
 // Such problems are brought into range first, and their coefficients of friction and bounds with them.
 TEST(FrictionMethods, ExtremeUnitsHideNoAnswer) {
   std::mt19937 random(5);
