@@ -40,8 +40,8 @@ struct Constraint {
   std::size_t piece = 0;  ///< of `path`, on which the joint is now: its edge is that piece's curve
   /// Coefficient of Coulomb friction of a contact, in [0, kMostFriction]; ignored by all others.
   double friction = 0;
-  /// Of a pin: a torque of at most this [N m], >= 0, drives omega1 - omega2 to `speed` [rad/s]. A motor, or with the
-  /// speed 0 dry friction of the joint; one row more.
+  /// The largest torque [N m], >= 0, with which a pin drives omega1 - omega2 to `speed` [rad/s]: a motor, or dry
+  /// friction of the joint where the speed is 0. It adds one row.
   double torque_limit = 0;
   double speed = 0;
   /// +-1: it is known that the pin turns faster or slower than that, so its torque on body 1 is -slip torque_limit.

@@ -220,7 +220,7 @@ constexpr const char* kKnownMembers[] = {
     "motion",   "friction", "bounded", "modes",  "pieces",   "complete",    "f_exact",   "w_exact",
     "w_unique", "solvable", "origin",  "purpose"};
 
-// Of the objects within a problem.
+// The members that the objects within a problem may have.
 constexpr const char *kCoordinates[] = {"shape", "row", "col", "val"}, *kFriction[] = {"row", "normal", "mu", "slip"},
                      *kBounded[] = {"row", "lower", "upper"};
 constexpr std::pair<const char*, std::span<const char* const>> kInnerMembers[] = {

@@ -31,7 +31,7 @@ std::string WhyNotEntries(const CompressedArrays& arrays, const char* name) {
   return {};
 }
 
-// Of sorted rows.
+// The columns of each row must be sorted.
 std::string WhyStoredTwice(const SparseMatrix& matrix, const char* name) {
   for (Eigen::Index i = 0; i < matrix.outerSize(); ++i) {
     Eigen::Index last = -1;
@@ -46,7 +46,7 @@ std::string WhyStoredTwice(const SparseMatrix& matrix, const char* name) {
   return {};
 }
 
-// Of sorted rows.
+// Adds entries of the same row and column. The columns of each row must be sorted.
 void AddParts(SparseMatrix* matrix, const char* name) {
   int* const starts = matrix->outerIndexPtr();
   int* const columns = matrix->innerIndexPtr();

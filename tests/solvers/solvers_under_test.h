@@ -17,8 +17,8 @@
 
 namespace lcpbench {
 
-/// Of this build all own solvers that take plain problems, and one of each library of peers: for tests of what drives
-/// solvers, which cost a process or seconds for each. What solvers themselves promise is tested for all of them.
+/// All own solvers of this build that take plain problems, and one peer of each library. For tests of code that drives
+/// solvers, which take a process or seconds for each solver; what solvers promise is tested for all of them.
 inline std::vector<SolverEntry> OwnSolversAndAPeerOfEachLibrary() {
   std::vector<SolverEntry> chosen;
   std::set<std::string> libraries;

@@ -135,7 +135,7 @@ TEST(Motors, DriveTwoBodiesAgainstEachOther) {
   }
 }
 
-// Of a kinematic body: its own turning is followed.
+// The speed of a motor is relative to the body that carries it, here a fixed one that turns.
 TEST(Motors, FollowAFrameThatTurns) {
   for (const MotionLevel level : kBothLevels) {
     World world = Flywheel(2, 3, 0);
