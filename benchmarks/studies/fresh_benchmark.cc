@@ -71,7 +71,8 @@ void Declare(CLI::App* app, Options* options) {
   app->add_flag(
       "--relaxed", from.relaxed,
       "Besides, the relaxation of each problem with friction: plain, with as many rows, of the origin relaxed");
-  app->add_flag("--sealed", from.sealed,
+  options->plan.without_sealed = true;
+  app->add_flag("--sealed{false}", options->plan.without_sealed,
                 "Also the families and engines that are for measuring only (data/sealed.json)");
   app->add_option("--most-rows", options->plan.most_rows, "No larger problems")
       ->check(AtLeast(1))
@@ -130,7 +131,6 @@ void Complete(Options* options) {
     if (!is_path) manifest = DataFile(manifest);
   }
   options->plan.sealed = SealedSet::Read(DataFile("sealed"));
-  options->plan.without_sealed = !from.sealed;
   if (from.seeds.empty()) from.seeds.assign(std::begin(kSeeds), std::end(kSeeds));
   if (from.sizes.empty() && !(from.scenes.empty() && from.motions.empty())) {
     throw InputError("--scenes and --motions: expected --sizes");

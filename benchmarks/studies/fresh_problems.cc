@@ -41,15 +41,16 @@ bool IsIdle(const LcpProblem& problem) {
 }
 
 template <typename Visit>
-void ForEachStart(const std::vector<std::string>& named, const FreshSources& sources, const SealedSet& sealed,
+void ForEachStart(const std::vector<std::string>& named, const FreshSources& sources, const CampaignPlan& plan,
                   const Visit& visit) {
+  const auto is_left_out = [&](std::string_view family) { return plan.without_sealed && plan.sealed.Has(family); };
   std::vector<std::string_view> families;
   for (const std::string& name : named) {
     if (name == "all" || name == "friction") {
       for (const SceneFamily& family : name == "all" ? AllScenes() : FrictionScenes()) {
-        if (sources.sealed || !sealed.Has(family.key)) families.push_back(family.key);
+        if (!is_left_out(family.key)) families.push_back(family.key);
       }
-    } else if (!sources.sealed && sealed.Has(name)) {
+    } else if (is_left_out(name)) {
       throw InputError("scene family '" + name + "' is for measuring only (data/sealed.json): --sealed takes it");
     } else {
       families.push_back(FindScene(name).key);
@@ -76,7 +77,7 @@ FreshProblems::FreshProblems(const FreshSources& sources, const CampaignPlan& pl
                       Keep(record.problem, "given", record.problem.id());
                     });
   }
-  AddScenes(sources, plan.sealed);
+  AddScenes(sources, plan);
   AddMotions(sources, plan);
   for (const PlannedProblem& one : PlanProblems(plan, manifests_)) {
     if (manifests_[one.manifest].name == kNonsymmetricTier) continue;  // nobody need solve these
@@ -105,14 +106,14 @@ void FreshProblems::Keep(const LcpProblem& problem, const char* origin, const st
   if (is_relaxed) Keep(RelaxationOf(problem), "relaxed", base);
 }
 
-void FreshProblems::AddScenes(const FreshSources& sources, const SealedSet& sealed) {
-  ForEachStart(sources.scenes, sources, sealed,
+void FreshProblems::AddScenes(const FreshSources& sources, const CampaignPlan& plan) {
+  ForEachStart(sources.scenes, sources, plan,
                [this](const Recipe& recipe) { Keep(MakeInstance(recipe).problem, "placed", BaseOf(recipe)); });
 }
 
 void FreshProblems::AddMotions(const FreshSources& sources, const CampaignPlan& plan) {
   const Index most_rows = plan.most_rows;
-  ForEachStart(sources.motions, sources, plan.sealed, [&](const Recipe& start) {
+  ForEachStart(sources.motions, sources, plan, [&](const Recipe& start) {
     TakeSteps(start, sources.steps, [&](const MotionStep& step) {
       const LcpProblem& problem = step.instance.problem;
       if (problem.size() < 1 || (most_rows > 0 && problem.size() > most_rows) || IsIdle(problem)) return false;

@@ -20,7 +20,7 @@ struct FreshSources {
   std::vector<std::string> manifests;  ///< paths
   std::vector<std::string> files;      ///< of problems, in any format that is read; JSON lines may be compressed
   /// Families, as they are placed; "all", "friction". The sealed ones (data/sealed.json) are in neither, and refused,
-  /// unless `sealed`.
+  /// where the plan leaves them out.
   std::vector<std::string> scenes;
   std::vector<std::string> motions;  ///< families, steps of whose motions are taken (TakeSteps); as `scenes`
   std::vector<int> sizes;            ///< rows of `scenes` and `motions`
@@ -28,7 +28,6 @@ struct FreshSources {
   int steps = 2;                     ///< of a motion
   bool relaxed = false;              ///< of each problem with friction its relaxation, too, as an origin of its own
   std::size_t most_problems = 0;     ///< of a stream; 0: all
-  bool sealed = false;               ///< takes the problems of sealed families and engines, too
 };
 
 /// The problems of one size class and origin, with the weights that they have in a campaign.
@@ -44,7 +43,7 @@ struct FreshStream {
 /// The streams that the sources give.
 class FreshProblems {
  public:
-  /// @param plan  most_rows, fills, filter, seed and sealed set of it
+  /// @param plan  most_rows, fills, filter, seed and sealed set of it, and whether that is left out
   /// @throws InputError where something named does not exist or is another kind of file, and where nothing is found
   FreshProblems(const FreshSources& sources, const CampaignPlan& plan);
   FreshProblems(const FreshProblems&) = delete;
@@ -58,7 +57,7 @@ class FreshProblems {
   void Load(FreshStream* stream);
 
  private:
-  void AddScenes(const FreshSources& sources, const SealedSet& sealed);
+  void AddScenes(const FreshSources& sources, const CampaignPlan& plan);
   void AddMotions(const FreshSources& sources, const CampaignPlan& plan);
   void Keep(const LcpProblem& problem, const char* origin, const std::string& base);
 

@@ -93,7 +93,6 @@ TEST(SealedSet, FreshProblemsLeaveItOutUnlessTold) {
   EXPECT_EQ(families(), AllScenes().size() + FrictionScenes().size() - 4);
   sources.scenes = {"gear-train"};
   ExpectRefused([&] { families(); }, "scene family 'gear-train' is for measuring only (data/sealed.json): --sealed");
-  sources.sealed = true;
   plan.without_sealed = false;
   EXPECT_EQ(families(), 1U);
   sources.scenes = {"all", "friction"};
