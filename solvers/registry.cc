@@ -18,6 +18,7 @@
 #include "solvers/first_order/pgs.h"
 #include "solvers/friction/lagged_bounds.h"
 #include "solvers/friction/mode_newton.h"
+#include "solvers/friction/mode_path.h"
 #include "solvers/friction/relaxation.h"
 #include "solvers/friction/shift.h"
 #include "solvers/peers/peer_table.h"
@@ -148,7 +149,12 @@ std::vector<SolverEntry> ActiveSetSolvers() {
        .method = "lexicographic Lemke on a dense updated factor, joints first",
        .source = "Lemke 1965; Cottle, Pang, Stone, sec. 4.4, 4.9",
        .why_not_guaranteed = &AnyPsd,
-       .make = &Make<LemkeSolver>,
+       .make =
+           [](const Settings& settings) {
+             LemkeOptions options = LemkeOptions::FromSettings(settings);
+             options.make_other = [] { return std::make_unique<ModeLemkeSolver>(ModeLemkeOptions{}); };
+             return std::unique_ptr<LcpSolver>(std::make_unique<LemkeSolver>(options));
+           },
        .takes_friction = true,
        .takes_bounded = true,
        .method_class = MethodClass::kDenseMatrix},

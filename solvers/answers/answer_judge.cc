@@ -37,7 +37,7 @@ bool RoundingMayHideARow(const LcpProblem& problem, const Eigen::VectorXd& f, co
     const double b = problem.b()[i];
     // (|A| |f| + |b|)_i is no less.
     const double least = std::max(std::abs(w[i] - b), std::abs(D[i] * f[i])) + std::abs(b);
-    const double defect = std::abs(ResidualSums<double>::Defect(w[i], D[i] * f[i], problem.is_bilateral(i)));
+    const double defect = std::abs(LawSums<double>::Defect(w[i], D[i] * f[i], problem.is_bilateral(i)));
     if (defect + kRounding * std::sqrt(std::abs(D[i])) * forces > limit * least) return true;
   }
   return false;

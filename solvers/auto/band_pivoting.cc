@@ -155,8 +155,8 @@ void BandPivoting::ClipForces() {
 
 // @param gap      of a row, in sums of type Real, of which each has as many terms as the band is wide, and a few more
 template <typename Real, typename OfRow>
-ResidualSums<double>::Known BandPivoting::Judge(double tolerance, const OfRow& gap) const {
-  ResidualSums<double> sums(tableau::kMargin * std::sqrt(tolerance));
+LawSums<double>::Known BandPivoting::Judge(double tolerance, const OfRow& gap) const {
+  LawSums<double> sums(tableau::kMargin * std::sqrt(tolerance));
   for (Index i = 0; i < n_; ++i) {
     const auto w = static_cast<double>(gap(i));
     sums.Add(A_->diagonal()[At(i)], A_->arrays().b[At(i)], w, f_[i], A_->is_joint(i), size_[i]);
@@ -168,7 +168,7 @@ ResidualSums<double>::Known BandPivoting::Judge(double tolerance, const OfRow& g
 
 // In double, and in extended precision where rounding may hide more than the tolerance.
 bool BandPivoting::Meets(double tolerance) {
-  using Known = ResidualSums<double>::Known;
+  using Known = LawSums<double>::Known;
   ClipForces();
   FindGaps();
   const Known known = Judge<double>(tolerance, [&](Index i) { return w_[i]; });

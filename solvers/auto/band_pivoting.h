@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "solvers/auto/matrix_arrays.h"
-#include "solvers/lcp/residual_sums.h"
+#include "solvers/lcp/law.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/rows/profile_factor.h"
 
@@ -46,7 +46,7 @@ class BandPivoting {
   template <typename Real>
   Real Gap(Index i, double* size) const;
   template <typename Real, typename OfRow>
-  ResidualSums<double>::Known Judge(double tolerance, const OfRow& gap) const;
+  LawSums<double>::Known Judge(double tolerance, const OfRow& gap) const;
 
   const MatrixArrays* A_ = nullptr;
   Index n_ = 0;

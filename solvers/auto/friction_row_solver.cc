@@ -182,8 +182,7 @@ const char* FrictionRowSolver::Ask(FrictionAnswer* answer) {
     phi_.head(contacts_.size()).setZero();
     if (newton_.Run(contacts_, kCold, &phi_, answer)) return "mode-newton";
   }
-  ContactPath::End end = ContactPath::End::kLimit;
-  const bool is_right = contacts_.is_paired() && FollowPaths(contacts_, kSeeds, &path_, &newton_, &phi_, answer, &end);
+  const bool is_right = contacts_.is_paired() && path_.Cover(contacts_, kSeeds, &newton_, &phi_, answer);
   return is_right ? "lemke" : nullptr;
 }
 

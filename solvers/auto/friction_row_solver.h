@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "solvers/auto/row_solver.h"
-#include "solvers/friction/contact_path.h"
 #include "solvers/friction/contact_rows.h"
 #include "solvers/friction/friction_answer.h"
+#include "solvers/friction/mode_path.h"
 #include "solvers/friction/mode_steps.h"
 #include "solvers/friction/relaxed_rows.h"
 #include "solvers/friction/shift_rounds.h"
@@ -71,7 +71,7 @@ class FrictionRowSolver {
   ContactRows contacts_;
   ModeSteps newton_;
   ShiftRounds rounds_;
-  ContactPath path_;
+  ModePath path_;
   FrictionAnswer::Room room_;
   LcpOptions options_;
   LcpResult result_;

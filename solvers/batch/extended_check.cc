@@ -33,7 +33,7 @@ bool PassesExtended(const StepRows& rows, double tolerance, double row_limit, co
     const auto no_more = [](std::int32_t /*row*/) { return 0.0; };
     const std::span<const std::int32_t> part(all, static_cast<std::size_t>(rows.rows));
     return SumRows<width>(rows, J, part, row_limit, f, nullptr, slot, no_more, velocity, size)
-               .Judge(tolerance, kRoundingOfTwoBodies<long double>, rho) == ResidualSums<double>::Known::kRight;
+               .Judge(tolerance, kRoundingOfTwoBodies<long double>, rho) == LawSums<double>::Known::kRight;
   });
 }
 

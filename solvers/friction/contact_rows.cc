@@ -3,23 +3,33 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
+#include <tuple>
 
 #include "solvers/lcp/engine_solver.h"
 #include "solvers/linear_algebra/vector_register.h"
+#include "solvers/rows/two_body_product.h"
 #include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Up to so many rows the dense A is formed sooner than the sparse one.
 constexpr Index kFewRows = 100;
 
 // Bodies in space have so many columns.
 constexpr Index kMostColumnsPerBody = 6;
 
-double Square(double x) { return ContactLaw::Square(x); }
+using law::Square;
+
+double Clamped(Fixed range, double /*force*/) { return range.force; }
+double Clamped(Interval range, double force) { return std::clamp(force, range.lower, range.upper); }
+
+// phi - omega, by row.
+struct Trial {
+  const Eigen::VectorXd& phi;
+  const Eigen::VectorXd& omega;
+  double operator[](Index row) const { return phi[row] - omega[row]; }
+};
 
 }  // namespace
 
@@ -39,12 +49,14 @@ void ContactRows::Reserve(Index max_rows, Index max_bodies) {
   Lengthen(PaddedStride(max_rows) * max_rows, &dense_);
   jacobian_.reserve(At(2 * kMostColumnsPerBody * max_rows));
   sides_.Reserve(max_rows, max_bodies);
-  for (std::vector<double>* const numbers : {&root_, &inverse_root_}) numbers->reserve(At(max_rows));
-  for (std::vector<Index>* const numbers : {&first_, &next_, &joints_}) numbers->reserve(At(max_rows));
+  for (std::vector<double>* const numbers : {&root_, &inverse_root_, &given_mu_, &load_}) {
+    numbers->reserve(At(max_rows));
+  }
+  for (std::vector<Index>* const numbers : {&joints_, &normals_}) numbers->reserve(At(max_rows));
   kind_.reserve(At(max_rows));
-  contacts_.reserve(At(max_rows));
+  friction_.reserve(At(max_rows));
   bounded_.reserve(At(max_rows));
-  for (Eigen::VectorXd* const numbers : {&b_, &phi_, &omega_, &magnitude_, &hidden_}) Lengthen(max_rows, numbers);
+  for (Eigen::VectorXd* const numbers : {&b_, &phi_, &omega_, &magnitude_}) Lengthen(max_rows, numbers);
 }
 
 void ContactRows::SetRoots(Index n, const double* diagonal, Index stride) {
@@ -86,8 +98,7 @@ void ContactRows::Prepare(const StepRows& step, std::span<const std::int32_t> pa
   SetScale();
 }
 
-// A by the bodies that rows share, as SmallPivoting has it.
-template <Index p, typename Real>
+template <int p, typename Real>
 void ContactRows::Assemble(const StepRows& step, const Real* J, std::span<const std::int32_t> part) {
   const Index n = std::ssize(part);
   is_dense_ = true;
@@ -99,39 +110,13 @@ void ContactRows::Assemble(const StepRows& step, const Real* J, std::span<const 
   jacobian_.resize(At(2 * p * n));
   sides_.Reserve(n, step.bodies);
   for (Index i = 0; i < n; ++i) {
-    const Index given = part[At(i)];
-    double* const own = jacobian_.data() + 2 * p * i;
-    for (Index c = 0; c < 2 * p; ++c) own[c] = static_cast<double>(J[2 * p * given + c]);
-    const std::int32_t bodies[2] = {step.body[2 * given], step.body[2 * given + 1]};
-    const bool is_joined = bodies[0] == bodies[1];
-    for (Index c = 0; c < p && is_joined; ++c) own[c] += own[p + c];
-    double* const row = dense_.data() + i * stride_;
     start_[At(i)] = i;
     end_[At(i)] = i + 1;
-    for (Index side = 0; side < (is_joined ? 1 : 2); ++side) {
-      const Index body = bodies[side];
-      if (body < 0) continue;
-      double momentum[p];
-      bool moves = false;
-      for (Index c = 0; c < p; ++c) {
-        momentum[c] = step.inverse_mass[body * p + c] * own[side * p + c];
-        row[i] += momentum[c] * own[side * p + c];
-        moves = moves || step.inverse_mass[body * p + c] > 0;
-      }
-      if (!moves) continue;
-      sides_.ForEach(body, [&](std::int32_t other) {
-        const Index j = other / 2;
-        if (j == i) return;
-        const double* const its = jacobian_.data() + p * other;
-        double sum = row[j];
-        for (Index c = 0; c < p; ++c) sum += momentum[c] * its[c];
-        row[j] = dense_[j * stride_ + i] = sum;
-        start_[At(i)] = std::min(start_[At(i)], j);
-        end_[At(j)] = i + 1;
-      });
-      sides_.Add(body, static_cast<std::int32_t>(2 * i + side));
-    }
   }
+  AssembleByBodies<p>(step, J, part, dense_.data(), stride_, jacobian_.data(), &sides_, [this](Index i, Index j) {
+    start_[At(i)] = std::min(start_[At(i)], j);
+    end_[At(j)] = i + 1;
+  });
   first_of_register_.clear();
   end_of_register_.clear();
   for (Index i = 0; i < n; ++i) {
@@ -142,27 +127,26 @@ void ContactRows::Assemble(const StepRows& step, const Real* J, std::span<const 
     first_of_register_.back() = std::min(first_of_register_.back(), start_[At(i)]);
     end_of_register_.back() = std::max(end_of_register_.back(), end_[At(i)]);
   }
-  for (const std::int32_t given : part) {
-    for (Index side = Index{2} * given; side < Index{2} * given + 2; ++side) {
-      if (step.body[side] >= 0) sides_.Forget(step.body[side]);
-    }
-  }
 }
 
 void ContactRows::SetLaws(std::span<const FrictionRow> friction, std::span<const BoundedRow> bounded) {
-  const Index n = size();
-  // The friction rows of a normal row are a list: first_[normal], next_[tangent], ...
-  first_.assign(At(n), -1);
-  next_.assign(friction.size(), -1);
-  kind_.assign(At(n), RowKind::kUnilateral);
+  const auto is_before = [](const FrictionRow& a, const FrictionRow& b) {
+    return std::tie(a.normal, a.row) < std::tie(b.normal, b.row);
+  };
+  friction_.assign(friction.begin(), friction.end());
+  if (!std::ranges::is_sorted(friction_, is_before)) std::ranges::sort(friction_, is_before);
+  kind_.assign(At(size()), RowKind::kUnilateral);
+  given_mu_.clear();
   is_sliding_ = false;
   is_paired_ = true;
-  for (Index k = std::ssize(friction) - 1; k >= 0; --k) {
-    const FrictionRow& row = friction[At(k)];
-    next_[At(k)] = std::exchange(first_[At(row.normal)], k);
-    is_paired_ = is_paired_ && next_[At(k)] < 0;
-    kind_[At(row.row)] = RowKind::kFriction;
+  Index last = -1;
+  for (FrictionRow& row : friction_) {
+    is_paired_ = is_paired_ && row.normal != last;
+    last = row.normal;
     is_sliding_ = is_sliding_ || row.slip != 0;
+    kind_[At(row.row)] = RowKind::kFriction;
+    given_mu_.push_back(row.mu);
+    row.mu *= root_[At(row.row)] / root_[At(row.normal)];
   }
   bounded_.clear();
   for (const BoundedRow& row : bounded) {
@@ -170,15 +154,9 @@ void ContactRows::SetLaws(std::span<const FrictionRow> friction, std::span<const
     kind_[At(row.row)] = RowKind::kBounded;
   }
   for (const Index i : joints_) kind_[At(i)] = RowKind::kBilateral;
-  contacts_.clear();
-  for (Index i = 0; i < n; ++i) {
-    if (kind_[At(i)] != RowKind::kUnilateral) continue;
-    if (first_[At(i)] < 0) contacts_.push_back({i});
-    for (Index k = first_[At(i)]; k >= 0; k = next_[At(k)]) {
-      const FrictionRow& row = friction[At(k)];
-      const double mu = row.mu * (root_[At(row.row)] / root_[At(i)]);
-      contacts_.push_back({i, row.row, mu, row.mu, row.slip, k != first_[At(i)]});
-    }
+  normals_.clear();
+  for (Index i = 0; i < size(); ++i) {
+    if (kind_[At(i)] == RowKind::kUnilateral) normals_.push_back(i);
   }
 }
 
@@ -233,20 +211,23 @@ void ContactRows::SetB(const LcpProblem& problem) {
 }
 
 void ContactRows::SetScale() {
-  double plain = 0, answered = 0, all = 0;
+  double plain = 0, answered = 0;
+  load_.resize(At(size()));
+  for (Index i = 0; i < size(); ++i) load_[At(i)] = std::abs(b_[i]);
   for (const Index i : joints_) plain += Square(b_[i]);
-  for (const Contact& contact : contacts_) plain += contact.is_further ? 0 : Square(b_[contact.normal]);
-  all = plain;
-  for (const Bounded& row : bounded_) {
+  for (const Index i : normals_) plain += Square(b_[i]);
+  double all = plain;
+  for (const BoundedRow& row : bounded_) {
     plain += std::min(Square(b_[row.row]), Square(std::max(std::abs(row.lower), std::abs(row.upper))));
     all += Square(b_[row.row]);
   }
-  for (const Contact& contact : contacts_) {
-    if (contact.tangent < 0 || contact.slip != 0) continue;
-    answered += std::min(Square(b_[contact.tangent]), Square(contact.mu) * plain);
-    all += Square(b_[contact.tangent]);
+  for (const FrictionRow& row : friction_) {
+    load_[At(row.normal)] = std::max(load_[At(row.normal)], load_[At(row.row)]);
+    if (row.slip != 0) continue;
+    answered += std::min(Square(b_[row.row]), Square(row.mu) * plain);
+    all += Square(b_[row.row]);
   }
-  scale_ = ContactLaw::Scale(plain, answered, all);
+  scale_ = law::Scale(plain, answered, all);
 }
 
 // b + A phi and |b| + |A| |phi| for a dense A, a register of rows at a time. A is symmetric: its rows are read as
@@ -283,96 +264,56 @@ void ContactRows::ComputeGapsOf(const Eigen::VectorXd& f, Eigen::VectorXd* w) co
 }
 
 double ContactRows::Rho(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega) const {
-  double sum = 0;
-  for (const Index i : joints_) sum += Square(omega[i]);
-  for (const Contact& contact : contacts_) {
-    const double normal = phi[contact.normal];
-    if (!contact.is_further) sum += Square(std::min(normal, omega[contact.normal]));
-    if (contact.tangent < 0) continue;
-    const double along = phi[contact.tangent];
-    if (contact.slip != 0) {
-      sum += Square(along + contact.slip * contact.mu * normal);
-    } else {
-      sum += Square(ContactLaw::Residual(contact.mu, normal, along, omega[contact.tangent]));
-    }
-  }
-  for (const Bounded& row : bounded_) {
-    sum += Square(phi[row.row] - std::clamp(phi[row.row] - omega[row.row], row.lower, row.upper));
-  }
-  return std::sqrt(sum) / scale_;
+  LawSums<double> sums;
+  laws().VisitRanges(phi, [&](Index i, const auto& range) { sums.AddResidual(ResidualOf(range, phi[i], omega[i])); });
+  return sums.norm() / scale_;
 }
 
-RowMode ContactRows::ModeOf(const Contact& contact, const Eigen::VectorXd& phi, const Eigen::VectorXd& omega) const {
-  const double normal = phi[contact.normal] - omega[contact.normal];
-  if (!contact.can_stick()) return normal > 0 ? RowMode::kClosed : RowMode::kOpen;
-  return ContactLaw::ModeOf(contact.mu, normal, phi[contact.tangent] - omega[contact.tangent]);
-}
-
-void ContactRows::FindModes(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega,
-                            std::vector<RowMode>* modes) const {
-  modes->clear();
-  for (const Contact& contact : contacts_) modes->push_back(ModeOf(contact, phi, omega));
-  for (const Bounded& row : bounded_) {
-    const double trial = phi[row.row] - omega[row.row];
-    modes->push_back(trial < row.lower ? RowMode::kUp : trial > row.upper ? RowMode::kDown : RowMode::kStick);
-  }
+void ContactRows::FindSides(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega, std::vector<Side>* sides) const {
+  const Trial trial{phi, omega};
+  sides->resize(At(size()));
+  laws().VisitRanges(trial, [&](Index i, const auto& range) { (*sides)[At(i)] = SideOf(range, trial[i]); });
 }
 
 void ContactRows::ToScaled(const Eigen::VectorXd& f, Eigen::VectorXd* phi) const {
   Lengthen(size(), phi);
-  for (const Index i : joints_) (*phi)[i] = root_[At(i)] * f[i];
-  for (const Contact& contact : contacts_) {
-    const double normal = std::max(root_[At(contact.normal)] * f[contact.normal], 0.0);
-    (*phi)[contact.normal] = normal;
-    if (contact.tangent < 0) continue;
-    const double most = contact.mu * normal;
-    (*phi)[contact.tangent] = contact.slip != 0
-                                  ? -contact.slip * most
-                                  : std::clamp(root_[At(contact.tangent)] * f[contact.tangent], -most, most);
-  }
-  for (const Bounded& row : bounded_) {
-    (*phi)[row.row] = std::clamp(root_[At(row.row)] * f[row.row], row.lower, row.upper);
-  }
-}
-
-// The largest load of its rows.
-double ContactRows::LoadOf(const Contact& contact) const {
-  const double normal = std::abs(b_[contact.normal]);
-  return contact.tangent < 0 ? normal : std::max(normal, std::abs(b_[contact.tangent]));
+  for (Index i = 0; i < size(); ++i) (*phi)[i] = root_[At(i)] * f[i];
+  for (const Index i : normals_) (*phi)[i] = std::max((*phi)[i], 0.0);
+  laws().VisitOthers(*phi, [&](Index i, const auto& range) { (*phi)[i] = Clamped(range, (*phi)[i]); });
 }
 
 void ContactRows::ToForces(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega, Eigen::VectorXd* f) const {
+  const Trial trial{phi, omega};
+  const auto closing = [&](Index normal) { return std::max(phi[normal], 0.0) / root_[At(normal)]; };
+  const auto is_closed = [&](Index normal, double most) {
+    return trial[normal] > 0 && !(most < law::kPartOfLoad * load_[At(normal)]);
+  };
   Lengthen(size(), f);
-  f->head(size()).setZero();
   for (const Index i : joints_) (*f)[i] = phi[i] / root_[At(i)];
-  for (const Contact& contact : contacts_) {
-    const RowMode mode = ModeOf(contact, phi, omega);
-    const double along = contact.tangent < 0 ? 0 : phi[contact.tangent];
-    const double least = ContactLaw::kPartOfLoad * LoadOf(contact);
-    if (mode == RowMode::kOpen || (phi[contact.normal] < least && std::abs(along) < least)) continue;
-    const double normal = std::max(phi[contact.normal], 0.0) / root_[At(contact.normal)];
-    (*f)[contact.normal] = normal;
-    if (contact.tangent < 0) continue;
-    const double most = contact.given_mu * normal;
-    (*f)[contact.tangent] =
-        contact.slip != 0 ? -contact.slip * most : ContactLaw::Friction(mode, most, along / root_[At(contact.tangent)]);
+  for (const Index i : normals_) (*f)[i] = is_closed(i, phi[i]) ? closing(i) : 0;
+  for (size_t k = 0; k < friction_.size(); ++k) {
+    const FrictionRow& row = friction_[k];
+    const Index n = row.normal, t = row.row;
+    (*f)[t] = 0;
+    if (!is_closed(n, std::max(phi[n], std::abs(phi[t])))) continue;
+    (*f)[n] = closing(n);
+    const double most = given_mu_[k] * (*f)[n], scaled = row.mu * std::max(trial[n], 0.0);
+    const Side side = CanStick(row) ? SideOf(Interval{-scaled, scaled}, trial[t]) : Side::kLower;
+    (*f)[t] = row.slip != 0           ? -row.slip * most
+              : side == Side::kInside ? std::clamp(phi[t] / root_[At(t)], -most, most)
+                                      : static_cast<int>(side) * most;
   }
-  for (const Bounded& row : bounded_) {
+  for (const BoundedRow& row : bounded_) {
     (*f)[row.row] = std::clamp(phi[row.row], row.lower, row.upper) / root_[At(row.row)];
   }
 }
 
-// Of a gap that is wrong by `defect`, or right by -defect, with its rounding on top.
-double ContactRows::BackwardError(Index row, double defect) const {
-  return std::max(defect + hidden_[row], 0.0) / magnitude_[row];
-}
-
 bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance) const {
   const Index n = size();
-  for (Eigen::VectorXd* const numbers : {&phi_, &omega_, &magnitude_, &hidden_}) Lengthen(n, numbers);
+  for (Eigen::VectorXd* const numbers : {&phi_, &omega_, &magnitude_}) Lengthen(n, numbers);
   for (Index i = 0; i < n; ++i) phi_[i] = root_[At(i)] * f[i];
   const double forces = phi_.head(n).lpNorm<1>();
-  const double unit = (static_cast<double>(n) + ContactLaw::kTermsBesideRows) * std::numeric_limits<double>::epsilon();
+  const double unit = (static_cast<double>(n) + law::kTermsBesideRows) * std::numeric_limits<double>::epsilon();
   if (is_dense_) SumRows<true>(phi_, omega_.data(), magnitude_.data());
   for (Index i = 0; i < n && !is_dense_; ++i) {
     double sum = b_[i], size = std::abs(b_[i]);
@@ -383,26 +324,25 @@ bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance) cons
     omega_[i] = sum;
     magnitude_[i] = size;
   }
-  for (Index i = 0; i < n; ++i) hidden_[i] = unit * (forces + magnitude_[i]);
-  if (!(Rho(phi_, omega_) + hidden_.head(n).norm() / scale_ <= tolerance)) return false;
-  double worst = 0;
-  const auto raise = [&](double error) { worst = std::max(worst, error); };
-  for (const Index i : joints_) raise(BackwardError(i, std::abs(omega_[i])));
-  for (const Contact& contact : contacts_) {
-    const double of_normal = omega_[contact.normal];
-    raise(BackwardError(contact.normal, phi_[contact.normal] == 0 ? -of_normal : std::abs(of_normal)));
-    if (!contact.can_stick()) continue;
-    const double most = contact.given_mu * f[contact.normal], along = f[contact.tangent];
-    if (most == 0 && along == 0) continue;
-    raise(BackwardError(contact.tangent, ContactLaw::Defect(most, along, omega_[contact.tangent])));
+  LawSums<double> sums(std::sqrt(tolerance));
+  laws().VisitRanges(phi_,
+                     [&](Index i, const auto& range) { sums.AddResidual(ResidualOf(range, phi_[i], omega_[i])); });
+  const auto add = [&](Index i, bool is_at_lower, bool is_at_upper) {
+    sums.AddHidden(unit * (forces + magnitude_[i]), GapDefect(omega_[i], is_at_lower, is_at_upper), magnitude_[i]);
+  };
+  for (const Index i : joints_) add(i, false, false);
+  for (const Index i : normals_) add(i, phi_[i] == 0, false);
+  for (size_t k = 0; k < friction_.size(); ++k) {
+    // Of an open contact, and of one that slides in a known direction, any gap is right.
+    const double most = given_mu_[k] * f[friction_[k].normal], along = f[friction_[k].row];
+    const Index i = friction_[k].row;
+    const bool is_free = !CanStick(friction_[k]) || (most == 0 && along == 0);
+    is_free ? sums.AddHidden(unit * (forces + magnitude_[i])) : add(i, along == -most, along == most);
   }
-  for (const Bounded& row : bounded_) {
-    const double gap = omega_[row.row];
-    const double at_lower = phi_[row.row] <= row.lower ? -gap : kInfinity;
-    const double at_upper = phi_[row.row] >= row.upper ? gap : kInfinity;
-    raise(BackwardError(row.row, std::min({std::abs(gap), at_lower, at_upper})));
+  for (const BoundedRow& row : bounded_) {
+    add(row.row, phi_[row.row] <= row.lower, phi_[row.row] >= row.upper);
   }
-  return Square(worst) <= tolerance;
+  return sums.AreSurelyRight(tolerance, scale_);
 }
 
 }  // namespace lcpbench

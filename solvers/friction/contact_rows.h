@@ -1,13 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "solvers/friction/contact_law.h"
+#include "solvers/lcp/law.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/step_rows.h"
 #include "solvers/linear_algebra/scaled_lcp.h"
@@ -22,24 +23,6 @@ namespace lcpbench {
 /// Vectors have n numbers or more, of which the first n count: workspace that is long enough is never made anew.
 class ContactRows {
  public:
-  /// A unilateral row and its friction row. One with several friction rows is as many contacts, the later ones
-  /// `is_further`.
-  struct Contact {
-    Index normal;
-    Index tangent = -1;       ///< -1: none
-    double mu = 0;            ///< scaled: mu (D_t / D_n)^1/2
-    double given_mu = 0;      ///< as the problem has it
-    int slip = 0;             ///< +-1: a sliding row
-    bool is_further = false;  ///< not the first friction row of its normal row
-    /// Whether the two directions of slip differ: a friction row with mu > 0.
-    bool can_stick() const { return mu > 0 && slip == 0; }
-  };
-  /// A bounded row, bounds scaled.
-  struct Bounded {
-    Index row;
-    double lower, upper;
-  };
-
   /// "", or why methods that need contacts of at most one friction row do not take the problem.
   static std::string WhyUnsupported(const LcpProblem& problem);
 
@@ -56,10 +39,14 @@ class ContactRows {
 
   Index size() const { return static_cast<Index>(root_.size()); }           ///< n
   double root(Index row) const { return root_[static_cast<size_t>(row)]; }  ///< D^1/2
-  const std::vector<Contact>& contacts() const { return contacts_; }        ///< by normal row
-  const std::vector<Index>& joints() const { return joints_; }              ///< bilateral rows
-  const std::vector<Bounded>& bounded() const { return bounded_; }          ///< by row
-  auto b() const { return b_.head(size()); }                                ///< n, scaled
+  /// The rows law by law, mu and bounds scaled: mu (D_t / D_n)^1/2.
+  Laws laws() const { return {joints_, normals_, friction_, bounded_}; }
+  /// The friction rows of a normal row.
+  std::span<const FrictionRow> FrictionOf(Index normal) const {
+    const auto found = std::ranges::equal_range(friction_, normal, {}, &FrictionRow::normal);
+    return {found.begin(), found.end()};
+  }
+  auto b() const { return b_.head(size()); }  ///< n, scaled
   /// Plain and friction rows only, up to one a contact: what the relaxation takes.
   bool can_relax() const { return bounded_.empty() && !is_sliding_ && is_paired_; }
   bool is_paired() const { return is_paired_; }  ///< up to one friction row a contact
@@ -95,8 +82,8 @@ class ContactRows {
   void ComputeGaps(const Eigen::VectorXd& phi, Eigen::VectorXd* omega) const;
   /// rho of docs/friction.md section 4.  O(n)
   double Rho(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega) const;
-  /// The mode of every contact, then of every bounded row, by phi - omega [Alart, Curnier 1991].  O(n)
-  void FindModes(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega, std::vector<RowMode>* modes) const;
+  /// The side of every row, by phi - omega; an open contact has the range [0, 0] on its friction rows.  O(n)
+  void FindSides(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega, std::vector<Side>* sides) const;
   /// Forces brought within the laws.
   void ToScaled(const Eigen::VectorXd& f, Eigen::VectorXd* phi) const;
   /// Forces in the problem's units that obey the laws of forces exactly: 0 where a contact is open, or closed by no
@@ -116,15 +103,11 @@ class ContactRows {
   template <bool kWithMagnitudes>
   void SumRows(const Eigen::VectorXd& phi, double* sums, double* magnitudes) const;
   void TakeMatrix(const LcpProblem& problem);
-  template <Index p, typename Real>
+  template <int p, typename Real>
   void Assemble(const StepRows& step, const Real* J, std::span<const std::int32_t> part);
   void SetRoots(Index n, const double* diagonal, Index stride);
   void SetLaws(std::span<const FrictionRow> friction, std::span<const BoundedRow> bounded);
   void SetScale();
-  RowMode ModeOf(const Contact& contact, const Eigen::VectorXd& phi, const Eigen::VectorXd& omega) const;
-  double LoadOf(const Contact& contact) const;
-  double BackwardError(Index row, double defect) const;
-
   std::optional<LcpProblem> problem_;  // prepared, for OnBodies
   mutable SparseMatrix on_bodies_;     // no columns: not made
   // D^-1/2 A D^-1/2 by compressed rows; or, dense_, by rows of stride_ numbers, of which row i has entries between the
@@ -137,17 +120,18 @@ class ContactRows {
   std::vector<int> column_;
   std::vector<double> value_;
   std::vector<double> root_, inverse_root_;  // D^1/2, D^-1/2
-  std::vector<Index> first_, next_;          // of Prepare
   SidesOfBodies sides_;                      // of Assemble, as jacobian_: 2 p numbers a row
   std::vector<double> jacobian_;
   std::vector<RowKind> kind_;
-  std::vector<Contact> contacts_;
-  std::vector<Index> joints_;
-  std::vector<Bounded> bounded_;
+  std::vector<Index> joints_, normals_;
+  std::vector<FrictionRow> friction_;  // by normal rows
+  std::vector<BoundedRow> bounded_;
+  std::vector<double> given_mu_;  // of friction_, as the problem has them
   bool is_sliding_ = false, is_paired_ = true;
   Eigen::VectorXd b_;
-  double scale_ = 1;                                          // S
-  mutable Eigen::VectorXd phi_, omega_, magnitude_, hidden_;  // of IsSurelyRight
+  std::vector<double> load_;                         // by normal row: the largest |b| of its contact
+  double scale_ = 1;                                 // S
+  mutable Eigen::VectorXd phi_, omega_, magnitude_;  // of IsSurelyRight
 };
 
 }  // namespace lcpbench

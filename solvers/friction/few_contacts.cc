@@ -6,7 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include "solvers/friction/contact_law.h"
+#include "solvers/lcp/law.h"
+#include "solvers/rows/two_body_product.h"
 
 namespace lcpbench {
 namespace {
@@ -16,14 +17,14 @@ constexpr int kSteps = 5;
 constexpr double kEps = 1e-13;
 
 // Normal and friction row of each contact in turn; mu.
-using RowsInOrder = std::array<int, 2 * FewContacts::kMostContacts>;
+using RowsInOrder = std::array<std::int32_t, 2 * FewContacts::kMostContacts>;
 using Coefficients = std::array<double, FewContacts::kMostContacts>;
 
 // n = 2 contacts rows: normal and friction row of each contact in turn.
 template <int n>
 class Contacts {
  public:
-  template <Index p, typename Real>
+  template <int p, typename Real>
   bool Load(const StepRows& step, const Real* J, const RowsInOrder& order, const Coefficients& mu);
   void Start(const RowsInOrder& order, const double* initial_f);
   bool Find(double tolerance, bool is_warm, std::int64_t* iterations);
@@ -37,13 +38,29 @@ class Contacts {
       for (int j = 0; j < n; ++j) omega_[i] += A_[i][j] * phi_[j];
     }
   }
-  unsigned Modes() const;
-  RowMode ModeOf(int contact) const {
-    const int i = 2 * contact;
-    return ContactLaw::ModeOf(mu_[contact], phi_[i] - omega_[i], phi_[i + 1] - omega_[i + 1]);
+  // visit(row, range) at these forces of normal rows.
+  template <typename Force, typename Visit>
+  void VisitRanges(const Force& force, const Visit& visit) const {
+    for (int i = 0; i < n; i += 2) {
+      const double most = mu_[i / 2] * std::max(force(i), 0.0);
+      visit(i, HalfLine{});
+      visit(i + 1, Interval{-most, most});
+    }
   }
-  double Rho() const;
-  bool SolveModes();
+  void FindSides(Side* sides) const {
+    const auto trial = [this](int i) { return phi_[i] - omega_[i]; };
+    VisitRanges(trial, [&](int i, const auto& range) { sides[i] = SideOf(range, trial(i)); });
+  }
+  void AddResiduals(LawSums<double>* sums) const {
+    VisitRanges([this](int i) { return phi_[i]; },
+                [&](int i, const auto& range) { sums->AddResidual(ResidualOf(range, phi_[i], omega_[i])); });
+  }
+  double Rho() const {
+    LawSums<double> sums;
+    AddResiduals(&sums);
+    return sums.norm() / scale_;
+  }
+  bool SolveSides(const Side* sides);
   void ObeyLaws();
   bool IsSurelyRight(double tolerance);
   bool Passes(double rho, double tolerance) {
@@ -60,44 +77,9 @@ class Contacts {
 
 // False where a friction row is on other bodies than its normal row, and where a row moves nothing.
 template <int n>
-template <Index p, typename Real>
+template <int p, typename Real>
 bool Contacts<n>::Load(const StepRows& step, const Real* J, const RowsInOrder& order, const Coefficients& mu) {
-  double jacobian[n][2 * p];
-  std::int32_t body[n / 2][2];
-  for (int k = 0; k < n / 2; ++k) {
-    double momentum[2][2 * p];
-    for (int r = 0; r < 2; ++r) {
-      const int i = 2 * k + r;
-      const Index row = order[static_cast<std::size_t>(i)];
-      for (int s = 0; s < 2; ++s) {
-        const std::int32_t of = step.body[2 * row + s];
-        if (r == 0) body[k][s] = of;
-        if (of != body[k][s]) return false;
-        for (Index c = 0; c < p; ++c) {
-          const double j = of < 0 ? 0.0 : static_cast<double>(J[(2 * row + s) * p + c]);
-          jacobian[i][s * p + c] = j;
-          momentum[r][s * p + c] = of < 0 ? 0.0 : step.inverse_mass[of * p + c] * j;
-        }
-      }
-    }
-    for (int l = 0; l <= k; ++l) {
-      double sum[2][2] = {};
-      for (int s = 0; s < 2; ++s) {
-        for (int t = 0; t < 2; ++t) {
-          if (body[k][s] < 0 || body[k][s] != body[l][t]) continue;
-          for (int r = 0; r < 2; ++r) {
-            for (int q = 0; q < 2; ++q) {
-              for (Index c = 0; c < p; ++c) sum[r][q] += momentum[r][s * p + c] * jacobian[2 * l + q][t * p + c];
-            }
-          }
-        }
-      }
-      for (int r = 0; r < 2; ++r) {
-        for (int q = 0; q < 2; ++q) A_[2 * k + r][2 * l + q] = sum[r][q];
-      }
-    }
-    if (!(A_[2 * k][2 * k] > 0 && A_[2 * k + 1][2 * k + 1] > 0)) return false;
-  }
+  if (!AssembleFew<p, 2>(step, J, order.data(), A_)) return false;
   double inverse_root[n];
   for (int i = 0; i < n; ++i) {
     root_[i] = std::sqrt(A_[i][i]);
@@ -106,15 +88,15 @@ bool Contacts<n>::Load(const StepRows& step, const Real* J, const RowsInOrder& o
     for (int j = 0; j <= i; ++j) A_[i][j] = A_[j][i] = A_[i][j] * (inverse_root[i] * inverse_root[j]);
   }
   double plain = 0, answered = 0, all = 0;
-  for (int i = 0; i < n; i += 2) plain += ContactLaw::Square(b_[i]);
+  for (int i = 0; i < n; i += 2) plain += law::Square(b_[i]);
   for (int k = 0; k < n / 2; ++k) {
     given_mu_[k] = mu[static_cast<std::size_t>(k)];
     mu_[k] = given_mu_[k] * (root_[2 * k + 1] * inverse_root[2 * k]);
-    const double load = ContactLaw::Square(b_[2 * k + 1]);
-    answered += std::min(load, ContactLaw::Square(mu_[k]) * plain);
+    const double load = law::Square(b_[2 * k + 1]);
+    answered += std::min(load, law::Square(mu_[k]) * plain);
     all += load;
   }
-  scale_ = ContactLaw::Scale(plain, answered, all + plain);
+  scale_ = law::Scale(plain, answered, all + plain);
   return true;
 }
 
@@ -125,37 +107,16 @@ void Contacts<n>::Start(const RowsInOrder& order, const double* initial_f) {
   }
 }
 
+// phi of these sides, with an equation for each row: of its gap, or of its force. False where they are singular.
 template <int n>
-unsigned Contacts<n>::Modes() const {
-  unsigned modes = 0;
-  for (int k = 0; k < n / 2; ++k) modes = modes << 3U | static_cast<unsigned>(ModeOf(k));
-  return modes;
-}
-
-template <int n>
-double Contacts<n>::Rho() const {
-  double sum = 0;
-  for (int i = 0; i < n; i += 2) {
-    sum += ContactLaw::Square(std::min(phi_[i], omega_[i])) +
-           ContactLaw::Square(ContactLaw::Residual(mu_[i / 2], phi_[i], phi_[i + 1], omega_[i + 1]));
-  }
-  return std::sqrt(sum) / scale_;
-}
-
-// phi of its modes, with an equation for each row: of its gap, or of its force. False where they are singular.
-template <int n>
-bool Contacts<n>::SolveModes() {
+bool Contacts<n>::SolveSides(const Side* sides) {
   double K[n][n], y[n];
-  for (int i = 0; i < n; i += 2) {
-    const RowMode mode = ModeOf(i / 2);
-    for (int r = i; r < i + 2; ++r) {
-      const bool has_gap = mode == RowMode::kStick || (mode != RowMode::kOpen && r == i);
-      for (int j = 0; j < n; ++j) K[r][j] = has_gap ? A_[r][j] : 0;
-      K[r][r] += has_gap ? kEps : 1;
-      y[r] = has_gap ? kEps * phi_[r] - b_[r] : 0;
-    }
-    if (mode == RowMode::kUp) K[i + 1][i] = mu_[i / 2];
-    if (mode == RowMode::kDown) K[i + 1][i] = -mu_[i / 2];
+  for (int i = 0; i < n; ++i) {
+    const bool has_gap = sides[i] == Side::kInside;
+    for (int j = 0; j < n; ++j) K[i][j] = has_gap ? A_[i][j] : 0;
+    K[i][i] += has_gap ? kEps : 1;
+    y[i] = has_gap ? kEps * phi_[i] - b_[i] : 0;
+    if (i % 2 == 1 && !has_gap) K[i][i - 1] = -static_cast<int>(sides[i]) * mu_[i / 2];
   }
   for (int k = 0; k < n; ++k) {
     int pivot = k;
@@ -185,14 +146,17 @@ template <int n>
 bool Contacts<n>::Find(double tolerance, bool is_warm, std::int64_t* iterations) {
   ComputeGaps();
   if (is_warm && Passes(Rho(), tolerance)) return true;
+  Side sides[n], next[n];
+  FindSides(sides);
   for (int step = 0; step < kSteps; ++step) {
-    const unsigned modes = Modes();
-    if (!SolveModes()) return false;
+    if (!SolveSides(sides)) return false;
     ++*iterations;
     ComputeGaps();
     const double rho = Rho();
     if (Passes(rho, tolerance)) return true;
-    if (!std::isfinite(rho) || Modes() == modes) return false;
+    FindSides(next);
+    if (!std::isfinite(rho) || std::equal(sides, sides + n, next)) return false;
+    std::copy_n(next, n, sides);
   }
   return false;
 }
@@ -200,13 +164,15 @@ bool Contacts<n>::Find(double tolerance, bool is_warm, std::int64_t* iterations)
 // Forces in the problem's units that obey the laws of forces exactly, as ContactRows::ToForces.
 template <int n>
 void Contacts<n>::ObeyLaws() {
-  for (int k = 0; k < n / 2; ++k) {
-    const int i = 2 * k;
-    const RowMode mode = ModeOf(k);
-    const double least = ContactLaw::kPartOfLoad * std::max(std::abs(b_[i]), std::abs(b_[i + 1]));
-    const bool is_open = mode == RowMode::kOpen || (phi_[i] < least && std::abs(phi_[i + 1]) < least);
+  Side sides[n];
+  FindSides(sides);
+  for (int i = 0; i < n; i += 2) {
+    const double least = law::kPartOfLoad * std::max(std::abs(b_[i]), std::abs(b_[i + 1]));
+    const bool is_open = sides[i] == Side::kLower || (phi_[i] < least && std::abs(phi_[i + 1]) < least);
     f_[i] = is_open ? 0 : std::max(phi_[i], 0.0) / root_[i];
-    f_[i + 1] = is_open ? 0 : ContactLaw::Friction(mode, given_mu_[k] * f_[i], phi_[i + 1] / root_[i + 1]);
+    const double most = given_mu_[i / 2] * f_[i];
+    f_[i + 1] = sides[i + 1] != Side::kInside ? static_cast<int>(sides[i + 1]) * most
+                                              : std::clamp(phi_[i + 1] / root_[i + 1], -most, most);
   }
 }
 
@@ -219,8 +185,7 @@ bool Contacts<n>::IsSurelyRight(double tolerance) {
     phi_[i] = root_[i] * f_[i];
     forces += std::abs(phi_[i]);
   }
-  constexpr double kUnit = (n + ContactLaw::kTermsBesideRows) * std::numeric_limits<double>::epsilon();
-  double hidden = 0;
+  constexpr double kUnit = (n + law::kTermsBesideRows) * std::numeric_limits<double>::epsilon();
   for (int i = 0; i < n; ++i) {
     omega_[i] = b_[i];
     size[i] = std::abs(b_[i]);
@@ -228,28 +193,27 @@ bool Contacts<n>::IsSurelyRight(double tolerance) {
       omega_[i] += A_[i][j] * phi_[j];
       size[i] += std::abs(A_[i][j] * phi_[j]);
     }
-    hidden += ContactLaw::Square(kUnit * (forces + size[i]));
   }
-  rho_ = Rho();
-  if (!(rho_ + std::sqrt(hidden) / scale_ <= tolerance)) return false;
-  bool is_right = true;
-  const double limit = std::sqrt(tolerance);
-  const auto require = [&](int i, double defect) {
-    is_right = is_right && defect + kUnit * (forces + size[i]) <= limit * size[i];
-  };
-  for (int k = 0; k < n / 2; ++k) {
-    const int i = 2 * k;
-    require(i, f_[i] == 0 ? -omega_[i] : std::abs(omega_[i]));
-    const double most = given_mu_[k] * f_[i];
-    if (most != 0 || f_[i + 1] != 0) require(i + 1, ContactLaw::Defect(most, f_[i + 1], omega_[i + 1]));
+  LawSums<double> sums(std::sqrt(tolerance));
+  AddResiduals(&sums);
+  rho_ = sums.norm() / scale_;
+  for (int i = 0; i < n; i += 2) {
+    const double of_normal = kUnit * (forces + size[i]), of_tangent = kUnit * (forces + size[i + 1]);
+    sums.AddHidden(of_normal, GapDefect(omega_[i], f_[i] == 0, false), size[i]);
+    const double most = given_mu_[i / 2] * f_[i], along = f_[i + 1];
+    if (most == 0 && along == 0) {
+      sums.AddHidden(of_tangent);
+    } else {
+      sums.AddHidden(of_tangent, GapDefect(omega_[i + 1], along == -most, along == most), size[i + 1]);
+    }
   }
-  return is_right;
+  return sums.AreSurelyRight(tolerance, scale_);
 }
 
 template <int n>
 void Contacts<n>::Store(const RowsInOrder& order, double* f, double* w) const {
   for (int i = 0; i < n; ++i) {
-    const int row = order[static_cast<std::size_t>(i)];
+    const std::int32_t row = order[static_cast<std::size_t>(i)];
     f[row] = f_[i];
     if (w != nullptr) w[row] = omega_[i] * root_[i];
   }
@@ -280,10 +244,10 @@ bool FewContacts::Solve(const StepRows& rows, Index size, std::span<const Fricti
   std::size_t taken = 0;
   const auto take = [&](Index row) {
     const bool is_row = row >= 0 && row < rows.rows && (rows.bilateral == nullptr || rows.bilateral[row] == 0);
-    const int* const begin = order.data();
-    const int* const end = begin + taken;
+    const std::int32_t* const begin = order.data();
+    const std::int32_t* const end = begin + taken;
     if (!is_row || std::find(begin, end, row) != end) return false;
-    order[taken++] = static_cast<int>(row);
+    order[taken++] = static_cast<std::int32_t>(row);
     return true;
   };
   for (const FrictionRow& row : friction) {

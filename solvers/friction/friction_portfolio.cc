@@ -125,8 +125,7 @@ const char* FrictionPortfolio::Ask(const ContactRows& rows, FrictionAnswer* answ
   constexpr ModeSteps::Limits kCold{.steps = 30, .eps = 1e-8};
   constexpr unsigned kSeeds = 2;
   constexpr int kPoints = 1000;
-  const bool has_friction =
-      std::ranges::any_of(rows.contacts(), [](const ContactRows::Contact& contact) { return contact.can_stick(); });
+  const bool has_friction = std::ranges::any_of(rows.laws().friction, &CanStick);
   const auto ask_rounds = [&](int count) { return rounds_.Run(rows, count, &newton_, &phi_, answer); };
   if (!has_friction && rows.can_relax() && ask_rounds(1) != nullptr) return "no friction";
   if (const char* method = newton_.Begin(rows, answer)) return method;
@@ -142,9 +141,8 @@ const char* FrictionPortfolio::Ask(const ContactRows& rows, FrictionAnswer* answ
     phi_.setZero(rows.size());
     if (newton_.Run(rows, kCold, &phi_, answer)) return "mode-newton";
   }
-  ContactPath::End end = ContactPath::End::kLimit;
-  if (rows.is_paired() && rows.contacts().size() <= kContactsOfPath &&
-      FollowPaths(rows, kSeeds, &path_, &newton_, &phi_, answer, &end)) {
+  if (rows.is_paired() && rows.laws().normals.size() <= kContactsOfPath &&
+      mode_path_.Cover(rows, kSeeds, &newton_, &phi_, answer)) {
     return "lemke";
   }
   if (!answer->GetBest(&phi_)) phi_.setZero(rows.size());

@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "solvers/friction/contact_path.h"
 #include "solvers/friction/contact_rows.h"
 #include "solvers/friction/mode_path.h"
 #include "solvers/friction/mode_steps.h"
@@ -40,7 +39,6 @@ class FrictionPortfolio {
   const WithinOptions plain_;
   ModeSteps newton_;
   ShiftRounds rounds_;
-  ContactPath path_;
   ModePath mode_path_;
   std::vector<Part> parts_;
   Eigen::VectorXd phi_;

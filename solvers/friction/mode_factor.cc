@@ -18,77 +18,29 @@ constexpr double kFine = 1e-15, kFineOfDirections = 1e-11;
 
 }  // namespace
 
-// Numbers the unknowns: the rows whose coefficient is 1, in ascending order.
-void ModeFactor::AddUnknowns(Index n) {
-  equation_.clear();
-  unknown_.resize(At(n));
-  before_.resize(At(n) + 1);
-  for (Index row = 0; row < n; ++row) {
-    before_[At(row)] = size();
-    unknown_[At(row)] = coefficient_[row] == 0 ? -1 : size();
-    if (coefficient_[row] != 0) equation_.push_back(row);
-  }
-  before_[At(n)] = size();
-}
-
-void ModeFactor::SetModes(const ContactRows& rows, const std::vector<RowMode>& modes) {
-  const Index n = rows.size();
-  for (Eigen::VectorXd* const numbers : {&coefficient_, &fixed_}) {
-    ContactRows::Lengthen(n, numbers);
-    numbers->head(n).setZero();
-  }
-  size_t k = 0;
-  for (const ContactRows::Contact& contact : rows.contacts()) {
-    const RowMode mode = modes[k++];
-    if (mode == RowMode::kOpen) continue;
-    coefficient_[contact.normal] = 1;
-    if (mode == RowMode::kStick && contact.tangent >= 0) coefficient_[contact.tangent] = 1;
-  }
-  for (const Index row : rows.joints()) coefficient_[row] = 1;
-  for (const ContactRows::Bounded& row : rows.bounded()) {
-    const RowMode mode = modes[k++];
-    if (mode == RowMode::kStick) {
-      coefficient_[row.row] = 1;
-    } else {
-      fixed_[row.row] = mode == RowMode::kUp ? row.lower : row.upper;
-    }
-  }
-  AddUnknowns(n);
-  k = 0;
-  for (const ContactRows::Contact& contact : rows.contacts()) {
-    const RowMode mode = modes[k++];
-    if (mode == RowMode::kOpen || mode == RowMode::kStick || contact.tangent < 0) continue;
-    unknown_[At(contact.tangent)] = unknown_[At(contact.normal)];
-    coefficient_[contact.tangent] = -SlipOf(mode, contact.slip) * contact.mu;
-  }
-}
-
 void ModeFactor::Reserve(Index max_rows) {
-  for (std::vector<Index>* const numbers : {&equation_, &unknown_, &before_}) numbers->reserve(At(max_rows) + 1);
-  for (Eigen::VectorXd* const numbers : {&coefficient_, &fixed_, &y_, &refined_, &gaps_}) {
-    ContactRows::Lengthen(max_rows, numbers);
-  }
+  of_.Reserve(max_rows);
+  before_.reserve(At(max_rows) + 1);
+  for (Eigen::VectorXd* const numbers : {&y_, &refined_, &gaps_}) ContactRows::Lengthen(max_rows, numbers);
   dense_.Reserve(std::min(max_rows, kMostDense));
 }
 
 // phi of the unknowns y_.
 void ModeFactor::Expand(Index n, Eigen::VectorXd* phi) const {
-  for (Index i = 0; i < n; ++i) {
-    (*phi)[i] = fixed_[i] + (unknown_[At(i)] < 0 ? 0 : coefficient_[i] * y_[unknown_[At(i)]]);
-  }
+  for (Index i = 0; i < n; ++i) (*phi)[i] = of_.ForceOf(i, y_);
 }
 
 // From center, brought into these modes, by the factor at hand.
 bool ModeFactor::Correct(const ContactRows& rows, const Eigen::VectorXd& center, Eigen::VectorXd* phi) {
   const Index n = rows.size(), m = size();
-  for (Index k = 0; k < m; ++k) y_[k] = center[equation_[At(k)]];
+  for (Index k = 0; k < m; ++k) y_[k] = center[of_.equation[At(k)]];
   Expand(n, phi);
   // A correction of what the center gives in these modes: less is lost to rounding.
   rows.ComputeGaps(*phi, &gaps_);
-  for (Index k = 0; k < m; ++k) y_[k] = -gaps_[equation_[At(k)]];
+  for (Index k = 0; k < m; ++k) y_[k] = -gaps_[of_.equation[At(k)]];
   SolveFactor(rows, kFine);
   if (!y_.head(m).allFinite()) return false;
-  for (Index k = 0; k < m; ++k) y_[k] += (*phi)[equation_[At(k)]];
+  for (Index k = 0; k < m; ++k) y_[k] += (*phi)[of_.equation[At(k)]];
   Expand(n, phi);
   return true;
 }
@@ -106,21 +58,21 @@ void ModeFactor::SolveFactor(const ContactRows& rows, double fine) {
 }
 
 void ModeFactor::SolveEquations(const ContactRows& rows, const Eigen::VectorXd& right, Eigen::VectorXd* phi) {
-  for (Index k = 0; k < size(); ++k) y_[k] = right[equation_[At(k)]];
+  for (Index k = 0; k < size(); ++k) y_[k] = right[of_.equation[At(k)]];
   SolveFactor(rows, kFineOfDirections);
   for (Index i = 0; i < rows.size(); ++i) {
-    (*phi)[i] = unknown_[At(i)] < 0 ? 0 : coefficient_[i] * y_[unknown_[At(i)]];
+    (*phi)[i] = of_.unknown[At(i)] < 0 ? 0 : of_.coefficient[At(i)] * y_[of_.unknown[At(i)]];
   }
 }
 
-bool ModeFactor::Solve(const ContactRows& rows, const std::vector<RowMode>& modes, const Eigen::VectorXd& center,
+bool ModeFactor::Solve(const ContactRows& rows, const std::vector<Side>& sides, const Eigen::VectorXd& center,
                        double eps, Eigen::VectorXd* phi) {
   ContactRows::Lengthen(rows.size(), phi);
-  return Factorize(rows, modes, eps) && Correct(rows, center, phi);
+  return Factorize(rows, sides, eps) && Correct(rows, center, phi);
 }
 
-bool ModeFactor::Factorize(const ContactRows& rows, const std::vector<RowMode>& modes, double eps) {
-  SetModes(rows, modes);
+bool ModeFactor::Factorize(const ContactRows& rows, const std::vector<Side>& sides, double eps) {
+  of_.Set(sides, rows.laws().friction, rows.laws().bounded);
   ContactRows::Lengthen(size(), &y_);
   on_bodies_ = size() > kMostDense && eps >= kLeastEpsOnBodies ? rows.OnBodies() : nullptr;
   return size() <= kMostDense    ? FactorizeDense(rows, eps)
@@ -135,20 +87,25 @@ void ModeFactor::Refine(const ContactRows& rows, Eigen::VectorXd* phi) {
 
 // Adds the columns of K where A is dense. A is symmetric: its rows are read as columns, and have the same profile.
 void ModeFactor::AddDenseColumns(const ContactRows& rows) {
+  before_.resize(At(rows.size()) + 1);
+  for (Index i = 0, k = 0; i <= rows.size(); ++i) {
+    before_[At(i)] = k;
+    if (k < size() && of_.equation[At(k)] == i) ++k;
+  }
   Index last_unknown = -1;
   for (Index j = 0; j < rows.size(); ++j) {
-    const Index unknown = unknown_[At(j)];
+    const Index unknown = of_.unknown[At(j)];
     if (unknown < 0) continue;
     const Index begin = before_[At(rows.start(j))], end = before_[At(rows.end(j))];
     const double* const entry = rows.DenseRow(j);
-    const double coefficient = coefficient_[j];
+    const double coefficient = of_.coefficient[At(j)];
     double* const column = dense_.column(unknown);
-    for (Index k = begin; k < end; ++k) column[k] += coefficient * entry[equation_[At(k)]];
+    for (Index k = begin; k < end; ++k) column[k] += coefficient * entry[of_.equation[At(k)]];
     if (begin < end) dense_.Reach(unknown, end - 1);
   }
   for (Index k = 0, j = 0; k < size(); ++k) {
-    for (const Index end = rows.end(equation_[At(k)]); j < end; ++j)
-      last_unknown = std::max(last_unknown, unknown_[At(j)]);
+    for (const Index end = rows.end(of_.equation[At(k)]); j < end; ++j)
+      last_unknown = std::max(last_unknown, of_.unknown[At(j)]);
     dense_.ReachOfRow(k, last_unknown);
   }
 }
@@ -158,8 +115,8 @@ bool ModeFactor::FactorizeDense(const ContactRows& rows, double eps) {
   if (rows.is_dense()) AddDenseColumns(rows);
   for (Index k = 0; k < size(); ++k) {
     if (!rows.is_dense()) {
-      rows.VisitRow(equation_[At(k)], [&](Index j, double a) {
-        if (unknown_[At(j)] >= 0 && a != 0) dense_.Add(k, unknown_[At(j)], a * coefficient_[j]);
+      rows.VisitRow(of_.equation[At(k)], [&](Index j, double a) {
+        if (of_.unknown[At(j)] >= 0 && a != 0) dense_.Add(k, of_.unknown[At(j)], a * of_.coefficient[At(j)]);
       });
     }
     dense_.Add(k, k, eps);
@@ -173,12 +130,12 @@ bool ModeFactor::FactorizeOnBodies(const ContactRows& rows, double eps) {
   const SparseMatrix& G = *on_bodies_;
   std::vector<Eigen::Triplet<double, int>> entries;
   for (Index row = 0; row < rows.size(); ++row) {
-    if (unknown_[At(row)] < 0) continue;
-    const Index equation = equation_[At(unknown_[At(row)])];
+    if (of_.unknown[At(row)] < 0) continue;
+    const Index equation = of_.equation[At(of_.unknown[At(row)])];
     for (SparseMatrix::InnerIterator h(G, row); h; ++h) {
       for (SparseMatrix::InnerIterator g(G, equation); g; ++g) {
         entries.emplace_back(static_cast<int>(h.col()), static_cast<int>(g.col()),
-                             coefficient_[row] * h.value() * g.value());
+                             of_.coefficient[At(row)] * h.value() * g.value());
       }
     }
   }
@@ -199,13 +156,13 @@ void ModeFactor::SolveOnBodies(const ContactRows& rows, double fine) {
   Eigen::VectorXd rest = wanted, y = Eigen::VectorXd::Zero(m), forces(rows.size()), v;
   const auto to_bodies = [&](const Eigen::VectorXd& unknowns) {
     for (Index row = 0; row < rows.size(); ++row) {
-      forces[row] = unknown_[At(row)] < 0 ? 0 : coefficient_[row] * unknowns[unknown_[At(row)]];
+      forces[row] = of_.unknown[At(row)] < 0 ? 0 : of_.coefficient[At(row)] * unknowns[of_.unknown[At(row)]];
     }
     v.noalias() = G.transpose() * forces;
   };
   const auto subtract = [&](const Eigen::VectorXd& at, Eigen::VectorXd* from) {
     const Eigen::VectorXd gaps = G * at;
-    for (Index k = 0; k < m; ++k) (*from)[k] -= gaps[equation_[At(k)]];
+    for (Index k = 0; k < m; ++k) (*from)[k] -= gaps[of_.equation[At(k)]];
   };
   for (int k = 0; k < kCorrections; ++k) {
     to_bodies(rest);
@@ -221,12 +178,13 @@ void ModeFactor::SolveOnBodies(const ContactRows& rows, double fine) {
 }
 
 bool ModeFactor::FactorizeSparse(const ContactRows& rows, double eps) {
-  const Index m = static_cast<Index>(equation_.size());
+  const Index m = size();
   std::vector<Eigen::Triplet<double, int>> entries;
   for (Index k = 0; k < m; ++k) {
     const int row = static_cast<int>(k);
-    rows.VisitRow(equation_[At(k)], [&](Index j, double a) {
-      if (unknown_[At(j)] >= 0) entries.emplace_back(row, static_cast<int>(unknown_[At(j)]), a * coefficient_[j]);
+    rows.VisitRow(of_.equation[At(k)], [&](Index j, double a) {
+      if (of_.unknown[At(j)] >= 0)
+        entries.emplace_back(row, static_cast<int>(of_.unknown[At(j)]), a * of_.coefficient[At(j)]);
     });
     entries.emplace_back(row, row, eps);
   }

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
+#include <string>
+#include <utility>
 
 #include "support/array_index.h"
 
@@ -25,39 +28,63 @@ constexpr int kMostOfPath = 120;
 constexpr double kMostPerRow = 0.1;
 // rho of a point whose modes may be the answer's.
 constexpr double kWorthPolishing = 1e-6;
+// z below this part of where it started is 0: self-stresses at rest (b.f = 0) end there in rays.
+constexpr double kVanished = 1e-12;
+
+// In [0, 1), the same on every machine.
+double Draw(std::mt19937* random) { return static_cast<double>((*random)()) * 0x1p-32; }
 
 }  // namespace
 
-// phi_ = P(x_) in the present modes.
-void ModePath::ForcesOf(const ContactRows& rows) {
-  phi_.setZero();
-  for (const Index i : rows.joints()) phi_[i] = x_[i];
-  std::size_t place = 0;
-  for (const ContactRows::Contact& contact : rows.contacts()) {
-    const RowMode mode = modes_[place++];
-    if (mode == RowMode::kOpen) continue;
-    phi_[contact.normal] = x_[contact.normal];
-    if (contact.tangent < 0) continue;
-    phi_[contact.tangent] =
-        mode == RowMode::kStick ? x_[contact.tangent] : -SlipOf(mode, contact.slip) * contact.mu * x_[contact.normal];
+void ModePath::Reserve(Index max_rows) {
+  factor_.Reserve(max_rows);
+  for (Eigen::VectorXd* const numbers : {&center_, &x_, &phi_, &gaps_, &start_, &direction_, &column_}) {
+    ContactRows::Lengthen(max_rows, numbers);
   }
-  for (const ContactRows::Bounded& row : rows.bounded()) {
-    const RowMode mode = modes_[place++];
-    phi_[row.row] = mode == RowMode::kUp ? row.lower : mode == RowMode::kDown ? row.upper : x_[row.row];
+  ContactRows::Lengthen(max_rows * static_cast<Index>(kMostCrossings), &columns_);
+  sides_.reserve(At(max_rows));
+  friction_.reserve(At(max_rows));
+  crossings_.reserve(kMostCrossings);
+}
+
+void ModePath::Start(const ContactRows& rows, double eps) {
+  Reserve(rows.size());
+  eps_ = eps;
+  friction_.assign(At(rows.size()), nullptr);
+  for (const FrictionRow& row : rows.laws().friction) {
+    friction_[At(row.row)] = &row;
+    if (friction_[At(row.normal)] == nullptr) friction_[At(row.normal)] = &row;
+  }
+}
+
+// phi_ = P(x_) of the present sides.
+void ModePath::ForcesOf(const ContactRows& rows) {
+  const Laws laws = rows.laws();
+  for (Index i = 0; i < rows.size(); ++i) phi_[i] = sides_[At(i)] == Side::kInside ? x_[i] : 0;
+  for (const FrictionRow& row : laws.friction) {
+    const Side side = sides_[At(row.row)];
+    if (side != Side::kInside) phi_[row.row] = SlopeOf(row, side) * phi_[row.normal];
+  }
+  for (const BoundedRow& row : laws.bounded) {
+    const Side side = sides_[At(row.row)];
+    if (side != Side::kInside) phi_[row.row] = side == Side::kLower ? row.lower : row.upper;
   }
 }
 
 void ModePath::ComputeNormalMap(const ContactRows& rows, Eigen::VectorXd* value) {
   ForcesOf(rows);
   rows.ComputeGaps(phi_, &gaps_);
-  *value = gaps_.head(rows.size()) + eps_ * (phi_ - center_) - phi_ + x_;
+  for (Index i = 0; i < rows.size(); ++i) {
+    (*value)[i] = gaps_[i] + eps_ * (phi_[i] - center_[i]) - phi_[i] + x_[i];
+  }
 }
 
 // y -> N'^-1 y.
 void ModePath::Solve(const ContactRows& rows, Eigen::VectorXd* y) {
+  const Index n = rows.size();
   factor_.SolveEquations(rows, *y, &phi_);
-  for (Index i = 0; i < rows.size(); ++i) {
-    if (factor_.IsUnknown(i)) {
+  for (Index i = 0; i < n; ++i) {
+    if (factor_.equations().IsUnknown(i)) {
       (*y)[i] = phi_[i];
     } else {
       (*y)[i] += phi_[i] - eps_ * phi_[i];
@@ -66,65 +93,68 @@ void ModePath::Solve(const ContactRows& rows, Eigen::VectorXd* y) {
   }
   for (std::size_t k = 0; k < crossings_.size(); ++k) {
     const double along = crossings_[k].Of(*y);
-    if (along != 0) *y -= (along / crossings_[k].pivot) * columns_.col(static_cast<Index>(k));
+    if (along != 0) y->head(n) -= (along / crossings_[k].pivot) * columns_.segment(static_cast<Index>(k) * n, n);
   }
 }
 
-// The factor of the present modes; by it, x_ is brought back to the path at z, and the direction is found.
+// The factor of the present sides; by it, x_ is brought back to the path at z, and the direction is found.
 bool ModePath::Factorize(const ContactRows& rows, double z) {
+  const Index n = rows.size();
   crossings_.clear();
-  if (!factor_.Factorize(rows, modes_, eps_)) return false;
+  if (!factor_.Factorize(rows, sides_, eps_)) return false;
   ComputeNormalMap(rows, &column_);
-  column_ -= z * start_;
+  column_.head(n) -= z * start_.head(n);
   Solve(rows, &column_);
-  x_ -= column_;
-  direction_ = start_;
+  x_.head(n) -= column_.head(n);
+  direction_.head(n) = start_.head(n);
   Solve(rows, &direction_);
-  return x_.allFinite() && direction_.allFinite();
+  return x_.head(n).allFinite() && direction_.head(n).allFinite();
+}
+
+// Calls test(row, next, value, rate) for every wall of the present sides: `value` is >= 0 inside, and 0 at the wall.
+template <typename Test>
+void ModePath::VisitWalls(const ContactRows& rows, const Test& test) const {
+  const Laws laws = rows.laws();
+  const FrictionRow* const end = laws.friction.data() + laws.friction.size();
+  for (const Index i : laws.normals) {
+    // A contact that sticks slips before it opens.
+    bool sticks = false;
+    for (const FrictionRow* row = friction_[At(i)]; row != nullptr && row != end && row->normal == i; ++row) {
+      sticks = sticks || sides_[At(row->row)] == Side::kInside;
+    }
+    if (sticks) continue;
+    const bool is_open = sides_[At(i)] == Side::kLower;
+    const double to = is_open ? -1 : 1;
+    test(i, is_open ? Side::kInside : Side::kLower, to * x_[i], to * direction_[i]);
+  }
+  const auto visit = [&](Index i, double at_lower, double of_lower, double at_upper, double of_upper) {
+    const double x = x_[i], rate = direction_[i];
+    if (sides_[At(i)] == Side::kInside) {
+      if (at_lower > -kInfinity) test(i, Side::kLower, x - at_lower, rate - of_lower);
+      if (at_upper < kInfinity) test(i, Side::kUpper, at_upper - x, of_upper - rate);
+    } else if (sides_[At(i)] == Side::kLower) {
+      test(i, Side::kInside, at_lower - x, of_lower - rate);
+    } else {
+      test(i, Side::kInside, x - at_upper, rate - of_upper);
+    }
+  };
+  for (const FrictionRow& row : laws.friction) {
+    if (!CanStick(row) || sides_[At(row.normal)] == Side::kLower) continue;
+    const double most = row.mu * x_[row.normal], rate = row.mu * direction_[row.normal];
+    visit(row.row, -most, -rate, most, rate);
+  }
+  for (const BoundedRow& row : laws.bounded) {
+    if (row.lower < row.upper) visit(row.row, row.lower, 0, row.upper, 0);
+  }
 }
 
 ModePath::Wall ModePath::FirstWall(const ContactRows& rows, double sign) const {
-  Wall first{0, RowMode::kOpen, kInfinity};
-  std::size_t place = 0;
-  // A wall is where `value`, which is >= 0 in the present mode, becomes 0.
-  const auto look = [&](RowMode next, double value, double rate) {
+  Wall first{.step = kInfinity};
+  VisitWalls(rows, [&](Index row, Side next, double value, double rate) {
     rate *= sign;
     if (rate >= -kLeastRate || std::max(value, 0.0) >= -rate * first.step) return;
-    first = {place, next, std::max(value, 0.0) / -rate};
-  };
-  for (const ContactRows::Contact& contact : rows.contacts()) {
-    const RowMode mode = modes_[place];
-    const double normal = x_[contact.normal], of_normal = direction_[contact.normal];
-    if (mode == RowMode::kOpen) {
-      if (!contact.is_further) look(RowMode::kClosed, -normal, -of_normal);
-    } else if (!contact.can_stick()) {
-      if (!contact.is_further) look(RowMode::kOpen, normal, of_normal);
-    } else {
-      const double most = contact.mu * normal, of_most = contact.mu * of_normal;
-      const double along = x_[contact.tangent], of_along = direction_[contact.tangent];
-      if (mode == RowMode::kStick) {
-        look(RowMode::kUp, most + along, of_most + of_along);
-        look(RowMode::kDown, most - along, of_most - of_along);
-      } else {
-        const double side = mode == RowMode::kUp ? -1 : 1;
-        look(RowMode::kStick, side * along - most, side * of_along - of_most);
-        look(RowMode::kOpen, normal, of_normal);
-      }
-    }
-    ++place;
-  }
-  for (const ContactRows::Bounded& row : rows.bounded()) {
-    const double x = x_[row.row], rate = direction_[row.row];
-    if (modes_[place] == RowMode::kStick) {
-      if (std::isfinite(row.lower)) look(RowMode::kUp, x - row.lower, rate);
-      if (std::isfinite(row.upper)) look(RowMode::kDown, row.upper - x, -rate);
-    } else if (modes_[place] == RowMode::kUp) {
-      look(RowMode::kStick, row.lower - x, -rate);
-    } else {
-      look(RowMode::kStick, x - row.upper, rate);
-    }
-    ++place;
-  }
+    first = {row, next, std::max(value, 0.0) / -rate};
+  });
   return first;
 }
 
@@ -134,86 +164,78 @@ void ModePath::AddColumn(const ContactRows& rows, Index row, double factor) {
   column_[row] += factor * (eps_ - 1);
 }
 
-// Changes the modes; column_: p.
+// Changes the sides; column_: p.
 ModePath::Crossing ModePath::Jump(const ContactRows& rows, const Wall& wall) {
-  column_.setZero();
-  const std::size_t count = rows.contacts().size();
-  if (wall.place >= count) {
-    const Index row = rows.bounded()[wall.place - count].row;
-    AddColumn(rows, row, wall.next == RowMode::kStick ? 1 : -1);
-    modes_[wall.place] = wall.next;
-    return {row, -1, 0, 1};
-  }
-  const ContactRows::Contact& contact = rows.contacts()[wall.place];
-  const RowMode before = modes_[wall.place];
-  if (before != RowMode::kOpen && wall.next != RowMode::kOpen) {
-    const bool sticks = wall.next == RowMode::kStick;
-    AddColumn(rows, contact.tangent, sticks ? 1 : -1);
-    modes_[wall.place] = wall.next;
-    return {contact.tangent, contact.normal, SlipOf(sticks ? before : wall.next, contact.slip) * contact.mu, 1};
+  column_.head(rows.size()).setZero();
+  Side& side = sides_[At(wall.row)];
+  const Side before = std::exchange(side, wall.next);
+  const double factor = wall.next == Side::kInside ? 1 : -1;
+  AddColumn(rows, wall.row, factor);
+  if (const FrictionRow* const row = friction_[At(wall.row)]; row != nullptr && row->row == wall.row) {
+    return {row->row, row->normal, -SlopeOf(*row, factor > 0 ? before : wall.next), 1};
   }
   // All friction rows of a contact open and close together.
-  const double factor = before == RowMode::kOpen ? 1 : -1;
-  AddColumn(rows, contact.normal, factor);
-  std::size_t place = wall.place;
-  while (rows.contacts()[place].is_further) --place;
-  for (; place < count && rows.contacts()[place].normal == contact.normal; ++place) {
-    const ContactRows::Contact& part = rows.contacts()[place];
-    RowMode& mode = modes_[place];
-    const RowMode closed = !part.can_stick()          ? RowMode::kClosed
-                           : before != RowMode::kOpen ? mode
-                           : x_[part.tangent] < 0     ? RowMode::kUp
-                                                      : RowMode::kDown;
-    mode = before == RowMode::kOpen ? closed : RowMode::kOpen;
-    if (part.tangent >= 0) AddColumn(rows, part.tangent, -factor * SlipOf(closed, part.slip) * part.mu);
+  for (const FrictionRow& row : rows.FrictionOf(wall.row)) {
+    Side& of_row = sides_[At(row.row)];
+    if (CanStick(row) && factor > 0) of_row = x_[row.row] < 0 ? Side::kLower : Side::kUpper;
+    AddColumn(rows, row.row, factor * SlopeOf(row, of_row));
+    if (factor < 0) of_row = Side::kLower;
   }
-  return {contact.normal, -1, 0, 1};
+  return {wall.row, -1, 0, 1};
 }
 
 // *sign: of dz along the path, which turns where the determinant changes its sign.
 bool ModePath::Cross(const ContactRows& rows, const Wall& wall, double* sign) {
+  const Index n = rows.size();
   Crossing crossing = Jump(rows, wall);
   Solve(rows, &column_);
   crossing.pivot = 1 + crossing.Of(column_);
-  if (crossing.pivot == 0 || !column_.allFinite()) return false;
-  columns_.col(std::ssize(crossings_)) = column_;
+  if (crossing.pivot == 0 || !column_.head(n).allFinite()) return false;
+  columns_.segment(std::ssize(crossings_) * n, n) = column_.head(n);
   crossings_.push_back(crossing);
-  direction_ -= (crossing.Of(direction_) / crossing.pivot) * column_;
+  direction_.head(n) -= (crossing.Of(direction_) / crossing.pivot) * column_.head(n);
   if (crossing.pivot < 0) *sign = -*sign;
   return true;
 }
 
-// From *phi, the center. Whether the end is reached, which is *phi then.
-bool ModePath::Follow(const ContactRows& rows, double eps, int most_crossings, Eigen::VectorXd* phi,
-                      FrictionAnswer* answer) {
+// From x_ on the path at z, of whose sides the factor is. *phi: forces at the end, where it is reached.
+ModePath::End ModePath::FollowFrom(const ContactRows& rows, double z, int most_crossings, Eigen::VectorXd* phi,
+                                   FrictionAnswer* answer) {
   const Index n = rows.size();
-  eps_ = eps;
-  for (Eigen::VectorXd* const numbers : {&phi_, &start_, &direction_, &column_}) numbers->resize(n);
-  columns_.resize(n, static_cast<Index>(kMostCrossings));
-  center_ = phi->head(n);
-  rows.ComputeGaps(center_, &gaps_);
-  x_ = center_ - gaps_.head(n);
-  rows.FindModes(center_, gaps_, &modes_);
-  ComputeNormalMap(rows, &start_);
-  double z = 1, sign = -1;
-  if (!Factorize(rows, z)) return false;
+  const double vanished = kVanished * z;
+  double sign = -1;
   for (int count = 0; count < most_crossings && !answer->IsOver(); ++count) {
     ++answer->iterations();
     const Wall wall = FirstWall(rows, sign);
-    if (sign < 0 && z <= wall.step) {
-      x_ -= z * direction_;
+    const bool is_end = sign < 0 && z <= wall.step;
+    if (is_end || (wall.row < 0 && z <= vanished)) {
+      if (is_end) x_.head(n) -= z * direction_.head(n);
       ForcesOf(rows);
-      *phi = phi_;
-      return phi_.allFinite();
+      ContactRows::Lengthen(n, phi);
+      phi->head(n) = phi_.head(n);
+      return phi_.head(n).allFinite() ? End::kReached : End::kSingular;
     }
-    if (wall.step == kInfinity) return false;
+    if (wall.row < 0) return End::kRay;
     z += sign * wall.step;
-    x_ += sign * wall.step * direction_;
-    if (!Cross(rows, wall, &sign)) return false;
+    x_.head(n) += sign * wall.step * direction_.head(n);
+    if (!Cross(rows, wall, &sign)) return End::kSingular;
     const bool is_stale = crossings_.size() == kMostCrossings || std::abs(crossings_.back().pivot) < kSmallPivot;
-    if (is_stale && !Factorize(rows, z)) return false;
+    if (is_stale && !Factorize(rows, z)) return End::kSingular;
   }
-  return false;
+  return End::kLimit;
+}
+
+// From *phi, the center, to the answer about it.
+ModePath::End ModePath::FollowToCenter(const ContactRows& rows, double eps, int most_crossings, Eigen::VectorXd* phi,
+                                       FrictionAnswer* answer) {
+  const Index n = rows.size();
+  Start(rows, eps);
+  center_.head(n) = phi->head(n);
+  rows.ComputeGaps(center_, &gaps_);
+  x_.head(n) = center_.head(n) - gaps_.head(n);
+  rows.FindSides(center_, gaps_, &sides_);
+  ComputeNormalMap(rows, &start_);
+  return Factorize(rows, 1) ? FollowFrom(rows, 1, most_crossings, phi, answer) : End::kSingular;
 }
 
 bool ModePath::Approach(const ContactRows& rows, int points, ModeSteps* newton, Eigen::VectorXd* phi,
@@ -222,7 +244,8 @@ bool ModePath::Approach(const ContactRows& rows, int points, ModeSteps* newton, 
   double eps = kFirstEps;
   for (int point = 0; point < points && !answer->IsOver(); ++point) {
     const std::int64_t before = answer->iterations();
-    if (!Follow(rows, eps, most, phi, answer)) {
+    end_ = FollowToCenter(rows, eps, most, phi, answer);
+    if (end_ != End::kReached) {
       eps = std::min(kAfterFailure * eps, kMostEps);
       continue;
     }
@@ -235,5 +258,96 @@ bool ModePath::Approach(const ContactRows& rows, int points, ModeSteps* newton, 
   }
   return false;
 }
+
+// start_ = -d, and the sides at large z: contacts open, bounded rows at a bound, joints inside, d = 0 there.
+void ModePath::DrawCover(const ContactRows& rows, unsigned seed) {
+  std::mt19937 random(seed + 1);
+  const Laws laws = rows.laws();
+  start_.head(rows.size()).setZero();
+  sides_.assign(At(rows.size()), Side::kInside);
+  for (const Index i : laws.normals) {
+    sides_[At(i)] = Side::kLower;
+    start_[i] = -1 - Draw(&random);
+  }
+  for (const FrictionRow& row : laws.friction) {
+    sides_[At(row.row)] = Side::kLower;
+    start_[row.row] = (Draw(&random) - 0.5) * start_[row.normal] / std::max(row.mu, 1.0);
+  }
+  for (const BoundedRow& row : laws.bounded) {
+    const double drawn = 1 + Draw(&random);
+    const bool has_lower = std::isfinite(row.lower), has_upper = std::isfinite(row.upper);
+    if (!has_lower && !has_upper) continue;
+    const bool is_at_lower = has_lower && (!has_upper || Draw(&random) < 0.5);
+    sides_[At(row.row)] = is_at_lower ? Side::kLower : Side::kUpper;
+    start_[row.row] = is_at_lower ? -drawn : drawn;
+  }
+}
+
+ModePath::End ModePath::FollowCover(const ContactRows& rows, unsigned seed, double eps, Eigen::VectorXd* phi,
+                                    FrictionAnswer* answer) {
+  const Index n = rows.size();
+  Start(rows, eps);
+  DrawCover(rows, seed);
+  center_.head(n).setZero();
+  x_.head(n).setZero();
+  if (!Factorize(rows, 0)) return End::kSingular;
+  // The least z at which these are the sides.
+  double z = 0;
+  VisitWalls(rows, [&](Index /*row*/, Side /*next*/, double value, double rate) {
+    if (value < 0 && rate > 0) z = std::max(z, -value / rate);
+  });
+  x_.head(n) += z * direction_.head(n);
+  const End end = FollowFrom(rows, z, static_cast<int>(50 * n + 1000), phi, answer);
+  // What rounding of crossings has left.
+  if (end == End::kReached && !crossings_.empty() && Factorize(rows, 0)) {
+    ForcesOf(rows);
+    phi->head(n) = phi_.head(n);
+  }
+  return end;
+}
+
+bool ModePath::Cover(const ContactRows& rows, unsigned seeds, ModeSteps* newton, Eigen::VectorXd* phi,
+                     FrictionAnswer* answer) {
+  constexpr ModeSteps::Limits kAfterwards{.steps = 15, .eps = 1e-8};
+  for (const double eps : {0.0, 1e-7, 1e-10}) {
+    for (unsigned seed = 0; seed < seeds && !answer->IsOver(); ++seed) {
+      end_ = FollowCover(rows, seed, eps, phi, answer);
+      if (end_ != End::kReached) continue;
+      if (answer->Take(*phi) || newton->Polish(rows, *phi, answer)) return true;
+      if (eps > 0 && newton->Run(rows, kAfterwards, phi, answer)) return true;
+    }
+  }
+  return false;
+}
+
+class ModeLemkeEngine {
+ public:
+  explicit ModeLemkeEngine(const ModeLemkeOptions& /*options*/) {}
+  static constexpr bool kTakesFriction = true;
+  static constexpr bool kTakesBounded = true;
+
+  std::string WhyUnsupported(const LcpProblem& problem) const { return ContactRows::WhyUnsupported(problem); }
+  void Prepare(const LcpProblem& problem) {
+    rows_.Prepare(problem);
+    newton_.Reset();
+  }
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    constexpr unsigned kSeeds = 3;
+    constexpr const char* kWhy[] = {"rounding: the end of the path does not pass", "secondary ray",
+                                    "rounding spoils the equations", "limit of crossings"};
+    rows_.SetB(problem);
+    FrictionAnswer answer(rows_, &problem, options, result);
+    if (path_.Cover(rows_, kSeeds, &newton_, &phi_, &answer)) return;
+    answer.Fail(kWhy[static_cast<int>(path_.end())]);
+  }
+
+ private:
+  ContactRows rows_;
+  ModePath path_;
+  ModeSteps newton_;
+  Eigen::VectorXd phi_;
+};
+
+template class EngineSolver<ModeLemkeOptions, ModeLemkeEngine>;
 
 }  // namespace lcpbench

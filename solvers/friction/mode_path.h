@@ -8,29 +8,47 @@
 #include "solvers/friction/friction_answer.h"
 #include "solvers/friction/mode_factor.h"
 #include "solvers/friction/mode_steps.h"
+#include "solvers/lcp/engine_solver.h"
 
 /// Internal to solvers/.
 namespace lcpbench {
 
-/// Proximal points by paths of the normal map [Robinson 1992; Dirkse, Ferris 1995]. Of x = phi - omega, forces are
-/// piecewise linear, phi = P(x), and N(x) = A P(x) + b + eps (P(x) - center) - P(x) + x is 0 at the answer of A + eps
-/// about the center. From the center, where N = r, the path N(x) = z r is followed from z = 1 to 0, through folds,
-/// across the walls of modes. Newton steps with a line search end where |N| has a local minimum; a path does not.
+/// Paths of the normal map [Robinson 1992; Dirkse, Ferris 1995]. Of x = phi - omega, forces are piecewise linear, phi =
+/// P(x), and N(x) = A P(x) + b + eps (P(x) - center) - P(x) + x is 0 at the answer of A + eps about the center. A path
+/// N(x) = z s is followed to z = 0, through folds, across the walls of modes, where Newton steps with a line search end
+/// where |N| has a local minimum.
 ///
 /// Beyond a wall the derivative of N differs by a matrix of rank one, so that a crossing costs one solve by the factor
-/// of the modes, which is made anew after some crossings.  O(nnz of the factor + n crossings) each
+/// of the sides, which is made anew after some crossings.  O(nnz of the factor + n crossings) each
 class ModePath {
  public:
-  /// Up to so many points from *phi, which is the last one afterwards. eps falls where paths are short, and grows where
-  /// they wander.
+  /// How a path ended.
+  enum class End {
+    kReached,   ///< z = 0, within rounding
+    kRay,       ///< no wall ahead: a secondary ray, which proves nothing about the problem
+    kSingular,  ///< the sides' equations are singular to rounding
+    kLimit,     ///< of crossings, or of the answer's iterations or time
+  };
+
+  /// For problems of up to so many rows, up to ModeFactor::kMostDense of which are unknowns.
+  void Reserve(Index max_rows);
+  /// Proximal points, up to so many from *phi, which is the last one afterwards: s = N(center) from z = 1. eps falls
+  /// where paths are short, and grows where they wander.
   /// @return true where an answer passes
   bool Approach(const ContactRows& rows, int points, ModeSteps* newton, Eigen::VectorXd* phi, FrictionAnswer* answer);
+  /// Lemke's paths [Lemke 1965; Eaves 1976; docs/friction.md section 5]: s = -d, d in the interior of the dual cones,
+  /// from the z at which all contacts may be open, without a center. Of some d, each end polished and judged; then the
+  /// same on A + 1e-7 and A + 1e-10, whose rows do not depend on each other, with Newton's method after it. *phi: room.
+  /// @return true where an answer passes
+  bool Cover(const ContactRows& rows, unsigned seeds, ModeSteps* newton, Eigen::VectorXd* phi, FrictionAnswer* answer);
+  /// Of the latest path.
+  End end() const { return end_; }
 
  private:
-  // The first wall ahead: the mode at `place` becomes `next`.
+  // The first wall ahead: the row comes to another side.
   struct Wall {
-    std::size_t place;
-    RowMode next;
+    Index row = -1;
+    Side next = Side::kLower;
     double step;  // infinite: none
   };
   // N' of a crossing is N' before + p v^T, v = e_row + along e_other; `pivot` is 1 + v . N'^-1 p.
@@ -41,22 +59,37 @@ class ModePath {
     double Of(const Eigen::VectorXd& x) const { return x[row] + (other < 0 ? 0 : along * x[other]); }
   };
 
-  bool Follow(const ContactRows& rows, double eps, int most_crossings, Eigen::VectorXd* phi, FrictionAnswer* answer);
+  void Start(const ContactRows& rows, double eps);
+  End FollowFrom(const ContactRows& rows, double z, int most_crossings, Eigen::VectorXd* phi, FrictionAnswer* answer);
+  End FollowToCenter(const ContactRows& rows, double eps, int most_crossings, Eigen::VectorXd* phi,
+                     FrictionAnswer* answer);
+  End FollowCover(const ContactRows& rows, unsigned seed, double eps, Eigen::VectorXd* phi, FrictionAnswer* answer);
+  void DrawCover(const ContactRows& rows, unsigned seed);
   void ForcesOf(const ContactRows& rows);
   void ComputeNormalMap(const ContactRows& rows, Eigen::VectorXd* value);
   bool Factorize(const ContactRows& rows, double z);
   void Solve(const ContactRows& rows, Eigen::VectorXd* y);
+  template <typename Test>
+  void VisitWalls(const ContactRows& rows, const Test& test) const;
   Wall FirstWall(const ContactRows& rows, double sign) const;
   Crossing Jump(const ContactRows& rows, const Wall& wall);
   void AddColumn(const ContactRows& rows, Index row, double factor);
   bool Cross(const ContactRows& rows, const Wall& wall, double* sign);
 
   ModeFactor factor_;
+  End end_ = End::kLimit;
   double eps_ = 0;
-  std::vector<RowMode> modes_;
-  std::vector<Crossing> crossings_;  // since the factor was made
-  Eigen::MatrixXd columns_;          // N'^-1 p of each
-  Eigen::VectorXd center_, x_, phi_, gaps_, start_, direction_, column_;
+  std::vector<Side> sides_;
+  std::vector<const FrictionRow*> friction_;  // n: of a friction row, and the first of a normal row
+  std::vector<Crossing> crossings_;           // since the factor was made
+  Eigen::VectorXd columns_;                   // N'^-1 p of each
+  Eigen::VectorXd center_, x_, phi_, gaps_, start_, direction_, column_;  // n or more
 };
+
+/// The solver `lemke` for problems that are not plain: ModePath::Cover with three d. Own limit 50 n + 1000 crossings a
+/// path; a secondary ray is kNumericalFailure, as it proves nothing.
+struct ModeLemkeOptions {};
+using ModeLemkeSolver = EngineSolver<ModeLemkeOptions, class ModeLemkeEngine>;
+extern template class EngineSolver<ModeLemkeOptions, ModeLemkeEngine>;
 
 }  // namespace lcpbench

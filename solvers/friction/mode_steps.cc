@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/array_index.h"
+
 namespace lcpbench {
 namespace {
 
@@ -26,16 +28,16 @@ constexpr int kSweepsPerCheck = 5;
 
 void ModeSteps::Reserve(Index max_rows) {
   factor_.Reserve(max_rows);
-  for (std::vector<RowMode>* const modes : {&modes_, &tried_}) modes->reserve(static_cast<size_t>(max_rows));
+  for (std::vector<Side>* const sides : {&sides_, &tried_}) sides->reserve(static_cast<size_t>(max_rows));
   for (Eigen::VectorXd* const numbers : {&gaps_, &next_, &trial_, &center_, &start_}) {
     ContactRows::Lengthen(max_rows, numbers);
   }
 }
 
-// The solution of modes_, as next_ with gaps_. Whether it passes.
+// The solution of sides_, as next_ with gaps_. Whether it passes.
 bool ModeSteps::TryModes(const ContactRows& rows, const Eigen::VectorXd& center, double eps, FrictionAnswer* answer) {
   ++answer->iterations();
-  if (!factor_.Solve(rows, modes_, center, eps, &next_)) return false;
+  if (!factor_.Solve(rows, sides_, center, eps, &next_)) return false;
   rows.ComputeGaps(next_, &gaps_);
   double rho = rows.Rho(next_, gaps_);
   if (rho > kFineEnough * answer->tolerance() && rho < kWorthRefining) {
@@ -90,9 +92,9 @@ bool ModeSteps::TryStep(const ContactRows& rows, double rho, Eigen::VectorXd* ph
 bool ModeSteps::Refine(const ContactRows& rows, const Eigen::VectorXd& phi, FrictionAnswer* answer) {
   if (answer->rho() <= kFineEnough * answer->tolerance()) return true;
   rows.ComputeGaps(phi, &gaps_);
-  rows.FindModes(phi, gaps_, &modes_);
+  rows.FindSides(phi, gaps_, &sides_);
   ++answer->iterations();
-  if (factor_.Solve(rows, modes_, phi, kLeastEps, &trial_)) answer->Take(trial_);
+  if (factor_.Solve(rows, sides_, phi, kLeastEps, &trial_)) answer->Take(trial_);
   return true;
 }
 
@@ -104,11 +106,11 @@ const char* ModeSteps::Begin(const ContactRows& rows, FrictionAnswer* answer) {
     rows.ToScaled(*answer->options().initial_f, &start_);
     if (answer->Take(start_) || Run(rows, kWarm, &start_, answer)) return "warm modes";
   }
-  if (rows.contacts().size() > kMostContacts || rows.size() > ModeFactor::kMostDense) return nullptr;
+  if (rows.laws().normals.size() > kMostContacts || rows.size() > ModeFactor::kMostDense) return nullptr;
   ContactRows::Lengthen(rows.size(), &start_);
   start_.head(rows.size()).setZero();
   if (Iterate(rows, kSteps, &start_, answer)) return "modes";
-  const bool are_few = rows.contacts().size() <= kFewContacts && rows.size() <= kFewRows;
+  const bool are_few = rows.laws().normals.size() <= kFewContacts && rows.size() <= kFewRows;
   return are_few && TryAll(rows, answer) ? "modes" : nullptr;
 }
 
@@ -116,10 +118,12 @@ const char* ModeSteps::Begin(const ContactRows& rows, FrictionAnswer* answer) {
 void ModeSteps::CloseUnloaded(const ContactRows& rows) {
   constexpr double kUnloaded = 1e-9;
   const double most = kUnloaded * rows.b().lpNorm<Eigen::Infinity>();
-  RowMode* mode = modes_.data();
-  for (const ContactRows::Contact& contact : rows.contacts()) {
-    if (std::abs(rows.b()[contact.normal]) <= most) *mode = contact.can_stick() ? RowMode::kStick : RowMode::kClosed;
-    ++mode;
+  const auto is_unloaded = [&](Index normal) { return std::abs(rows.b()[normal]) <= most; };
+  for (const Index i : rows.laws().normals) {
+    if (is_unloaded(i)) sides_[At(i)] = Side::kInside;
+  }
+  for (const FrictionRow& row : rows.laws().friction) {
+    if (is_unloaded(row.normal) && CanStick(row)) sides_[At(row.row)] = Side::kInside;
   }
 }
 
@@ -127,31 +131,40 @@ bool ModeSteps::Iterate(const ContactRows& rows, int steps, Eigen::VectorXd* phi
   constexpr double kEps = 1e-13;
   rows.ComputeGaps(*phi, &gaps_);
   for (int k = 0; k < steps && !answer->IsOver(); ++k) {
-    rows.FindModes(*phi, gaps_, &modes_);
+    rows.FindSides(*phi, gaps_, &sides_);
     if (k == 0) CloseUnloaded(rows);
-    if (k > 0 && modes_ == tried_) return false;
+    if (k > 0 && sides_ == tried_) return false;
     if (TryModes(rows, *phi, kEps, answer)) return true;
     if (!next_.head(rows.size()).allFinite()) return false;
     phi->swap(next_);
-    tried_.swap(modes_);
+    tried_.swap(sides_);
   }
   return false;
 }
 
+// The digits of a code to the base 4: a contact is open, sticks, or slips in either direction.
 bool ModeSteps::TryAll(const ContactRows& rows, FrictionAnswer* answer) {
-  constexpr RowMode kModes[] = {RowMode::kOpen, RowMode::kStick, RowMode::kUp, RowMode::kDown};
-  if (!rows.bounded().empty()) return false;
-  const size_t contacts = rows.contacts().size(), all = size_t{1} << (2 * contacts);
-  modes_.resize(contacts);
+  constexpr unsigned kOpen = 0, kStick = 1, kDown = 3;
+  const Laws laws = rows.laws();
+  if (!laws.bounded.empty()) return false;
+  const size_t all = size_t{1} << (2 * laws.normals.size());
   ContactRows::Lengthen(rows.size(), &center_);
   center_.head(rows.size()).setZero();
+  sides_.assign(At(rows.size()), Side::kLower);
+  for (const Index i : laws.joints) sides_[At(i)] = Side::kInside;
   for (size_t code = 0; code < all && !answer->IsOver(); ++code) {
     bool is_new = true;
-    for (size_t k = 0; k < contacts; ++k) {
-      modes_[k] = kModes[(code >> (2 * k)) % 4];
-      if (modes_[k] == RowMode::kOpen || rows.contacts()[k].can_stick()) continue;
-      is_new = is_new && modes_[k] == RowMode::kStick;
-      modes_[k] = RowMode::kClosed;
+    for (size_t k = 0; k < laws.normals.size(); ++k) {
+      const unsigned mode = (code >> (2 * k)) % 4;
+      const Index normal = laws.normals[k];
+      sides_[At(normal)] = mode == kOpen ? Side::kLower : Side::kInside;
+      bool can_stick = false;
+      for (const FrictionRow& row : rows.FrictionOf(normal)) {
+        if (!CanStick(row)) continue;
+        can_stick = true;
+        sides_[At(row.row)] = mode == kStick ? Side::kInside : mode == kDown ? Side::kUpper : Side::kLower;
+      }
+      is_new = is_new && (can_stick || mode <= kStick);
     }
     if (is_new && TryModes(rows, center_, 0, answer)) return true;
   }
@@ -164,10 +177,10 @@ bool ModeSteps::Run(const ContactRows& rows, const Limits& limits, Eigen::Vector
   rows.ComputeGaps(*phi, &gaps_);
   double rho = rows.Rho(*phi, gaps_);
   for (int step = 0; step < limits.steps && !answer->IsOver(); ++step) {
-    rows.FindModes(*phi, gaps_, &modes_);
+    rows.FindSides(*phi, gaps_, &sides_);
     ++answer->iterations();
     double next = rho;
-    const bool is_regular = factor_.Solve(rows, modes_, *phi, eps, &next_);
+    const bool is_regular = factor_.Solve(rows, sides_, *phi, eps, &next_);
     if (is_regular && eps <= limits.eps) factor_.Refine(rows, &next_);
     if (!is_regular) eps = std::max(100 * eps, 1e-10);
     // What passes need not have a smaller |r|: at rounding only the backward error may still be wrong.
@@ -203,9 +216,9 @@ bool ModeSteps::Polish(const ContactRows& rows, const Eigen::VectorXd& phi, Fric
     trial_.head(rows.size()) = phi.head(rows.size());
     for (int k = 0; k < kSolves && !answer->IsLate(); ++k) {
       rows.ComputeGaps(trial_, &gaps_);
-      rows.FindModes(trial_, gaps_, &modes_);
+      rows.FindSides(trial_, gaps_, &sides_);
       ++answer->iterations();
-      if (!factor_.Solve(rows, modes_, trial_, eps, &next_)) break;
+      if (!factor_.Solve(rows, sides_, trial_, eps, &next_)) break;
       trial_.swap(next_);
       if (answer->Take(trial_)) return true;
     }

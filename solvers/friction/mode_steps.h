@@ -50,7 +50,7 @@ class ModeSteps {
   ModeFactor factor_;
   ContactSweeps sweeps_;
   bool sweeps_are_ready_ = false;
-  std::vector<RowMode> modes_, tried_;
+  std::vector<Side> sides_, tried_;
   Eigen::VectorXd gaps_, next_, trial_, center_, start_, f_;
 };
 

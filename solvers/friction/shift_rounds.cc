@@ -38,11 +38,10 @@ const char* ShiftRounds::RunOne(const ContactRows& rows, ModeSteps* newton, Eige
   if (answer->TakeForces(f_)) return is_first ? "relaxation" : "shift";
   rows.ToScaled(f_, phi);
   rows.ComputeGaps(*phi, &gaps_);
-  for (const ContactRows::Contact& contact : rows.contacts()) {
-    if (!contact.can_stick()) continue;
-    double& shift = shift_[contact.normal];
-    shift = contact.given_mu * std::abs(gaps_[contact.tangent]) * rows.root(contact.tangent);
-    is_shifted_ = is_shifted_ || shift != 0;
+  for (const Index i : rows.laws().normals) shift_[i] = 0;
+  for (const FrictionRow& row : rows.laws().friction) {
+    shift_[row.normal] = row.mu * std::abs(gaps_[row.row]) * rows.root(row.normal);
+    is_shifted_ = is_shifted_ || shift_[row.normal] != 0;
   }
   return newton->Run(rows, kAfterwards, phi, answer) ? (is_first ? "mode-newton" : "shift") : nullptr;
 }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "solvers/lcp/problem.h"
-#include "solvers/lcp/residual_sums.h"
+#include "solvers/lcp/law.h"
 #include "support/array_index.h"
 
 namespace lcpbench {
@@ -97,7 +97,7 @@ class Residual {
     const Eigen::VectorXd& D = problem_->DiagonalA();
     const Eigen::VectorXd& b = problem_->b();
     Joints joints(*problem_);
-    ResidualSums<Real> sums;
+    LawSums<Real> sums;
     for (Index i = 0; i < f.size(); ++i) sums.Add(std::abs(D[i]), b[i], w[i], f[i], joints.Has(i));
     return sums.rho();
   }
@@ -118,7 +118,7 @@ class Residual {
     Real worst = 0;
     for (Index i = 0; i < f.size() && !std::isnan(worst); ++i) {
       const Real force = std::abs(static_cast<Real>(D[i])) * f[i];
-      const Real defect = std::abs(ResidualSums<Real>::Defect(w[i], force, joints.Has(i)));
+      const Real defect = std::abs(LawSums<Real>::Defect(w[i], force, joints.Has(i)));
       if (defect == 0) continue;
       const Real error = defect / (std::abs(static_cast<Real>(b[i])) + Magnitude(i, f));
       if (!(error <= worst)) worst = error;
@@ -147,7 +147,7 @@ class Residual {
     const Real limit = std::sqrt(static_cast<Real>(tolerance));
     const Real b = problem_->b()[i];
     const Real force = std::abs(static_cast<Real>(problem_->DiagonalA()[i])) * f[i];
-    const Real defect = std::abs(ResidualSums<Real>::Defect(w_[i], force, problem_->is_bilateral(i)));
+    const Real defect = std::abs(LawSums<Real>::Defect(w_[i], force, problem_->is_bilateral(i)));
     // (|A| |f|)_i is at least both |A f|_i and |A_ii f_i|: most rows pass by that alone.
     const Real least = std::max(std::abs(w_[i] - b), std::abs(force));
     return defect <= limit * (least + std::abs(b)) || defect <= limit * (Magnitude(i, f) + std::abs(b));

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "solvers/lcp/residual_sums.h"
+#include "solvers/lcp/law.h"
 #include "support/array_index.h"
 
 namespace lcpbench {
@@ -26,9 +26,9 @@ void ScaledVectors::Reset(const LcpProblem& problem) {
 }
 
 double ScaledVectors::Rho(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const {
-  ResidualSums<double> sums;
+  LawSums<double> sums;
   for (Eigen::Index i = 0; i < f.size(); ++i) sums.Add(diagonal[i], 0, b_unit[i] * w[i], b_unit[i] * f[i], is_joint(i));
-  return sums.defect_norm() / b_norm;
+  return sums.norm() / b_norm;
 }
 
 void ScaledVectors::Clip(const Eigen::VectorXd& given, Eigen::VectorXd* f) const {

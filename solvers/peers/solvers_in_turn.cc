@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "solvers/lcp/residual.h"
-#include "solvers/lcp/residual_sums.h"
+#include "solvers/lcp/law.h"
 
 namespace lcpbench {
 namespace {
@@ -82,7 +82,7 @@ bool SolversInTurn::Passes(const ProblemArrays& arrays, double tolerance, const 
     for (decltype(J)::InnerIterator it(J, i); it; ++it) velocity_[it.col()] += it.value() * f[i];
   }
   velocity_.array() *= inverse_mass.array();
-  ResidualSums<double> sums(std::sqrt(tolerance));
+  LawSums<double> sums(std::sqrt(tolerance));
   for (Index i = 0; i < arrays.rows; ++i) {
     double diagonal = 0;
     double sum = 0;
@@ -97,7 +97,7 @@ bool SolversInTurn::Passes(const ProblemArrays& arrays, double tolerance, const 
     const double magnitude = std::max(std::abs(sum), diagonal * std::abs(f[i])) + std::abs(b);
     sums.Add(diagonal, b, sum + b, f[i], is_joint, magnitude);
   }
-  using Sums = ResidualSums<double>;
+  using Sums = LawSums<double>;
   if (sums.Judge(tolerance, 0, rho) == Sums::Known::kRight) return true;
   return *rho <= tolerance && Passes(LcpProblem::FromArrays(arrays), tolerance, f, rho);
 }

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "solvers/friction/contact_path.h"
 #include "solvers/pivoting/pivot_base.h"
 
 namespace lcpbench {
@@ -261,24 +260,25 @@ LemkeOptions LemkeOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-// Pivoting for plain problems, the path along modes for others.
+// Pivoting for plain problems, options.make_other for others.
 class LemkeEngine {
  public:
-  explicit LemkeEngine(const LemkeOptions& options) : pivoting_(options) {}
+  explicit LemkeEngine(const LemkeOptions& options) : pivoting_(options) {
+    if (options.make_other) other_ = options.make_other();
+  }
 
-  static constexpr bool kTakesFriction = true;
-  static constexpr bool kTakesBounded = true;
+  bool takes_other_laws() const { return other_ != nullptr; }
 
   std::string WhyUnsupported(const LcpProblem& problem) const {
-    const std::string why = pivoting_.WhyUnsupported(problem);
-    return problem.is_plain() || !why.empty() ? why : ContactRows::WhyUnsupported(problem);
+    return problem.is_plain() || other_ == nullptr ? pivoting_.WhyUnsupported(problem)
+                                                   : other_->WhyUnsupported(problem);
   }
   void Reserve(Index max_rows) { pivoting_.Reserve(max_rows); }
   void Prepare(const LcpProblem& problem) {
-    problem.is_plain() ? pivoting_.Prepare(problem) : along_modes_.Prepare(problem);
+    problem.is_plain() ? pivoting_.Prepare(problem) : other_->Prepare(problem);
   }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-    problem.is_plain() ? pivoting_.Solve(problem, options, result) : along_modes_.Solve(problem, options, result);
+    problem.is_plain() ? pivoting_.Solve(problem, options, result) : other_->Solve(problem, options, result);
   }
   bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
     return pivoting_.SolveArrays(arrays, options, result);
@@ -286,7 +286,7 @@ class LemkeEngine {
 
  private:
   LemkePivoting pivoting_;
-  ContactPathSolver along_modes_;
+  std::unique_ptr<LcpSolver> other_;
 };
 
 template class EngineSolver<LemkeOptions, LemkeEngine>;

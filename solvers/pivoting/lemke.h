@@ -1,5 +1,8 @@
 #pragma once
 
+#include <functional>
+#include <memory>
+
 #include "solvers/lcp/engine_solver.h"
 #include "solvers/pivoting/pivot_options.h"
 
@@ -9,6 +12,9 @@ namespace lcpbench {
 /// book; with it a path is shorter, as it starts nearer to the solution: a quarter of the time at 100 rows.
 struct LemkeOptions : PivotOptions {
   LemkeOptions() { block_start = false; }
+
+  /// Makes the solver of problems that are not plain, which are refused without it. Not a setting.
+  std::function<std::unique_ptr<LcpSolver>()> make_other = {};
 
   /// Those of PivotOptions. @throws InputError for others
   static LemkeOptions FromSettings(const Settings& settings);
@@ -27,10 +33,9 @@ struct LemkeOptions : PivotOptions {
 /// Farkas ray. Each step along the path or along a y is one *pivot*, the unit of LcpResult::iterations and
 /// max_iterations (default 50 n + 1000; typically 0.5 n to 2 n are used).
 ///
-/// Problems with friction, sliding or bounded rows (up to one friction row a contact) go by the same idea along the
-/// modes of contacts, solvers/friction/contact_path.h: guaranteed for a time step with c >= 0 (docs/friction.md section
-/// 2), in exact arithmetic. Three choices of d, each end polished by Newton steps and judged as the verifier does, then
-/// the same on D^-1/2 A D^-1/2 + 1e-7. A secondary ray is kNumericalFailure: it proves nothing.
+/// Problems with friction, sliding or bounded rows are left to another solver: in the registry the same idea along the
+/// modes of contacts, ModePath::Cover, guaranteed for a time step with c >= 0 (docs/friction.md section 2), in exact
+/// arithmetic.
 ///
 /// Guaranteed for symmetric positive semidefinite A of any rank, in exact arithmetic: ends with a solution or with a
 /// Farkas ray, since ties are resolved lexicographically and no basis is visited twice. On other symmetric A it may

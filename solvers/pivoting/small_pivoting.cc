@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "solvers/linear_algebra/tableau_rules.h"
+#include "solvers/rows/two_body_product.h"
 #include "support/array_index.h"
 
 namespace lcpbench {
@@ -142,56 +143,17 @@ void SmallPivoting::LoadRows(const StepRows& all, std::span<const std::int32_t> 
   WithNumbers(all, [&](const auto* J, auto p) { LoadRowsOf<p>(all, J, part); });
 }
 
-template <Index p, typename Real>
+template <int p, typename Real>
 void SmallPivoting::LoadRowsOf(const StepRows& all, const Real* J, std::span<const std::int32_t> part) {
   SetSize(static_cast<Index>(part.size()));
   std::fill(work_.matrix, RowOfA(work_.n), 0.0);
+  AssembleByBodies<p>(all, J, part, work_.matrix, work_.stride, jacobian_.data(), &sides_, [](Index, Index) {});
   for (int i = 0; i < work_.n; ++i) {
     const Index row = part[At(i)];
-    double* const to = jacobian_.data() + Index{i} * 2 * p;
-    for (Index c = 0; c < 2 * p; ++c) to[c] = static_cast<double>(J[row * 2 * p + c]);
-    std::int32_t second = all.body[2 * row + 1];
-    if (second == all.body[2 * row]) {  // the row has one side: the sum of both
-      for (Index c = 0; c < p; ++c) to[c] += to[p + c];
-      second = -1;
-    }
     work_.b[i] = all.b[row];
+    work_.diagonal[i] = RowOfA(i)[i];
     if (all.bilateral != nullptr && all.bilateral[row] != 0) work_.joints[work_.joint_count++] = i;
-    work_.diagonal[i] = AddSide<p>(all, 2 * i, all.body[2 * row]) + AddSide<p>(all, 2 * i + 1, second);
-    RowOfA(i)[i] = work_.diagonal[i];
   }
-  for (const std::int32_t row : part) {
-    for (Index side = Index{2} * row; side < Index{2} * row + 2; ++side) {
-      if (all.body[side] >= 0) sides_.Forget(all.body[side]);
-    }
-  }
-}
-
-// A side's products with those before it on the same body. Returns that with itself.
-template <Index p>
-double SmallPivoting::AddSide(const StepRows& all, std::int32_t side, std::int32_t body) {
-  if (body < 0) return 0;
-  const double* const J = jacobian_.data() + side * p;
-  const double* const mass = all.inverse_mass + body * p;
-  double momentum[p];
-  double own = 0;
-  bool moves = false;
-  for (Index c = 0; c < p; ++c) {
-    momentum[c] = mass[c] * J[c];
-    own += mass[c] * (J[c] * J[c]);
-    moves = moves || mass[c] > 0;
-  }
-  if (!moves) return 0;
-  const Index i = side / 2;
-  sides_.ForEach(
-      body, [&](std::int32_t other) __attribute__((always_inline)) {
-        const double* const J_other = jacobian_.data() + other * p;
-        double sum = RowOfA(i)[other / 2];
-        for (Index c = 0; c < p; ++c) sum += momentum[c] * J_other[c];
-        RowOfA(i)[other / 2] = RowOfA(other / 2)[i] = sum;
-      });
-  sides_.Add(body, side);
-  return own;
 }
 
 }  // namespace lcpbench

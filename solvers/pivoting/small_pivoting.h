@@ -124,10 +124,8 @@ class SmallPivoting {
   void LoadPart(const LcpProblem& problem, std::span<const Index> rows);
   void LoadRows(const StepRows& all, std::span<const std::int32_t> part);
   void LoadArrays(const ProblemArrays& arrays, const double* diagonal);
-  template <Index p, typename Real>
+  template <int p, typename Real>
   void LoadRowsOf(const StepRows& all, const Real* J, std::span<const std::int32_t> part);
-  template <Index p>
-  double AddSide(const StepRows& all, std::int32_t side, std::int32_t body);
   void SetSize(Index n);
   double* RowOfA(Index i) { return work_.matrix + i * work_.stride; }
   template <typename Given>

@@ -5,10 +5,11 @@
 #include <limits>
 #include <utility>
 
-#include "solvers/lcp/residual_sums.h"
+#include "solvers/lcp/law.h"
 #include "solvers/linear_algebra/tableau_rules.h"
 #include "solvers/rows/fixed_size_bpp.h"
 #include "solvers/rows/kernel.h"
+#include "solvers/rows/two_body_product.h"
 
 /// Internal to solvers/rows/: the kernel of FixedSizeBpp, in an unnamed namespace as vector_register.h says.
 namespace lcpbench {
@@ -149,7 +150,7 @@ struct Tiny {
   }
 
   bool Passes(double tolerance, double row_limit, double* rho) const {
-    ResidualSums<double> sums(row_limit);
+    LawSums<double> sums(row_limit);
     double squares = 0;
     for (int j = 0; j < n; ++j) squares += A[j][j] * f[j] * f[j];
     const double hidden = (n + tableau::kTermsBesideRows) * tableau::kRounding / (tableau::kHiddenInRow * row_limit);
@@ -159,7 +160,7 @@ struct Tiny {
       sums.Add(A[i][i], b[i], w[i], f[i], (joints >> i & 1U) != 0, size);
       if (n > 1 && !(hidden * hidden * n * squares * A[i][i] <= size * size)) sums.DoubtRow();
     }
-    return sums.Judge(tolerance, kRoundingOfTwoBodies<>, rho) == ResidualSums<double>::Known::kRight;
+    return sums.Judge(tolerance, kRoundingOfTwoBodies<>, rho) == LawSums<double>::Known::kRight;
   }
 
   void Store(const std::int32_t* part, double* all_f, double* all_w) const {
@@ -175,34 +176,12 @@ template <int n, int p, typename Real>
 bool SolveRows(const FewRows& rows, const Real* J, double* f, double* w, double* rho) {
   const StepRows& all = *rows.all;
   Tiny<n> tiny;
-  double jacobian[n][2 * p];
-  std::int32_t body[n][2];
   for (int i = 0; i < n; ++i) {
     const Index row = rows.part[i];
     tiny.b[i] = all.b[row];
     tiny.joints |= (all.bilateral != nullptr && all.bilateral[row] != 0 ? 1U : 0U) << i;
-    double momentum[2 * p];
-    for (int s = 0; s < 2; ++s) {
-      const std::int32_t of = all.body[2 * row + s];
-      body[i][s] = of;
-      for (int c = 0; c < p; ++c) {
-        const double j = of < 0 ? 0.0 : static_cast<double>(J[(2 * row + s) * p + c]);
-        jacobian[i][s * p + c] = j;
-        momentum[s * p + c] = of < 0 ? 0.0 : all.inverse_mass[static_cast<Index>(of) * p + c] * j;
-      }
-    }
-    for (int j = 0; j <= i; ++j) {
-      double sum = 0;
-      for (int s = 0; s < 2; ++s) {
-        for (int t = 0; t < 2; ++t) {
-          if (body[i][s] < 0 || body[i][s] != body[j][t]) continue;
-          for (int c = 0; c < p; ++c) sum += momentum[s * p + c] * jacobian[j][t * p + c];
-        }
-      }
-      tiny.A[i][j] = tiny.A[j][i] = sum;
-    }
-    if (!(tiny.A[i][i] > 0)) return false;
   }
+  if (!AssembleFew<p, 1>(all, J, rows.part, tiny.A)) return false;
   if (!tiny.Find()) return false;
   tiny.Clip();
   if (!tiny.Passes(rows.tolerance, rows.row_limit, rho)) return false;

@@ -67,7 +67,7 @@ double RowJudge::SizeOfGap(const StepRows& rows, const Real* J, const double* f,
 
 bool RowJudge::Passes(const StepRows& rows, std::span<const std::int32_t> part, double tolerance, const double* f,
                       double* w, double* rho) {
-  using Known = ResidualSums<double>::Known;
+  using Known = LawSums<double>::Known;
   const double row_limit = kPartOfRowLimit * std::sqrt(tolerance);
   bool has_sides = false;
   const auto judge = [&](auto* velocity) {
@@ -81,7 +81,7 @@ bool RowJudge::Passes(const StepRows& rows, std::span<const std::int32_t> part, 
         }
         return SizeOfGap<p>(rows, J, f, row);
       };
-      const ResidualSums<double> sums =
+      const LawSums<double> sums =
           SumRows<p>(rows, J, part, row_limit, f, w, slot, size_of_gap, velocity, size_.data());
       ForSides(rows, part, [&](Index body, std::int32_t /*side*/) {
         for (Index c = body * p; c < (body + 1) * p; ++c) velocity[c] = size_[static_cast<std::size_t>(c)] = 0;

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "solvers/lcp/residual_sums.h"
+#include "solvers/lcp/law.h"
 #include "solvers/lcp/step_rows.h"
 
 /// Internal to solvers/rows/.
@@ -17,9 +17,9 @@ namespace lcpbench {
 /// @param size_of_gap  of a row: (|A| |f|)_row, asked only where that is not clearly large enough
 /// @param velocity, size  0 for these bodies; become M^-1 J^T f and the sums of its absolute values
 template <int p, typename Sum, typename Real, typename Slot, typename SizeOfGap>
-ResidualSums<double> SumRows(const StepRows& rows, const Real* J, std::span<const std::int32_t> part, double row_limit,
-                             const double* f, double* w, const Slot& slot, const SizeOfGap& size_of_gap, Sum* velocity,
-                             double* size) {
+LawSums<double> SumRows(const StepRows& rows, const Real* J, std::span<const std::int32_t> part, double row_limit,
+                        const double* f, double* w, const Slot& slot, const SizeOfGap& size_of_gap, Sum* velocity,
+                        double* size) {
   const auto for_sides = [&](Index row, auto&& visit) {
     for (Index side = 2 * row; side < 2 * row + 2; ++side) {
       const Index at = slot(side);
@@ -36,7 +36,7 @@ ResidualSums<double> SumRows(const StepRows& rows, const Real* J, std::span<cons
       }
     });
   }
-  ResidualSums<double> sums(row_limit);
+  LawSums<double> sums(row_limit);
   for (const std::int32_t row : part) {
     double d = 0;
     Sum gap = rows.b[row];
@@ -57,7 +57,7 @@ ResidualSums<double> SumRows(const StepRows& rows, const Real* J, std::span<cons
     // `magnitude` is more than (|A| |f|)_i where rows on a body do not act on each other. That is at least both
     // |A f|_i and |A_ii f_i|, by which alone most rows pass.
     const double b = std::abs(rows.b[row]);
-    const double defect = std::abs(ResidualSums<double>::Defect(w_row, d * f[row], is_joint));
+    const double defect = std::abs(LawSums<double>::Defect(w_row, d * f[row], is_joint));
     const double least = row_limit * (b + std::max(std::abs(w_row - rows.b[row]), std::abs(d * f[row])));
     // What rounding of the terms may add to the defect of a row whose terms cancel.
     const double hidden = kRoundingOfTwoBodies<Sum> * magnitude;
