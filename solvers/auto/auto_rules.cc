@@ -66,7 +66,7 @@ constexpr std::array kRules = {
     AutoRule{kMatrix, SmallPivoting::kMaxRows, "up to `tableau_rows`; `hard_tableau_rows` where the band is half of A",
              kPrincipalPivoting, [](const Facts& facts) { return If(facts.rows <= facts.tableau_rows); }},
     AutoRule{kMatrix, Facts::kMostDenseRows, "A given dense", kBandPivoting,
-             [](const Facts& facts) { return If(facts.is_dense && facts.is_exactly_symmetric); }},
+             [](const Facts& facts) { return If(facts.is_dense); }},
     AutoRule{kMatrix, Facts::kMostStepRows, "A given sparse, bandwidth up to 45", kBandPivoting,
              [](const Facts& facts) { return If(!facts.is_dense && Facts::IsNarrow(facts.bandwidth)); }},
 

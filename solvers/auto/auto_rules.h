@@ -58,9 +58,8 @@ struct AutoFacts {
   bool is_undivided = false;  ///< kRows: a small step, islands not looked for
   Index tableau_rows = 0;     ///< AutoOptions::tableau_rows, or hard_tableau_rows of redundant or full problems
   // kMatrix.
-  bool is_dense = false;              ///< A is given as a dense matrix
-  bool is_exactly_symmetric = false;  ///< in all bits
-  Index bandwidth = 0;                ///< max |i - j| over entries
+  bool is_dense = false;  ///< A is given as a dense matrix
+  Index bandwidth = 0;    ///< max |i - j| over entries
   // kProblem and kBackends.
   bool tableau_failed = false;      ///< a tableau has left the problem open
   bool may_divide = false;          ///< islands have not been found to be too large

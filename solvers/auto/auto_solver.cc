@@ -11,17 +11,17 @@
 #include "solvers/answers/answer_judge.h"
 #include "solvers/auto/auto_portfolio.h"
 #include "solvers/auto/auto_rules.h"
-#include "solvers/auto/band_pivoting.h"
 #include "solvers/auto/friction_row_solver.h"
-#include "solvers/auto/matrix_arrays.h"
 #include "solvers/auto/row_solver.h"
 #include "solvers/friction/friction_portfolio.h"
+#include "solvers/lcp/matrix_arrays.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/islands.h"
 #include "solvers/linear_algebra/tableau_rules.h"
 #include "solvers/pivoting/small_pivoting.h"
+#include "solvers/rows/profile_pivoting.h"
 #include "solvers/rows/two_body_copy.h"
 #include "support/input_error.h"
 
@@ -85,7 +85,7 @@ class AutoEngine {
   bool SolveRows(const StepRows& rows, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
   bool SolveMatrix(const LcpOptions& options, const Deadline* deadline, LcpResult* result);
   template <typename Meets>
-  bool TakeTableau(const SmallPivoting::Answer& answer, bool is_exact, const LcpOptions& options, const Meets& meets,
+  bool TakeTableau(const SmallPivoting::Answer& answer, const LcpOptions& options, const Meets& meets,
                    LcpResult* result) const;
   bool TryTableauOfMatrix(const LcpOptions& options, const Deadline* deadline, LcpResult* result);
 
@@ -238,7 +238,6 @@ bool AutoEngine::SolveMatrix(const LcpOptions& options, const Deadline* deadline
   facts.rows = matrix_.size();
   facts.tableau_rows = is_full ? std::max(options_.tableau_rows, options_.hard_tableau_rows) : options_.tableau_rows;
   facts.is_dense = matrix_.is_dense();
-  facts.is_exactly_symmetric = matrix_.is_exactly_symmetric();
   facts.bandwidth = matrix_.bandwidth();
   bool is_for_one = false;
   for (const AutoRule& rule : AutoRulesOf(AutoStage::kMatrix)) {
@@ -255,13 +254,12 @@ bool AutoEngine::SolveMatrix(const LcpOptions& options, const Deadline* deadline
   return false;
 }
 
-// Whether the tableau's answer passes; where its sums in double do not tell, or A is not that of the tableau in all
-// bits, `meets` does, by the given form.
+// Whether the tableau's answer passes; where its sums in double do not tell, `meets` does, by the given form.
 template <typename Meets>
-bool AutoEngine::TakeTableau(const SmallPivoting::Answer& answer, bool is_exact, const LcpOptions& options,
-                             const Meets& meets, LcpResult* result) const {
+bool AutoEngine::TakeTableau(const SmallPivoting::Answer& answer, const LcpOptions& options, const Meets& meets,
+                             LcpResult* result) const {
   const Judgement judgement = answer.Judge(options.tolerance);
-  if (judgement == Judgement::kWrong || ((judgement == Judgement::kUnclear || !is_exact) && !meets())) return false;
+  if (judgement == Judgement::kWrong || (judgement == Judgement::kUnclear && !meets())) return false;
   result->status = LcpStatus::kSolved;
   result->iterations = tableau_.pivots();
   result->detail = "tableau";
@@ -271,13 +269,12 @@ bool AutoEngine::TakeTableau(const SmallPivoting::Answer& answer, bool is_exact,
 bool AutoEngine::TryTableauOfMatrix(const LcpOptions& options, const Deadline* deadline, LcpResult* result) {
   const ProblemArrays& arrays = matrix_.arrays();
   tableau_.Reserve(arrays.rows);
-  const SmallPivoting::Answer answer =
-      tableau_.SolveArrays(arrays, matrix_.diagonal().data(), RequestFor(options, deadline), result->f.data());
+  const SmallPivoting::Answer answer = tableau_.SolveMatrix(matrix_, RequestFor(options, deadline), result->f.data());
   const auto meets = [&] {
     test_.Reset(LcpProblem::FromArrays(arrays), GivenFormTest::Rows::kGivenWhenNeeded);
     return test_.Meets(options.tolerance, result->f);
   };
-  return TakeTableau(answer, matrix_.is_exactly_symmetric(), options, meets, result);
+  return TakeTableau(answer, options, meets, result);
 }
 
 bool AutoEngine::TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline,
@@ -287,7 +284,7 @@ bool AutoEngine::TryTableau(const LcpProblem& problem, const LcpOptions& options
     test_.SetB(problem);
     return test_.Meets(options.tolerance, result->f);
   };
-  return TakeTableau(answer, true, options, meets, result);
+  return TakeTableau(answer, options, meets, result);
 }
 
 // Small islands by tableau, the rest by a portfolio of its own. False if dividing does not pay or led to nothing.

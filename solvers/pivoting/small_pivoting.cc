@@ -1,6 +1,7 @@
 #include "solvers/pivoting/small_pivoting.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "solvers/linear_algebra/tableau_rules.h"
 #include "solvers/rows/two_body_product.h"
@@ -14,6 +15,7 @@ using Index = Eigen::Index;
 // Bodies in space have so many columns.
 constexpr Index kMostColumnsPerBody = 6;
 constexpr Index kMostWidth = 8;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr KernelTable<TableauKernel> kKernels{
     {2, &SolveTableauSse2}, {4, &SolveTableauAvx2}, {kMostWidth, &SolveTableauAvx512}};
 
@@ -84,63 +86,83 @@ void SmallPivoting::SetSize(Index n) {
   std::fill(work_.b + n, work_.b + work_.stride, 0.0);
 }
 
-void SmallPivoting::LoadDense(const LcpProblem& problem) {
-  SetSize(problem.size());
-  work_.is_assembled = problem.has_factors();
-  const Index n = work_.n;
-  std::copy_n(problem.DiagonalA().data(), n, work_.diagonal);
-  std::copy_n(problem.b().data(), n, work_.b);
-  for (const Index i : problem.bilateral_rows()) work_.joints[work_.joint_count++] = static_cast<int>(i);
-  // A is symmetric, so its columns serve as rows.
-  for (Index i = 0; i < n; ++i) {
-    std::copy_n(problem.DenseA().col(i).data(), n, RowOfA(i));
-    std::fill(RowOfA(i) + n, RowOfA(i) + work_.stride, 0.0);
+// Row i of what is solved is row given(i) of the problem.
+template <typename Given>
+SmallPivoting::Answer SmallPivoting::SolveLoaded(const Given& given, const Request& request, double* f, double* w) {
+  work_.guess_count = 0;
+  for (int i = 0, k = 0; i < work_.n && request.initial_f != nullptr; ++i) {
+    const bool is_joint = k < work_.joint_count && work_.joints[k] == i;
+    if (is_joint) ++k;
+    if (is_joint || request.initial_f[given(i)] > 0) work_.guess[work_.guess_count++] = i;
   }
+  work_.row_limit = request.row_limit;
+  work_.self_check = request.self_check;
+  work_.clock = work_.n > kRowsWithoutClock ? request.deadline : nullptr;
+  if (!kernel_->solve(&work_)) return {kInfinity, kInfinity, false, false};
+  const double inverse_b_scale = 1 / work_.b_scale;
+  for (Index i = 0; i < work_.n; ++i) f[given(i)] = work_.force[i] * (work_.scale[i] * inverse_b_scale);
+  for (Index i = 0; i < work_.n && w != nullptr; ++i) w[given(i)] = work_.w[i] * (inverse_b_scale / work_.scale[i]);
+  return {work_.rho, work_.rounding, work_.rows_meet, work_.rows_are_clear};
 }
 
-void SmallPivoting::LoadPart(const LcpProblem& problem, std::span<const Index> rows) {
-  SetSize(static_cast<Index>(rows.size()));
-  work_.is_assembled = problem.has_factors();
-  for (int i = 0; i < work_.n; ++i) {
-    const Index given = rows[At(i)];
-    work_.diagonal[i] = problem.DiagonalA()[given];
-    work_.b[i] = problem.b()[given];
-    local_[At(given)] = i;
-    if (problem.is_bilateral(given)) work_.joints[work_.joint_count++] = i;
-  }
-  std::fill(work_.matrix, RowOfA(work_.n), 0.0);
-  for (Index i = 0; i < work_.n; ++i) {
-    for (SparseMatrix::InnerIterator it(problem.SparseA(), rows[At(i)]); it; ++it) {
-      // Rows that are no part of this island are left out of it: they carry no force.
-      const Index j = local_[At(it.col())];
-      if (j < work_.n && rows[At(j)] == it.col()) RowOfA(i)[j] = it.value();
-    }
-  }
-}
-
-void SmallPivoting::LoadArrays(const ProblemArrays& arrays, const double* diagonal) {
-  SetSize(arrays.rows);
-  work_.is_assembled = false;
-  const Index n = work_.n;
-  std::copy_n(diagonal, n, work_.diagonal);
-  std::copy_n(arrays.b.data(), n, work_.b);
-  for (int i = 0; i < work_.n && !arrays.bilateral.empty(); ++i) {
-    if (arrays.bilateral[At(i)] != 0) work_.joints[work_.joint_count++] = i;
-  }
+// Row i of what is solved is row given(i) of the problem; fill(i, row) writes its entries over zeros.
+template <typename Given, typename Joint, typename Fill>
+void SmallPivoting::Load(Index n, const Given& given, const double* diagonal, const double* b, const Joint& is_joint,
+                         const Fill& fill) {
+  SetSize(n);
   std::fill(work_.matrix, RowOfA(n), 0.0);
-  for (Index i = 0; i < n; ++i) {
-    if (arrays.form == MatrixForm::kDense) {
-      std::copy_n(arrays.value.data() + i * n, n, RowOfA(i));
-      continue;
-    }
-    for (auto e = At(arrays.row_start[At(i)]); e < At(arrays.row_start[At(i) + 1]); ++e) {
-      RowOfA(i)[arrays.column[e]] = arrays.value[e];
-    }
+  for (int i = 0; i < work_.n; ++i) {
+    work_.diagonal[i] = diagonal[given(i)];
+    work_.b[i] = b[given(i)];
+    if (is_joint(given(i))) work_.joints[work_.joint_count++] = i;
+    fill(i, RowOfA(i));
   }
 }
 
-void SmallPivoting::LoadRows(const StepRows& all, std::span<const std::int32_t> part) {
+SmallPivoting::Answer SmallPivoting::Solve(const LcpProblem& problem, const Request& request, Eigen::VectorXd* f) {
+  const auto given = [](Index i) { return i; };
+  const Eigen::MatrixXd& A = problem.DenseA();
+  // A is symmetric, so its columns serve as rows.
+  Load(
+      problem.size(), given, problem.DiagonalA().data(), problem.b().data(),
+      [&](Index i) { return problem.is_bilateral(i); },
+      [&](Index i, double* row) { std::copy_n(A.col(i).data(), A.rows(), row); });
+  work_.is_assembled = problem.has_factors();
+  return SolveLoaded(given, request, f->data(), nullptr);
+}
+
+SmallPivoting::Answer SmallPivoting::SolvePart(const LcpProblem& problem, std::span<const Index> rows,
+                                               const Request& request, Eigen::VectorXd* f) {
+  const auto given = [rows](Index i) { return rows[At(i)]; };
+  const SparseMatrix& A = problem.SparseA();
+  for (size_t i = 0; i < rows.size(); ++i) local_[At(rows[i])] = static_cast<int>(i);
+  Load(
+      std::ssize(rows), given, problem.DiagonalA().data(), problem.b().data(),
+      [&](Index i) { return problem.is_bilateral(i); },
+      [&](Index i, double* row) {
+        for (SparseMatrix::InnerIterator it(A, given(i)); it; ++it) {
+          // Rows that are no part of this island are left out of it: they carry no force.
+          const Index j = local_[At(it.col())];
+          if (j < work_.n && given(j) == it.col()) row[j] = it.value();
+        }
+      });
+  work_.is_assembled = problem.has_factors();
+  return SolveLoaded(given, request, f->data(), nullptr);
+}
+
+SmallPivoting::Answer SmallPivoting::SolveMatrix(const MatrixArrays& A, const Request& request, double* f) {
+  const auto given = [](Index i) { return i; };
+  Load(
+      A.size(), given, A.diagonal().data(), A.arrays().b.data(), [&](Index i) { return A.is_joint(i); },
+      [&](Index i, double* row) { A.ForEntries(i, [row](Index j, double a) { row[j] = a; }); });
+  work_.is_assembled = false;
+  return SolveLoaded(given, request, f, nullptr);
+}
+
+SmallPivoting::Answer SmallPivoting::SolveRows(const StepRows& all, std::span<const std::int32_t> part,
+                                               const Request& request, double* f, double* w) {
   WithNumbers(all, [&](const auto* J, auto p) { LoadRowsOf<p>(all, J, part); });
+  return SolveLoaded([part](Index i) { return Index{part[At(i)]}; }, request, f, w);
 }
 
 template <int p, typename Real>

@@ -2,10 +2,10 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
+#include "solvers/lcp/matrix_arrays.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
@@ -88,42 +88,26 @@ class SmallPivoting {
 
   /// Writes the basic point's forces, refined once against A where that helps, to `f` (n entries, in the problem's
   /// units, f_C >= 0). Reads DenseA() and DiagonalA().
-  Answer Solve(const LcpProblem& problem, const Request& request, Eigen::VectorXd* f) {
-    LoadDense(problem);
-    return SolveLoaded([](Index i) { return i; }, request, f->data(), nullptr);
-  }
+  Answer Solve(const LcpProblem& problem, const Request& request, Eigen::VectorXd* f);
 
   /// The same for the LCP of `rows` (ascending) alone. Reads SparseA() and DiagonalA(), writes the entries `rows` of f.
-  Answer SolvePart(const LcpProblem& problem, std::span<const Index> rows, const Request& request, Eigen::VectorXd* f) {
-    LoadPart(problem, rows);
-    return SolveLoaded([rows](Index i) { return rows[static_cast<size_t>(i)]; }, request, f->data(), nullptr);
-  }
+  Answer SolvePart(const LcpProblem& problem, std::span<const Index> rows, const Request& request, Eigen::VectorXd* f);
 
   /// The same for the rows `part` (ascending) of an engine's arrays, which have been checked; A is assembled straight
   /// into the tableau. Writes the entries `part` of f and w. ReserveRows comes before.
   Answer SolveRows(const StepRows& all, std::span<const std::int32_t> part, const Request& request, double* f,
-                   double* w) {
-    LoadRows(all, part);
-    return SolveLoaded([part](Index i) { return Index{part[static_cast<size_t>(i)]}; }, request, f, w);
-  }
+                   double* w);
 
-  /// The same for a symmetric A that arrays give, dense or by compressed rows; they have been checked.
-  /// @param diagonal  of A, n numbers
-  Answer SolveArrays(const ProblemArrays& arrays, const double* diagonal, const Request& request, double* f) {
-    LoadArrays(arrays, diagonal);
-    return SolveLoaded([](Index i) { return i; }, request, f, nullptr);
-  }
+  /// The same for A as arrays give it.
+  Answer SolveMatrix(const MatrixArrays& A, const Request& request, double* f);
 
   /// Pivots of the last Solve; guessed active sets that were tried count as one each.
   int pivots() const { return work_.pivots; }
 
  private:
-  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-  void LoadDense(const LcpProblem& problem);
-  void LoadPart(const LcpProblem& problem, std::span<const Index> rows);
-  void LoadRows(const StepRows& all, std::span<const std::int32_t> part);
-  void LoadArrays(const ProblemArrays& arrays, const double* diagonal);
+  template <typename Given, typename Joint, typename Fill>
+  void Load(Index n, const Given& given, const double* diagonal, const double* b, const Joint& is_joint,
+            const Fill& fill);
   template <int p, typename Real>
   void LoadRowsOf(const StepRows& all, const Real* J, std::span<const std::int32_t> part);
   void SetSize(Index n);
@@ -141,24 +125,5 @@ class SmallPivoting {
   std::vector<double> jacobian_;  // of SolveRows
   SidesOfBodies sides_;           // the same: of the rows loaded so far
 };
-
-/// Row i of what is solved is row given(i) of the problem.
-template <typename Given>
-SmallPivoting::Answer SmallPivoting::SolveLoaded(const Given& given, const Request& request, double* f, double* w) {
-  work_.guess_count = 0;
-  for (int i = 0, k = 0; i < work_.n && request.initial_f != nullptr; ++i) {
-    const bool is_joint = k < work_.joint_count && work_.joints[k] == i;
-    if (is_joint) ++k;
-    if (is_joint || request.initial_f[given(i)] > 0) work_.guess[work_.guess_count++] = i;
-  }
-  work_.row_limit = request.row_limit;
-  work_.self_check = request.self_check;
-  work_.clock = work_.n > kRowsWithoutClock ? request.deadline : nullptr;
-  if (!kernel_->solve(&work_)) return {kInfinity, kInfinity, false, false};
-  const double inverse_b_scale = 1 / work_.b_scale;
-  for (Index i = 0; i < work_.n; ++i) f[given(i)] = work_.force[i] * (work_.scale[i] * inverse_b_scale);
-  for (Index i = 0; i < work_.n && w != nullptr; ++i) w[given(i)] = work_.w[i] * (inverse_b_scale / work_.scale[i]);
-  return {work_.rho, work_.rounding, work_.rows_meet, work_.rows_are_clear};
-}
 
 }  // namespace lcpbench

@@ -43,10 +43,14 @@ void ProfileFactor::Reserve(Index max_rows, Index profile) {
   sides_.Reserve(max_rows, 2 * max_rows);
 }
 
-bool ProfileFactor::LayOutRows() {
-  const Index size = of_A_.LayOut(n_);
+// For A of n rows, of which row i begins at column first(i) <= i. False if that is more than there is room for.
+template <typename First>
+bool ProfileFactor::LayOut(Index n, const First& first) {
+  n_ = n;
+  for (Index i = 0; i < n; ++i) of_A_.first[At(i)] = static_cast<std::int32_t>(first(i));
+  const Index size = of_A_.LayOut(n);
   cost_ = 0;
-  for (Index j = 0; j < n_; ++j) {
+  for (Index j = 0; j < n; ++j) {
     const auto below = static_cast<double>(of_A_.last_below[At(j)] - j);
     cost_ += below * (8 + below / 8) + 40;
   }
@@ -54,6 +58,18 @@ bool ProfileFactor::LayOutRows() {
 }
 
 void ProfileFactor::Clear() { std::fill(A_.data(), row(n_ - 1) + (n_ - 1) / kRegister * kRegister + kRegister, 0.0); }
+
+void ProfileFactor::Take(const MatrixArrays& A) {
+  const Index width = A.is_dense() ? A.size() / 2 + 1 : A.bandwidth();
+  Reserve(A.size(), (width + 2 * kRegister) * A.size());
+  LayOut(A.size(), [&](Index i) { return A.first(i); });
+  Clear();
+  for (Index i = 0; i < n_; ++i) {
+    A.ForEntries(i, [i, to = row(i)](Index j, double a) {
+      if (j <= i) to[j] = a;
+    });
+  }
+}
 
 bool ProfileFactor::FindProfile(const ScaledRows& rows) {
   for (Index i = rows.size() - 1; i >= 0; --i) {

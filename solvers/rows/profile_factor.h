@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "solvers/first_order/sweeps/scaled_rows.h"
+#include "solvers/lcp/matrix_arrays.h"
 #include "solvers/linear_algebra/sides_of_bodies.h"
 #include "solvers/rows/kernel.h"
 
@@ -12,8 +13,7 @@ namespace lcpbench {
 
 /// L D L^T of A_FF + diag(shift), F the active rows of a symmetric A, which is stored by rows from its first nonzero to
 /// the diagonal (its profile); the factor stays within that of the rows of F, which are packed [Jennings 1966]. A pivot
-/// that is rounding (below tableau::kLeastPivot of A_ii) leaves its row out: its x is 0. A is that of ScaledRows, or
-/// any that a caller lays out and fills.
+/// that is rounding (below tableau::kLeastPivot of A_ii) leaves its row out: its x is 0.
 ///
 /// Cost: a factorization takes the sum of squared column heights of the profile. Only Reserve allocates.
 class ProfileFactor {
@@ -31,19 +31,9 @@ class ProfileFactor {
   void Reserve(Index max_rows, Index profile);
   void Reserve(Index max_rows) { Reserve(max_rows, kMostProfile * max_rows); }
 
-  /// A has n rows, of which row i begins at column first(i) <= i. False if that is more than there is room for.  O(n)
-  template <typename First>
-  bool LayOut(Index n, const First& first) {
-    n_ = n;
-    for (Index i = 0; i < n; ++i) of_A_.first[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(first(i));
-    return LayOutRows();
-  }
-  /// A = 0.
-  void Clear();
-  /// Row i by column, to be filled: from its first one to its diagonal.
-  double* row(Index i) { return A_.data() + of_A_.begin[static_cast<std::size_t>(i)]; }
-
-  /// A~ = G G^T, by the rows that bodies share. False as LayOut.
+  /// A as it is given; makes room for it.
+  void Take(const MatrixArrays& A);
+  /// A~ = G G^T, by the rows that bodies share. False where the profile is more than there is room for.
   bool FindProfile(const ScaledRows& rows);
   void Assemble(const ScaledRows& rows);
   /// What a factorization with all rows active costs, in processor cycles, roughly.
@@ -66,7 +56,10 @@ class ProfileFactor {
   };
 
   double* row_of_L(Index a) { return L_.data() + of_L_.begin[static_cast<std::size_t>(a)]; }
-  bool LayOutRows();
+  double* row(Index i) { return A_.data() + of_A_.begin[static_cast<std::size_t>(i)]; }  // by column, to the diagonal
+  template <typename First>
+  bool LayOut(Index n, const First& first);
+  void Clear();  // A = 0
   template <Index p>
   void AssembleOf(const ScaledRows& rows);
   void Pack(const unsigned char* is_active, double shift, const double* more);

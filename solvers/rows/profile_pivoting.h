@@ -1,13 +1,16 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "solvers/first_order/sweeps/conjugate_sweeps.h"
 #include "solvers/first_order/sweeps/scaled_rows.h"
+#include "solvers/lcp/matrix_arrays.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
 #include "solvers/rows/body_order.h"
@@ -15,6 +18,29 @@
 #include "solvers/rows/profile_factor.h"
 
 namespace lcpbench {
+
+/// Block principal pivoting [Kostreva 1978; Judice, Pires 1994]: all rows of wrong sign change sides after each basic
+/// point, while their number falls. (BlockPivoting, which proves infeasibility and goes on row by row, has more ends
+/// and its own loop.)
+/// @param most_rounds  basic points
+/// @param patience     rounds without fewer wrong rows than ever before that end it; one more where they are few
+/// @param find         makes the basic point of the active rows; false: it could not, or time is up
+/// @param exchange     lets the wrong rows change sides, and returns how many they are
+/// @param few          so many wrong rows
+/// @returns whether no row is wrong at the last basic point
+template <typename Find, typename Exchange>
+bool ExchangeBlocks(int most_rounds, int patience, const Find& find, const Exchange& exchange, Index few = 0) {
+  Index least = std::numeric_limits<Index>::max();
+  int left = patience;
+  for (int round = 0; round < most_rounds && find(); ++round) {
+    const Index wrong = exchange();
+    if (wrong == 0) return true;
+    left = wrong >= least ? left - 1 : patience + (wrong <= few ? 1 : 0);
+    if (left == 0) return false;
+    least = std::min(least, wrong);
+  }
+  return false;
+}
 
 /// One island of a step with more rows than a dense tableau is good for: nonsmooth conjugate gradients
 /// (ConjugateSweeps) find most of the active set, and block principal pivoting [Judice, Pires 1994] on a sparse factor
@@ -92,6 +118,38 @@ class ProfilePivoting {
   std::vector<unsigned char> is_active_;
   Point basic_;
   Array gaps_, correction_;
+};
+
+/// The same for a matrix of some hundred rows straight from arrays, in its own units: projected Gauss-Seidel guesses
+/// the active set F, and A_FF is factorized within the profile of A, rows in the given order. On M-matrices, as of
+/// obstacle problems, that converges from any F, monotonically after the first exchange [Hintermueller, Ito, Kunisch
+/// 2002]; elsewhere it may cycle, and gives up.
+///
+/// Cost: n (bandwidth)^2 / 2 multiply-adds a factorization at most. Memory: twice the profile, kept for the next
+/// problem.
+class BandPivoting {
+ public:
+  /// @throws InputError if this machine lacks the instructions
+  explicit BandPivoting(InstructionSet instructions = InstructionSet::kBest) : factor_(instructions) {}
+
+  /// True with result->status kSolved and an f that passes in sums with a bound of their rounding, or kTimeLimit.
+  /// False, with f anything, where the exchanges do not get ahead, rows depend on others, or f does not pass.
+  /// @param deadline  of the solve, or nullptr for none
+  bool Solve(const MatrixArrays& A, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
+
+ private:
+  void Start(const Eigen::VectorXd* initial_f);
+  bool SweepRow(Index i);
+  void FindGaps();
+  void Correct();
+  Index ExchangeViolated();
+  void ClipForces();
+  bool Meets(double tolerance);
+
+  const MatrixArrays* A_ = nullptr;
+  std::vector<unsigned char> is_active_;
+  Eigen::VectorXd f_, w_, size_, correction_;  // w = A f + b; |A| |f| + |b|
+  ProfileFactor factor_;
 };
 
 }  // namespace lcpbench

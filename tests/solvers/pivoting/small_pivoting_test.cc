@@ -87,7 +87,10 @@ TEST_P(SmallPivotingTest, GivesTheSameForcesFromAnyFormAndBySse2) {
     EXPECT_LE((f - other).cwiseAbs().maxCoeff(), 1e-12 * (1 + f.cwiseAbs().maxCoeff())) << n;
     for (const MatrixForm form : {MatrixForm::kDense, MatrixForm::kSparse}) {
       const LcpProblem given = InForm(problem, form);
-      tableau.SolveArrays(ProblemArrays::Of(given), problem.DiagonalA().data(), {}, other.data());
+      const ProblemArrays arrays = ProblemArrays::Of(given);
+      MatrixArrays matrix;
+      ASSERT_TRUE(matrix.Take(arrays));
+      tableau.SolveMatrix(matrix, {}, other.data());
       EXPECT_EQ(f, other) << n;
     }
   }

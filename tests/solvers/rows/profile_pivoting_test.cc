@@ -16,7 +16,6 @@
 #include "solvers/linear_algebra/islands.h"
 #include "solvers/rows/body_order.h"
 #include "solvers/rows/central_path.h"
-#include "solvers/rows/exchange_blocks.h"
 #include "solvers/rows/profile_factor.h"
 #include "tests/solvers/step/random_step.h"
 
