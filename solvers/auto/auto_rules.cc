@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "solvers/auto/ladder.h"
+#include "solvers/friction/few_contacts.h"
 #include "solvers/pivoting/small_pivoting.h"
 #include "solvers/rows/fixed_size_bpp.h"
 #ifdef LCPBENCH_WITH_SUITESPARSE
@@ -49,11 +51,22 @@ bool HasDearFactor(const Facts& facts) {
   return HasFullRank(facts) && facts.factor_time > kDearFactor * facts.iteration_time;
 }
 
+// Islands with laws: of how many contacts Newton steps from 0 come before the relaxation, and of how many all modes and
+// Lemke's path are tried.
+constexpr Index kContactsOfModes = 16, kContactsOfAllModes = 3, kContactsOfLemke = 128;
+// At tolerances from here on large ones are swept first: the relaxation, a plain problem of as many rows, may take
+// longer than all these sweeps. Forces travel a row or so a sweep.
+constexpr double kLooseTolerance = 1e-4;
+constexpr Index kLargeIsland = 129;
+constexpr double kSweepsPerRoot = 40;
+
 // The words of the table below have these numbers.
 static_assert(Facts::IsNarrow(45) && !Facts::IsNarrow(46) && Facts::kMostRowsInOneIsland == 0.75 &&
               Facts::kSmallRows == 900 && kDearFactor == 6 && kFactorizationsForPsor == 4 &&
               kFactorizationsOfBpp == 6 && kFactorizationsOfNewton == 12 && kSweepsPerRootOfRows == 8 &&
-              kMostFactorizationsOfBpp == 24 && (kSweepsOfPacking == 600 || kSweepsOfPacking == 0));
+              kMostFactorizationsOfBpp == 24 && kContactsOfModes == 16 && kContactsOfAllModes == 3 &&
+              kContactsOfLemke == 128 && kLargeIsland == 129 && kLooseTolerance == 1e-4 && kSweepsPerRoot == 40 &&
+              (kSweepsOfPacking == 600 || kSweepsOfPacking == 0));
 
 using enum AutoStage;
 using enum AutoMethod;
@@ -62,6 +75,34 @@ constexpr std::array kRules = {
     AutoRule{kRows, SmallPivoting::kMaxRows, "", kPrincipalPivoting},
     AutoRule{kRows, Facts::kMostIslandRows, "", kProfilePivoting,
              [](const Facts& facts) { return If(!facts.is_undivided); }},
+
+    AutoRule{kLaws, 2 * FewContacts::kMostContacts, "1 to 6 contacts and nothing else, read in place", kFixedSizeModes,
+             nullptr, "5 steps"},
+    AutoRule{kLaws, kAnyRows, "no row can stick", kNoFriction,
+             [](const Facts& facts) { return If(facts.has_problem && !facts.can_stick && facts.can_relax); }},
+    AutoRule{kLaws, kAnyRows, "`initial_f`", kWarmModes,
+             [](const Facts& facts) { return std::int64_t{facts.has_start ? 3 : 0}; }, "3 steps"},
+    AutoRule{kLaws, Ladder::kMostLawRows, "up to 16 contacts", kModes,
+             [](const Facts& facts) { return std::int64_t{facts.contacts <= kContactsOfModes ? 8 : 0}; }, "8 steps"},
+    AutoRule{kLaws, ModeSteps::kFewRows, "up to 3 contacts, no bounded rows", kAllModes,
+             [](const Facts& facts) { return If(facts.contacts <= kContactsOfAllModes && !facts.has_bounded); }},
+    AutoRule{kLaws, kAnyRows, "from 129 rows on, at tolerances from 1e-4 on", kSweeps,
+             [](const Facts& facts) {
+               const bool holds = facts.has_problem && facts.tolerance >= kLooseTolerance && facts.rows >= kLargeIsland;
+               return holds ? static_cast<std::int64_t>(kSweepsPerRoot * std::sqrt(static_cast<double>(facts.rows)))
+                            : 0;
+             },
+             "40 √n sweeps"},
+    AutoRule{kLaws, kAnyRows, "one friction row a contact, none slides, no bounded rows", kRelaxation,
+             [](const Facts& facts) { return std::int64_t{facts.can_relax ? 4 : 0}; }, "4 rounds"},
+    AutoRule{kLaws, kAnyRows, "the relaxation has no answer", kRay,
+             [](const Facts& facts) { return If(facts.has_problem && facts.relaxation_failed); }},
+    AutoRule{kLaws, kAnyRows, "others than those that are relaxed", kModeNewton,
+             [](const Facts& facts) { return std::int64_t{facts.can_relax ? 0 : 30}; }, "30 steps"},
+    AutoRule{kLaws, kAnyRows, "up to 128 contacts, one friction row each", kLemke,
+             [](const Facts& facts) { return If(facts.is_paired && facts.contacts <= kContactsOfLemke); }},
+    AutoRule{kLaws, kAnyRows, "", kProximalPoints, [](const Facts&) { return std::int64_t{1000}; }, "1000 points"},
+    AutoRule{kLaws, kAnyRows, "", kRay, [](const Facts& facts) { return If(facts.has_problem); }},
 
     AutoRule{kMatrix, SmallPivoting::kMaxRows, "up to `tableau_rows`; `hard_tableau_rows` where the band is half of A",
              kPrincipalPivoting, [](const Facts& facts) { return If(facts.rows <= facts.tableau_rows); }},
@@ -125,12 +166,14 @@ constexpr std::span<const AutoRule> Find(AutoStage stage) {
   const auto first = std::find_if(kRules.begin(), kRules.end(), is_of_stage);
   return {first, std::find_if_not(first, kRules.end(), is_of_stage)};
 }
-constexpr std::array kRulesOfStages = {Find(kRows), Find(kMatrix), Find(kProblem), Find(kBackends)};
+constexpr std::array kRulesOfStages = {Find(kRows), Find(kLaws), Find(kMatrix), Find(kProblem), Find(kBackends)};
 
 constexpr std::string_view TitleOf(AutoStage stage) {
   switch (stage) {
     case kRows:
       return "Island by island, of steps with rows on at most two moving bodies each";
+    case kLaws:
+      return "Island by island, of problems with friction, sliding or bounded rows";
     case kMatrix:
       return "A given as a matrix";
     case kProblem:
@@ -168,6 +211,28 @@ std::string_view KeyOf(AutoMethod method) {
       return "hybrid";
     case kDantzig:
       return "dantzig";
+    case kFixedSizeModes:
+      return "fixed-size modes";
+    case kNoFriction:
+      return "the plain problem of the other rows";
+    case kWarmModes:
+      return "warm modes";
+    case kModes:
+      return "modes";
+    case kAllModes:
+      return "all modes";
+    case kSweeps:
+      return "sweeps";
+    case kRelaxation:
+      return "relaxation, shifted from the second round on, with 8 Newton steps after each";
+    case kModeNewton:
+      return "mode-newton";
+    case kLemke:
+      return "lemke";
+    case kProximalPoints:
+      return "proximal points";
+    case kRay:
+      return "a ray without friction";
   }
   return {};
 }
@@ -181,7 +246,8 @@ std::string AutoRulesAsMarkdown() {
     if (before == kRules.end() || before->stage != rule->stage) {
       text.append("| | **").append(TitleOf(rule->stage)).append("** | | |\n");
     }
-    const std::string_view quote = rule->method == kIslands ? "" : "`";
+    const bool has_words = rule->stage == kLaws || rule->method == kIslands;
+    const std::string_view quote = has_words ? "" : "`";
     text.append("| ").append(rule->most_rows == kAnyRows ? "any" : "≤ " + std::to_string(rule->most_rows));
     text.append(" | ").append(rule->when).append(" | ").append(quote).append(KeyOf(rule->method)).append(quote);
     text.append(" | ").append(rule->limit).append(" |\n");

@@ -13,7 +13,7 @@
 /// `lcpbench list rules` prints it. Internal to solvers/.
 namespace lcpbench {
 
-/// What `auto` asks. All but kIslands are solvers of the registry.
+/// What `auto` asks. All but kIslands and those of AutoStage::kLaws are solvers of the registry.
 enum class AutoMethod : std::uint8_t {
   kFixedSizeBpp,       ///< FixedSizeBpp
   kPrincipalPivoting,  ///< SmallPivoting
@@ -27,14 +27,26 @@ enum class AutoMethod : std::uint8_t {
   kSemismoothNewton,   ///< SemismoothNewtonSolver
   kHybrid,             ///< HybridSolver
   kDantzig,            ///< DantzigSolver
+  kFixedSizeModes,     ///< FewContacts
+  kNoFriction,         ///< the plain problem of the other rows
+  kWarmModes,          ///< ModeSteps::Warm
+  kModes,              ///< ModeSteps::Iterate
+  kAllModes,           ///< ModeSteps::TryAll
+  kSweeps,             ///< ModeSteps::Sweep
+  kRelaxation,         ///< ShiftRounds
+  kModeNewton,         ///< ModeSteps::Run
+  kLemke,              ///< ModePath::Cover
+  kProximalPoints,     ///< ModePath::Approach
+  kRay,                ///< of the problem without friction
 };
 
-/// The registry's key; "islands" for kIslands.
+/// The registry's key, or words.
 std::string_view KeyOf(AutoMethod method);
 
 /// Which rules apply. A problem passes the stages in this order, from the first one that takes it on.
 enum class AutoStage : std::uint8_t {
   kRows,      ///< one island of rows on at most two moving bodies each, read in place
+  kLaws,      ///< one island of a problem with friction, sliding or bounded rows
   kMatrix,    ///< a symmetric dense or sparse A, read in place
   kProblem,   ///< an LcpProblem: what the stages before do not take or leave open
   kBackends,  ///< an LcpProblem, or the islands that kProblem leaves open
@@ -57,6 +69,16 @@ struct AutoFacts {
   Index rows = 0;             ///< n, or of the island
   bool is_undivided = false;  ///< kRows: a small step, islands not looked for
   Index tableau_rows = 0;     ///< AutoOptions::tableau_rows, or hard_tableau_rows of redundant or full problems
+  // kLaws.
+  double tolerance = 0;
+  Index contacts = 0;              ///< unilateral rows
+  bool can_stick = false;          ///< a friction row with mu > 0 that does not slide
+  bool can_relax = false;          ///< up to one friction row a contact, none slides, no bounded rows
+  bool is_paired = false;          ///< up to one friction row a contact
+  bool has_bounded = false;        ///< bounded rows
+  bool has_start = false;          ///< initial_f is given
+  bool has_problem = false;        ///< an LcpProblem, not read in place
+  bool relaxation_failed = false;  ///< the relaxation has no answer
   // kMatrix.
   bool is_dense = false;  ///< A is given as a dense matrix
   Index bandwidth = 0;    ///< max |i - j| over entries

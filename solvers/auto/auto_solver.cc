@@ -11,9 +11,8 @@
 #include "solvers/answers/answer_judge.h"
 #include "solvers/auto/auto_portfolio.h"
 #include "solvers/auto/auto_rules.h"
-#include "solvers/auto/friction_row_solver.h"
-#include "solvers/auto/row_solver.h"
-#include "solvers/friction/friction_portfolio.h"
+#include "solvers/auto/ladder.h"
+#include "solvers/auto/law_ladder.h"
 #include "solvers/lcp/matrix_arrays.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/rounding_floor.h"
@@ -123,17 +122,18 @@ class AutoEngine {
   // prepared problem, which is of these arrays then.
   bool asked_in_place_ = false, was_asked_in_place_ = false;
   TwoBodyCopy step_;
-  RowSolver rows_;
+  Ladder rows_;
   Eigen::VectorXd gaps_;
   MatrixArrays matrix_;
   AutoFacts matrix_facts_;
   BandPivoting band_;
 
-  // For problems that are not plain. Both are made when they are first needed: the row solver by the first such
-  // problem, the portfolio by the first that the row solver does not answer.
-  std::unique_ptr<FrictionRowSolver> friction_rows_;
-  std::unique_ptr<FrictionPortfolio> friction_;
-  bool friction_is_ready_ = false;  // for the prepared problem
+  // For problems that are not plain, made by the first that rows in place do not answer.
+  std::unique_ptr<LawPortfolio> laws_;
+  bool laws_are_ready_ = false;  // for the prepared problem
+  // What rows in place have reached of the latest such problem, and the first rule that they have not asked.
+  Eigen::VectorXd reached_;
+  std::size_t next_rule_ = 0;
 
   // The prepared problem.
   bool problem_is_ready_ = false;
@@ -208,25 +208,23 @@ bool AutoEngine::SolveInPlace(const StepRows& rows, const LcpOptions& options, c
   return true;
 }
 
-// AutoStage::kRows: nothing is made of A but what RowSolver assembles.
+// AutoStage::kRows: nothing is made of A but what Ladder assembles.
 bool AutoEngine::SolveRows(const StepRows& rows, const LcpOptions& options, const Deadline* deadline,
                            LcpResult* result) {
   rows_.Reserve(rows.rows, rows.bodies);
   if (gaps_.size() < rows.rows) gaps_.resize(rows.rows);
   const double* const initial_f = options.initial_f == nullptr ? nullptr : options.initial_f->data();
-  RowAnswer answer;
-  if (rows.friction.empty()) {
-    answer = rows_.Solve(rows, options.tolerance, deadline, initial_f, result->f.data(), gaps_.data());
-  } else {
-    if (friction_rows_ == nullptr) friction_rows_ = std::make_unique<FrictionRowSolver>(&rows_);
-    friction_rows_->Reserve(rows.rows, rows.bodies);
-    answer = friction_rows_->Solve(rows, options.tolerance, deadline, initial_f, result->f.data(), nullptr);
-  }
+  const bool has_laws = !rows.friction.empty();
+  if (has_laws) rows_.ReserveLaws(rows.rows, rows.bodies);
+  const RowAnswer answer =
+      rows_.Solve(rows, options.tolerance, deadline, initial_f, result->f.data(), has_laws ? nullptr : gaps_.data());
+  next_rule_ = answer.next;
+  if (has_laws && !answer.solved) reached_ = result->f;
   if (!answer.fits && options_.only.has_value()) Refuse("an island has more rows than it takes", result);
   if (!answer.solved) return false;
   result->status = LcpStatus::kSolved;
   result->iterations = answer.iterations;
-  result->detail = rows.friction.empty() ? "rows" : friction_rows_->method();
+  result->detail = has_laws ? rows_.method() : "rows";
   return true;
 }
 
@@ -367,21 +365,24 @@ void AutoEngine::SolveRest(const LcpProblem& problem, const LcpOptions& options,
 // What rows in place leave open.
 void AutoEngine::SolveFriction(const LcpProblem& problem, LcpOptions options, const Deadline* deadline,
                                LcpResult* result) {
-  if (friction_ == nullptr) {
+  if (laws_ == nullptr) {
     AutoOptions plain = options_;
     plain.reads_in_place = true;
-    friction_ =
-        std::make_unique<FrictionPortfolio>(WithinOptions{[plain] { return std::make_unique<AutoSolver>(plain); }});
+    laws_ = std::make_unique<LawPortfolio>(&tableau_,
+                                           WithinOptions{[plain] { return std::make_unique<AutoSolver>(plain); }});
   }
-  if (!std::exchange(friction_is_ready_, true)) friction_->Prepare(problem);
+  if (!std::exchange(laws_are_ready_, true)) laws_->Prepare(problem);
   if (deadline != nullptr) options.time_limit_s = std::max(deadline->Remaining(), kLeastTime);
-  friction_->Solve(problem, options, result);
+  const bool was_asked = next_rule_ > 0;
+  laws_->Solve(problem, options, next_rule_, was_asked ? &reached_ : nullptr, result);
+  next_rule_ = 0;
 }
 
 void AutoEngine::Prepare(const LcpProblem& problem) {
-  friction_is_ready_ = problem_is_ready_ = false;
+  laws_are_ready_ = problem_is_ready_ = false;
   taken_ = Taken::kNothing;
   was_asked_in_place_ = std::exchange(asked_in_place_, false);
+  if (!was_asked_in_place_) next_rule_ = 0;
   if (!was_asked_in_place_ && IsReadInPlace(problem.given_form(), problem.size())) {
     if (problem.has_factors()) {
       if (step_.Take(problem)) taken_ = Taken::kRows;

@@ -39,7 +39,7 @@ struct AutoOptions {
 /// Which method comes when is a table of rules (auto_rules.h, docs/solvers/auto.md), read from the top:
 ///
 /// 1. Factors with at most two moving bodies a row, and symmetric matrices, from arrays or as an LcpProblem, are read
-///    in place: rows by RowSolver, island by island; a matrix by a tableau or a banded factor.
+///    in place: rows by Ladder, island by island; a matrix by a tableau or a banded factor.
 /// 2. Other problems, and what 1 leaves open: a tableau where it is small, else rows that cannot carry force are left
 ///    out (IdleRows), and small islands of the others get a tableau each.
 /// 3. What remains goes to AutoPortfolio: other solvers, in the order of their predicted cost.

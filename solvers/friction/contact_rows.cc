@@ -308,7 +308,7 @@ void ContactRows::ToForces(const Eigen::VectorXd& phi, const Eigen::VectorXd& om
   }
 }
 
-bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance) const {
+bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance, double* rho) const {
   const Index n = size();
   for (Eigen::VectorXd* const numbers : {&phi_, &omega_, &magnitude_}) Lengthen(n, numbers);
   for (Index i = 0; i < n; ++i) phi_[i] = root_[At(i)] * f[i];
@@ -342,6 +342,7 @@ bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance) cons
   for (const BoundedRow& row : bounded_) {
     add(row.row, phi_[row.row] <= row.lower, phi_[row.row] >= row.upper);
   }
+  *rho = sums.norm() / scale_;
   return sums.AreSurelyRight(tolerance, scale_);
 }
 

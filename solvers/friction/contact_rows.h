@@ -90,7 +90,8 @@ class ContactRows {
   /// more than the rounding of its loads, +-mu f_n where it slips.
   void ToForces(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega, Eigen::VectorXd* f) const;
   /// Whether f passes the tier for certain: rho and backward error in double, with what rounding can hide on top.
-  bool IsSurelyRight(const Eigen::VectorXd& f, double tolerance) const;
+  /// @param rho  written, where it is finite
+  bool IsSurelyRight(const Eigen::VectorXd& f, double tolerance, double* rho) const;
   /// *w = A f + b, in the problem's units.  O(nnz A)
   void ComputeGapsOf(const Eigen::VectorXd& f, Eigen::VectorXd* w) const;
   /// Makes *vector at least so long, in whole registers; what it holds then is not defined.

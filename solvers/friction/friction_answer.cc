@@ -12,24 +12,23 @@ bool FrictionAnswer::Take(const Eigen::VectorXd& phi) {
 bool FrictionAnswer::Take(const Eigen::VectorXd& phi, const Eigen::VectorXd& gaps) {
   if (!phi.head(rows_.size()).allFinite()) return false;
   rows_.ToForces(phi, gaps, &room_.f);
-  return Judge(rows_.Rho(phi, gaps));
+  return Judge();
 }
 
 bool FrictionAnswer::TakeForces(const Eigen::VectorXd& f) {
   const Index n = rows_.size();
   ContactRows::Lengthen(n, &room_.f);
   room_.f.head(n) = f.head(n);
-  rows_.ToScaled(f, &room_.phi);
-  rows_.ComputeGaps(room_.phi, &room_.gaps);
-  return Judge(rows_.Rho(room_.phi, room_.gaps));
+  return Judge();
 }
 
-// Of the f in the room; rho in double.
-bool FrictionAnswer::Judge(double rho) {
+// Of the f in the room.
+bool FrictionAnswer::Judge() {
   constexpr double kNear = 10;
   const auto f = room_.f.head(rows_.size());
   if (!f.allFinite()) return false;
-  bool passes = rows_.IsSurelyRight(room_.f, options_.tolerance);
+  double rho = 0;
+  bool passes = rows_.IsSurelyRight(room_.f, options_.tolerance, &rho);
   if (!passes && problem_ != nullptr && rho <= kNear * options_.tolerance) {
     const Metrics metrics = ComputeMetrics(*problem_, f);
     passes = PassesTier(metrics, options_.tolerance);

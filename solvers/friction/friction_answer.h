@@ -16,7 +16,7 @@ class FrictionAnswer {
  public:
   /// What a candidate is compared and kept in; of one solve after the other.
   struct Room {
-    Eigen::VectorXd phi, gaps, f;
+    Eigen::VectorXd gaps, f;
   };
   /// @param rows     of `problem`, with its b
   /// @param problem  nullptr where there is none: then candidates pass by `rows` alone, or not
@@ -57,7 +57,7 @@ class FrictionAnswer {
 
  private:
   static constexpr double kUnlimited = std::numeric_limits<double>::infinity();
-  bool Judge(double rho);
+  bool Judge();
 
   const ContactRows& rows_;
   const LcpProblem* const problem_;

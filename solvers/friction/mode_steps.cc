@@ -98,20 +98,9 @@ bool ModeSteps::Refine(const ContactRows& rows, const Eigen::VectorXd& phi, Fric
   return true;
 }
 
-const char* ModeSteps::Begin(const ContactRows& rows, FrictionAnswer* answer) {
-  constexpr Limits kWarm{.steps = 3, .eps = 1e-10};
-  constexpr int kSteps = 8;
-  constexpr size_t kMostContacts = 16;  // of more, the relaxation is sooner there
-  if (answer->options().initial_f != nullptr) {
-    rows.ToScaled(*answer->options().initial_f, &start_);
-    if (answer->Take(start_) || Run(rows, kWarm, &start_, answer)) return "warm modes";
-  }
-  if (rows.laws().normals.size() > kMostContacts || rows.size() > ModeFactor::kMostDense) return nullptr;
-  ContactRows::Lengthen(rows.size(), &start_);
-  start_.head(rows.size()).setZero();
-  if (Iterate(rows, kSteps, &start_, answer)) return "modes";
-  const bool are_few = rows.laws().normals.size() <= kFewContacts && rows.size() <= kFewRows;
-  return are_few && TryAll(rows, answer) ? "modes" : nullptr;
+bool ModeSteps::Warm(const ContactRows& rows, int steps, FrictionAnswer* answer) {
+  rows.ToScaled(*answer->options().initial_f, &start_);
+  return answer->Take(start_) || Run(rows, {.steps = steps, .eps = 1e-10}, &start_, answer);
 }
 
 // Contacts whose normal gap at rest is rounding beside the largest load, as between bodies that fall together.

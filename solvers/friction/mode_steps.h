@@ -13,8 +13,8 @@ namespace lcpbench {
 /// The method of mode-newton by itself, see mode_newton.h.
 class ModeSteps {
  public:
-  static constexpr size_t kFewContacts = 3;
-  static constexpr Index kFewRows = 12;  ///< of these contacts, joints beside them
+  static constexpr Index kFewRows = 12;    ///< of a problem whose modes may be tried one by one
+  static constexpr int kMostSteps = 2000;  ///< of any method
   /// How far a run goes.
   struct Limits {
     int steps = 200;
@@ -25,9 +25,8 @@ class ModeSteps {
   void Reset() { sweeps_are_ready_ = false; }
   /// For problems of up to so many rows, all but Sweep.
   void Reserve(Index max_rows);
-  /// What is asked first: the modes of options.initial_f; of up to 16 contacts, Iterate from 0; of few (kFewContacts),
-  /// TryAll. The one that answered; nullptr if none did.
-  const char* Begin(const ContactRows& rows, FrictionAnswer* answer);
+  /// options.initial_f, and up to so many steps from there. True where an answer passes.
+  bool Warm(const ContactRows& rows, int steps, FrictionAnswer* answer);
   /// Up to `steps` steps of full length from *phi, which find most small problems; contacts without a load stick at
   /// first. True where an answer passes.
   bool Iterate(const ContactRows& rows, int steps, Eigen::VectorXd* phi, FrictionAnswer* answer);

@@ -8,7 +8,7 @@ namespace lcpbench {
 
 class ShiftEngine {
  public:
-  explicit ShiftEngine(const WithinOptions& options) : relaxation_(options), rounds_(RelaxProblems(options)) {}
+  explicit ShiftEngine(const WithinOptions& options) : relaxation_(options), rounds_(nullptr, options) {}
   static constexpr bool kTakesFriction = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const { return relaxation_.WhyUnsupported(problem); }

@@ -1,26 +1,24 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <functional>
-#include <utility>
+#include <memory>
+#include <vector>
 
 #include "solvers/friction/mode_steps.h"
 #include "solvers/friction/relaxation.h"
+#include "solvers/friction/relaxed_rows.h"
+#include "solvers/pivoting/small_pivoting.h"
 
 /// Internal to solvers/.
 namespace lcpbench {
 
-/// The rounds of `shift` by themselves, see shift.h.
+/// The rounds of `shift` by themselves, see shift.h. The relaxation of a dense A is P A P^T, solved by a tableau; of
+/// others an LcpProblem.
 class ShiftRounds {
  public:
-  /// A relaxation: of the gaps b + shift, in the problem's units, within the limits of the answer.
-  /// @param shift  n
-  /// @param start  n, forces of the round before; nullptr: a cold start
-  /// @param f      n, written: forces, zeros where there are none
-  using Relax = std::function<LcpStatus(const FrictionAnswer& answer, const Eigen::VectorXd& shift,
-                                        const Eigen::VectorXd* start, Eigen::VectorXd* f)>;
-
-  explicit ShiftRounds(Relax relax) : relax_(std::move(relax)) {}
+  /// @param tableau  of dense A, outlives this
+  /// @param plain    of others
+  ShiftRounds(SmallPivoting* tableau, const WithinOptions& plain);
   /// For problems of up to so many rows.
   void Reserve(Index max_rows);
   /// Forgets the shift; for a solve of a problem whose ContactRows are `rows`.
@@ -33,14 +31,20 @@ class ShiftRounds {
 
  private:
   const char* RunOne(const ContactRows& rows, ModeSteps* newton, Eigen::VectorXd* phi, FrictionAnswer* answer);
+  void AssembleDense(const ContactRows& rows);
+  bool RelaxDense(const ContactRows& rows, FrictionAnswer* answer, Eigen::VectorXd* phi);
+  bool RelaxProblem(const ContactRows& rows, FrictionAnswer* answer, Eigen::VectorXd* phi);
 
-  const Relax relax_;
+  SmallPivoting* const tableau_;
+  std::unique_ptr<RelaxationSolver> solver_;  // nullptr without `plain`
+  LcpResult result_;
   LcpStatus status_ = LcpStatus::kNotRun;
-  bool is_shifted_ = false;
-  Eigen::VectorXd shift_, f_, start_, gaps_;  // n
+  bool is_first_ = true, is_assembled_ = false;
+  Eigen::VectorXd shift_;  // n: of scaled gaps
+  Eigen::VectorXd gaps_, loads_, start_;
+  RelaxedRows relaxed_;
+  Eigen::VectorXd A_, row_, b_, f_, diagonal_;  // of the dense relaxation
+  std::vector<unsigned char> bilateral_;
 };
-
-/// By RelaxationSolver, of answer.problem().
-ShiftRounds::Relax RelaxProblems(const WithinOptions& options);
 
 }  // namespace lcpbench

@@ -159,6 +159,15 @@ SmallPivoting::Answer SmallPivoting::SolveMatrix(const MatrixArrays& A, const Re
   return SolveLoaded(given, request, f, nullptr);
 }
 
+SmallPivoting::Answer SmallPivoting::SolveDense(Index m, const double* A, const double* diagonal, const double* b,
+                                                const unsigned char* bilateral, const Request& request, double* f) {
+  const auto given = [](Index i) { return i; };
+  Load(
+      m, given, diagonal, b, [&](Index i) { return bilateral[i] != 0; },
+      [&](Index i, double* row) { std::copy_n(A + i * m, m, row); });
+  return SolveLoaded(given, request, f, nullptr);
+}
+
 SmallPivoting::Answer SmallPivoting::SolveRows(const StepRows& all, std::span<const std::int32_t> part,
                                                const Request& request, double* f, double* w) {
   WithNumbers(all, [&](const auto* J, auto p) { LoadRowsOf<p>(all, J, part); });

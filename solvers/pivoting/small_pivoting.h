@@ -101,6 +101,11 @@ class SmallPivoting {
   /// The same for A as arrays give it.
   Answer SolveMatrix(const MatrixArrays& A, const Request& request, double* f);
 
+  /// The same for m rows of a symmetric A in one piece.
+  /// @param bilateral  m, 1: a joint
+  Answer SolveDense(Index m, const double* A, const double* diagonal, const double* b, const unsigned char* bilateral,
+                    const Request& request, double* f);
+
   /// Pivots of the last Solve; guessed active sets that were tried count as one each.
   int pivots() const { return work_.pivots; }
 

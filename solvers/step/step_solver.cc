@@ -13,10 +13,8 @@
 #include <vector>
 
 #include "solvers/auto/auto_solver.h"
-#include "solvers/auto/friction_row_solver.h"
-#include "solvers/auto/row_solver.h"
+#include "solvers/auto/ladder.h"
 #include "solvers/batch/row_batch.h"
-#include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/step/check_rows.h"
 #include "support/cancellation.h"
@@ -144,11 +142,10 @@ class LawsByRow {
 
 struct StepSolver::Implementation {
   explicit Implementation(const StepOptions& given)
-      : options(given), rows(given.instructions), friction(&rows), batch(given.instructions) {}
+      : options(given), rows(given.instructions), batch(given.instructions) {}
 
   StepOptions options;
-  RowSolver rows;
-  FrictionRowSolver friction;
+  Ladder rows;
   RowBatch batch;
   OwnBodies own_bodies;
   std::vector<FrictionRow> friction_of_part;
@@ -190,8 +187,8 @@ struct StepSolver::Implementation {
     }
     const Deadline* const deadline = limit.has_value() ? &*limit : nullptr;
     if (!IsPlain(of)) {
-      friction.Reserve(of.rows, of.bodies);
-      return friction.Solve(of, options.tolerance, deadline, start, f, w);
+      rows.ReserveLaws(of.rows, of.bodies);
+      return of.friction.empty() ? RowAnswer() : rows.Solve(of, options.tolerance, deadline, start, f, w);
     }
     rows.Reserve(of.rows, of.bodies);
     if (w == nullptr && unwanted_w.size() < of.rows) unwanted_w.resize(of.rows);
@@ -235,9 +232,7 @@ struct StepSolver::Implementation {
       std::copy_n(gaps.data(), of.rows, w);
     }
     if (result.status == LcpStatus::kUnsupported) return {result.status, 0};
-    // In double the squares of large numbers overflow, and their ratio is NaN.
-    StepAnswer answer{result.status, result.iterations,
-                      static_cast<double>(Residual<long double>(problem).Rho(result.f))};
+    StepAnswer answer{result.status, result.iterations, ComputeMetrics(problem, result.f).rho};
     if (result.status == LcpStatus::kInfeasible) {
       const FarkasVerdict verdict = VerifyFarkasRay(problem, *result.farkas_ray);
       answer.infeasible_proved = verdict.proved;
@@ -265,7 +260,7 @@ StepSolver::~StepSolver() = default;
 
 void StepSolver::Reserve(Index max_rows, Index max_bodies) {
   for (const auto& own : threads_) {
-    own->friction.Reserve(max_rows, max_bodies);  // and own->rows
+    own->rows.ReserveLaws(max_rows, max_bodies);
     own->own_bodies.Reserve(max_rows);
     if (own->unwanted_w.size() < max_rows) own->unwanted_w.resize(max_rows);
   }

@@ -39,12 +39,12 @@ struct StepAnswer {
 /// From an engine's arrays to forces, for the LCP of one time step: what `auto` does, without LcpProblem objects.
 ///
 /// Reads the caller's arrays in place, copies no matrix, and allocates nothing up to the sizes given to Reserve (1000
-/// rows and more), unless all of its own methods fail on an island (RowSolver): then AutoSolver's other backends are
+/// rows and more), unless all of its own methods fail on an island (Ladder): then AutoSolver's other backends are
 /// asked, whose factorizations allocate. Method, guaranteed class (every A = J M^-1 J^T) and checks are those of
-/// RowSolver and AutoSolver; kSolved is claimed only for an f that passed.
+/// Ladder and AutoSolver; kSolved is claimed only for an f that passed.
 ///
-/// Steps with friction rows, and bounded rows beside them, are solved in the same way by FrictionRowSolver, which
-/// allocates nothing where every island has up to FrictionRowSolver::kMostRows (128) rows. What it leaves open is
+/// Steps with friction rows, and bounded rows beside them, are solved in the same way, which allocates nothing where
+/// every island has up to Ladder::kMostLawRows (128) rows. What it leaves open is
 /// AutoSolver's and allocates, as do steps with bounded rows and no friction.
 ///
 /// The input is checked in the same call: NaN, infinity, negative masses, bodies out of range, and friction and bounded

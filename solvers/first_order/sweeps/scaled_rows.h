@@ -13,7 +13,7 @@
 #include "solvers/lcp/step_rows.h"
 
 /// Internal to solvers/: a problem in the units that row methods work in. The forms of a problem, and who makes which
-/// of which (RowSolver: solvers/rows/, all else: where LcpProblem is solved):
+/// of which (Ladder: solvers/rows/, all else: where LcpProblem is solved):
 ///
 ///     caller's arrays ── ProblemArrays ──▶ LcpProblem: J M^-1 J^T, dense or sparse A; all solvers take it
 ///           │                 │                 │

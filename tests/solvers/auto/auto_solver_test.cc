@@ -86,7 +86,7 @@ TEST(AutoSolver, SolvesIslandsOneByOne) {
 }
 
 // Above AutoFacts::kSmallRows: one island or one that dominates stays whole, many are taken one by one, and a few
-// large ones go to the portfolio together. Without its own check auto asks RowSolver for nothing.
+// large ones go to the portfolio together. Without its own check auto asks Ladder for nothing.
 TEST(AutoSolver, DividesLargeProblemsWhereTheirColumnsDo) {
   const auto check = [](const LcpProblem& problem, bool divides) {
     AutoSolver solver({.self_check = false});

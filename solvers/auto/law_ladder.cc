@@ -1,0 +1,209 @@
+#include "solvers/auto/law_ladder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "solvers/auto/ladder.h"
+#include "solvers/lcp/verify.h"
+#include "solvers/linear_algebra/islands.h"
+#include "support/array_index.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kLeastTimeOfPart = 1e-9;  // [s]: limits are > 0
+
+// None where all rows are connected.
+std::vector<std::vector<Index>> IslandsOf(const LcpProblem& problem) {
+  Islands found;
+  if (problem.has_factors()) {
+    found.FindByColumns(problem.J(), problem.inverse_mass(), problem.friction_rows());
+  } else {
+    found.Find(problem.SparseA(), std::vector<char>(At(problem.size()), 1), problem.friction_rows());
+  }
+  std::vector<std::vector<Index>> islands;
+  if (found.count() == 1) return islands;
+  for (Index k = 0; k < found.count(); ++k) islands.emplace_back(found.rows(k).begin(), found.rows(k).end());
+  return islands;
+}
+
+}  // namespace
+
+LawLadder::LawLadder(SmallPivoting* tableau, const WithinOptions& plain) : plain_(plain), rounds_(tableau, plain) {}
+
+void LawLadder::Reserve(Index max_rows) {
+  newton_.Reserve(max_rows);
+  path_.Reserve(max_rows);
+  rounds_.Reserve(max_rows);
+  ContactRows::Lengthen(max_rows, &phi_);
+}
+
+const char* LawLadder::Ask(const ContactRows& rows, std::size_t* next, FrictionAnswer* answer, LcpResult* result) {
+  const Laws laws = rows.laws();
+  facts_ = {};
+  facts_.rows = rows.size();
+  facts_.tolerance = answer->tolerance();
+  facts_.contacts = std::ssize(laws.normals);
+  facts_.can_stick = std::ranges::any_of(laws.friction, &CanStick);
+  facts_.can_relax = rows.can_relax();
+  facts_.is_paired = rows.is_paired();
+  facts_.has_bounded = !laws.bounded.empty();
+  facts_.has_start = answer->options().initial_f != nullptr;
+  facts_.has_problem = plain_.make_plain != nullptr;
+  newton_.Reset();
+  rounds_.Start(rows);
+  const std::span<const AutoRule> rules = AutoRulesOf(AutoStage::kLaws);
+  AutoFacts of_problem = facts_;
+  of_problem.has_problem = true;
+  std::size_t left = rules.size();  // the first rule that only an LcpProblem may ask
+  while (*next < rules.size()) {
+    const AutoRule& rule = rules[(*next)++];
+    if (rule.Grants(facts_) == 0) {
+      if (rule.Grants(of_problem) > 0) left = std::min(left, *next - 1);
+      continue;
+    }
+    if (const char* method = AskOne(rule, rows, answer, result)) return method;
+    if (answer->IsOver()) break;
+    if (facts_.relaxation_failed && !facts_.has_problem) {
+      --*next;  // a solver of plain problems has other methods
+      break;
+    }
+  }
+  *next = std::min(*next, left);
+  return nullptr;
+}
+
+const char* LawLadder::AskOne(const AutoRule& rule, const ContactRows& rows, FrictionAnswer* answer,
+                              LcpResult* result) {
+  constexpr ModeSteps::Limits kCold{.eps = 1e-8};
+  constexpr unsigned kSeeds = 2;
+  const auto granted = static_cast<int>(std::min<std::int64_t>(rule.Grants(facts_), ModeSteps::kMostSteps));
+  const auto start_at_zero = [&] {
+    ContactRows::Lengthen(rows.size(), &phi_);
+    phi_.head(rows.size()).setZero();
+  };
+  switch (rule.method) {
+    case AutoMethod::kNoFriction:
+      return rounds_.Run(rows, 1, &newton_, &phi_, answer) != nullptr ? "no friction" : nullptr;
+    case AutoMethod::kWarmModes:
+      return newton_.Warm(rows, granted, answer) ? "warm modes" : nullptr;
+    case AutoMethod::kModes:
+      start_at_zero();
+      return newton_.Iterate(rows, granted, &phi_, answer) ? "modes" : nullptr;
+    case AutoMethod::kAllModes:
+      return newton_.TryAll(rows, answer) ? "modes" : nullptr;
+    case AutoMethod::kSweeps:
+      start_at_zero();
+      return newton_.Sweep(rows, granted, &phi_, answer) ? "sweeps" : nullptr;
+    case AutoMethod::kRelaxation: {
+      const char* const method = rounds_.Run(rows, granted, &newton_, &phi_, answer);
+      facts_.relaxation_failed = method == nullptr && !rounds_.is_solved() && !rounds_.ran_out_of_time();
+      return method;
+    }
+    case AutoMethod::kModeNewton:
+      start_at_zero();
+      return newton_.Run(rows, {.steps = granted, .eps = kCold.eps}, &phi_, answer) ? "mode-newton" : nullptr;
+    case AutoMethod::kLemke:
+      return path_.Cover(rows, kSeeds, &newton_, &phi_, answer) ? "lemke" : nullptr;
+    case AutoMethod::kProximalPoints:
+      if (!answer->GetBest(&phi_)) start_at_zero();
+      return path_.Approach(rows, granted, &newton_, &phi_, answer) ? "proximal points" : nullptr;
+    case AutoMethod::kRay:
+      return FindRay(*answer, result) ? "a ray without friction" : nullptr;
+    default:
+      return nullptr;
+  }
+}
+
+// Whether there is no solution even without friction, whose forces then do not help [docs/friction.md section 2].
+bool LawLadder::FindRay(const FrictionAnswer& answer, LcpResult* result) const {
+  const LcpProblem& problem = answer.problem();
+  RowBounds bounds = problem.bounds();
+  for (const FrictionRow& row : bounds.friction) bounds.bounded.push_back({row.row, 0, 0});
+  bounds.friction.clear();
+  LcpOptions plain = answer.options();
+  plain.initial_f = nullptr;
+  plain.time_limit_s = std::max(answer.Remaining(), kLeastTimeOfPart);
+  LcpResult frictionless;
+  plain_.make_plain()->Solve(problem.WithBounds(std::move(bounds)), plain, &frictionless);
+  std::optional<Eigen::VectorXd>& ray = frictionless.farkas_ray;
+  if (frictionless.status != LcpStatus::kInfeasible || !ray || !VerifyFarkasRay(problem, *ray).accepted) return false;
+  result->farkas_ray = std::move(ray);
+  result->status = LcpStatus::kInfeasible;
+  return true;
+}
+
+void LawPortfolio::Prepare(const LcpProblem& problem) {
+  // Without friction the whole is left to the solver of plain problems, to be solved in the same bits.
+  const bool is_plain =
+      problem.bounded_rows().empty() &&
+      std::ranges::all_of(problem.friction_rows(), [](const FrictionRow& row) { return row.mu == 0; });
+  std::vector<std::vector<Index>> islands;
+  if (!is_plain && problem.size() > ModeSteps::kFewRows) islands = IslandsOf(problem);
+  parts_.resize(std::max(islands.size(), size_t{1}));
+  for (size_t k = 0; k < parts_.size(); ++k) {
+    Part& part = parts_[k];
+    part.rows = islands.empty() ? std::vector<Index>() : std::move(islands[k]);
+    part.problem = islands.empty() ? problem : Subproblem(problem, part.rows);
+    part.contacts.Prepare(*part.problem);
+  }
+}
+
+void LawPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, std::size_t next,
+                         const Eigen::VectorXd* reached, LcpResult* result) {
+  if (parts_.size() == 1) return SolvePart(&parts_.front(), problem, options, next, reached, result);
+  const Deadline deadline(options);
+  LcpResult of_part;
+  Eigen::VectorXd start, reached_of_part;
+  result->status = LcpStatus::kSolved;
+  size_t largest = 0;
+  std::string last;
+  for (Part& part : parts_) {
+    LcpOptions rest = options;
+    rest.time_limit_s = std::max(deadline.Remaining(), kLeastTimeOfPart);
+    if (options.initial_f != nullptr) {
+      start = (*options.initial_f)(part.rows);
+      rest.initial_f = &start;
+    }
+    if (reached != nullptr) reached_of_part = (*reached)(part.rows);
+    of_part.f.setZero(std::ssize(part.rows));
+    of_part.status = LcpStatus::kNumericalFailure;
+    of_part.iterations = 0;
+    of_part.farkas_ray.reset();
+    const LcpProblem of_rows = part.problem->WithB(problem.b()(part.rows));
+    SolvePart(&part, of_rows, rest, next, reached == nullptr ? nullptr : &reached_of_part, &of_part);
+    result->f(part.rows) = of_part.f;
+    result->iterations += of_part.iterations;
+    if (part.rows.size() > largest || of_part.status != LcpStatus::kSolved) last = of_part.detail;
+    largest = std::max(largest, part.rows.size());
+    if (of_part.status == LcpStatus::kSolved) continue;
+    result->status = of_part.status;
+    if (of_part.status != LcpStatus::kInfeasible) continue;
+    Eigen::VectorXd ray = Eigen::VectorXd::Zero(problem.size());
+    ray(part.rows) = *of_part.farkas_ray;
+    if (VerifyFarkasRay(problem, ray).accepted) result->farkas_ray = std::move(ray);
+    if (!result->farkas_ray) result->status = LcpStatus::kNumericalFailure;
+    break;
+  }
+  result->detail = std::to_string(parts_.size()) + " islands, largest " + std::to_string(largest) + " rows; " + last;
+  // All parts pass; S of the whole is no less than theirs together, but for the least that counts.
+  if (result->status == LcpStatus::kSolved && !PassesTier(ComputeMetrics(problem, result->f), options.tolerance)) {
+    result->status = LcpStatus::kNumericalFailure;
+  }
+}
+
+void LawPortfolio::SolvePart(Part* part, const LcpProblem& problem, const LcpOptions& options, std::size_t next,
+                             const Eigen::VectorXd* reached, LcpResult* result) {
+  const ContactRows& rows = part->contacts;
+  part->contacts.SetB(problem);
+  FrictionAnswer answer(rows, &problem, options, result);
+  if (rows.size() > Ladder::kMostLawRows) next = 0;
+  const bool has_arrived = reached != nullptr && answer.TakeForces(*reached);
+  const char* const method = has_arrived ? "modes" : ladder_.Ask(rows, &next, &answer, result);
+  if (method == nullptr) return answer.Fail("no method finds an answer");
+  result->detail = method;
+}
+
+}  // namespace lcpbench
