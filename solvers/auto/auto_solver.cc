@@ -22,7 +22,7 @@
 #include "solvers/linear_algebra/tableau_rules.h"
 #include "solvers/pivoting/small_pivoting.h"
 #include "solvers/rows/profile_pivoting.h"
-#include "solvers/rows/two_body_copy.h"
+#include "solvers/rows/row_input.h"
 #include "support/input_error.h"
 
 namespace lcpbench {

@@ -1,6 +1,7 @@
 #include "solvers/pivoting/small_pivoting.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "solvers/linear_algebra/tableau_rules.h"
@@ -39,7 +40,9 @@ SmallPivoting::Answer::Judgement SmallPivoting::Answer::Judge(double tolerance) 
 }
 
 SmallPivoting::SmallPivoting(InstructionSet instructions, TableauRule rule)
-    : of_few_rows_(FindKernel(kKernels, ForFewRows(instructions))), of_many_rows_(FindKernel(kKernels, instructions)) {
+    : one_(instructions),
+      of_few_rows_(FindKernel(kKernels, ForFewRows(instructions))),
+      of_many_rows_(FindKernel(kKernels, instructions)) {
   work_.rule = rule;
   work_.is_late = [](const void* clock) { return static_cast<const Deadline*>(clock)->Expired(); };
 }
@@ -159,10 +162,19 @@ SmallPivoting::Answer SmallPivoting::SolveMatrix(const MatrixArrays& A, const Re
   return SolveLoaded(given, request, f, nullptr);
 }
 
-SmallPivoting::Answer SmallPivoting::SolveRows(const StepRows& all, std::span<const std::int32_t> part,
-                                               const Request& request, double* f, double* w) {
+SmallPivoting::End SmallPivoting::SolveRows(const StepRows& all, std::span<const std::int32_t> part, double tolerance,
+                                            Request request, RowJudge* judge, double* f, double* w, double* rho) {
+  request.row_limit = tableau::kMargin * std::sqrt(tolerance);
+  work_.pivots = 0;
+  if (part.size() == 1 && one_.Solve(all, part, tolerance, request.row_limit, f, w, rho)) return End::kSolved;
   WithNumbers(all, [&](const auto* J, auto p) { LoadRowsOf<p>(all, J, part); });
-  return SolveLoaded([part](Index i) { return Index{part[At(i)]}; }, request, f, w);
+  const Answer found = SolveLoaded([part](Index i) { return Index{part[At(i)]}; }, request, f, w);
+  *rho = found.rho;
+  const Answer::Judgement judgement = found.Judge(tolerance);
+  if (judgement == Answer::Judgement::kRight) return End::kSolved;
+  const bool is_unclear = judgement == Answer::Judgement::kUnclear;
+  if (is_unclear && judge->Passes(all, part, tolerance, f, w, rho)) return End::kSolved;
+  return std::isfinite(found.rho) ? End::kInexact : End::kGaveUp;
 }
 
 template <int p, typename Real>
