@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "solvers/lcp/matrix_arrays.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
@@ -13,6 +12,7 @@
 #include "solvers/linear_algebra/sides_of_bodies.h"
 #include "solvers/pivoting/tableau_work.h"
 #include "solvers/rows/fixed_size_bpp.h"
+#include "solvers/rows/matrix_arrays.h"
 #include "solvers/rows/row_judge.h"
 
 namespace lcpbench {
@@ -120,8 +120,6 @@ class SmallPivoting {
   template <typename Given, typename Joint, typename Fill>
   void Load(Index n, const Given& given, const double* diagonal, const double* b, const Joint& is_joint,
             const Fill& fill);
-  template <int p, typename Real>
-  void LoadRowsOf(const StepRows& all, const Real* J, std::span<const std::int32_t> part);
   void SetSize(Index n);
   double* RowOfA(Index i) { return work_.matrix + i * work_.stride; }
   template <typename Given>

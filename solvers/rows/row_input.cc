@@ -211,7 +211,7 @@ bool RowEngine::SolveArrays(const ProblemArrays& arrays, const LcpOptions& optio
     std::iota(all_.begin(), all_.end(), 0);
   }
   std::optional<Deadline> deadline;
-  if (Deadline::IsNeeded(options) && n > kRowsWithoutClock) deadline.emplace(options);
+  if (n > kRowsWithoutClock && Deadline::IsNeeded(options)) deadline.emplace(options);
   const RowTask task{copy_.rows(), {all_.data(), At(n)}, judge_, options, deadline.has_value() ? &*deadline : nullptr,
                      w_.data()};
   return SolveRows(task, result);
