@@ -24,7 +24,7 @@
 #include "benchmarks/motions/scene_source.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
-#include "solvers/rows/two_body_copy.h"
+#include "solvers/rows/row_input.h"
 #include "solvers/step/step_solver.h"
 #include "support/clock.h"
 #include "support/csv.h"

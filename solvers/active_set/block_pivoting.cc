@@ -397,17 +397,9 @@ bool PivotingSetup::Begin(const LcpProblem& problem, const LcpOptions& options, 
   }
   block->Load(problem, scaled.scale);
   if (self_check) answer.Start(problem, options.tolerance, result);
-  BlockPivoting::Task task;
-  task.problem = &problem;
-  task.scaled = &scaled;
-  task.block = block;
-  task.sink = self_check ? &answer : nullptr;
-  task.deadline = deadline;
-  task.factors = options.max_iterations > 0 ? options.max_iterations : factors;
-  task.tolerance = options.tolerance;
-  task.conjugate = conjugate;
-  task.through_bodies = blocks.is_through_bodies(block);
-  pivoting.Begin(task);
+  const std::int64_t most = options.max_iterations > 0 ? options.max_iterations : factors;
+  pivoting.Begin({&problem, &scaled, block, self_check ? sink : nullptr, deadline, most, options.tolerance, conjugate,
+                  blocks.is_through_bodies(block)});
   return true;
 }
 
@@ -418,7 +410,7 @@ void RowSink::Start(const RowTask& task) {
 
 bool RowSink::Publish() {
   const auto passes = [this](double tolerance) {
-    return task_->judge.Passes(task_->rows, task_->all, tolerance, f_.data(), w_.data(), &rho_);
+    return task_->judge.Passes(task_->rows, task_->all, tolerance, f_.data(), task_->w, &rho_);
   };
   const double tolerance = task_->options.tolerance;
   const double enough = std::min(tolerance, BlockPivoting::kProofTolerance);
@@ -459,15 +451,8 @@ bool PivotingSetup::BeginRows(const RowTask& task, std::int64_t factors, bool co
   scaled.Load(given_diagonal, given_b);
   block_of_rows.Scale(scaled.scale);
   row_answer.Start(task);
-  BlockPivoting::Task of_rows;
-  of_rows.scaled = &scaled;
-  of_rows.block = block;
-  of_rows.sink = self_check ? sink : nullptr;
-  of_rows.deadline = task.deadline;
-  of_rows.factors = factors;
-  of_rows.tolerance = task.options.tolerance;
-  of_rows.conjugate = conjugate;
-  pivoting.Begin(of_rows);
+  pivoting.Begin({nullptr, &scaled, block, self_check ? sink : nullptr, task.deadline, factors, task.options.tolerance,
+                  conjugate});
   return true;
 }
 

@@ -2,10 +2,11 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "solvers/answers/answer_judge.h"
@@ -13,7 +14,7 @@
 #include "solvers/lcp/solver.h"
 #include "solvers/linear_algebra/active_block_choice.h"
 #include "solvers/linear_algebra/scaled_lcp.h"
-#include "solvers/rows/row_judge.h"
+#include "solvers/rows/row_input.h"
 
 namespace lcpbench {
 
@@ -136,20 +137,35 @@ class BlockPivoting {
   std::optional<Eigen::VectorXd> accepted_ray_;
 };
 
-/// A problem as arrays have it, of rows with at most two moving bodies, and who judges answers to it.
-struct RowTask {
-  const StepRows& rows;
-  std::span<const std::int32_t> all;  ///< 0, 1, 2, ... n - 1
-  RowJudge& judge;
-  const LcpOptions& options;
-  const Deadline* deadline;  ///< nullptr for none
+/// Engines for rows, each for one of a few sizes, to which rows are filled up: no solve allocates but the first of its
+/// size. An Engine has PrepareRows(size), PivotingSetup's.
+template <typename Engine>
+class EnginesBySize {
+ public:
+  /// With more rows a dense block is no longer the cheapest one.
+  static constexpr Index kMostRows = 128;
+
+  template <typename Options>
+  Engine& Find(Index rows, const Options& options) {
+    std::size_t k = 0;
+    while (kSizes[k] < rows) ++k;
+    if (engines_[k] == nullptr) {
+      engines_[k] = std::make_unique<Engine>(options);
+      engines_[k]->PrepareRows(kSizes[k]);
+    }
+    return *engines_[k];
+  }
+
+ private:
+  static constexpr std::array<Index, 8> kSizes = {8, 16, 24, 32, 48, 64, 96, kMostRows};
+  std::array<std::unique_ptr<Engine>, kSizes.size()> engines_;
 };
 
 /// Judges candidates of one solve by the rows. Only Reserve allocates.
 class RowSink final : public AnswerSink {
  public:
   void Reserve(Index rows) {
-    for (Eigen::VectorXd* v : {&f_, &w_, &best_}) v->setZero(rows);
+    for (Eigen::VectorXd* v : {&f_, &best_}) v->setZero(rows);
   }
   /// @param task  must outlive the solve
   void Start(const RowTask& task);
@@ -163,7 +179,7 @@ class RowSink final : public AnswerSink {
  private:
   const RowTask* task_ = nullptr;
   double tier_ = 0, rho_ = 0;
-  Eigen::VectorXd f_, w_, best_;
+  Eigen::VectorXd f_, best_;
 };
 
 /// What `bpp` and `semismooth-newton` have around it: units, a form of the active block and a judge of answers.

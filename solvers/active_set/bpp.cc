@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "solvers/active_set/block_pivoting.h"
-#include "solvers/active_set/row_engines.h"
 #include "solvers/linear_algebra/tableau_rules.h"
 #include "solvers/rows/fixed_size_bpp.h"
 
@@ -28,9 +27,9 @@ constexpr std::int64_t kExtraFactorizations = 200;
 
 }  // namespace
 
-class BppEngine {
+class BppEngine final : public RowEngine {
  public:
-  explicit BppEngine(const BppOptions& options) : options_(options) {}
+  explicit BppEngine(const BppOptions& options) : RowEngine(MostRows(options)), options_(options) {}
   static constexpr bool kSolvesByFaces = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const;
@@ -38,12 +37,20 @@ class BppEngine {
   double StepTime() const { return setup_.StepTime(); }
   bool is_dense() const { return setup_.blocks.is_dense(setup_.block); }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
-  bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
   void PrepareRows(Index size);
-  bool SolveRows(const RowTask& task, LcpResult* result);
+  bool SolveFilledUp(const RowTask& task, LcpResult* result);
 
  private:
   using End = BlockPivoting::End;
+
+  // Rows are solved with a dense block, unless the caller asks for another one.
+  static Index MostRows(const BppOptions& options) {
+    const bool may_be_dense = options.form != BppOptions::Form::kSparse && options.form != BppOptions::Form::kBodies;
+    return may_be_dense ? std::min(options.max_dense_rows, EnginesBySize<BppEngine>::kMostRows) : 0;
+  }
+  bool SolveRows(const RowTask& task, LcpResult* result) override {
+    return of_rows_.Find(task.rows.rows, options_).SolveFilledUp(task, result);
+  }
 
   void TellSingleExchanges(LcpResult* result) const;
   bool SolveFewRows(const RowTask& task, LcpResult* result);
@@ -54,7 +61,7 @@ class BppEngine {
   PivotingSetup setup_;
   Eigen::VectorXd f_, w_;  // of a warm start
   FixedSizeBpp few_;
-  RowEngines<BppEngine> of_rows_;
+  EnginesBySize<BppEngine> of_rows_;
 };
 
 std::string BppEngine::WhyUnsupported(const LcpProblem& problem) const {
@@ -128,15 +135,6 @@ void BppEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
   TellSingleExchanges(result);
 }
 
-// Rows are solved with a dense block, unless the caller asks for another one.
-bool BppEngine::SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
-  using Form = BppOptions::Form;
-  const bool may_be_dense = options_.form != Form::kSparse && options_.form != Form::kBodies;
-  if (!may_be_dense || arrays.rows > options_.max_dense_rows) return false;
-  return of_rows_.Solve(
-      arrays, options, [this] { return std::make_unique<BppEngine>(options_); }, result);
-}
-
 void BppEngine::PrepareRows(Index size) {
   setup_.PrepareRows(size, options_.self_check);
   for (Eigen::VectorXd* v : {&f_, &w_}) v->setZero(size);
@@ -151,7 +149,7 @@ bool BppEngine::SolveFewRows(const RowTask& task, LcpResult* result) {
   if (!is_usual || task.rows.rows > FixedSizeBpp::kMostRows) return false;
   const double tolerance = std::min(task.options.tolerance, BlockPivoting::kProofTolerance);
   double rho = 0;
-  if (!few_.Solve(task.rows, task.all, tolerance, tableau::kMargin * std::sqrt(tolerance), result->f.data(), w_.data(),
+  if (!few_.Solve(task.rows, task.all, tolerance, tableau::kMargin * std::sqrt(tolerance), result->f.data(), task.w,
                   &rho)) {
     return false;
   }
@@ -160,7 +158,7 @@ bool BppEngine::SolveFewRows(const RowTask& task, LcpResult* result) {
   return true;
 }
 
-bool BppEngine::SolveRows(const RowTask& task, LcpResult* result) {
+bool BppEngine::SolveFilledUp(const RowTask& task, LcpResult* result) {
   if (SolveFewRows(task, result)) return true;
   const Index n = task.rows.rows;
   if (!setup_.BeginRows(task, kFactorizationsPerRow * n + kExtraFactorizations, /*conjugate=*/true)) return false;

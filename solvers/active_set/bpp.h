@@ -68,7 +68,7 @@ struct BppOptions {
 /// of any other the set alone counts. A warm start whose first set leaves more than 10 % of the rows violated, or whose
 /// blocks cycle, is forgotten.
 ///
-/// From arrays, up to 128 rows of at most two moving bodies each need no LcpProblem (RowEngines), with a dense block
+/// From arrays, up to 128 rows of at most two moving bodies each need no LcpProblem (RowEngine), with a dense block
 /// unless `form` asks for another one. Up to six, cold and with the default options, are solved in registers by the
 /// same exchanges without a proximal loop (FixedSizeBpp), which counts as one iteration.
 ///

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "solvers/active_set/block_pivoting.h"
-#include "solvers/active_set/row_engines.h"
 #include "support/array_index.h"
 #include "support/input_error.h"
 
@@ -70,9 +69,11 @@ constexpr Index kFewWrong = 30;
 }  // namespace
 
 // Vectors are by row of the problem, in the units of ScaledVectors.
-class SemismoothNewtonEngine {
+class SemismoothNewtonEngine final : public RowEngine {
  public:
-  explicit SemismoothNewtonEngine(const SemismoothNewtonOptions& options) : options_(options) {
+  explicit SemismoothNewtonEngine(const SemismoothNewtonOptions& options)
+      : RowEngine(std::min(EnginesBySize<SemismoothNewtonEngine>::kMostRows, options.continuation_rows - 1)),
+        options_(options) {
     for (const double weight : {options.first_weight, options.weight_factor, options.least_weight}) {
       if (!(weight >= kLeastAllowedWeight && weight <= 1)) {
         throw InputError("semismooth-newton: weights must be in [1e-10, 1]");
@@ -85,12 +86,15 @@ class SemismoothNewtonEngine {
   void Prepare(const LcpProblem& problem);
   double StepTime() const { return setup_.StepTime(); }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
-  bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
   void PrepareRows(Index size);
-  bool SolveRows(const RowTask& task, LcpResult* result);
+  bool SolveFilledUp(const RowTask& task, LcpResult* result);
 
  private:
   using End = BlockPivoting::End;  // kNotMet: go on
+
+  bool SolveRows(const RowTask& task, LcpResult* result) override {
+    return of_rows_.Find(task.rows.rows, options_).SolveFilledUp(task, result);
+  }
 
   void Reserve(Index rows);
   bool Start(const Eigen::VectorXd* initial_f);
@@ -124,7 +128,7 @@ class SemismoothNewtonEngine {
   Eigen::VectorXd growth_;         // c - previous c
   std::vector<char> in_F_;
   double slope_at_0_ = 0, curvature_ = 0;  // of 1/2 u.A u along the step
-  RowEngines<SemismoothNewtonEngine> of_rows_;
+  EnginesBySize<SemismoothNewtonEngine> of_rows_;
 };
 
 void SemismoothNewtonEngine::Reserve(Index rows) {
@@ -352,18 +356,12 @@ void SemismoothNewtonEngine::Solve(const LcpProblem& problem, const LcpOptions& 
   setup_.Conclude(end, tolerance_, result);
 }
 
-bool SemismoothNewtonEngine::SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
-  if (arrays.rows >= options_.continuation_rows) return false;
-  return of_rows_.Solve(
-      arrays, options, [this] { return std::make_unique<SemismoothNewtonEngine>(options_); }, result);
-}
-
 void SemismoothNewtonEngine::PrepareRows(Index size) {
   Reserve(size);
   setup_.PrepareRows(size, options_.self_check);
 }
 
-bool SemismoothNewtonEngine::SolveRows(const RowTask& task, LcpResult* result) {
+bool SemismoothNewtonEngine::SolveFilledUp(const RowTask& task, LcpResult* result) {
   tolerance_ = task.options.tolerance;
   deadline_ = task.deadline;
   if (!setup_.BeginRows(task, kFactorsOfRows, /*conjugate=*/false)) return false;

@@ -54,7 +54,7 @@ struct SemismoothNewtonOptions {
 /// Warm start: c = u = initial_f, clipped at 0, if its rho is at most half the one at f = 0. Its F = {D f > w} is
 /// finished first, wrong rows changing sides while their number falls.
 ///
-/// From arrays, up to 128 rows of at most two moving bodies each need no LcpProblem (RowEngines), with a dense block.
+/// From arrays, up to 128 rows of at most two moving bodies each need no LcpProblem (RowEngine), with a dense block.
 ///
 /// Solve allocates nothing but a ray, and what CHOLMOD does where the block is in body space. kTimeLimit,
 /// kIterationLimit and kNumericalFailure leave the best f that was judged, else c. Departures: the rules for eps;

@@ -13,15 +13,15 @@
 #include "solvers/auto/auto_rules.h"
 #include "solvers/auto/ladder.h"
 #include "solvers/auto/law_ladder.h"
-#include "solvers/lcp/matrix_arrays.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/islands.h"
 #include "solvers/linear_algebra/tableau_rules.h"
 #include "solvers/pivoting/small_pivoting.h"
+#include "solvers/rows/matrix_arrays.h"
 #include "solvers/rows/profile_pivoting.h"
-#include "solvers/rows/two_body_copy.h"
+#include "solvers/rows/row_input.h"
 #include "support/input_error.h"
 
 namespace lcpbench {

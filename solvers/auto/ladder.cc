@@ -26,7 +26,8 @@ void Ladder::Reserve(Index max_rows, Index max_bodies) {
   max_rows = reserved_rows_ = std::max(max_rows, reserved_rows_);
   max_bodies = reserved_bodies_ = std::max(max_bodies, reserved_bodies_);
   islands_.Reserve(max_rows, max_bodies);
-  tableau_.Reserve(max_rows, max_bodies);
+  tableau_.ReserveRows(std::min(max_rows, SmallPivoting::kMaxRows), max_bodies);
+  judge_.Reserve(max_rows, max_bodies);
   profile_.Reserve(std::min(max_rows, AutoFacts::kMostIslandRows), max_bodies);
   const Index known = static_cast<Index>(all_.size());
   if (known >= max_rows) return;
@@ -146,11 +147,11 @@ Ladder::PartEnd Ladder::AskPrincipalPivoting(const Request& request, Part part, 
   of_part.initial_f = initial_f;
   of_part.deadline = request.deadline;
   double rho = 0;
-  const RowTableau::End end =
-      tableau_.Solve(request.rows, part, request.tolerance, of_part, request.f, request.w, &rho);
+  const SmallPivoting::End end =
+      tableau_.SolveRows(request.rows, part, request.tolerance, of_part, &judge_, request.f, request.w, &rho);
   answer->iterations += tableau_.pivots();
-  if (end == RowTableau::End::kInexact) return PartEnd::kInexact;
-  if (end == RowTableau::End::kGaveUp) return PartEnd::kGaveUp;
+  if (end == SmallPivoting::End::kInexact) return PartEnd::kInexact;
+  if (end == SmallPivoting::End::kGaveUp) return PartEnd::kGaveUp;
   answer->rho = std::max(answer->rho, rho);
   return PartEnd::kSolved;
 }

@@ -12,9 +12,11 @@
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
 #include "solvers/linear_algebra/islands.h"
-#include "solvers/pivoting/row_tableau.h"
+#include "solvers/pivoting/small_pivoting.h"
 #include "solvers/rows/fixed_size_bpp.h"
 #include "solvers/rows/profile_pivoting.h"
+#include "solvers/rows/row_judge.h"
+#include "solvers/rows/row_judge.h"
 
 namespace lcpbench {
 
@@ -83,7 +85,7 @@ class Ladder {
   PartEnd AskPrincipalPivoting(const Request& request, Part part, const double* initial_f, RowAnswer* answer);
   PartEnd AskProfilePivoting(const Request& request, Part part, const double* initial_f, RowAnswer* answer);
   bool Passes(const Request& request, Part part, double* rho) {
-    return tableau_.Passes(request.rows, part, request.tolerance, request.f, request.w, rho);
+    return judge_.Passes(request.rows, part, request.tolerance, request.f, request.w, rho);
   }
 
   // Rows with laws.
@@ -114,7 +116,8 @@ class Ladder {
   RowIslands islands_;
   FixedSizeBpp few_;
   ProfilePivoting profile_;
-  RowTableau tableau_;
+  SmallPivoting tableau_;
+  RowJudge judge_;
   std::vector<std::int32_t> all_;  // 0, 1, 2, ...
 
   SmallPivoting relaxations_;

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "solvers/lcp/engine_solver.h"
@@ -43,22 +42,14 @@ void FirstOrderEngine::PrepareRows(const LcpProblem& problem) {
 void FirstOrderEngine::TakeProblem(const LcpProblem& problem, const LcpOptions& options) {
   rows_.Start(problem.b().data(), options.initial_f);
   given_.SetB(problem);
-  step_ = nullptr;
+  task_ = nullptr;
 }
 
-bool FirstOrderEngine::TakeArrays(const ProblemArrays& arrays, const LcpOptions& options) {
-  if (setup_.form == RowForm::kAssembled || !copy_.Take(arrays)) return false;
-  step_ = &copy_.rows();
-  if (!rows_.Take(*step_, setup_.coloured)) return false;
-  const Index n = step_->rows;
-  if (best_.size() < n) best_.resize(n);
-  judge_.Reserve(n, step_->bodies);
-  if (all_.size() < At(n)) {
-    all_.resize(At(n));
-    gaps_.resize(At(n));
-    std::iota(all_.begin(), all_.end(), 0);
-  }
-  rows_.Start(step_->b, options.initial_f);
+bool FirstOrderEngine::TakeRows(const RowTask& task) {
+  if (setup_.form == RowForm::kAssembled || !rows_.Take(task.rows, setup_.coloured)) return false;
+  task_ = &task;
+  if (best_.size() < task.rows.rows) best_.resize(task.rows.rows);
+  rows_.Start(task.rows.b, task.options.initial_f);
   return true;
 }
 
@@ -75,7 +66,7 @@ bool FirstOrderEngine::Begin(const LcpOptions& options, LcpResult* result) {
   deadline_.reset();
   chunk_ = std::max<Index>(1, kEntriesPerClockRead / rows_.rows->EntriesPerRow());
   // Few rows of a step are mostly done before the clock would be read: it starts then, some 20 us late.
-  const bool is_short = step_ != nullptr && 2 * rows_.scaled.size < chunk_;
+  const bool is_short = task_ != nullptr && 2 * rows_.scaled.size < chunk_;
   if (!is_short && Deadline::IsNeeded(options)) deadline_.emplace(options);
   unread_ = 0;
   tolerance_ = options.tolerance;
@@ -171,9 +162,9 @@ bool FirstOrderEngine::Claim() {
 
 // By the given form.
 bool FirstOrderEngine::Passes() {
-  if (step_ == nullptr) return given_.Meets(tolerance_, result_->f);
+  if (task_ == nullptr) return given_.Meets(tolerance_, result_->f);
   double rho = 0;
-  return judge_.Passes(*step_, {all_.data(), At(step_->rows)}, tolerance_, result_->f.data(), gaps_.data(), &rho);
+  return task_->judge.Passes(task_->rows, task_->all, tolerance_, result_->f.data(), task_->w, &rho);
 }
 
 void FirstOrderEngine::Finish() {

@@ -5,13 +5,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "solvers/first_order/sweeps/row_kernel.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/solver.h"
-#include "solvers/rows/row_judge.h"
-#include "solvers/rows/two_body_copy.h"
+#include "solvers/rows/row_input.h"
 
 /// Internal to solvers/.
 namespace lcpbench {
@@ -45,10 +43,9 @@ class FirstOrderEngine {
   void PrepareRows(const LcpProblem& problem);
   /// Before Run: b and the start, of the prepared problem or one that shares its matrix.
   void TakeProblem(const LcpProblem& problem, const LcpOptions& options);
-  /// Before Run: rows, b and the start of a caller's arrays, without an LcpProblem; allocates where it has met no
-  /// problem as large. False where that takes other arrays, every row on at most two bodies of which one can move, or
-  /// `form` asks for other rows.
-  bool TakeArrays(const ProblemArrays& arrays, const LcpOptions& options);
+  /// Before Run: rows, b and the start of a task, which must outlive it. False where a row acts on no body that can
+  /// move, or `form` asks for other rows.
+  bool TakeRows(const RowTask& task);
 
   /// A solve of what was taken. `iterate` makes one iteration on rows_.x and returns the norm of the natural residuals
   /// that its last pass saw, or nothing if ForAllRows returned false.
@@ -97,13 +94,8 @@ class FirstOrderEngine {
   bool Expired();
 
   const Setup setup_;
-  GivenFormTest given_;  // of a problem
-  // A solve that begins at arrays uses these; step_ is nullptr where it begins at a problem.
-  TwoBodyCopy copy_;
-  const StepRows* step_ = nullptr;
-  RowJudge judge_;
-  std::vector<std::int32_t> all_;  // 0, 1, 2, ...
-  std::vector<double> gaps_;
+  GivenFormTest given_;            // of a problem
+  const RowTask* task_ = nullptr;  // nullptr: the solve begins at a problem
   Array best_;
   double best_rho_ = 0;
   bool claimed_ = false;  // the result has f

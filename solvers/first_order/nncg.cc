@@ -8,7 +8,7 @@
 
 namespace lcpbench {
 
-class NncgEngine final : public FirstOrderEngine {
+class NncgEngine final : public FirstOrderEngine, public RowEngine {
  public:
   explicit NncgEngine(const NncgOptions& options)
       : FirstOrderEngine({.form = options.form,
@@ -29,10 +29,10 @@ class NncgEngine final : public FirstOrderEngine {
     TakeProblem(problem, options);
     SolveTaken(options, result);
   }
-  bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
-    if (!TakeArrays(arrays, options)) return false;
+  bool SolveRows(const RowTask& task, LcpResult* result) override {
+    if (!TakeRows(task)) return false;
     iteration_.Reserve(rows_.scaled.size, rows_.rows->ImageSize());
-    SolveTaken(options, result);
+    SolveTaken(task.options, result);
     return result->status != LcpStatus::kNumericalFailure;
   }
 

@@ -91,7 +91,7 @@ PgsOptions PgsOptions::AdaptiveFromSettings(const Settings& settings) {
   return Read(settings, {.relaxation = kFirstOfAdaptive, .adaptive = true});
 }
 
-class PgsEngine final : public FirstOrderEngine {
+class PgsEngine final : public FirstOrderEngine, public RowEngine {
  public:
   explicit PgsEngine(const PgsOptions& options)
       : FirstOrderEngine({.form = options.form,
@@ -112,9 +112,9 @@ class PgsEngine final : public FirstOrderEngine {
     TakeProblem(problem, options);
     SolveTaken(options, result);
   }
-  bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
-    if (!TakeArrays(arrays, options)) return false;
-    SolveTaken(options, result);
+  bool SolveRows(const RowTask& task, LcpResult* result) override {
+    if (!TakeRows(task)) return false;
+    SolveTaken(task.options, result);
     return result->status != LcpStatus::kNumericalFailure;
   }
 

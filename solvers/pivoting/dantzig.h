@@ -39,7 +39,7 @@ struct DantzigOptions : PivotOptions {
 /// Warm start: the rows with initial_f_i > 0 (relative to the largest, in units of D^-1/2) are the first block. Only
 /// the set matters, not the values.
 ///
-/// SolveArrays first drives rows on a dense tableau (RowTableau) where rows are few: docs/solvers/pivoting.md.
+/// SolveArrays first drives rows on a dense tableau (SmallPivoting) where rows are few: docs/solvers/pivoting.md.
 ///
 /// Cost: O(n^2) to load, then m^2 + m |watched rows| multiply-adds per pivot for m = |F|, O(n m) to judge. Memory: two
 /// n x n arrays besides DenseA(). Solve does not allocate for a problem of at most the reserved size, unless it reports

@@ -53,14 +53,26 @@ void PivotOptions::Read(SettingsReader* reader) {
 }
 
 // A tableau has a rank rule of its own, without a choice.
-PivotBase::PivotBase(const PivotOptions& options, std::optional<TableauRule> rule) : pivot_options_(options) {
-  const bool has_own_rank_rule = options.rank_tolerance != PivotOptions().rank_tolerance;
-  if (rule.has_value() && !has_own_rank_rule) tableau_.emplace(InstructionSet::kBest, *rule);
+PivotBase::PivotBase(const PivotOptions& options, std::optional<TableauRule> rule)
+    : RowEngine(rule.has_value() && options.rank_tolerance == PivotOptions().rank_tolerance
+                    ? std::min(options.max_rows, SmallPivoting::kMaxRows)
+                    : 0),
+      pivot_options_(options) {
+  if (rule.has_value()) tableau_.emplace(InstructionSet::kBest, *rule);
 }
 
-bool PivotBase::SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
-  if (!tableau_.has_value() || options.max_iterations > 0 || arrays.rows > pivot_options_.max_rows) return false;
-  return tableau_->SolveArrays(arrays, options, pivot_options_.self_check, result);
+bool PivotBase::SolveRows(const RowTask& task, LcpResult* result) {
+  tableau_->ReserveRows(task.rows.rows, task.rows.bodies);
+  SmallPivoting::Request request;
+  request.deadline = task.deadline;
+  request.self_check = pivot_options_.self_check;
+  double rho = 0;
+  const SmallPivoting::End end = tableau_->SolveRows(task.rows, task.all, task.options.tolerance, request, &task.judge,
+                                                     result->f.data(), task.w, &rho);
+  if (end != SmallPivoting::End::kSolved) return false;
+  result->status = LcpStatus::kSolved;
+  result->iterations = tableau_->pivots();
+  return true;
 }
 
 std::string PivotBase::WhyUnsupported(const LcpProblem& problem) const {

@@ -13,7 +13,8 @@
 #include "solvers/lcp/solver.h"
 #include "solvers/pivoting/complementary_basis.h"
 #include "solvers/pivoting/pivot_options.h"
-#include "solvers/pivoting/row_tableau.h"
+#include "solvers/pivoting/small_pivoting.h"
+#include "solvers/rows/row_input.h"
 
 namespace lcpbench {
 
@@ -24,11 +25,10 @@ namespace lcpbench {
 /// Positions of the permuted problem: F = [0, m), of which [0, joints) are bilateral; rows in play with f = 0
 /// [m, open); then rows out of play (dependent bilateral rows, rows set aside). Only Reserve and Prepare allocate, and
 /// ClaimRay for its ray.
-class PivotBase {
+class PivotBase : public RowEngine {
  public:
-  /// @param rule  by which SolveArrays pivots on a tableau; empty: it does not
+  /// @param rule  by which SolveArrays pivots on a tableau, without a limit of iterations; empty: it does not
   PivotBase(const PivotOptions& options, std::optional<TableauRule> rule);
-  virtual ~PivotBase() = default;
 
   /// Refuses A that is not numerically symmetric, and more than max_rows rows.
   std::string WhyUnsupported(const LcpProblem& problem) const;
@@ -39,9 +39,6 @@ class PivotBase {
   /// a coarser one, from nothing active and without blocks.
   /// `problem` shares its matrix with the prepared one.
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
-  /// The method on a tableau (RowTableau). False, for Solve to be asked, where that does not take or solve the problem,
-  /// or the caller limits iterations.
-  bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
 
  protected:
   static constexpr Index kNoRow = -1;
@@ -116,6 +113,7 @@ class PivotBase {
   double unit_ = 1;     // A_pp of the row that came first
 
  private:
+  bool SolveRows(const RowTask& task, LcpResult* result) override;
   void Start(const LcpOptions& options);
   PermutedLcp::Loaded Load(const PermutedLcp::Guess& guess);
   bool MayBeWrong() const;
@@ -130,7 +128,7 @@ class PivotBase {
   bool IsSurplus(Index p, double largest) const;
 
   const PivotOptions pivot_options_;
-  std::optional<RowTableau> tableau_;
+  std::optional<SmallPivoting> tableau_;
   bool blocks_ = false;  // in this attempt
   bool out_of_time_ = false;
   std::int64_t solved_at_ = -1;  // pivots_ when SolveForces left F and f as they are; -1: not so

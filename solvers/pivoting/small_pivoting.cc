@@ -1,6 +1,7 @@
 #include "solvers/pivoting/small_pivoting.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "solvers/linear_algebra/tableau_rules.h"
@@ -39,7 +40,9 @@ SmallPivoting::Answer::Judgement SmallPivoting::Answer::Judge(double tolerance) 
 }
 
 SmallPivoting::SmallPivoting(InstructionSet instructions, TableauRule rule)
-    : of_few_rows_(FindKernel(kKernels, ForFewRows(instructions))), of_many_rows_(FindKernel(kKernels, instructions)) {
+    : one_(instructions),
+      of_few_rows_(FindKernel(kKernels, ForFewRows(instructions))),
+      of_many_rows_(FindKernel(kKernels, instructions)) {
   work_.rule = rule;
   work_.is_late = [](const void* clock) { return static_cast<const Deadline*>(clock)->Expired(); };
 }
@@ -84,6 +87,7 @@ void SmallPivoting::SetSize(Index n) {
   work_.is_assembled = true;
   std::fill(work_.diagonal + n, work_.diagonal + work_.stride, 1.0);
   std::fill(work_.b + n, work_.b + work_.stride, 0.0);
+  std::fill(work_.matrix, RowOfA(n), 0.0);
 }
 
 // Row i of what is solved is row given(i) of the problem.
@@ -110,7 +114,6 @@ template <typename Given, typename Joint, typename Fill>
 void SmallPivoting::Load(Index n, const Given& given, const double* diagonal, const double* b, const Joint& is_joint,
                          const Fill& fill) {
   SetSize(n);
-  std::fill(work_.matrix, RowOfA(n), 0.0);
   for (int i = 0; i < work_.n; ++i) {
     work_.diagonal[i] = diagonal[given(i)];
     work_.b[i] = b[given(i)];
@@ -168,23 +171,28 @@ SmallPivoting::Answer SmallPivoting::SolveDense(Index m, const double* A, const 
   return SolveLoaded(given, request, f, nullptr);
 }
 
-SmallPivoting::Answer SmallPivoting::SolveRows(const StepRows& all, std::span<const std::int32_t> part,
-                                               const Request& request, double* f, double* w) {
-  WithNumbers(all, [&](const auto* J, auto p) { LoadRowsOf<p>(all, J, part); });
-  return SolveLoaded([part](Index i) { return Index{part[At(i)]}; }, request, f, w);
-}
-
-template <int p, typename Real>
-void SmallPivoting::LoadRowsOf(const StepRows& all, const Real* J, std::span<const std::int32_t> part) {
-  SetSize(static_cast<Index>(part.size()));
-  std::fill(work_.matrix, RowOfA(work_.n), 0.0);
-  AssembleByBodies<p>(all, J, part, work_.matrix, work_.stride, jacobian_.data(), &sides_, [](Index, Index) {});
+SmallPivoting::End SmallPivoting::SolveRows(const StepRows& all, std::span<const std::int32_t> part, double tolerance,
+                                            Request request, RowJudge* judge, double* f, double* w, double* rho) {
+  request.row_limit = tableau::kMargin * std::sqrt(tolerance);
+  work_.pivots = 0;
+  if (part.size() == 1 && one_.Solve(all, part, tolerance, request.row_limit, f, w, rho)) return End::kSolved;
+  SetSize(std::ssize(part));
+  WithNumbers(all, [&](const auto* J, auto p) {
+    AssembleByBodies<p>(all, J, part, work_.matrix, work_.stride, jacobian_.data(), &sides_, [](Index, Index) {});
+  });
   for (int i = 0; i < work_.n; ++i) {
     const Index row = part[At(i)];
     work_.b[i] = all.b[row];
     work_.diagonal[i] = RowOfA(i)[i];
     if (all.bilateral != nullptr && all.bilateral[row] != 0) work_.joints[work_.joint_count++] = i;
   }
+  const Answer found = SolveLoaded([part](Index i) { return Index{part[At(i)]}; }, request, f, w);
+  *rho = found.rho;
+  const Answer::Judgement judgement = found.Judge(tolerance);
+  if (judgement == Answer::Judgement::kRight) return End::kSolved;
+  const bool is_unclear = judgement == Answer::Judgement::kUnclear;
+  if (is_unclear && judge->Passes(all, part, tolerance, f, w, rho)) return End::kSolved;
+  return std::isfinite(found.rho) ? End::kInexact : End::kGaveUp;
 }
 
 }  // namespace lcpbench

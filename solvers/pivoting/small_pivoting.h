@@ -5,13 +5,15 @@
 #include <span>
 #include <vector>
 
-#include "solvers/lcp/matrix_arrays.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
 #include "solvers/linear_algebra/instruction_set.h"
 #include "solvers/linear_algebra/sides_of_bodies.h"
 #include "solvers/pivoting/tableau_work.h"
+#include "solvers/rows/fixed_size_bpp.h"
+#include "solvers/rows/matrix_arrays.h"
+#include "solvers/rows/row_judge.h"
 
 namespace lcpbench {
 
@@ -93,10 +95,20 @@ class SmallPivoting {
   /// The same for the LCP of `rows` (ascending) alone. Reads SparseA() and DiagonalA(), writes the entries `rows` of f.
   Answer SolvePart(const LcpProblem& problem, std::span<const Index> rows, const Request& request, Eigen::VectorXd* f);
 
-  /// The same for the rows `part` (ascending) of an engine's arrays, which have been checked; A is assembled straight
-  /// into the tableau. Writes the entries `part` of f and w. ReserveRows comes before.
-  Answer SolveRows(const StepRows& all, std::span<const std::int32_t> part, const Request& request, double* f,
-                   double* w);
+  /// How SolveRows ended.
+  enum class End {
+    kSolved,   ///< f passed
+    kInexact,  ///< f is finite, and misses the tolerance
+    kGaveUp,   ///< f is not to be used
+  };
+  /// The same for the rows `part` (ascending; they share no moving body with others) of an engine's arrays, which have
+  /// been checked, judged by these rows where rounding leaves it open. A is assembled straight into the tableau.
+  /// ReserveRows comes before.
+  /// @param request  its row_limit is not read
+  /// @param f, w     entries `part` are written: forces, and A f + b where solved
+  /// @param rho      written
+  End SolveRows(const StepRows& all, std::span<const std::int32_t> part, double tolerance, Request request,
+                RowJudge* judge, double* f, double* w, double* rho);
 
   /// The same for A as arrays give it.
   Answer SolveMatrix(const MatrixArrays& A, const Request& request, double* f);
@@ -113,13 +125,12 @@ class SmallPivoting {
   template <typename Given, typename Joint, typename Fill>
   void Load(Index n, const Given& given, const double* diagonal, const double* b, const Joint& is_joint,
             const Fill& fill);
-  template <int p, typename Real>
-  void LoadRowsOf(const StepRows& all, const Real* J, std::span<const std::int32_t> part);
   void SetSize(Index n);
   double* RowOfA(Index i) { return work_.matrix + i * work_.stride; }
   template <typename Given>
   Answer SolveLoaded(const Given& given, const Request& request, double* f, double* w);
 
+  const FixedSizeBpp one_;  // row, which is a division whatever the rule
   const TableauKernel& of_few_rows_;
   const TableauKernel& of_many_rows_;
   const TableauKernel* kernel_ = nullptr;  // of the rows that are loaded

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "solvers/first_order/sweeps/scaled_rows.h"
-#include "solvers/lcp/matrix_arrays.h"
 #include "solvers/linear_algebra/sides_of_bodies.h"
 #include "solvers/rows/kernel.h"
+#include "solvers/rows/matrix_arrays.h"
 
 namespace lcpbench {
 

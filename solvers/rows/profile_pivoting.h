@@ -10,11 +10,11 @@
 
 #include "solvers/first_order/sweeps/conjugate_sweeps.h"
 #include "solvers/first_order/sweeps/scaled_rows.h"
-#include "solvers/lcp/matrix_arrays.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
 #include "solvers/rows/body_order.h"
 #include "solvers/rows/central_path.h"
+#include "solvers/rows/matrix_arrays.h"
 #include "solvers/rows/profile_factor.h"
 
 namespace lcpbench {

@@ -16,7 +16,7 @@
 #include "solvers/auto/ladder.h"
 #include "solvers/batch/row_batch.h"
 #include "solvers/lcp/verify.h"
-#include "solvers/step/check_rows.h"
+#include "solvers/rows/row_input.h"
 #include "support/cancellation.h"
 #include "support/input_error.h"
 
@@ -25,39 +25,26 @@ namespace {
 
 constexpr int kMostThreads = 1024;
 
-// The same rows in compressed form, with all their bodies, for what AutoSolver asks.
-ProblemArrays ToArrays(const StepRows& rows) {
-  ProblemArrays arrays;
+// For what AutoSolver asks.
+LcpProblem ProblemOf(const StepRows& rows) {
   const Index p = rows.columns_per_body;
-  arrays.id = "step";
-  arrays.rows = rows.rows;
-  arrays.columns = rows.bodies * p;
-  arrays.facts.columns_per_body = rows.columns_per_body;
-  arrays.row_start.push_back(0);
-  for (Index i = 0; i < rows.rows; ++i) {
-    std::int32_t sides[2] = {0, 1};
-    const std::int32_t* body = rows.body + 2 * i;
-    if (body[0] > body[1]) std::swap(sides[0], sides[1]);
-    const bool is_joined = body[0] == body[1];
-    for (const std::int32_t side : sides) {
-      if (body[side] < 0 || (is_joined && side == 1)) continue;
-      for (Index c = 0; c < p; ++c) {
-        const auto number = [&](Index of) {
-          const Index at = (2 * i + of) * p + c;
-          return rows.J != nullptr ? rows.J[at] : static_cast<double>(rows.J_single[at]);
-        };
-        arrays.column.push_back(static_cast<int>(body[side] * p + c));
-        arrays.value.push_back(is_joined ? number(0) + number(1) : number(side));
-      }
-    }
-    arrays.row_start.push_back(static_cast<int>(arrays.column.size()));
+  std::vector<Eigen::Triplet<double, int>> entries;
+  for (Index k = 0; k < 2 * p * rows.rows; ++k) {
+    const std::int32_t body = rows.body[k / p];
+    const double entry = rows.J != nullptr ? rows.J[k] : static_cast<double>(rows.J_single[k]);
+    if (body >= 0) entries.emplace_back(static_cast<int>(k / (2 * p)), static_cast<int>(body * p + k % p), entry);
   }
-  arrays.b.assign(rows.b, rows.b + rows.rows);
-  if (rows.bilateral != nullptr) arrays.bilateral.assign(rows.bilateral, rows.bilateral + rows.rows);
-  arrays.inverse_mass.assign(rows.inverse_mass, rows.inverse_mass + arrays.columns);
-  arrays.friction.assign(rows.friction.begin(), rows.friction.end());
-  arrays.bounded.assign(rows.bounded.begin(), rows.bounded.end());
-  return arrays;
+  SparseMatrix J(rows.rows, rows.bodies * p);
+  J.setFromTriplets(entries.begin(), entries.end());
+  RowBounds bounds;
+  if (rows.bilateral != nullptr) bounds.bilateral.assign(rows.bilateral, rows.bilateral + rows.rows);
+  bounds.friction.assign(rows.friction.begin(), rows.friction.end());
+  bounds.bounded.assign(rows.bounded.begin(), rows.bounded.end());
+  MatrixFacts facts;
+  facts.columns_per_body = rows.columns_per_body;
+  using Numbers = Eigen::Map<const Eigen::VectorXd>;
+  return LcpProblem::FromFactors("step", std::move(J), Numbers(rows.inverse_mass, rows.bodies * p),
+                                 Numbers(rows.b, rows.rows), std::move(bounds), facts);
 }
 
 bool IsPlain(const StepRows& rows) { return rows.friction.empty() && rows.bounded.empty(); }
@@ -209,7 +196,7 @@ struct StepSolver::Implementation {
       return Solve(own_bodies.Take(part), true, nullptr, f + first, nullptr);
     } catch (const InputError&) {
       CheckRows(of, nullptr);  // names the row by its place among all
-      if (!IsPlain(of)) LcpProblem::FromArrays(ToArrays(of));
+      if (!IsPlain(of)) ProblemOf(of);
       throw;
     }
   }
@@ -219,7 +206,7 @@ struct StepSolver::Implementation {
     ++fallbacks;
     if (others == nullptr)
       others = std::make_unique<AutoSolver>(AutoOptions{.reads_in_place = false, .instructions = options.instructions});
-    const LcpProblem problem = LcpProblem::FromArrays(ToArrays(of));
+    const LcpProblem problem = ProblemOf(of);
     LcpOptions solve = SolveOptions();
     if (start != nullptr) {
       initial_f = Eigen::Map<const Eigen::VectorXd>(start, of.rows);

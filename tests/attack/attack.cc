@@ -29,7 +29,7 @@
 
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
-#include "solvers/rows/two_body_copy.h"
+#include "solvers/rows/row_input.h"
 #include "solvers/step/step_solver.h"
 #include "tests/attack/attack_problem.h"
 #include "tests/attack/nearly_dependent.h"

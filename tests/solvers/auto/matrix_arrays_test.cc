@@ -1,6 +1,6 @@
 // How auto takes a matrix straight from a caller's arrays: a tableau, a banded factor, or the long way.
 
-#include "solvers/lcp/matrix_arrays.h"
+#include "solvers/rows/matrix_arrays.h"
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,7 @@
 
 #include "solvers/first_order/pgs.h"
 #include "solvers/first_order/sweeps/row_kernel.h"
-#include "solvers/rows/two_body_copy.h"
+#include "solvers/rows/row_input.h"
 #include "tests/solvers/first_order/first_order_runs.h"
 #include "tests/solvers/test_problems.h"
 

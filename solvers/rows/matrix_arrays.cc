@@ -1,4 +1,4 @@
-#include "solvers/lcp/matrix_arrays.h"
+#include "solvers/rows/matrix_arrays.h"
 
 #include <algorithm>
 

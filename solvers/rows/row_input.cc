@@ -1,11 +1,95 @@
-#include "solvers/rows/two_body_copy.h"
+#include "solvers/rows/row_input.h"
 
 #include <bit>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <utility>
 
 #include "solvers/lcp/number_range.h"
 #include "support/array_index.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
+namespace {
+
+// Up to so many rows a solve takes some ten microseconds.
+constexpr Index kRowsWithoutClock = 24;
+
+[[noreturn]] void Reject(const std::string& what) { throw InputError("step rows: " + what); }
+
+// A number that is not what it must be, named by its row or body.
+void RejectNumber(const StepRows& rows, const double* initial_f) {
+  const Index p = rows.columns_per_body;
+  const auto require = [](bool holds, const char* name, const char* place, Index index, double found,
+                          const char* expected) {
+    if (!holds) {
+      Reject(std::string(name) + " of " + place + " " + std::to_string(index) + " is " + std::to_string(found) +
+             ", expected " + expected);
+    }
+  };
+  for (Index i = 0; i < rows.rows; ++i) {
+    require(std::isfinite(rows.b[i]), "b", "row", i, rows.b[i], "a finite number");
+    if (initial_f != nullptr)
+      require(std::isfinite(initial_f[i]), "initial f", "row", i, initial_f[i], "a finite number");
+    for (Index side = 0; side < 2; ++side) {
+      const std::int32_t body = rows.body[2 * i + side];
+      require(body >= -1 && body < rows.bodies, "body", "row", i, body,
+              ("one in [-1, " + std::to_string(rows.bodies) + ")").c_str());
+      for (Index c = 0; c < p; ++c) {
+        const Index at = (2 * i + side) * p + c;
+        const double j = rows.J != nullptr ? rows.J[at] : static_cast<double>(rows.J_single[at]);
+        require(std::isfinite(j), "J", "row", i, j, "a finite number");
+        if (body < 0) continue;
+        const double m = rows.inverse_mass[body * p + c];
+        require(std::isfinite(m) && m >= 0, "inverse mass", "body", body, m, "a finite number >= 0");
+      }
+    }
+  }
+}
+
+void LookAtMasses(const double* mass, Index count, NumberRange* range, std::uint64_t* signs) {
+  range->Look(mass, count);
+  for (Index k = 0; k < count; ++k) *signs |= std::bit_cast<std::uint64_t>(mass[k]);
+}
+
+}  // namespace
+
+bool CheckRows(const StepRows& rows, const double* initial_f) {
+  const Index p = rows.columns_per_body;
+  if (p != 3 && p != 6) Reject("columns per body must be 3 or 6, found " + std::to_string(p));
+  if (rows.rows < 0 || rows.bodies < 0) Reject("rows and bodies must be >= 0");
+  if (rows.rows == 0) return true;
+  const void* const J = rows.J != nullptr ? static_cast<const void*>(rows.J) : rows.J_single;
+  const std::pair<const void*, const char*> arrays[] = {
+      {rows.body, "body"}, {rows.b, "b"}, {J, "J"}, {rows.bodies > 0 ? rows.inverse_mass : rows.b, "inverse mass"}};
+  for (const auto& [array, name] : arrays) {
+    if (array == nullptr) Reject(std::string(name) + " is missing");
+  }
+
+  NumberRange of_factors(kFactorRange);
+  NumberRange of_loads(kLoadRange);
+  std::uint64_t signs = 0;
+  bool is_known = true;
+  WithNumbers(rows, [&](const auto* numbers, auto width) { of_factors.Look(numbers, 2 * width * rows.rows); });
+  of_loads.Look(rows.b, rows.rows);
+  for (Index k = 0; k < 2 * rows.rows; ++k) is_known &= rows.body[k] >= -1 && rows.body[k] < rows.bodies;
+  if (is_known && rows.bodies <= 2 * rows.rows) {
+    LookAtMasses(rows.inverse_mass, rows.bodies * p, &of_factors, &signs);
+  } else if (is_known) {  // few rows name bodies of a large world: only these are looked at
+    for (Index k = 0; k < 2 * rows.rows; ++k) {
+      if (rows.body[k] >= 0) LookAtMasses(rows.inverse_mass + rows.body[k] * p, p, &of_factors, &signs);
+    }
+  }
+  bool is_finite = true;
+  for (Index i = 0; i < rows.rows && initial_f != nullptr; ++i) is_finite &= std::isfinite(initial_f[i]);
+  // -0.0 is allowed, but seldom: the slow way decides.
+  if (!is_known || !is_finite || (signs >> 63U) != 0 || of_factors.has_large() || of_loads.has_large()) {
+    RejectNumber(rows, initial_f);
+  }
+  return !of_factors.has_large() && of_loads.is_within() && (!of_factors.has_small() || HasDiagonalInRange(rows));
+}
+
 // Columns that do not ascend or are out of range end it as a third body does: LcpProblem finds the words for them.
 template <Index p>
 bool TwoBodyCopy::TakeRows(const Factors& factors) {
@@ -68,11 +152,10 @@ bool TwoBodyCopy::TakeRows(const Factors& factors) {
 bool TwoBodyCopy::TakeFactors(const Factors& factors, int columns_per_body) {
   NumberRange range(kFactorRange);
   range.Look(factors.value, factors.entries);
-  range.Look(factors.mass, factors.columns);
+  std::uint64_t signs = 0;
+  LookAtMasses(factors.mass, factors.columns, &range, &signs);
   if (range.has_large()) return false;
   // -0.0 is 0, and seldom: it goes the long way.
-  std::uint64_t signs = 0;
-  for (Index k = 0; k < factors.columns; ++k) signs |= std::bit_cast<std::uint64_t>(factors.mass[k]);
   if (signs >> 63U != 0 || !(columns_per_body == 3 ? TakeRows<3>(factors) : TakeRows<6>(factors))) return false;
   rows_.columns_per_body = columns_per_body;
   rows_.rows = factors.rows;
@@ -115,6 +198,23 @@ bool TwoBodyCopy::Take(const LcpProblem& problem) {
   return TakeFactors({problem.size(), J.cols(), J.nonZeros(), J.outerIndexPtr(), J.innerIndexPtr(), J.valuePtr(),
                       problem.inverse_mass().data()},
                      problem.columns_per_body());
+}
+
+bool RowEngine::SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
+  const Index n = arrays.rows;
+  if (most_rows_.has_value() && (n > *most_rows_ || options.max_iterations > 0)) return false;
+  if (!copy_.Take(arrays)) return false;
+  judge_.Reserve(n, copy_.rows().bodies);
+  if (all_.size() < At(n)) {
+    all_.resize(At(n));
+    w_.resize(At(n));
+    std::iota(all_.begin(), all_.end(), 0);
+  }
+  std::optional<Deadline> deadline;
+  if (n > kRowsWithoutClock && Deadline::IsNeeded(options)) deadline.emplace(options);
+  const RowTask task{copy_.rows(), {all_.data(), At(n)}, judge_, options, deadline.has_value() ? &*deadline : nullptr,
+                     w_.data()};
+  return SolveRows(task, result);
 }
 
 }  // namespace lcpbench
