@@ -48,8 +48,7 @@ void Ladder::ReserveLaws(Index max_rows, Index max_bodies) {
   own.contacts.Reserve(most, reserved_bodies_);
   own.ladder.Reserve(most);
   relaxations_.Reserve(most);
-  for (Eigen::VectorXd* const numbers :
-       {&own.start, &own.gaps, &own.room.gaps, &own.room.f, &own.result.f}) {
+  for (Eigen::VectorXd* const numbers : {&own.start, &own.gaps, &own.room.gaps, &own.room.f, &own.result.f}) {
     ContactRows::Lengthen(most, numbers);
   }
 }

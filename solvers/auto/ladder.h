@@ -16,7 +16,6 @@
 #include "solvers/rows/fixed_size_bpp.h"
 #include "solvers/rows/profile_pivoting.h"
 #include "solvers/rows/row_judge.h"
-#include "solvers/rows/row_judge.h"
 
 namespace lcpbench {
 
