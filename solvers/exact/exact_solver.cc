@@ -10,12 +10,6 @@
 namespace lcpbench {
 namespace {
 
-Eigen::VectorXd Rounded(const std::vector<Rational>& values) {
-  Eigen::VectorXd rounded(static_cast<Index>(values.size()));
-  for (Index i = 0; i < rounded.size(); ++i) rounded[i] = RoundToNearest(values[static_cast<size_t>(i)]);
-  return rounded;
-}
-
 ExactOptions AnswerOnly(const LcpOptions& options, double elapsed_s) {
   ExactOptions exact;
   exact.answer_only = true;
@@ -41,6 +35,12 @@ double RoundToNearest(const Rational& value) {
   mpfr_set_emax(largest);
   mpfr_clear(rounded);
   return result;
+}
+
+Eigen::VectorXd Rounded(const std::vector<Rational>& values) {
+  Eigen::VectorXd rounded(static_cast<Index>(values.size()));
+  for (Index i = 0; i < rounded.size(); ++i) rounded[i] = RoundToNearest(values[static_cast<size_t>(i)]);
+  return rounded;
 }
 
 std::string ExactSolver::WhyUnsupported(const LcpProblem& problem) const {

@@ -41,5 +41,6 @@ class ExactSolver : public LcpSolver {
 
 /// The double that is nearest, of two the even one; infinite beyond the range of doubles.
 double RoundToNearest(const Rational& value);
+Eigen::VectorXd Rounded(const std::vector<Rational>& values);
 
 }  // namespace lcpbench
