@@ -30,7 +30,7 @@ void AskExact(const LcpProblem& problem, const LcpOptions& options, const Deadli
   if (!(rest.time_limit_s > 0)) return;
   LcpResult exact;
   exact.status = LcpStatus::kUnsupported;
-  if (problem.is_plain()) ExactSolver().Solve(problem, rest, &exact);
+  if (problem.is_plain()) ExactSolver(true).Solve(problem, rest, &exact);
   if (exact.status == LcpStatus::kUnsupported && has_few) {
     ModeOptions modes{.most_modes = kMostModes, .time_limit_s = rest.time_limit_s, .now = options.now};
     modes.guesses = [&] { return std::vector{ModesOf(problem, result->f)}; };

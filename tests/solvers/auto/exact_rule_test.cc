@@ -68,7 +68,7 @@ TEST(ExactRule, AnswersTwoRowsThatAreParallelButFor2ToMinus24) {
 }
 
 TEST(ExactRule, SolvesWhatTheRoundedExactSolutionSolves) {
-  int solved = 0, open = 0;
+  int solved = 0, together = 0;
   for (unsigned seed = 1; seed <= 60; ++seed) {
     TestRandom random(seed + 1000);
     const Index n = random.Integer(2, 14);
@@ -86,14 +86,20 @@ TEST(ExactRule, SolvesWhatTheRoundedExactSolutionSolves) {
       const LcpResult result = Ask(problem, options);
       ExpectNothingFalse(problem, result, tolerance);
       if (exact.status != ExactAnswer::Status::kSolved) continue;
-      const bool passes = PassesTier(ComputeMetrics(problem, Rounded(exact.f)), tolerance);
-      EXPECT_EQ(result.status, passes ? LcpStatus::kSolved : LcpStatus::kNumericalFailure) << problem.id();
-      EXPECT_EQ(result.detail.find("does not pass") == std::string::npos, passes) << result.detail;
-      ++(passes ? solved : open);
+      if (PassesTier(ComputeMetrics(problem, Rounded(exact.f)), tolerance)) {
+        EXPECT_EQ(result.status, LcpStatus::kSolved) << problem.id();
+        EXPECT_EQ(result.f, Rounded(exact.f));
+        ++solved;
+      } else if (result.status == LcpStatus::kSolved) {  // errors of rounding cancel
+        EXPECT_LT((result.f - Rounded(exact.f)).lpNorm<Eigen::Infinity>(), 1e-6 * result.f.lpNorm<Eigen::Infinity>());
+        ++together;
+      } else {
+        EXPECT_NE(result.detail.find("does not pass"), std::string::npos) << result.detail;
+      }
     }
   }
   EXPECT_GT(solved, 30);
-  EXPECT_GT(open, 5);
+  EXPECT_GE(together, 5);
 }
 
 // b is chosen so that a planted f with opening, sticking and sliding contacts solves the problem, to rounding.
