@@ -5,8 +5,8 @@ include(CMakePackageConfigHelpers)
 set(LCPBENCH_INSTALL_INCLUDEDIR "${CMAKE_INSTALL_INCLUDEDIR}/lcpbench")
 set(LCPBENCH_INSTALL_CMAKEDIR "${CMAKE_INSTALL_LIBDIR}/cmake/lcpbench")
 
-install(TARGETS lcpbench_support lcpbench_lcp lcpbench_io lcpbench_external lcpbench_model lcpbench_solvers
-  lcpbench_step EXPORT lcpbench_targets
+install(TARGETS lcpbench_support lcpbench_lcp lcpbench_io lcpbench_exact lcpbench_external lcpbench_model
+  lcpbench_solvers lcpbench_step EXPORT lcpbench_targets
   ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
   FILE_SET HEADERS DESTINATION "${LCPBENCH_INSTALL_INCLUDEDIR}")
 # The C interface is <lcpbench.h>, without a folder: it is the one header that its users need.
@@ -25,7 +25,7 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/lcpbenchConfigVersion.cm
 install(FILES "${PROJECT_BINARY_DIR}/lcpbenchConfig.cmake" "${PROJECT_BINARY_DIR}/lcpbenchConfigVersion.cmake"
   DESTINATION "${LCPBENCH_INSTALL_CMAKEDIR}")
 install(FILES "${PROJECT_SOURCE_DIR}/cmake/FindIpopt.cmake" "${PROJECT_SOURCE_DIR}/cmake/FindCHOLMOD.cmake"
-  "${PROJECT_SOURCE_DIR}/cmake/FindMPFR.cmake" DESTINATION "${LCPBENCH_INSTALL_CMAKEDIR}")
+  "${PROJECT_SOURCE_DIR}/cmake/FindFLINT.cmake" "${PROJECT_SOURCE_DIR}/cmake/FindMPFR.cmake" DESTINATION "${LCPBENCH_INSTALL_CMAKEDIR}")
 if(LCPBENCH_BUILD_BENCHMARKS)
   install(TARGETS lcpbench_command RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT command)
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/report/" DESTINATION "${CMAKE_INSTALL_DATADIR}/lcpbench/report"

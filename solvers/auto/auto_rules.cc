@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "solvers/auto/exact_rule.h"
 #include "solvers/auto/ladder.h"
 #include "solvers/friction/few_contacts.h"
 #include "solvers/pivoting/small_pivoting.h"
@@ -66,7 +67,7 @@ static_assert(Facts::IsNarrow(45) && !Facts::IsNarrow(46) && Facts::kMostRowsInO
               kFactorizationsOfBpp == 6 && kFactorizationsOfNewton == 12 && kSweepsPerRootOfRows == 8 &&
               kMostFactorizationsOfBpp == 24 && kContactsOfModes == 16 && kContactsOfAllModes == 3 &&
               kContactsOfLemke == 128 && kLargeIsland == 129 && kLooseTolerance == 1e-4 && kSweepsPerRoot == 40 &&
-              (kSweepsOfPacking == 600 || kSweepsOfPacking == 0));
+              kMostContactsOfExact == 8 && (kSweepsOfPacking == 600 || kSweepsOfPacking == 0));
 
 using enum AutoStage;
 using enum AutoMethod;
@@ -158,6 +159,8 @@ constexpr std::array kRules = {
     AutoRule{kBackends, kAnyRows, "more than 900 rows", kSemismoothNewton,
              [](const Facts& facts) { return If(facts.is_large); }},
     AutoRule{kBackends, kMostRowsOfDantzig, "", kDantzig},
+
+    AutoRule{kLast, kMostRowsOfExact, "with friction, sliding or bounded rows: up to 8 contacts", kExact},
 };
 
 // A stage's rules stand together.
@@ -166,7 +169,8 @@ constexpr std::span<const AutoRule> Find(AutoStage stage) {
   const auto first = std::find_if(kRules.begin(), kRules.end(), is_of_stage);
   return {first, std::find_if_not(first, kRules.end(), is_of_stage)};
 }
-constexpr std::array kRulesOfStages = {Find(kRows), Find(kLaws), Find(kMatrix), Find(kProblem), Find(kBackends)};
+constexpr std::array kRulesOfStages = {Find(kRows),    Find(kLaws),     Find(kMatrix),
+                                       Find(kProblem), Find(kBackends), Find(kLast)};
 
 constexpr std::string_view TitleOf(AutoStage stage) {
   switch (stage) {
@@ -180,6 +184,8 @@ constexpr std::string_view TitleOf(AutoStage stage) {
       return "Other problems, and what is left open";
     case kBackends:
       return "The same, by backends";
+    case kLast:
+      return "What is still open, with friction or without";
   }
   return {};
 }
@@ -233,6 +239,8 @@ std::string_view KeyOf(AutoMethod method) {
       return "proximal points";
     case kRay:
       return "a ray without friction";
+    case kExact:
+      return "exact";
   }
   return {};
 }

@@ -13,7 +13,7 @@
 /// `lcpbench list rules` prints it. Internal to solvers/.
 namespace lcpbench {
 
-/// What `auto` asks. All but kIslands and those of AutoStage::kLaws are solvers of the registry.
+/// What `auto` asks. All but kIslands, kExact and those of AutoStage::kLaws are solvers of the registry.
 enum class AutoMethod : std::uint8_t {
   kFixedSizeBpp,       ///< FixedSizeBpp
   kPrincipalPivoting,  ///< SmallPivoting
@@ -38,6 +38,7 @@ enum class AutoMethod : std::uint8_t {
   kLemke,              ///< ModePath::Cover
   kProximalPoints,     ///< ModePath::Approach
   kRay,                ///< of the problem without friction
+  kExact,              ///< AskExact
 };
 
 /// The registry's key, or words.
@@ -50,6 +51,7 @@ enum class AutoStage : std::uint8_t {
   kMatrix,    ///< a symmetric dense or sparse A, read in place
   kProblem,   ///< an LcpProblem: what the stages before do not take or leave open
   kBackends,  ///< an LcpProblem, or the islands that kProblem leaves open
+  kLast,      ///< an LcpProblem with any rows, of which no answer passes
 };
 
 /// What rules look at. Each stage fills in what its rules need.

@@ -11,6 +11,7 @@
 #include "solvers/answers/answer_judge.h"
 #include "solvers/auto/auto_portfolio.h"
 #include "solvers/auto/auto_rules.h"
+#include "solvers/auto/exact_rule.h"
 #include "solvers/auto/ladder.h"
 #include "solvers/auto/law_ladder.h"
 #include "solvers/lcp/residual.h"
@@ -368,6 +369,7 @@ void AutoEngine::SolveFriction(const LcpProblem& problem, LcpOptions options, co
   if (laws_ == nullptr) {
     AutoOptions plain = options_;
     plain.reads_in_place = true;
+    plain.asks_exact = false;
     laws_ = std::make_unique<LawPortfolio>(&tableau_,
                                            WithinOptions{[plain] { return std::make_unique<AutoSolver>(plain); }});
   }
@@ -449,10 +451,16 @@ void AutoEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lcp
     if (taken_ == Taken::kMatrix) given_.b.assign(problem.b().begin(), problem.b().end());
     if (SolveInPlace(rows, options, limit.has_value() ? &*limit : nullptr, result)) return;
   }
-  if (!problem.is_plain()) return SolveFriction(problem, options, limit.has_value() ? &*limit : nullptr, result);
-  if (!problem_is_ready_) PrepareProblem(problem);
-  whole_.facts().tableau_failed = (is_taken || was_asked_in_place_) && problem.size() <= tableau_rows_;
-  SolveProblem(problem, options, limit.value_or(Deadline(options)), result);
+  const Deadline deadline = limit.value_or(Deadline(options));
+  if (problem.is_plain()) {
+    if (!problem_is_ready_) PrepareProblem(problem);
+    whole_.facts().tableau_failed = (is_taken || was_asked_in_place_) && problem.size() <= tableau_rows_;
+    SolveProblem(problem, options, deadline, result);
+  } else {
+    SolveFriction(problem, options, limit.has_value() ? &*limit : nullptr, result);
+  }
+  const bool is_open = result->status == LcpStatus::kNumericalFailure || result->status == LcpStatus::kIterationLimit;
+  if (is_open && options_.asks_exact && !options_.only) AskExact(problem, options, deadline, result);
 }
 
 // AutoStage::kProblem, and then kBackends.

@@ -24,6 +24,7 @@ struct AutoOptions {
   bool self_check = true;
   /// Whether rows on two bodies, and matrices, are solved as they are given (AutoStage::kRows and kMatrix) first.
   bool reads_in_place = true;
+  bool asks_exact = true;  ///< whether the exact rule comes last; not of what a solver asks within its own solve
   InstructionSet instructions = InstructionSet::kBest;  ///< of the tableau; refused where the machine lacks them
   /// One method of AutoStage::kRows or kMatrix that is asked and no other; empty: all.
   std::optional<AutoMethod> only = {};

@@ -182,21 +182,26 @@ constexpr double kGuessedZero = 1e-12;
 constexpr std::int64_t kSolvesOfFirstGuess = 2;
 constexpr std::int64_t kSolvesOfNoGuess = 1;
 
+// Upper bounds as measured, by bit of the entries: of a solve by rows^3, of a characteristic polynomial by rows^4.
+constexpr double kSecondsOfSolve = 2e-9;
+constexpr double kSecondsOfPolynomial = 1e-10;
+
 // One SolveExactly. A' = a A and b' = c b are integers; f = (a / c) f', w = w' / c.
 class ExactSolve {
  public:
   ExactSolve(const ExactLcp& problem, const ExactOptions& options)
       : problem_(problem),
         options_(options),
-        deadline_(LcpOptions{.time_limit_s = options.time_limit_s, .now = options.now}),
         a_(CommonDenominator(problem.A)),
         c_(CommonDenominator(problem.b)),
         A_(Scaled(problem.A, problem.size, a_)),
-        b_(Scaled(problem.b, problem.size, c_)) {}
+        b_(Scaled(problem.b, problem.size, c_)),
+        deadline_(LcpOptions{.time_limit_s = options.time_limit_s - LongestStep(), .now = options.now}) {}
 
   ExactAnswer Run() {
     const Index n = problem_.size;
-    if (!problem_.has_factors && (n > options_.most_rows_of_proofs || !IsPositiveSemidefinite(A_))) {
+    if (!problem_.has_factors && !deadline_.Expired() &&
+        (n > options_.most_rows_of_proofs || !IsPositiveSemidefinite(A_))) {
       answer_.status = ExactAnswer::Status::kNotSemidefinite;
       if (n > options_.most_rows_of_proofs) {
         answer_.detail = "a matrix of more than " + std::to_string(options_.most_rows_of_proofs) +
@@ -233,6 +238,13 @@ class ExactSolve {
   }
 
  private:
+  // What may go by without a look at the deadline [s]: a solve, or the characteristic polynomial.
+  double LongestStep() const {
+    const auto n = static_cast<double>(problem_.size);
+    const auto bits = static_cast<double>(std::abs(fmpz_mat_max_bits(A_.get())));
+    return bits * n * n * n * std::max(kSecondsOfSolve, problem_.has_factors ? 0 : kSecondsOfPolynomial * n);
+  }
+
   // From the guess in doubles; where that is not right almost at once, from one in more digits.
   ExactPivoting::End Pivot(const std::vector<char>& start, const std::vector<char>& support, ExactPivoting* pivoting) {
     const auto any = [](const std::vector<char>& marks) {
@@ -352,9 +364,9 @@ class ExactSolve {
 
   const ExactLcp& problem_;
   const ExactOptions& options_;
-  Deadline deadline_;
   BigInteger a_, c_;
   IntegerMatrix A_, b_;
+  Deadline deadline_;
   ExactAnswer answer_;
 };
 

@@ -27,6 +27,12 @@ class ExactSolver : public LcpSolver {
   /// Between the roundings that contradict each other, 2^-53 of the terms, and the tolerances asked for.
   static constexpr double kProximal = 0x1p-40;
 
+  /// @param rounds_together  whether forces of up to 24 rows whose nearest doubles do not pass the tolerance are
+  /// replaced
+  ///     by doubles nearby that do, if a reduced lattice basis shows some: the errors of rows that are nearly dependent
+  ///     then cancel. Their bits may depend on the version of FLINT.
+  explicit ExactSolver(bool rounds_together = false) : rounds_together_(rounds_together) {}
+
   std::string WhyUnsupported(const LcpProblem& problem) const override;
 
  protected:
@@ -36,10 +42,12 @@ class ExactSolver : public LcpSolver {
  private:
   bool SolveContradiction(const LcpProblem& problem, const LcpOptions& options, double elapsed_s, LcpResult* result);
 
+  const bool rounds_together_;
   std::optional<ExactLcp> exact_;
 };
 
 /// The double that is nearest, of two the even one; infinite beyond the range of doubles.
 double RoundToNearest(const Rational& value);
+Eigen::VectorXd Rounded(const std::vector<Rational>& values);
 
 }  // namespace lcpbench

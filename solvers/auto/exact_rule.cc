@@ -1,0 +1,62 @@
+#include "solvers/auto/exact_rule.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "solvers/answers/answer_judge.h"
+#include "solvers/exact/exact_solver.h"
+#include "solvers/exact/modes/mode_search.h"
+#include "solvers/lcp/verify.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr Index kMostRowsOfModes = 32;      // a step of their path is O(rows^3) rational operations
+constexpr std::int64_t kMostModes = 256;    // all are tried, in about a second; above, a path is followed
+constexpr double kSecondsOfProduct = 1e-6;  // of two rationals, in J M^-1 J^T
+
+}  // namespace
+
+void AskExact(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result) {
+  const Index n = problem.size();
+  const auto others = problem.bilateral_rows().size() + problem.friction_rows().size() + problem.bounded_rows().size();
+  const bool has_few = n - static_cast<Index>(others) <= kMostContactsOfExact && n <= kMostRowsOfModes &&
+                       (problem.has_factors() || problem.Asymmetry() == 0);
+  const auto entries = static_cast<double>(problem.has_factors() ? problem.J().nonZeros() : 0);
+  LcpOptions rest = options;
+  rest.time_limit_s = deadline.Remaining() - kSecondsOfProduct * entries * entries / static_cast<double>(n);
+  if (!(problem.is_plain() || has_few) || n > kMostRowsOfExact || options.max_iterations > 0) return;
+  if (!(rest.time_limit_s > 0)) return;
+  LcpResult exact;
+  exact.status = LcpStatus::kUnsupported;
+  if (problem.is_plain()) ExactSolver(true).Solve(problem, rest, &exact);
+  if (exact.status == LcpStatus::kUnsupported && has_few) {
+    ModeOptions modes{.most_modes = kMostModes, .time_limit_s = rest.time_limit_s, .now = options.now};
+    modes.guesses = [&] { return std::vector{ModesOf(problem, result->f)}; };
+    const ModeAnswer answer = SolveByModes(ExactFrom(problem), modes);
+    if (answer.status == LcpReference::Status::kSolved) exact.status = LcpStatus::kSolved;
+    if (answer.status == LcpReference::Status::kInfeasible) exact.status = LcpStatus::kInfeasible;
+    exact.iterations = answer.tried;
+    exact.detail = answer.detail;
+    exact.f = Rounded(answer.f);
+    exact.farkas_ray = Rounded(answer.ray);
+  }
+  const bool is_late = exact.status == LcpStatus::kTimeLimit || deadline.Expired();
+  result->status = is_late ? LcpStatus::kTimeLimit : LcpStatus::kNumericalFailure;
+  if (exact.status == LcpStatus::kSolved) {
+    const Metrics metrics = ComputeMetrics(problem, exact.f);
+    const bool passes = PassesTier(metrics, options.tolerance);
+    if (passes || !(metrics.rho >= ComputeMetrics(problem, result->f).rho)) result->f = exact.f;
+    if (passes) result->status = LcpStatus::kSolved;
+    if (!passes) exact.detail = "the exact solution, rounded to doubles, does not pass";
+  } else if (exact.status == LcpStatus::kInfeasible) {
+    if (exact.farkas_ray->size() == n) result->farkas_ray = AcceptedRay(problem, *exact.farkas_ray);
+    if (result->farkas_ray) result->status = LcpStatus::kInfeasible;
+    if (!result->farkas_ray) exact.detail = "there is no solution, which no ray of doubles proves";
+  }
+  result->iterations = exact.iterations;
+  result->detail += (result->detail.empty() ? "exact" : "; exact") + (exact.detail.empty() ? "" : ": " + exact.detail);
+}
+
+}  // namespace lcpbench
