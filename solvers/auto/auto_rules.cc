@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "solvers/auto/exact_rule.h"
-#include "solvers/auto/ladder.h"
 #include "solvers/friction/few_contacts.h"
+#include "solvers/friction/mode_steps.h"
 #include "solvers/pivoting/small_pivoting.h"
 #include "solvers/rows/fixed_size_bpp.h"
 #ifdef LCPBENCH_WITH_SUITESPARSE
@@ -83,7 +83,7 @@ constexpr std::array kRules = {
              [](const Facts& facts) { return If(facts.has_problem && !facts.can_stick && facts.can_relax); }},
     AutoRule{kLaws, kAnyRows, "`initial_f`", kWarmModes,
              [](const Facts& facts) { return std::int64_t{facts.has_start ? 3 : 0}; }, "3 steps"},
-    AutoRule{kLaws, Ladder::kMostLawRows, "up to 16 contacts", kModes,
+    AutoRule{kLaws, ModeFactor::kMostDense, "up to 16 contacts", kModes,
              [](const Facts& facts) { return std::int64_t{facts.contacts <= kContactsOfModes ? 8 : 0}; }, "8 steps"},
     AutoRule{kLaws, ModeSteps::kFewRows, "up to 3 contacts, no bounded rows", kAllModes,
              [](const Facts& facts) { return If(facts.contacts <= kContactsOfAllModes && !facts.has_bounded); }},

@@ -5,7 +5,6 @@
 #include <string>
 #include <utility>
 
-#include "solvers/auto/ladder.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/islands.h"
 #include "support/array_index.h"
@@ -199,7 +198,7 @@ void LawPortfolio::SolvePart(Part* part, const LcpProblem& problem, const LcpOpt
   const ContactRows& rows = part->contacts;
   part->contacts.SetB(problem);
   FrictionAnswer answer(rows, &problem, options, result);
-  if (rows.size() > Ladder::kMostLawRows) next = 0;
+  if (rows.size() > ModeFactor::kMostDense) next = 0;
   const bool has_arrived = reached != nullptr && answer.TakeForces(*reached);
   const char* const method = has_arrived ? "modes" : ladder_.Ask(rows, &next, &answer, result);
   if (method == nullptr) return answer.Fail("no method finds an answer");

@@ -49,7 +49,7 @@ class LawPortfolio {
   LawPortfolio(SmallPivoting* tableau, const WithinOptions& plain) : ladder_(tableau, plain) {}
   void Prepare(const LcpProblem& problem);  ///< LcpSolver::DoPrepare
   /// LcpSolver::DoSolve.
-  /// @param next   the first rule to ask, of islands of up to Ladder::kMostLawRows rows
+  /// @param next   the first rule to ask, of islands of up to ModeFactor::kMostDense rows
   /// @param reached  n forces that Ladder has reached, or nullptr
   void Solve(const LcpProblem& problem, const LcpOptions& options, std::size_t next, const Eigen::VectorXd* reached,
              LcpResult* result);
