@@ -80,7 +80,7 @@ class AutoEngine {
   // What is read in place: rows on two bodies, or a matrix.
   enum class Taken { kNothing, kRows, kMatrix };
   bool IsReadInPlace(MatrixForm form, Index rows) const;
-  Taken Take(const ProblemArrays& arrays);
+  Taken Take(const ProblemView& arrays);
   bool SolveInPlace(const StepRows& rows, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
   bool SolveRows(const StepRows& rows, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
   bool SolveMatrix(const LcpOptions& options, const Deadline* deadline, LcpResult* result);
@@ -117,7 +117,6 @@ class AutoEngine {
   SmallPivoting tableau_;
 
   // Rows or a matrix, read in place: the caller's arrays, or of the prepared problem.
-  ProblemArrays given_;
   Taken taken_ = Taken::kNothing;
   // Whether the methods in place have been asked in vain: for the arrays of the latest SolveArrays, and for the
   // prepared problem, which is of these arrays then.
@@ -189,10 +188,12 @@ bool AutoEngine::IsReadInPlace(MatrixForm form, Index rows) const {
 }
 
 // Arrays that are not taken become an LcpProblem.
-AutoEngine::Taken AutoEngine::Take(const ProblemArrays& arrays) {
+AutoEngine::Taken AutoEngine::Take(const ProblemView& arrays) {
   if (!IsReadInPlace(arrays.form, arrays.rows)) return Taken::kNothing;
-  if (arrays.form != MatrixForm::kFactors && !arrays.friction.empty()) return Taken::kNothing;
-  if (arrays.form != MatrixForm::kFactors) return matrix_.Take(arrays) ? Taken::kMatrix : Taken::kNothing;
+  if (arrays.form != MatrixForm::kFactors) {
+    if (!arrays.friction.empty() || !arrays.bounded.empty()) return Taken::kNothing;
+    return matrix_.Take(arrays) ? Taken::kMatrix : Taken::kNothing;
+  }
   return step_.Take(arrays) ? Taken::kRows : Taken::kNothing;
 }
 
@@ -266,7 +267,7 @@ bool AutoEngine::TakeTableau(const SmallPivoting::Answer& answer, const LcpOptio
 }
 
 bool AutoEngine::TryTableauOfMatrix(const LcpOptions& options, const Deadline* deadline, LcpResult* result) {
-  const ProblemArrays& arrays = matrix_.arrays();
+  const ProblemView& arrays = matrix_.arrays();
   tableau_.Reserve(arrays.rows);
   const SmallPivoting::Answer answer = tableau_.SolveMatrix(matrix_, RequestFor(options, deadline), result->f.data());
   const auto meets = [&] {
@@ -384,17 +385,11 @@ void AutoEngine::Prepare(const LcpProblem& problem) {
   laws_are_ready_ = problem_is_ready_ = false;
   taken_ = Taken::kNothing;
   was_asked_in_place_ = std::exchange(asked_in_place_, false);
-  if (!was_asked_in_place_) next_rule_ = 0;
-  if (!was_asked_in_place_ && IsReadInPlace(problem.given_form(), problem.size())) {
-    if (problem.has_factors()) {
-      if (step_.Take(problem)) taken_ = Taken::kRows;
-    } else if (problem.is_plain()) {
-      given_ = ProblemArrays::Of(problem);
-      std::fill(given_.b.begin(), given_.b.end(), 0.0);  // that of Solve's problem takes its place
-      taken_ = Take(given_);
-    }
-    if (taken_ == Taken::kRows) rows_.Reserve(step_.rows().rows, step_.rows().bodies);
+  if (!was_asked_in_place_) {
+    next_rule_ = 0;
+    taken_ = Take(problem.view());
   }
+  if (taken_ == Taken::kRows) rows_.Reserve(step_.rows().rows, step_.rows().bodies);
   if (taken_ == Taken::kNothing && problem.is_plain()) PrepareProblem(problem);
 }
 
@@ -447,8 +442,8 @@ void AutoEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lcp
   const bool is_taken = taken_ != Taken::kNothing && MayChoose(options);
   if (is_taken) {
     StepRows rows = step_.rows();
-    rows.b = problem.b().data();
-    if (taken_ == Taken::kMatrix) given_.b.assign(problem.b().begin(), problem.b().end());
+    matrix_.SetB(problem.view().b);
+    rows.b = matrix_.arrays().b.data();
     if (SolveInPlace(rows, options, limit.has_value() ? &*limit : nullptr, result)) return;
   }
   const Deadline deadline = limit.value_or(Deadline(options));

@@ -32,7 +32,7 @@ std::string FirstOrderEngine::WhyUnsupported(const LcpProblem& problem) const {
 
 void FirstOrderEngine::PrepareRows(const LcpProblem& problem) {
   TwoBodyCopy copy;
-  const bool is_copied = problem.has_two_body_rows() && copy.Take(problem);
+  const bool is_copied = problem.has_two_body_rows() && copy.Take(problem.view());
   rows_.Prepare(problem, setup_.form, setup_.coloured, is_copied ? &copy.rows() : nullptr);
   given_.Reset(problem);
   problem.DiagonalA();  // which given_ asks for: made now, not in a solve

@@ -103,6 +103,14 @@ std::string WhyNotColumns(std::span<const int> starts, std::span<const int> indi
   return {};
 }
 
+void CopyRows(const Eigen::Ref<const SparseMatrix>& from, SparseMatrix* to) {
+  to->resize(from.rows(), from.cols());
+  to->resizeNonZeros(from.nonZeros());
+  std::copy_n(from.outerIndexPtr(), from.rows() + 1, to->outerIndexPtr());
+  std::copy_n(from.innerIndexPtr(), from.nonZeros(), to->innerIndexPtr());
+  std::copy_n(from.valuePtr(), from.nonZeros(), to->valuePtr());
+}
+
 SparseMatrix ToSparseMatrix(const CompressedArrays& arrays, const char* name) {
   using ByColumns = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
   const auto entries = static_cast<Eigen::Index>(arrays.indices.size());
@@ -116,12 +124,7 @@ SparseMatrix ToSparseMatrix(const CompressedArrays& arrays, const char* name) {
   if (arrays.by_columns) {
     matrix = as(ByColumns());
   } else if (WhyNotColumns(arrays.starts, arrays.indices, arrays.columns, "indices").empty()) {
-    // Eigen's assignment would keep room for up to twice the entries.
-    matrix.resize(arrays.rows, arrays.columns);
-    matrix.resizeNonZeros(entries);
-    std::copy_n(arrays.starts.data(), arrays.rows + 1, matrix.outerIndexPtr());
-    std::copy_n(arrays.indices.data(), entries, matrix.innerIndexPtr());
-    std::copy_n(arrays.values.data(), entries, matrix.valuePtr());
+    CopyRows(as(SparseMatrix()), &matrix);
     return matrix;
   } else {
     const ByColumns sorted = as(SparseMatrix());  // going through the other order sorts the entries

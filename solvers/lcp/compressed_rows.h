@@ -38,4 +38,8 @@ struct CompressedArrays {
 ///         indices out of range or, unless parts are added, twice in one row, numbers that are not finite
 Eigen::SparseMatrix<double, Eigen::RowMajor, int> ToSparseMatrix(const CompressedArrays& arrays, const char* name);
 
+/// Copies each array once, with room for no more: Eigen's assignment would keep it for up to twice the entries.
+void CopyRows(const Eigen::Ref<const Eigen::SparseMatrix<double, Eigen::RowMajor, int>>& from,
+              Eigen::SparseMatrix<double, Eigen::RowMajor, int>* to);
+
 }  // namespace lcpbench

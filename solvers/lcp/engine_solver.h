@@ -59,11 +59,10 @@ class EngineSolver : public LcpSolver {
   std::optional<RangeScaling> scaling_;  // of a prepared matrix out of range
 };
 
-/// WhyUnsupported of solvers for symmetric A: names the own solvers, and peers, that take any other.
+/// WhyUnsupported of solvers for symmetric A: names the own solvers that take any other.
 inline std::string WhyNotSymmetric(const LcpProblem& problem) {
   if (problem.IsNumericallySymmetric()) return {};
-  return "A is not symmetric; solvers that take it: pgs, psor, ipopt-ncp, and of peers siconos-lexicolemke, "
-         "siconos-newton-fb, petsc-ssls, bullet-lemke, drake-moby";
+  return "A is not symmetric; solvers that take it: pgs, psor, ipopt-ncp, and several peers";
 }
 
 /// WhyUnsupported of methods made for friction: a plain problem would be another method's to solve.

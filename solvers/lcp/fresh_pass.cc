@@ -47,6 +47,8 @@ void ReadAll(std::span<const ProblemArrays> problems) {
     read(arrays.inverse_mass);
     read(arrays.b);
     read(arrays.bilateral);
+    for (const FrictionRow& row : arrays.friction) asm volatile("" : : "r"(row.row));
+    for (const BoundedRow& row : arrays.bounded) asm volatile("" : : "r"(row.row));
   }
 }
 

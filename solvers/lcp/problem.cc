@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -22,9 +23,15 @@ namespace lcpbench {
 namespace {
 
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using SparseRows = Eigen::Map<const SparseMatrix>;
 
-[[noreturn]] void Reject(const std::string& id, const std::string& what) {
-  throw InputError(id.empty() ? what : "problem '" + id + "': " + what);
+SparseRows RowsOf(const ProblemView& given) {
+  return {given.rows,          given.columns,     std::ssize(given.value), given.row_start.data(),
+          given.column.data(), given.value.data()};
+}
+
+[[noreturn]] void Reject(std::string_view id, const std::string& what) {
+  throw InputError(id.empty() ? what : "problem '" + std::string(id) + "': " + what);
 }
 
 // Which ends of the range there are numbers beyond, zeros apart.
@@ -33,8 +40,8 @@ struct Beyond {
   bool most = false;
 };
 
-// @param side  of a dense matrix, by columns, whose entries are named by row and column; 0: an array of numbers
-Beyond RequireFinite(const std::string& id, const char* name, const MagnitudeRange& range, const double* values,
+// @param side  of a dense matrix, by rows, whose entries are named by row and column; 0: an array of numbers
+Beyond RequireFinite(std::string_view id, const char* name, const MagnitudeRange& range, const double* values,
                      Index count, Index side = 0) {
   NumberRange looked(range);
   looked.Look(values, count);
@@ -43,11 +50,11 @@ Beyond RequireFinite(const std::string& id, const char* name, const MagnitudeRan
   if (found == values + count) return {looked.has_small(), true};
   const Index k = found - values;
   const std::string place = side == 0 ? "[" + std::to_string(k) + "]"
-                                      : ": entry (" + std::to_string(k % side) + ", " + std::to_string(k / side) + ")";
+                                      : ": entry (" + std::to_string(k / side) + ", " + std::to_string(k % side) + ")";
   Reject(id, name + place + " is " + std::to_string(*found) + ", expected a finite number");
 }
 
-void RequireShape(const std::string& id, const char* name, Index rows, Index cols, Index want_rows, Index want_cols) {
+void RequireShape(std::string_view id, const char* name, Index rows, Index cols, Index want_rows, Index want_cols) {
   if (rows != want_rows || cols != want_cols) {
     Reject(id, std::string(name) + " must be " + std::to_string(want_rows) + " x " + std::to_string(want_cols) +
                    ", found " + std::to_string(rows) + " x " + std::to_string(cols));
@@ -55,7 +62,7 @@ void RequireShape(const std::string& id, const char* name, Index rows, Index col
 }
 
 // Checks the matrix that arrays hold, in the two sparse forms.
-void RequireCompressedRows(const ProblemArrays& arrays) {
+void RequireCompressedRows(const ProblemView& arrays) {
   const auto count = static_cast<Index>(arrays.column.size());
   if (arrays.columns < 0 || (arrays.form == MatrixForm::kSparse && arrays.columns != arrays.rows)) {
     Reject(arrays.id, "columns must be " + std::string(arrays.form == MatrixForm::kSparse ? "rows" : ">= 0") +
@@ -68,40 +75,39 @@ void RequireCompressedRows(const ProblemArrays& arrays) {
   if (!why.empty()) Reject(arrays.id, why);
 }
 
-// Sorts friction and bounded rows, and requires that they are of one kind, and their numbers in range.
-// @param n  the problem's rows
-void RequireRowKinds(const std::string& id, Index n, RowBounds* bounds) {
-  std::ranges::sort(bounds->friction, {}, &FrictionRow::row);
-  std::ranges::sort(bounds->bounded, {}, &BoundedRow::row);
+// That friction and bounded rows are of one kind, and their numbers in range.
+void RequireRowKinds(const ProblemView& given) {
+  const std::string_view id = given.id;
+  const Index n = given.rows;
   std::vector<RowKind> kinds(static_cast<size_t>(n), RowKind::kUnilateral);
-  for (size_t i = 0; i < bounds->bilateral.size(); ++i) {
-    if (bounds->bilateral[i] != 0) kinds[i] = RowKind::kBilateral;
+  for (size_t i = 0; i < given.bilateral.size(); ++i) {
+    if (given.bilateral[i] != 0) kinds[i] = RowKind::kBilateral;
   }
   const auto take = [&](const char* what, Index row, RowKind kind) {
-    const std::string place = std::string(what) + ": row " + std::to_string(row);
-    if (row < 0 || row >= n) Reject(id, place + " is outside [0, " + std::to_string(n) + ")");
+    const auto place = [&] { return std::string(what) + ": row " + std::to_string(row); };
+    if (row < 0 || row >= n) Reject(id, place() + " is outside [0, " + std::to_string(n) + ")");
     const RowKind before = std::exchange(kinds[static_cast<size_t>(row)], kind);
-    if (before == kind) Reject(id, place + " is listed twice");
+    if (before == kind) Reject(id, place() + " is listed twice");
     if (before != RowKind::kUnilateral) {
-      Reject(id, place + " is a " + (before == RowKind::kBilateral ? "bilateral" : "friction") + " row already");
+      Reject(id, place() + " is a " + (before == RowKind::kBilateral ? "bilateral" : "friction") + " row already");
     }
   };
-  for (const FrictionRow& row : bounds->friction) take("friction", row.row, RowKind::kFriction);
-  for (const BoundedRow& row : bounds->bounded) take("bounded", row.row, RowKind::kBounded);
-  for (const FrictionRow& row : bounds->friction) {
-    const std::string place = "friction: row " + std::to_string(row.row) + ": ";
+  for (const FrictionRow& row : given.friction) take("friction", row.row, RowKind::kFriction);
+  for (const BoundedRow& row : given.bounded) take("bounded", row.row, RowKind::kBounded);
+  for (const FrictionRow& row : given.friction) {
+    const auto place = [&] { return "friction: row " + std::to_string(row.row) + ": "; };
     if (row.normal < 0 || row.normal >= n || kinds[static_cast<size_t>(row.normal)] != RowKind::kUnilateral) {
-      Reject(id, place + "normal is " + std::to_string(row.normal) + ", expected a unilateral row");
+      Reject(id, place() + "normal is " + std::to_string(row.normal) + ", expected a unilateral row");
     }
     if (!std::isfinite(row.mu) || row.mu < 0) {
-      Reject(id, place + "mu is " + NumberText(row.mu) + ", expected a finite number >= 0");
+      Reject(id, place() + "mu is " + NumberText(row.mu) + ", expected a finite number >= 0");
     }
     if (row.slip < -1 || row.slip > 1) {
-      Reject(id, place + "slip is " + std::to_string(row.slip) + ", expected -1, 0 or 1");
+      Reject(id, place() + "slip is " + std::to_string(row.slip) + ", expected -1, 0 or 1");
     }
   }
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  for (const BoundedRow& row : bounds->bounded) {
+  for (const BoundedRow& row : given.bounded) {
     if (row.lower <= row.upper && row.lower < kInfinity && row.upper > -kInfinity) continue;
     Reject(id, "bounded: row " + std::to_string(row.row) + ": lower is " + NumberText(row.lower) + " and upper " +
                    NumberText(row.upper) + ", expected a number between them");
@@ -210,113 +216,141 @@ void Assemble(const Eigen::Ref<const SparseMatrix>& J, const double* inverse_mas
   }
 }
 
-// A derived form is made on the first request. std::call_once calls the kernel each time it has run something, which
-// takes longer than a form of a few rows; a lock that nobody waits for does not.
-class Once {
- public:
-  template <typename Make>
-  void Call(const Make& make) {
-    if (is_done_.load(std::memory_order_acquire)) return;
-    const std::scoped_lock lock(mutex_);
-    if (is_done_.load(std::memory_order_relaxed)) return;
-    make();
-    is_done_.store(true, std::memory_order_release);
-  }
+std::span<const double> NumbersOf(const Eigen::VectorXd& vector) {
+  return {vector.data(), static_cast<size_t>(vector.size())};
+}
 
- private:
-  std::atomic<bool> is_done_ = false;
-  std::mutex mutex_;
+// Room for so many bytes more behind what is allocated; *room is where they begin.
+template <typename T>
+struct AllocatorWithRoom {
+  using value_type = T;
+  AllocatorWithRoom(size_t more, std::byte** begin) : bytes(more), room(begin) {}
+  template <typename Other>
+  explicit AllocatorWithRoom(const AllocatorWithRoom<Other>& other) : bytes(other.bytes), room(other.room) {}
+  T* allocate(size_t count) {
+    auto* const at = static_cast<std::byte*>(::operator new(count * sizeof(T) + bytes));
+    *room = at + count * sizeof(T);
+    return reinterpret_cast<T*>(at);
+  }
+  void deallocate(T* at, size_t /*count*/) { ::operator delete(at); }
+  size_t bytes;
+  std::byte** room;
+};
+
+// inverse_mass of kFactors, whose other arrays fit.
+Beyond RequireMasses(const ProblemView& given) {
+  RequireShape(given.id, "inverse_mass", std::ssize(given.inverse_mass), 1, given.columns, 1);
+  if (given.facts.columns_per_body != 3 && given.facts.columns_per_body != 6) {
+    Reject(given.id, "columns_per_body is " + std::to_string(given.facts.columns_per_body) +
+                         ", expected 3 (bodies in the plane) or 6 (in space)");
+  }
+  const double* const masses = given.inverse_mass.data();
+  const Beyond beyond = RequireFinite(given.id, "inverse_mass", kFactorRange, masses, given.columns);
+  const double* const wrong = std::find_if(masses, masses + given.columns, [](double mass) { return !(mass >= 0); });
+  if (wrong == masses + given.columns) return beyond;
+  Reject(given.id, "inverse_mass[" + std::to_string(wrong - masses) + "] is " + std::to_string(*wrong) +
+                       ", expected a number >= 0");
+}
+
+template <typename Form>
+struct OnRequest {
+  std::atomic<bool> is_made = false;
+  Form form{};
 };
 
 }  // namespace
 
-// All but b, and what has been derived of it: shared by problems that differ in b only.
+// Forms that are made on the first request, under one lock, which is seldom waited for. (std::call_once calls the
+// kernel each time it has run something, which takes longer than a form of a few rows.)
+struct LcpProblem::Derived {
+  std::recursive_mutex lock;  // forms are made of others
+  // Eigen's sparse matrices allocate even where they are empty.
+  OnRequest<std::optional<SparseMatrix>> J, sparse;
+  OnRequest<Eigen::MatrixXd> dense;
+  OnRequest<Eigen::VectorXd> inverse_mass, b, diagonal;
+  OnRequest<std::string> id;
+  OnRequest<RowBounds> bounds;
+  OnRequest<std::vector<Index>> bilateral;
+  OnRequest<double> asymmetry;
+  OnRequest<bool> two_body_rows;
+};
+
+// What was given, in the memory behind this, and what has been derived of it: shared by problems that differ in b only.
 struct LcpProblem::Matrix {
-  std::string id;
-  MatrixForm form = MatrixForm::kDense;
-  Index rows = 0;
-  MatrixFacts facts;
-
-  Eigen::MatrixXd dense;  // A of kDense
-  // A of kSparse, J of kFactors. Eigen's sparse matrices allocate even where they are empty.
-  std::optional<SparseMatrix> given_sparse;
-  Eigen::VectorXd inverse_mass;
-  RowBounds bounds;
-  std::vector<Index> bilateral;
-  Beyond beyond;  // of the numbers given
+  ProblemView given;
   bool has_extremes = false;
+  mutable std::atomic<Derived*> derived = nullptr;
 
-  // Derived on request, once, also where several threads ask.
-  Once dense_once, sparse_once, diagonal_once, asymmetry_once, two_body_once;
-  Eigen::MatrixXd derived_dense;
-  std::optional<SparseMatrix> derived_sparse;
-  Eigen::VectorXd diagonal;
-  double asymmetry = 0;
-  bool two_body_rows = false;
+  Matrix() = default;
+  Matrix(const Matrix&) = delete;
+  Matrix& operator=(const Matrix&) = delete;
+  ~Matrix() { delete derived.load(std::memory_order_relaxed); }
 
-  const SparseMatrix& sparse() const { return *given_sparse; }
-
-  void RequireFiniteValues(const char* name, const double* values, Index count, Index side = 0) {
-    beyond = RequireFinite(id, name, form == MatrixForm::kFactors ? kFactorRange : kEntryRange, values, count, side);
-  }
-
-  void RequireColumnsPerBody() const {
-    if (facts.columns_per_body == 3 || facts.columns_per_body == 6) return;
-    Reject(id, "columns_per_body is " + std::to_string(facts.columns_per_body) +
-                   ", expected 3 (bodies in the plane) or 6 (in space)");
-  }
-
-  // Swapped out of its place: Eigen's sparse matrices cannot be moved.
-  void TakeSparse(SparseMatrix* matrix, const char* name, Index columns) {
-    RequireShape(id, name, matrix->rows(), matrix->cols(), rows, columns);
-    matrix->makeCompressed();
-    RequireFiniteValues(name, matrix->valuePtr(), matrix->nonZeros());
-    given_sparse.emplace().swap(*matrix);
-  }
-
-  void TakeMasses(Eigen::VectorXd masses) {
-    RequireColumnsPerBody();
-    const Beyond of_masses = RequireFinite(id, "inverse_mass", kFactorRange, masses.data(), masses.size());
-    beyond.least |= of_masses.least;
-    beyond.most |= of_masses.most;
-    for (Index k = 0; k < masses.size(); ++k) {
-      if (masses[k] >= 0) continue;
-      Reject(id,
-             "inverse_mass[" + std::to_string(k) + "] is " + std::to_string(masses[k]) + ", expected a number >= 0");
+  // make(&form) where it is not made yet, also where several threads ask.
+  template <typename Form, typename MakeForm>
+  const Form& Get(OnRequest<Form> Derived::*member, const MakeForm& make) const {
+    Derived* all = derived.load(std::memory_order_acquire);
+    if (all == nullptr) {
+      auto made = std::make_unique<Derived>();
+      if (derived.compare_exchange_strong(all, made.get())) all = made.release();
     }
-    inverse_mass = std::move(masses);
-    facts.symmetric = facts.positive_semidefinite = true;
+    OnRequest<Form>& wanted = all->*member;
+    if (wanted.is_made.load(std::memory_order_acquire)) return wanted.form;
+    const std::scoped_lock held(all->lock);
+    if (!wanted.is_made.load(std::memory_order_relaxed)) {
+      make(&wanted.form);
+      wanted.is_made.store(true, std::memory_order_release);
+    }
+    return wanted.form;
+  }
+
+  bool is_plain() const { return given.friction.empty() && given.bounded.empty(); }
+  // A of kSparse, J of kFactors.
+  SparseRows sparse() const { return RowsOf(given); }
+  Eigen::Map<const Eigen::VectorXd> inverse_mass() const { return {given.inverse_mass.data(), given.columns}; }
+  Eigen::Map<const RowMajorMatrix> dense() const { return {given.value.data(), given.rows, given.rows}; }
+
+  double DiagonalOf(Index i) const {
+    if (given.form == MatrixForm::kDense) return dense()(i, i);
+    if (given.form == MatrixForm::kSparse) return sparse().coeff(i, i);
+    double sum = 0;
+    for (SparseRows::InnerIterator it(sparse(), i); it; ++it) {
+      sum += given.inverse_mass[static_cast<size_t>(it.col())] * (it.value() * it.value());
+    }
+    return sum;
   }
 
   // Once all arrays are in their places. Small numbers do no harm beside others of their row, and the largest entries
   // of A = J M^-1 J^T stand on its diagonal.
-  void LookForExtremes() {
+  void LookForExtremes(const Beyond& beyond) {
     has_extremes = beyond.most;
     if (!beyond.least && !beyond.most) return;
-    for (Index i = 0; i < rows; ++i) {
+    for (Index i = 0; i < given.rows; ++i) {
       long double of_row = 0;
-      if (form == MatrixForm::kFactors) {
-        for (SparseMatrix::InnerIterator it(sparse(), i); it; ++it) {
-          of_row += static_cast<long double>(it.value()) * it.value() * inverse_mass[it.col()];
+      if (given.form == MatrixForm::kFactors) {
+        for (SparseRows::InnerIterator it(sparse(), i); it; ++it) {
+          of_row += static_cast<long double>(it.value()) * it.value() * inverse_mass()[it.col()];
         }
       } else {
-        of_row = std::abs(form == MatrixForm::kDense ? dense(i, i) : sparse().coeff(i, i));
+        of_row = std::abs(DiagonalOf(i));
       }
       if (of_row > std::numeric_limits<double>::max()) {
-        Reject(id, "J M^-1 J^T must be finite, the diagonal entry of row " + std::to_string(i) + " is beyond doubles");
+        Reject(given.id,
+               "J M^-1 J^T must be finite, the diagonal entry of row " + std::to_string(i) + " is beyond doubles");
       }
       if (of_row > kEntryRange.most || (of_row < kEntryRange.least && of_row > 0)) has_extremes = true;
     }
   }
 
   bool HasTwoBodyRows() const {
-    if (inverse_mass.size() % facts.columns_per_body != 0) return false;
-    for (Index i = 0; i < rows; ++i) {
+    const Index width = given.facts.columns_per_body;
+    if (given.columns % width != 0) return false;
+    for (Index i = 0; i < given.rows; ++i) {
       Index first = -1;
       Index second = -1;
-      for (SparseMatrix::InnerIterator it(sparse(), i); it; ++it) {
-        const Index block = it.col() / facts.columns_per_body;
-        if (inverse_mass[it.col()] == 0 || it.value() == 0 || block == first || block == second) continue;
+      for (SparseRows::InnerIterator it(sparse(), i); it; ++it) {
+        const Index block = it.col() / width;
+        if (inverse_mass()[it.col()] == 0 || it.value() == 0 || block == first || block == second) continue;
         if (second >= 0) return false;
         second = std::exchange(first, block);
       }
@@ -326,21 +360,22 @@ struct LcpProblem::Matrix {
 
   // Whether every row of J has more than half of the columns that can move; at most 2^31 - 1 pairs.
   bool EveryPairSharesAColumn() const {
-    if (!HasDenseRows(sparse()) || rows * rows > std::numeric_limits<int>::max()) return false;
-    const auto movable = static_cast<Index>((inverse_mass.array() != 0).count());
-    for (Index i = 0; i < rows; ++i) {
+    const Index n = given.rows;
+    if (!HasDenseRows(sparse()) || n * n > std::numeric_limits<int>::max()) return false;
+    const auto movable = static_cast<Index>((inverse_mass().array() != 0).count());
+    for (Index i = 0; i < n; ++i) {
       Index count = 0;
-      for (SparseMatrix::InnerIterator it(sparse(), i); it; ++it) count += inverse_mass[it.col()] != 0 ? 1 : 0;
+      for (SparseRows::InnerIterator it(sparse(), i); it; ++it) count += inverse_mass()[it.col()] != 0 ? 1 : 0;
       if (2 * count <= movable) return false;
     }
     return true;
   }
 
   // Every entry of a symmetric matrix, zeros too.
-  void FormSparseWithAll(const Eigen::MatrixXd& symmetric) {
+  static void FormSparseWithAll(const Eigen::MatrixXd& symmetric, std::optional<SparseMatrix>* form) {
     const Index n = symmetric.rows();
     RequireSparseMatrices(n, static_cast<double>(n) * static_cast<double>(n), 1);
-    SparseMatrix& all = derived_sparse.emplace(n, n);
+    SparseMatrix& all = form->emplace(n, n);
     all.resizeNonZeros(n * n);
     for (Index i = 0; i <= n; ++i) all.outerIndexPtr()[i] = static_cast<int>(i * n);
     for (Index i = 0; i < n; ++i) std::iota(all.innerIndexPtr() + i * n, all.innerIndexPtr() + (i + 1) * n, 0);
@@ -348,18 +383,19 @@ struct LcpProblem::Matrix {
   }
 
   // A = J M^-1 J^T row by row. Every entry sums m_k (J_ik J_jk) over ascending k, so (i, j) and (j, i) round alike.
-  void FormSparseFromFactors() {
-    const SparseMatrix& J = sparse();
-    const Index n = rows;
+  void FormSparseFromFactors(std::optional<SparseMatrix>* form) const {
+    const SparseRows J = sparse();
+    const auto masses = inverse_mass();
+    const Index n = given.rows;
     const Eigen::SparseMatrix<double, Eigen::ColMajor, int> columns = J;
     // An entry is a pair of rows that share a body, which has several columns.
     double pairs = 0;
     for (Index k = 0; k < columns.cols(); ++k) {
-      const double count = inverse_mass[k] == 0 ? 0 : columns.outerIndexPtr()[k + 1] - columns.outerIndexPtr()[k];
+      const double count = masses[k] == 0 ? 0 : columns.outerIndexPtr()[k + 1] - columns.outerIndexPtr()[k];
       pairs += count * count;
     }
-    RequireSparseMatrices(n, std::min(pairs / facts.columns_per_body, static_cast<double>(n) * static_cast<double>(n)),
-                          2);
+    RequireSparseMatrices(
+        n, std::min(pairs / given.facts.columns_per_body, static_cast<double>(n) * static_cast<double>(n)), 2);
     std::vector<double> sums(static_cast<size_t>(n), 0.0);
     std::vector<Index> last_row(static_cast<size_t>(n), -1);
     std::vector<int> pattern;
@@ -369,8 +405,8 @@ struct LcpProblem::Matrix {
     for (Index i = 0; i < n; ++i) {
       pattern.assign(1, static_cast<int>(i));
       last_row[static_cast<size_t>(i)] = i;
-      for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
-        const double m = inverse_mass[it.col()];
+      for (SparseRows::InnerIterator it(J, i); it; ++it) {
+        const double m = masses[it.col()];
         if (m == 0) continue;
         for (decltype(columns)::InnerIterator jt(columns, it.col()); jt; ++jt) {
           const auto j = static_cast<size_t>(jt.row());
@@ -392,15 +428,14 @@ struct LcpProblem::Matrix {
       }
       outer[static_cast<size_t>(i) + 1] = static_cast<int>(inner.size());
     }
-    derived_sparse = Eigen::Map<const SparseMatrix>(n, n, static_cast<Index>(inner.size()), outer.data(), inner.data(),
-                                                    values.data());
+    *form = SparseRows(n, n, static_cast<Index>(inner.size()), outer.data(), inner.data(), values.data());
   }
 
-  static bool HasSortedRowsWithDiagonal(const SparseMatrix& source) {
+  static bool HasSortedRowsWithDiagonal(const Eigen::Ref<const SparseMatrix>& source) {
     for (Index i = 0; i < source.rows(); ++i) {
       int last = -1;
       bool has_diagonal = false;
-      for (SparseMatrix::InnerIterator it(source, i); it; ++it) {
+      for (Eigen::Ref<const SparseMatrix>::InnerIterator it(source, i); it; ++it) {
         if (it.col() <= last) return false;
         last = static_cast<int>(it.col());
         has_diagonal = has_diagonal || last == i;
@@ -411,36 +446,22 @@ struct LcpProblem::Matrix {
   }
 
   // Copies `source` with every diagonal entry stored.
-  void FormSparseWithDiagonal(const SparseMatrix& source) {
+  static void FormSparseWithDiagonal(const Eigen::Ref<const SparseMatrix>& source, std::optional<SparseMatrix>* form) {
     const Index n = source.rows();
     if (HasSortedRowsWithDiagonal(source)) {
-      derived_sparse = source;
-      return;
+      return CopyRows(source, &form->emplace());
     }
     std::vector<Eigen::Triplet<double, int>> entries;
     entries.reserve(static_cast<size_t>(source.nonZeros() + n));
     for (Index i = 0; i < n; ++i) {
       entries.emplace_back(static_cast<int>(i), static_cast<int>(i), 0.0);
-      for (SparseMatrix::InnerIterator it(source, i); it; ++it) {
+      for (Eigen::Ref<const SparseMatrix>::InnerIterator it(source, i); it; ++it) {
         entries.emplace_back(static_cast<int>(i), static_cast<int>(it.col()), it.value());
       }
     }
-    derived_sparse.emplace(n, n).setFromTriplets(entries.begin(), entries.end());
+    form->emplace(n, n).setFromTriplets(entries.begin(), entries.end());
   }
 };
-
-// A new problem's storage in one piece.
-struct LcpProblem::Storage {
-  Matrix matrix;
-  Eigen::VectorXd b;
-  bool has_extreme_b = false;
-};
-
-LcpProblem::LcpProblem(const std::shared_ptr<Storage>& storage)
-    : matrix_(storage, &storage->matrix),
-      b_(storage, &storage->b),
-      has_extreme_matrix_(storage->matrix.has_extremes),
-      has_extreme_b_(storage->has_extreme_b) {}
 
 RowBounds RowBounds::WithBilateralRows(Index n, const std::vector<Index>& bilateral) {
   RowBounds bounds;
@@ -453,135 +474,155 @@ RowBounds RowBounds::WithBilateralRows(Index n, const std::vector<Index>& bilate
   return bounds;
 }
 
-std::shared_ptr<LcpProblem::Storage> LcpProblem::MakeStorage(std::string id, MatrixForm form, Eigen::VectorXd b,
-                                                             RowBounds bounds, MatrixFacts facts) {
-  const Beyond beyond = RequireFinite(id, "b", kLoadRange, b.data(), b.size());
-  const auto kinds = static_cast<Index>(bounds.bilateral.size());
-  if (kinds > 0) RequireShape(id, "bilateral", kinds, 1, b.size(), 1);
-  auto storage = std::make_shared<Storage>();
-  Matrix& matrix = storage->matrix;
-  matrix.id = std::move(id);
-  matrix.form = form;
-  matrix.rows = b.size();
-  matrix.facts = facts;
-  for (Index i = 0; i < kinds; ++i) {
-    if (bounds.bilateral[static_cast<size_t>(i)] != 0) matrix.bilateral.push_back(i);
+// Each array is copied once, to its place: engines make a problem per step, and the clock runs.
+LcpProblem LcpProblem::Make(ProblemView from, Index side) {
+  const Beyond of_b = RequireFinite(from.id, "b", kLoadRange, from.b.data(), from.rows);
+  const auto kinds = std::ssize(from.bilateral);
+  if (kinds > 0) RequireShape(from.id, "bilateral", kinds, 1, from.rows, 1);
+  const bool has_factors = from.form == MatrixForm::kFactors;
+  if (!has_factors) from.inverse_mass = {};
+  if (from.form == MatrixForm::kDense) from.row_start = from.column = {};
+  if (std::ranges::all_of(from.bilateral, [](unsigned char kind) { return kind == 0; })) from.bilateral = {};
+  const size_t bytes = from.value.size_bytes() + from.inverse_mass.size_bytes() + from.b.size_bytes() +
+                       from.friction.size_bytes() + from.bounded.size_bytes() + from.row_start.size_bytes() +
+                       from.column.size_bytes() + from.bilateral.size_bytes() + from.id.size();
+  std::byte* room = nullptr;
+  const auto matrix = std::allocate_shared<Matrix>(AllocatorWithRoom<Matrix>(bytes, &room));
+  const auto copy = [&room]<typename Number>(std::span<const Number> numbers) {
+    const std::span<Number> copied(reinterpret_cast<Number*>(room), numbers.size());
+    std::ranges::copy(numbers, copied.begin());
+    room += numbers.size_bytes();
+    return copied;
+  };
+  ProblemView& given = matrix->given;
+  given = from;
+  given.value = copy(from.value);  // numbers of eight bytes come before those of four
+  given.inverse_mass = copy(from.inverse_mass);
+  given.b = copy(from.b);
+  const std::span<FrictionRow> friction = copy(from.friction);
+  const std::span<BoundedRow> bounded = copy(from.bounded);
+  given.friction = friction;
+  given.bounded = bounded;
+  given.row_start = copy(from.row_start);
+  given.column = copy(from.column);
+  given.bilateral = copy(from.bilateral);
+  given.id = {copy(std::span<const char>(from.id)).data(), from.id.size()};
+  if (!matrix->is_plain()) {
+    std::ranges::sort(friction, {}, &FrictionRow::row);
+    std::ranges::sort(bounded, {}, &BoundedRow::row);
+    RequireRowKinds(given);
   }
-  if (!bounds.is_plain()) RequireRowKinds(matrix.id, matrix.rows, &bounds);
-  if (matrix.bilateral.empty()) bounds.bilateral.clear();
-  matrix.bounds = std::move(bounds);
-  storage->b = std::move(b);
-  storage->has_extreme_b = beyond.least || beyond.most;
-  return storage;
+  Beyond beyond = RequireFinite(given.id, has_factors ? "J" : "A", has_factors ? kFactorRange : kEntryRange,
+                                given.value.data(), std::ssize(given.value), side);
+  if (has_factors) {
+    const Beyond of_masses = RequireMasses(given);
+    beyond.least |= of_masses.least;
+    beyond.most |= of_masses.most;
+    given.facts.symmetric = given.facts.positive_semidefinite = true;
+  }
+  matrix->LookForExtremes(beyond);
+  given.is_checked = true;
+  return LcpProblem(matrix, of_b.least || of_b.most);
 }
+
+namespace {
+
+ProblemView ViewOf(const std::string& id, MatrixForm form, const Eigen::VectorXd& b, const RowBounds& bounds,
+                   const MatrixFacts& facts) {
+  const Index n = b.size();
+  return {id, form, n, n, {}, {}, {}, {}, NumbersOf(b), bounds.bilateral, bounds.friction, bounds.bounded, facts};
+}
+
+// The compressed rows of J or A, whose shape is that of the view.
+void SetRows(const char* name, SparseMatrix* matrix, ProblemView* view) {
+  RequireShape(view->id, name, matrix->rows(), matrix->cols(), view->rows, view->columns);
+  matrix->makeCompressed();
+  const auto entries = static_cast<size_t>(matrix->nonZeros());
+  view->row_start = {matrix->outerIndexPtr(), static_cast<size_t>(view->rows) + 1};
+  view->column = {matrix->innerIndexPtr(), entries};
+  view->value = {matrix->valuePtr(), entries};
+}
+
+}  // namespace
 
 LcpProblem LcpProblem::FromDense(std::string id, Eigen::MatrixXd A, Eigen::VectorXd b, RowBounds bounds,
                                  MatrixFacts facts) {
-  const auto storage = MakeStorage(std::move(id), MatrixForm::kDense, std::move(b), std::move(bounds), facts);
-  Matrix& matrix = storage->matrix;
-  RequireShape(matrix.id, "A", A.rows(), A.cols(), matrix.rows, matrix.rows);
-  matrix.RequireFiniteValues("A", A.data(), A.size(), matrix.rows);
-  matrix.dense = std::move(A);
-  matrix.LookForExtremes();
-  return LcpProblem(storage);
+  ProblemView view = ViewOf(id, MatrixForm::kDense, b, bounds, facts);
+  RequireShape(id, "A", A.rows(), A.cols(), view.rows, view.rows);
+  A.transposeInPlace();
+  view.value = {A.data(), static_cast<size_t>(A.size())};
+  return Make(view, view.rows);
 }
 
 LcpProblem LcpProblem::FromSparse(std::string id, SparseMatrix A, Eigen::VectorXd b, RowBounds bounds,
                                   MatrixFacts facts) {
-  const auto storage = MakeStorage(std::move(id), MatrixForm::kSparse, std::move(b), std::move(bounds), facts);
-  storage->matrix.TakeSparse(&A, "A", storage->matrix.rows);
-  storage->matrix.LookForExtremes();
-  return LcpProblem(storage);
+  ProblemView view = ViewOf(id, MatrixForm::kSparse, b, bounds, facts);
+  SetRows("A", &A, &view);
+  return Make(view);
 }
 
 LcpProblem LcpProblem::FromFactors(std::string id, SparseMatrix J, Eigen::VectorXd inverse_mass, Eigen::VectorXd b,
                                    RowBounds bounds, MatrixFacts facts) {
-  const auto storage = MakeStorage(std::move(id), MatrixForm::kFactors, std::move(b), std::move(bounds), facts);
-  storage->matrix.TakeSparse(&J, "J", inverse_mass.size());
-  storage->matrix.TakeMasses(std::move(inverse_mass));
-  storage->matrix.LookForExtremes();
-  return LcpProblem(storage);
+  ProblemView view = ViewOf(id, MatrixForm::kFactors, b, bounds, facts);
+  view.columns = inverse_mass.size();
+  view.inverse_mass = NumbersOf(inverse_mass);
+  SetRows("J", &J, &view);
+  return Make(view);
 }
 
-ProblemArrays ProblemArrays::Of(const LcpProblem& problem) {
-  ProblemArrays arrays;
-  arrays.id = problem.id();
-  arrays.form = problem.given_form();
-  arrays.rows = arrays.columns = problem.size();
-  const LcpProblem::Matrix& matrix = *problem.matrix_;
-  if (arrays.form == MatrixForm::kDense) {
-    for (Index i = 0; i < arrays.rows; ++i) {
-      const auto row = matrix.dense.row(i);
-      arrays.value.insert(arrays.value.end(), row.begin(), row.end());
-    }
-  } else {
-    const SparseMatrix& given = matrix.sparse();
-    arrays.columns = given.cols();
-    arrays.row_start.assign(given.outerIndexPtr(), given.outerIndexPtr() + given.rows() + 1);
-    arrays.column.assign(given.innerIndexPtr(), given.innerIndexPtr() + given.nonZeros());
-    arrays.value.assign(given.valuePtr(), given.valuePtr() + given.nonZeros());
-    arrays.inverse_mass.assign(matrix.inverse_mass.begin(), matrix.inverse_mass.end());
-  }
-  arrays.b.assign(problem.b().begin(), problem.b().end());
-  arrays.bilateral = matrix.bounds.bilateral;
-  arrays.friction = matrix.bounds.friction;
-  arrays.bounded = matrix.bounds.bounded;
-  arrays.facts = problem.facts();
-  return arrays;
-}
-
-// Each array is copied once, to its place: engines make a problem per step, and the clock runs.
-LcpProblem LcpProblem::FromArrays(const ProblemArrays& arrays) {
+LcpProblem LcpProblem::FromArrays(const ProblemView& arrays) {
+  if (arrays.is_checked) return Make(arrays);
   const Index n = arrays.rows;
-  RequireShape(arrays.id, "b", static_cast<Index>(arrays.b.size()), 1, n, 1);
-  const auto count = static_cast<Index>(arrays.value.size());
+  RequireShape(arrays.id, "b", std::ssize(arrays.b), 1, n, 1);
+  const Index count = std::ssize(arrays.value);
   if (arrays.form != MatrixForm::kDense) {
     RequireCompressedRows(arrays);
   } else if (n > 0 ? count % n != 0 || count / n != n : count != 0) {
     Reject(arrays.id, "A must have " + std::to_string(n) + "^2 values, found " + std::to_string(count));
   }
-  const auto storage = MakeStorage(arrays.id, arrays.form, Eigen::Map<const Eigen::VectorXd>(arrays.b.data(), n),
-                                   {arrays.bilateral, arrays.friction, arrays.bounded}, arrays.facts);
-  Matrix& matrix = storage->matrix;
-  const bool has_factors = arrays.form == MatrixForm::kFactors;
-  matrix.RequireFiniteValues(has_factors ? "J" : "A", arrays.value.data(), count);
-  if (arrays.form == MatrixForm::kDense) {
-    matrix.dense = Eigen::Map<const RowMajorMatrix>(arrays.value.data(), n, n);
-    matrix.LookForExtremes();
-    return LcpProblem(storage);
-  }
-  SparseMatrix& sparse = matrix.given_sparse.emplace(n, arrays.columns);
-  sparse.resizeNonZeros(count);
-  std::copy(arrays.row_start.begin(), arrays.row_start.end(), sparse.outerIndexPtr());
-  std::copy(arrays.column.begin(), arrays.column.end(), sparse.innerIndexPtr());
-  std::copy(arrays.value.begin(), arrays.value.end(), sparse.valuePtr());
-  if (has_factors) {
-    RequireShape(arrays.id, "inverse_mass", static_cast<Index>(arrays.inverse_mass.size()), 1, arrays.columns, 1);
-    matrix.TakeMasses(Eigen::Map<const Eigen::VectorXd>(arrays.inverse_mass.data(), arrays.columns));
-  }
-  matrix.LookForExtremes();
-  return LcpProblem(storage);
+  return Make(arrays);
+}
+
+ProblemView LcpProblem::view() const {
+  ProblemView view = matrix_->given;
+  if (b_ != nullptr) view.b = NumbersOf(*b_);
+  return view;
+}
+
+ProblemArrays ProblemArrays::Of(const LcpProblem& problem) {
+  const ProblemView view = problem.view();
+  const auto copy = [](const auto& numbers) { return std::vector(numbers.begin(), numbers.end()); };
+  return {std::string(view.id),
+          view.form,
+          view.rows,
+          view.columns,
+          copy(view.row_start),
+          copy(view.column),
+          copy(view.value),
+          copy(view.inverse_mass),
+          copy(view.b),
+          copy(view.bilateral),
+          copy(view.friction),
+          copy(view.bounded),
+          view.facts};
 }
 
 LcpProblem LcpProblem::WithB(Eigen::VectorXd b) const {
-  RequireShape(id(), "b", b.size(), 1, size(), 1);
-  const Beyond beyond = RequireFinite(id(), "b", kLoadRange, b.data(), b.size());
-  LcpProblem other = *this;
-  other.has_extreme_b_ = beyond.least || beyond.most;
+  RequireShape(matrix_->given.id, "b", b.size(), 1, size(), 1);
+  const Beyond beyond = RequireFinite(matrix_->given.id, "b", kLoadRange, b.data(), b.size());
+  LcpProblem other(matrix_, beyond.least || beyond.most);
   other.b_ = std::make_shared<const Eigen::VectorXd>(std::move(b));
   return other;
 }
 
-LcpProblem LcpProblem::CopyOfGivenForm() const { return WithBounds(bounds()); }
+LcpProblem LcpProblem::CopyOfGivenForm() const { return Make(view()); }
 
 LcpProblem LcpProblem::WithBounds(RowBounds bounds) const {
-  const Matrix& given = *matrix_;
-  const auto storage = MakeStorage(given.id, given.form, b(), std::move(bounds), given.facts);
-  storage->matrix.dense = given.dense;
-  storage->matrix.given_sparse = given.given_sparse;
-  storage->matrix.inverse_mass = given.inverse_mass;
-  storage->matrix.has_extremes = given.has_extremes;
-  return LcpProblem(storage);
+  ProblemView view = this->view();
+  view.bilateral = bounds.bilateral;
+  view.friction = bounds.friction;
+  view.bounded = bounds.bounded;
+  return Make(view);
 }
 
 LcpProblem LcpProblem::WithRows(const SparseMatrix& P, Eigen::VectorXd b, RowBounds bounds) const {
@@ -599,106 +640,89 @@ LcpProblem LcpProblem::WithRows(const SparseMatrix& P, Eigen::VectorXd b, RowBou
   }
 }
 
-const std::string& LcpProblem::id() const { return matrix_->id; }
-Index LcpProblem::size() const { return matrix_->rows; }
-MatrixForm LcpProblem::given_form() const { return matrix_->form; }
-const MatrixFacts& LcpProblem::facts() const { return matrix_->facts; }
-const Eigen::VectorXd& LcpProblem::b() const { return *b_; }
+const std::string& LcpProblem::id() const {
+  return matrix_->Get(&Derived::id, [this](std::string* id) { *id = matrix_->given.id; });
+}
+Index LcpProblem::size() const { return matrix_->given.rows; }
+MatrixForm LcpProblem::given_form() const { return matrix_->given.form; }
+const MatrixFacts& LcpProblem::facts() const { return matrix_->given.facts; }
+bool LcpProblem::has_extreme_matrix() const { return matrix_->has_extremes; }
+bool LcpProblem::is_plain() const { return matrix_->is_plain(); }
+
+const Eigen::VectorXd& LcpProblem::b() const {
+  if (b_ != nullptr) return *b_;
+  return matrix_->Get(&Derived::b, [this](Eigen::VectorXd* b) {
+    *b = Eigen::Map<const Eigen::VectorXd>(matrix_->given.b.data(), size());
+  });
+}
 
 bool LcpProblem::has_two_body_rows() const {
-  Matrix& s = *matrix_;
-  if (s.form != MatrixForm::kFactors) return false;
-  s.two_body_once.Call([&] { s.two_body_rows = s.HasTwoBodyRows(); });
-  return s.two_body_rows;
+  return has_factors() &&
+         matrix_->Get(&Derived::two_body_rows, [this](bool* holds) { *holds = matrix_->HasTwoBodyRows(); });
 }
 
 const SparseMatrix& LcpProblem::J() const {
   if (!has_factors()) throw std::logic_error("LcpProblem::J: the problem has no factors");
-  return matrix_->sparse();
+  return *matrix_->Get(&Derived::J,
+                       [this](std::optional<SparseMatrix>* J) { CopyRows(matrix_->sparse(), &J->emplace()); });
 }
 
 const Eigen::VectorXd& LcpProblem::inverse_mass() const {
   if (!has_factors()) throw std::logic_error("LcpProblem::inverse_mass: the problem has no factors");
-  return matrix_->inverse_mass;
+  return matrix_->Get(&Derived::inverse_mass, [this](Eigen::VectorXd* masses) { *masses = matrix_->inverse_mass(); });
 }
 
 const Eigen::MatrixXd& LcpProblem::DenseA() const {
-  Matrix& s = *matrix_;
-  if (s.form == MatrixForm::kDense) return s.dense;
-  s.dense_once.Call([&] {
+  return matrix_->Get(&Derived::dense, [this](Eigen::MatrixXd* A) {
+    const Matrix& s = *matrix_;
     const auto n = static_cast<double>(size());
-    RequireMemory(n * n * sizeof(double), "the dense A");
-    if (s.form == MatrixForm::kSparse) {
-      s.derived_dense = Eigen::MatrixXd(s.sparse());
-      return;
+    if (s.given.form != MatrixForm::kDense) RequireMemory(n * n * sizeof(double), "the dense A");
+    if (s.given.form == MatrixForm::kDense) {
+      *A = s.dense();
+    } else if (s.given.form == MatrixForm::kSparse) {
+      *A = s.sparse();
+    } else {
+      A->resize(size(), size());
+      Assemble(s.sparse(), s.given.inverse_mass.data(), A->data(), size());
     }
-    s.derived_dense.resize(size(), size());
-    Assemble(s.sparse(), s.inverse_mass.data(), s.derived_dense.data(), size());
   });
-  return s.derived_dense;
 }
 
 const SparseMatrix& LcpProblem::SparseA() const {
-  Matrix& s = *matrix_;
-  s.sparse_once.Call([&] {
-    switch (s.form) {
-      case MatrixForm::kFactors:
-        if (s.EveryPairSharesAColumn()) {
-          s.FormSparseWithAll(DenseA());
-        } else {
-          s.FormSparseFromFactors();
-        }
-        break;
-      case MatrixForm::kSparse:
-        s.FormSparseWithDiagonal(s.sparse());
-        break;
-      case MatrixForm::kDense:
-        s.FormSparseWithDiagonal(s.dense.sparseView(1.0, 0.0));
-        break;
+  return *matrix_->Get(&Derived::sparse, [this](std::optional<SparseMatrix>* A) {
+    const Matrix& s = *matrix_;
+    if (s.given.form == MatrixForm::kSparse) return Matrix::FormSparseWithDiagonal(s.sparse(), A);
+    if (s.given.form == MatrixForm::kDense) {
+      const SparseMatrix entries = s.dense().sparseView(1.0, 0.0);
+      return Matrix::FormSparseWithDiagonal(entries, A);
     }
+    if (s.EveryPairSharesAColumn()) return Matrix::FormSparseWithAll(DenseA(), A);
+    s.FormSparseFromFactors(A);
   });
-  return *s.derived_sparse;
 }
 
 const Eigen::VectorXd& LcpProblem::DiagonalA() const {
-  Matrix& s = *matrix_;
-  s.diagonal_once.Call([&] {
-    switch (s.form) {
-      case MatrixForm::kFactors:
-        s.diagonal = Eigen::VectorXd::Zero(size());
-        for (Index i = 0; i < size(); ++i) {
-          double sum = 0;
-          for (SparseMatrix::InnerIterator it(s.sparse(), i); it; ++it) {
-            sum += s.inverse_mass[it.col()] * (it.value() * it.value());
-          }
-          s.diagonal[i] = sum;
-        }
-        break;
-      case MatrixForm::kSparse:
-        s.diagonal = s.sparse().diagonal();
-        break;
-      case MatrixForm::kDense:
-        s.diagonal = s.dense.diagonal();
-        break;
-    }
+  return matrix_->Get(&Derived::diagonal, [this](Eigen::VectorXd* diagonal) {
+    const Matrix& s = *matrix_;
+    diagonal->resize(size());
+    for (Index i = 0; i < size(); ++i) (*diagonal)[i] = s.DiagonalOf(i);
   });
-  return s.diagonal;
 }
 
 double LcpProblem::Asymmetry() const {
-  Matrix& s = *matrix_;
-  if (s.form == MatrixForm::kFactors) return 0;
-  s.asymmetry_once.Call([&] {
+  if (has_factors()) return 0;
+  return matrix_->Get(&Derived::asymmetry, [this](double* asymmetry) {
+    const Matrix& s = *matrix_;
     const Eigen::VectorXd& d = DiagonalA();
     const auto relative = [&](Index i, Index j, double difference) {
       const double scale = std::sqrt(std::abs(d[i])) * std::sqrt(std::abs(d[j]));
       return std::abs(difference) / (scale > 0 ? scale : 1.0);
     };
     double worst = 0;
-    if (s.form == MatrixForm::kDense) {
+    if (s.given.form == MatrixForm::kDense) {
       for (Index j = 0; j < size(); ++j) {
         for (Index i = j + 1; i < size(); ++i) {
-          worst = std::max(worst, relative(i, j, s.dense(i, j) - s.dense(j, i)));
+          worst = std::max(worst, relative(i, j, s.dense()(i, j) - s.dense()(j, i)));
         }
       }
     } else {
@@ -710,23 +734,22 @@ double LcpProblem::Asymmetry() const {
         }
       }
     }
-    s.asymmetry = worst;
+    *asymmetry = worst;
   });
-  return s.asymmetry;
 }
 
 void LcpProblem::ComputeW(const Eigen::VectorXd& f, Eigen::VectorXd* w) const {
   const Matrix& s = *matrix_;
   *w = b();
-  switch (s.form) {
+  switch (s.given.form) {
     case MatrixForm::kDense:
-      w->noalias() += s.dense * f;
+      w->noalias() += DenseA() * f;
       break;
     case MatrixForm::kSparse:
       w->noalias() += s.sparse() * f;
       break;
     case MatrixForm::kFactors: {
-      const Eigen::VectorXd body = s.inverse_mass.cwiseProduct(s.sparse().transpose() * f);
+      const Eigen::VectorXd body = s.inverse_mass().cwiseProduct(s.sparse().transpose() * f);
       w->noalias() += s.sparse() * body;
       break;
     }
@@ -734,20 +757,47 @@ void LcpProblem::ComputeW(const Eigen::VectorXd& f, Eigen::VectorXd* w) const {
 }
 
 bool LcpProblem::is_bilateral(Index row) const {
-  const std::vector<unsigned char>& kinds = matrix_->bounds.bilateral;
+  const std::span<const unsigned char> kinds = matrix_->given.bilateral;
   return !kinds.empty() && kinds[static_cast<size_t>(row)] != 0;
 }
 
 RowKind LcpProblem::kind(Index row) const {
   if (is_bilateral(row)) return RowKind::kBilateral;
-  const RowBounds& bounds = matrix_->bounds;
-  if (std::ranges::binary_search(bounds.friction, row, {}, &FrictionRow::row)) return RowKind::kFriction;
-  if (std::ranges::binary_search(bounds.bounded, row, {}, &BoundedRow::row)) return RowKind::kBounded;
+  const ProblemView& given = matrix_->given;
+  if (std::ranges::binary_search(given.friction, row, {}, &FrictionRow::row)) return RowKind::kFriction;
+  if (std::ranges::binary_search(given.bounded, row, {}, &BoundedRow::row)) return RowKind::kBounded;
   return RowKind::kUnilateral;
 }
 
-const std::vector<Index>& LcpProblem::bilateral_rows() const { return matrix_->bilateral; }
-const RowBounds& LcpProblem::bounds() const { return matrix_->bounds; }
+const std::vector<Index>& LcpProblem::bilateral_rows() const {
+  return matrix_->Get(&Derived::bilateral, [this](std::vector<Index>* rows) {
+    for (Index i = 0; i < size(); ++i) {
+      if (is_bilateral(i)) rows->push_back(i);
+    }
+  });
+}
+
+// Who asks for lists of a problem that has none does not wait for them.
+const RowBounds& LcpProblem::bounds() const {
+  static const RowBounds kNone;
+  const ProblemView& given = matrix_->given;
+  if (is_plain() && given.bilateral.empty()) return kNone;
+  return matrix_->Get(&Derived::bounds, [&given](RowBounds* bounds) {
+    bounds->bilateral.assign(given.bilateral.begin(), given.bilateral.end());
+    bounds->friction.assign(given.friction.begin(), given.friction.end());
+    bounds->bounded.assign(given.bounded.begin(), given.bounded.end());
+  });
+}
+
+const std::vector<FrictionRow>& LcpProblem::friction_rows() const {
+  static const std::vector<FrictionRow> kNone;
+  return matrix_->given.friction.empty() ? kNone : bounds().friction;
+}
+
+const std::vector<BoundedRow>& LcpProblem::bounded_rows() const {
+  static const std::vector<BoundedRow> kNone;
+  return matrix_->given.bounded.empty() ? kNone : bounds().bounded;
+}
 
 LcpProblem InForm(const LcpProblem& problem, MatrixForm form) {
   if (form == MatrixForm::kDense) {
@@ -774,22 +824,11 @@ LcpProblem Symmetrized(const LcpProblem& problem, MatrixFacts facts) {
   }
 }
 
-void AssembleDenseA(const LcpProblem& problem, double* A, Index stride) {
-  if (problem.has_factors()) return Assemble(problem.J(), problem.inverse_mass().data(), A, stride);
-  const Index n = problem.size();
-  Eigen::Map<RowMajorMatrix> rows(A, n, stride);
-  rows.leftCols(n) = problem.DenseA();
-  rows.rightCols(stride - n).setZero();
-}
-
-void AssembleDenseA(const ProblemArrays& arrays, double* A, Index stride) {
+void AssembleDenseA(const ProblemView& arrays, double* A, Index stride) {
   const Index n = arrays.rows;
   switch (arrays.form) {
     case MatrixForm::kFactors:
-      return Assemble(
-          Eigen::Map<const SparseMatrix>(n, arrays.columns, static_cast<Index>(arrays.value.size()),
-                                         arrays.row_start.data(), arrays.column.data(), arrays.value.data()),
-          arrays.inverse_mass.data(), A, stride);
+      return Assemble(RowsOf(arrays), arrays.inverse_mass.data(), A, stride);
     case MatrixForm::kSparse:
       std::fill_n(A, n * stride, 0.0);
       for (Index i = 0; i < n; ++i) {

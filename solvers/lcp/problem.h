@@ -4,7 +4,10 @@
 #include <Eigen/SparseCore>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace lcpbench {
@@ -65,6 +68,21 @@ struct MatrixFacts {
   int columns_per_body = 3;
 };
 
+/// What ProblemArrays says, read where it is kept: in a caller's arrays, or in an LcpProblem (LcpProblem::view). Valid
+/// as long as these are.
+struct ProblemView {
+  std::string_view id;                             ///< of ProblemArrays, as all that follows
+  MatrixForm form = MatrixForm::kFactors;          ///< which of the arrays below are used
+  Index rows = 0, columns = 0;                     ///< n; of J
+  std::span<const int> row_start, column;          ///< of kSparse and kFactors
+  std::span<const double> value, inverse_mass, b;  ///< of A or J; of kFactors; n
+  std::span<const unsigned char> bilateral;        ///< n, or none
+  std::span<const FrictionRow> friction;           ///< of an LcpProblem by ascending row
+  std::span<const BoundedRow> bounded;             ///< of an LcpProblem by ascending row
+  MatrixFacts facts;                               ///< what is proved about A
+  bool is_checked = false;                         ///< an LcpProblem's: all fits, and numbers are finite
+};
+
 /// A problem as a caller's arrays hold it: what an engine has in memory before any solver is asked, and where the time
 /// that a user pays begins (fresh_pass.h). Nothing here has been checked; LcpProblem::FromArrays does that.
 ///
@@ -93,6 +111,10 @@ struct ProblemArrays {
 
   /// The arrays of a problem's given form.
   static ProblemArrays Of(const class LcpProblem& problem);
+  /// What a caller holds is taken wherever a view is. NOLINTNEXTLINE(google-explicit-constructor)
+  operator ProblemView() const {
+    return {id, form, rows, columns, row_start, column, value, inverse_mass, b, bilateral, friction, bounded, facts};
+  }
 };
 
 /// Find f and w with
@@ -105,8 +127,9 @@ struct ProblemArrays {
 ///
 /// Three given forms: A dense (n x n), A sparse (n x n), or factors J (n x pN, row order as assembled; p = 3 columns a
 /// body in the plane, 6 in space) with the inverse mass diagonal (pN, >= 0) and A = J M^-1 J^T. The given form *is* the
-/// problem: verification uses it. DenseA() and SparseA() are its roundings, made on the first request (so that their
-/// cost can be measured apart from a solve) and kept, bitwise symmetric where the problem is given by factors.
+/// problem: verification uses it. It is kept as arrays, in one piece of memory (view()); Eigen's forms of it are made
+/// on the first request and kept. So are DenseA() and SparseA(), which are its roundings (so that their cost can be
+/// measured apart from a solve), bitwise symmetric where the problem is given by factors.
 ///
 /// Immutable; copies share storage; safe to read from several threads. n = 0 is valid.
 /// All constructors throw InputError, naming the argument, on a shape that does not fit, NaN or infinity, a negative
@@ -126,7 +149,7 @@ class LcpProblem {
   static LcpProblem FromFactors(std::string id, SparseMatrix J, Eigen::VectorXd inverse_mass, Eigen::VectorXd b,
                                 RowBounds bounds = {}, MatrixFacts facts = {});
   /// From a caller's arrays, which are checked and copied: what a fresh time begins with.
-  static LcpProblem FromArrays(const ProblemArrays& arrays);
+  static LcpProblem FromArrays(const ProblemView& arrays);
 
   /// The same matrix and bounds with another b: whatever has been derived of A is shared with this problem.
   /// @param b  n, finite
@@ -150,6 +173,8 @@ class LcpProblem {
   /// What is proved about A.
   const MatrixFacts& facts() const;
 
+  /// The given form, in place: nothing is made.
+  ProblemView view() const;
   /// n numbers.
   const Eigen::VectorXd& b() const;
   /// n x pN; std::logic_error unless has_factors().
@@ -183,7 +208,7 @@ class LcpProblem {
   const RowBounds& bounds() const;
   /// Whether products of two or three numbers of A, J and the inverse masses, which solvers make, may leave the range
   /// of doubles: above 2^64 in J and the inverse masses, an A_ii (not 0) beyond 2^+-192, above 2^192 in A.
-  bool has_extreme_matrix() const { return has_extreme_matrix_; }
+  bool has_extreme_matrix() const;
   /// The same of b: above 2^128, or below 2^-300 but not 0.
   bool has_extreme_b() const { return has_extreme_b_; }
 
@@ -194,28 +219,27 @@ class LcpProblem {
   /// The law of a row; O(1) where the problem is plain, else O(log n). Sliding rows are of kind kFriction.
   RowKind kind(Index row) const;
   /// By ascending row.
-  const std::vector<FrictionRow>& friction_rows() const { return bounds().friction; }
+  const std::vector<FrictionRow>& friction_rows() const;
   /// By ascending row.
-  const std::vector<BoundedRow>& bounded_rows() const { return bounds().bounded; }
+  const std::vector<BoundedRow>& bounded_rows() const;
   /// Without friction, sliding and bounded rows: the problem that all solvers take.
-  bool is_plain() const { return bounds().is_plain(); }
+  bool is_plain() const;
 
   /// The same given problem without its derived forms, so that forming them can be timed again.
   LcpProblem CopyOfGivenForm() const;
 
  private:
-  friend struct ProblemArrays;
+  struct Derived;
   struct Matrix;
-  struct Storage;
 
-  explicit LcpProblem(const std::shared_ptr<Storage>& storage);
-  /// Checks b and the bounds. The matrix is still to be given.
-  static std::shared_ptr<Storage> MakeStorage(std::string id, MatrixForm form, Eigen::VectorXd b, RowBounds bounds,
-                                              MatrixFacts facts);
+  explicit LcpProblem(std::shared_ptr<const Matrix> matrix, bool has_extreme_b)
+      : matrix_(std::move(matrix)), has_extreme_b_(has_extreme_b) {}
+  /// @param given  whose shapes fit
+  /// @param side   of a dense A whose entries are named by row and column; 0: an array of numbers
+  static LcpProblem Make(ProblemView given, Index side = 0);
 
-  std::shared_ptr<Matrix> matrix_;
-  std::shared_ptr<const Eigen::VectorXd> b_;
-  bool has_extreme_matrix_ = false;
+  std::shared_ptr<const Matrix> matrix_;
+  std::shared_ptr<const Eigen::VectorXd> b_;  // of WithB; nullptr: that of the arrays
   bool has_extreme_b_ = false;
 };
 
@@ -231,9 +255,11 @@ LcpProblem Symmetrized(const LcpProblem& problem, MatrixFacts facts = {});
 /// k, so that A is bitwise symmetric and equal to that of LcpProblem::SparseA. O(n stride + sum over columns of (column
 /// count)^2).
 /// @param arrays  checked already (LcpProblem::FromArrays does)
-void AssembleDenseA(const ProblemArrays& arrays, double* A, Index stride);
-/// The same; of a sparse problem by DenseA().
-void AssembleDenseA(const LcpProblem& problem, double* A, Index stride);
+void AssembleDenseA(const ProblemView& arrays, double* A, Index stride);
+/// The same.
+inline void AssembleDenseA(const LcpProblem& problem, double* A, Index stride) {
+  AssembleDenseA(problem.view(), A, stride);
+}
 
 /// An upper bound on the entries of A = J M^-1 J^T, and the cost of forming it: the sum over bodies of (rows on the
 /// body)^2. Rows on the same two bodies count twice. O(nnz J).

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "solvers/lcp/verify.h"
+#include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
@@ -16,88 +17,61 @@ constexpr int kNone = std::numeric_limits<int>::min();
 // floor(log2 |x|); kNone for 0.
 int ExponentOf(double x) { return x == 0 ? kNone : std::ilogb(x); }
 
-// f(i, j, value) for every entry of the given form, J or A.
+// f(i, j, e) for every entry of the given form, J or A, which is value[e].
 template <typename F>
-void ForEachGivenEntry(const LcpProblem& problem, const F& f) {
-  if (problem.given_form() == MatrixForm::kDense) {
-    const Eigen::MatrixXd& A = problem.DenseA();
-    for (Index j = 0; j < A.cols(); ++j) {
-      for (Index i = 0; i < A.rows(); ++i) f(i, j, A(i, j));
-    }
-    return;
-  }
-  const SparseMatrix& given = problem.has_factors() ? problem.J() : problem.SparseA();
-  for (Index i = 0; i < given.rows(); ++i) {
-    for (SparseMatrix::InnerIterator it(given, i); it; ++it) f(i, it.col(), it.value());
+void ForEachGivenEntry(const ProblemView& given, const F& f) {
+  const bool is_dense = given.form == MatrixForm::kDense;
+  for (Index i = 0, e = 0; i < given.rows; ++i) {
+    const Index end = is_dense ? e + given.rows : given.row_start[At(i) + 1];
+    for (const Index begin = e; e < end; ++e) f(At(i), At(is_dense ? e - begin : given.column[At(e)]), At(e));
   }
 }
 
 // About log2 of A_ii, or of what stands beside a zero there; kNone for rows of zeros.
-std::vector<int> RowExponents(const LcpProblem& problem) {
-  std::vector<int> row(static_cast<size_t>(problem.size()), kNone);
-  const auto take = [&row](Index i, int exponent) {
-    int& largest = row[static_cast<size_t>(i)];
-    largest = std::max(largest, exponent);
-  };
-  if (problem.has_factors()) {
-    ForEachGivenEntry(problem, [&](Index i, Index k, double value) {
-      const double inverse_mass = problem.inverse_mass()[k];
-      if (value != 0 && inverse_mass != 0) take(i, 2 * ExponentOf(value) + ExponentOf(inverse_mass));
-    });
-    return row;
-  }
-  ForEachGivenEntry(problem, [&](Index i, Index j, double value) {
-    if (i == j) take(i, ExponentOf(value));
+std::vector<int> RowExponents(const ProblemView& given) {
+  const bool has_factors = given.form == MatrixForm::kFactors;
+  std::vector<int> row(At(given.rows), kNone);
+  ForEachGivenEntry(given, [&](std::size_t i, std::size_t j, std::size_t e) {
+    if (given.value[e] == 0 || (has_factors ? given.inverse_mass[j] == 0 : i != j)) return;
+    const int exponent = ExponentOf(given.value[e]);
+    row[i] = std::max(row[i], has_factors ? 2 * exponent + ExponentOf(given.inverse_mass[j]) : exponent);
   });
+  if (has_factors) return row;
   const std::vector<int> diagonal = row;
-  ForEachGivenEntry(problem, [&](Index i, Index j, double value) {
-    for (const Index k : {i, j}) {
-      if (diagonal[static_cast<size_t>(k)] == kNone) take(k, ExponentOf(value));
+  ForEachGivenEntry(given, [&](std::size_t i, std::size_t j, std::size_t e) {
+    for (const std::size_t k : {i, j}) {
+      if (diagonal[k] == kNone) row[k] = std::max(row[k], ExponentOf(given.value[e]));
     }
   });
   return row;
 }
 
-// S A S, or S J C and C^-2 M^-1 with C about M^-1/2, both by powers of two.
-LcpProblem Scaled(const LcpProblem& problem, const std::vector<int>& row) {
-  const Eigen::VectorXd b = Eigen::VectorXd::Zero(problem.size());
+// S A S, or S J C and C^-2 M^-1 with C about M^-1/2, both by powers of two; b is zero.
+LcpProblem Scaled(ProblemView given, const std::vector<int>& row) {
+  const std::vector<double> b(At(given.rows), 0.0);
+  std::vector<double> value(given.value.begin(), given.value.end());
+  std::vector<double> inverse_mass(given.inverse_mass.begin(), given.inverse_mass.end());
   std::vector<int> column = row;
-  Eigen::VectorXd inverse_mass;
-  if (problem.has_factors()) {
-    inverse_mass = problem.inverse_mass();
-    column.assign(static_cast<size_t>(inverse_mass.size()), kNone);
-    for (Index k = 0; k < inverse_mass.size(); ++k) {
-      if (inverse_mass[k] == 0) continue;
-      const int half = ExponentOf(inverse_mass[k]) >> 1;
-      column[static_cast<size_t>(k)] = half;
-      inverse_mass[k] = std::ldexp(inverse_mass[k], -2 * half);
-    }
+  if (given.form == MatrixForm::kFactors) column.assign(inverse_mass.size(), kNone);
+  for (std::size_t k = 0; k < inverse_mass.size(); ++k) {
+    if (inverse_mass[k] == 0) continue;
+    column[k] = ExponentOf(inverse_mass[k]) >> 1;
+    inverse_mass[k] = std::ldexp(inverse_mass[k], -2 * column[k]);
   }
-  const auto scaled = [&](Index i, Index j, double value) {
-    const int of_row = row[static_cast<size_t>(i)];
-    const int of_column = column[static_cast<size_t>(j)];
-    if (of_row == kNone || of_column == kNone) return 0.0;  // what does not move does not enter A
+  ForEachGivenEntry(given, [&](std::size_t i, std::size_t j, std::size_t e) {
     constexpr double kMost = std::numeric_limits<double>::max();
-    return std::clamp(std::ldexp(value, of_row + of_column), -kMost, kMost);
-  };
-  if (problem.given_form() == MatrixForm::kDense) {
-    Eigen::MatrixXd A = problem.DenseA();
-    ForEachGivenEntry(problem, [&](Index i, Index j, double value) { A(i, j) = scaled(i, j, value); });
-    return LcpProblem::FromDense(problem.id(), std::move(A), b, problem.bounds(), problem.facts());
-  }
-  SparseMatrix given = problem.has_factors() ? problem.J() : problem.SparseA();
-  for (Index i = 0; i < given.rows(); ++i) {
-    for (SparseMatrix::InnerIterator it(given, i); it; ++it) it.valueRef() = scaled(i, it.col(), it.value());
-  }
-  if (!problem.has_factors()) {
-    return LcpProblem::FromSparse(problem.id(), given, b, problem.bounds(), problem.facts());
-  }
-  return LcpProblem::FromFactors(problem.id(), given, std::move(inverse_mass), b, problem.bounds(), problem.facts());
+    const bool moves = row[i] != kNone && column[j] != kNone;  // what does not move does not enter A
+    value[e] = moves ? std::clamp(std::ldexp(value[e], row[i] + column[j]), -kMost, kMost) : 0.0;
+  });
+  given.value = value;
+  given.inverse_mass = inverse_mass;
+  given.b = b;
+  return LcpProblem::FromArrays(given);
 }
 
 // Of f~ = t S^-1 f, with t = 2^unit.
 RowBounds ScaledBounds(RowBounds bounds, const std::vector<int>& rows, int unit) {
-  const auto at = [&rows](Index row) { return rows[static_cast<size_t>(row)]; };
+  const auto at = [&rows](Index row) { return rows[At(row)]; };
   for (FrictionRow& row : bounds.friction) {
     row.mu = std::min(std::ldexp(row.mu, at(row.normal) - at(row.row)), std::numeric_limits<double>::max());
   }
@@ -113,24 +87,24 @@ RowBounds ScaledBounds(RowBounds bounds, const std::vector<int>& rows, int unit)
 
 }  // namespace
 
-RangeScaling::RangeScaling(const LcpProblem& problem) : row_(RowExponents(problem)), matrix_(problem) {
+RangeScaling::RangeScaling(const LcpProblem& problem) : row_(RowExponents(problem.view())), matrix_(problem) {
   for (int& exponent : row_) {
     if (exponent != kNone) exponent = problem.has_extreme_matrix() ? -(exponent >> 1) : 0;
   }
-  if (problem.has_extreme_matrix()) matrix_ = Scaled(problem, row_);
+  if (problem.has_extreme_matrix()) matrix_ = Scaled(problem.view(), row_);
 }
 
 RangeScaling::Load RangeScaling::Scale(const LcpProblem& problem) const {
   Eigen::VectorXd b = problem.b();
   int largest = kNone;
   for (Index i = 0; i < b.size(); ++i) {
-    const int row = row_[static_cast<size_t>(i)];
+    const int row = row_[At(i)];
     if (b[i] != 0 && row != kNone) largest = std::max(largest, ExponentOf(b[i]) + row);
   }
   const int unit = largest == kNone ? 0 : -largest;
   std::vector<int> rows = row_;
   for (Index i = 0; i < b.size(); ++i) {
-    int& row = rows[static_cast<size_t>(i)];
+    int& row = rows[At(i)];
     if (row == kNone) row = b[i] == 0 ? 0 : -ExponentOf(b[i]) - unit;
     b[i] = std::ldexp(b[i], row + unit);
   }
@@ -142,8 +116,7 @@ RangeScaling::Load RangeScaling::Scale(const LcpProblem& problem) const {
 std::optional<Eigen::VectorXd> RangeScaling::ScaledStart(const LcpOptions& options, const Load& load) {
   if (options.initial_f == nullptr) return std::nullopt;
   Eigen::VectorXd start = *options.initial_f;
-  for (Index i = 0; i < start.size(); ++i)
-    start[i] = std::ldexp(start[i], load.unit - load.rows[static_cast<size_t>(i)]);
+  for (Index i = 0; i < start.size(); ++i) start[i] = std::ldexp(start[i], load.unit - load.rows[At(i)]);
   if (!start.allFinite()) return std::nullopt;
   return start;
 }
@@ -155,7 +128,7 @@ void RangeScaling::GiveBack(const LcpProblem& problem, const LcpOptions& options
     result->farkas_ray.reset();
   };
   for (Index i = 0; i < problem.size(); ++i) {
-    result->f[i] = std::ldexp(result->f[i], load.rows[static_cast<size_t>(i)] - load.unit);
+    result->f[i] = std::ldexp(result->f[i], load.rows[At(i)] - load.unit);
   }
   if (!result->f.allFinite()) {
     result->f.setZero();
@@ -170,10 +143,10 @@ void RangeScaling::GiveBack(const LcpProblem& problem, const LcpOptions& options
   Eigen::VectorXd& ray = *result->farkas_ray;
   int largest = kNone;
   for (Index i = 0; i < ray.size(); ++i) {
-    if (ray[i] != 0) largest = std::max(largest, ExponentOf(ray[i]) + load.rows[static_cast<size_t>(i)]);
+    if (ray[i] != 0) largest = std::max(largest, ExponentOf(ray[i]) + load.rows[At(i)]);
   }
   for (Index i = 0; i < ray.size() && largest != kNone; ++i) {
-    ray[i] = std::ldexp(ray[i], load.rows[static_cast<size_t>(i)] - largest);
+    ray[i] = std::ldexp(ray[i], load.rows[At(i)] - largest);
   }
   if (!VerifyFarkasRay(problem, ray).accepted) fail("the ray found proves nothing for the problem as it is given");
 }

@@ -12,16 +12,18 @@ constexpr Index kTileOfMirrors = 16;
 
 }  // namespace
 
-bool MatrixArrays::Take(const ProblemArrays& arrays) {
+bool MatrixArrays::Take(const ProblemView& arrays) {
   const Index n = arrays.rows;
   if (n < 1 || arrays.form == MatrixForm::kFactors || arrays.b.size() != At(n)) return false;
   if (!arrays.bilateral.empty() && arrays.bilateral.size() != At(n)) return false;
-  NumberRange loads(kLoadRange);
-  loads.Look(arrays.b.data(), n);
-  NumberRange entries(kEntryRange);
-  entries.Look(arrays.value.data(), static_cast<Index>(arrays.value.size()));
-  if (!loads.is_within() || !entries.is_within()) return false;
-  arrays_ = &arrays;
+  if (!arrays.is_checked) {
+    NumberRange loads(kLoadRange);
+    loads.Look(arrays.b.data(), n);
+    NumberRange entries(kEntryRange);
+    entries.Look(arrays.value.data(), std::ssize(arrays.value));
+    if (!loads.is_within() || !entries.is_within()) return false;
+  }
+  arrays_ = arrays;
   if (diagonal_.size() < At(n)) diagonal_.resize(At(n));
   if (!(is_dense() ? TakeDense() : TakeRows())) return false;
   return std::all_of(diagonal_.begin(), diagonal_.begin() + n, [](double d) { return d > 0; });
@@ -29,9 +31,9 @@ bool MatrixArrays::Take(const ProblemArrays& arrays) {
 
 bool MatrixArrays::TakeDense() {
   const Index n = size();
-  if (arrays_->value.size() % At(n) != 0 || arrays_->value.size() / At(n) != At(n)) return false;
+  if (arrays_.value.size() % At(n) != 0 || arrays_.value.size() / At(n) != At(n)) return false;
   bandwidth_ = n - 1;
-  const double* const A = arrays_->value.data();
+  const double* const A = arrays_.value.data();
   for (Index i = 0; i < n; ++i) diagonal_[At(i)] = A[i * n + i];
   for (Index top = 0; top < n; top += kTileOfMirrors) {
     for (Index left = 0; left <= top; left += kTileOfMirrors) {
@@ -48,10 +50,10 @@ bool MatrixArrays::TakeDense() {
 // Entries (i, j), j > i, come in the order of their rows, and so do the mirror images within row j.
 bool MatrixArrays::TakeRows() {
   const Index n = size();
-  const std::vector<int>& start = arrays_->row_start;
-  const std::vector<int>& column = arrays_->column;
-  const std::vector<double>& value = arrays_->value;
-  if (arrays_->columns != n || start.size() != At(n) + 1 || value.size() != column.size()) return false;
+  const std::span<const int> start = arrays_.row_start;
+  const std::span<const int> column = arrays_.column;
+  const std::span<const double> value = arrays_.value;
+  if (arrays_.columns != n || start.size() != At(n) + 1 || value.size() != column.size()) return false;
   if (start.front() != 0 || At(start.back()) != column.size() || !std::ranges::is_sorted(start)) return false;
   next_.assign(start.begin(), start.end() - 1);
   bandwidth_ = 0;

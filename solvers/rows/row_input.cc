@@ -92,22 +92,23 @@ bool CheckRows(const StepRows& rows, const double* initial_f) {
 
 // Columns that do not ascend or are out of range end it as a third body does: LcpProblem finds the words for them.
 template <Index p>
-bool TwoBodyCopy::TakeRows(const Factors& factors) {
-  const Index n = factors.rows;
+bool TwoBodyCopy::TakeRows(const ProblemView& arrays) {
+  const Index n = arrays.rows;
   if (body_.size() < At(2 * n)) body_.resize(At(2 * n));
   if (J_.size() < At(2 * p * n)) J_.resize(At(2 * p * n));
-  const int* const start = factors.start;
-  const int* const column = factors.column;
-  const double* const value = factors.value;
-  if (moves_.size() < At(factors.columns / p)) moves_.resize(At(factors.columns / p));
+  const int* const start = arrays.row_start.data();
+  const int* const column = arrays.column.data();
+  const double* const value = arrays.value.data();
+  const double* const mass = arrays.inverse_mass.data();
+  if (moves_.size() < At(arrays.columns / p)) moves_.resize(At(arrays.columns / p));
   unsigned char* const moves = moves_.data();
-  for (Index k = 0; k < factors.columns / p; ++k) {
+  for (Index k = 0; k < arrays.columns / p; ++k) {
     double sum = 0;
-    for (int c = 0; c < p; ++c) sum += factors.mass[k * p + c];
+    for (int c = 0; c < p; ++c) sum += mass[k * p + c];
     moves[k] = sum > 0 ? 1 : 0;
   }
-  const auto columns = static_cast<int>(factors.columns);
-  const auto entries = static_cast<int>(factors.entries);
+  const auto columns = static_cast<int>(arrays.columns);
+  const auto entries = static_cast<int>(arrays.value.size());
   double* J = J_.data();
   std::int32_t* body = body_.data();
   for (Index i = 0; i < n; ++i, J += 2 * p, body += 2) {
@@ -149,55 +150,39 @@ bool TwoBodyCopy::TakeRows(const Factors& factors) {
   return true;
 }
 
-bool TwoBodyCopy::TakeFactors(const Factors& factors, int columns_per_body) {
-  NumberRange range(kFactorRange);
-  range.Look(factors.value, factors.entries);
+bool TwoBodyCopy::Take(const ProblemView& arrays) {
+  const Index p = arrays.facts.columns_per_body;
+  if (arrays.form != MatrixForm::kFactors || (p != 3 && p != 6) || arrays.columns % p != 0) return false;
   std::uint64_t signs = 0;
-  LookAtMasses(factors.mass, factors.columns, &range, &signs);
-  if (range.has_large()) return false;
+  bool has_small = false;
+  if (!arrays.is_checked) {
+    const bool fits = At(arrays.rows) == arrays.b.size() && At(arrays.rows) + 1 == arrays.row_start.size() &&
+                      arrays.column.size() == arrays.value.size() && At(arrays.columns) == arrays.inverse_mass.size() &&
+                      (arrays.bilateral.empty() || arrays.bilateral.size() == arrays.b.size()) &&
+                      arrays.row_start.front() == 0 && At(arrays.row_start.back()) == arrays.value.size();
+    if (!fits) return false;
+    NumberRange of_loads(kLoadRange);
+    of_loads.Look(arrays.b.data(), arrays.rows);
+    NumberRange range(kFactorRange);
+    range.Look(arrays.value.data(), std::ssize(arrays.value));
+    range.Look(arrays.inverse_mass.data(), arrays.columns);
+    if (!of_loads.is_within() || range.has_large()) return false;
+    has_small = range.has_small();
+  }
   // -0.0 is 0, and seldom: it goes the long way.
-  if (signs >> 63U != 0 || !(columns_per_body == 3 ? TakeRows<3>(factors) : TakeRows<6>(factors))) return false;
-  rows_.columns_per_body = columns_per_body;
-  rows_.rows = factors.rows;
-  rows_.bodies = factors.columns / columns_per_body;
+  for (const double mass : arrays.inverse_mass) signs |= std::bit_cast<std::uint64_t>(mass);
+  if (signs >> 63U != 0 || !(p == 3 ? TakeRows<3>(arrays) : TakeRows<6>(arrays))) return false;
+  rows_.columns_per_body = static_cast<int>(p);
+  rows_.rows = arrays.rows;
+  rows_.bodies = arrays.columns / p;
   rows_.body = body_.data();
   rows_.J = J_.data();
-  rows_.inverse_mass = factors.mass;
-  return !range.has_small() || HasDiagonalInRange(rows_);
-}
-
-bool TwoBodyCopy::Take(const ProblemArrays& arrays) {
-  const int p = arrays.facts.columns_per_body;
-  const auto count = static_cast<Index>(arrays.value.size());
-  const bool fits = arrays.form == MatrixForm::kFactors && (p == 3 || p == 6) && arrays.columns % p == 0 &&
-                    At(arrays.rows) == arrays.b.size() && At(arrays.rows) + 1 == arrays.row_start.size() &&
-                    arrays.column.size() == arrays.value.size() && At(arrays.columns) == arrays.inverse_mass.size() &&
-                    (arrays.bilateral.empty() || arrays.bilateral.size() == arrays.b.size()) &&
-                    arrays.row_start.front() == 0 && arrays.row_start.back() == count;
-  if (!fits) return false;
-  NumberRange of_loads(kLoadRange);
-  of_loads.Look(arrays.b.data(), arrays.rows);
-  if (!of_loads.is_within()) return false;
   rows_.b = arrays.b.data();
   rows_.bilateral = arrays.bilateral.empty() ? nullptr : arrays.bilateral.data();
+  rows_.inverse_mass = arrays.inverse_mass.data();
   rows_.friction = arrays.friction;
   rows_.bounded = arrays.bounded;
-  return TakeFactors({arrays.rows, arrays.columns, count, arrays.row_start.data(), arrays.column.data(),
-                      arrays.value.data(), arrays.inverse_mass.data()},
-                     p);
-}
-
-bool TwoBodyCopy::Take(const LcpProblem& problem) {
-  const SparseMatrix& J = problem.J();
-  if (J.cols() % problem.columns_per_body() != 0) return false;
-  rows_.b = nullptr;
-  const std::vector<unsigned char>& bilateral = problem.bounds().bilateral;
-  rows_.bilateral = bilateral.empty() ? nullptr : bilateral.data();
-  rows_.friction = problem.friction_rows();
-  rows_.bounded = problem.bounded_rows();
-  return TakeFactors({problem.size(), J.cols(), J.nonZeros(), J.outerIndexPtr(), J.innerIndexPtr(), J.valuePtr(),
-                      problem.inverse_mass().data()},
-                     problem.columns_per_body());
+  return !has_small || HasDiagonalInRange(rows_);
 }
 
 bool RowEngine::SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {

@@ -24,23 +24,13 @@ class TwoBodyCopy {
  public:
   /// False if a row acts on more than two bodies that can move, a number is extreme, or the arrays are wrong, which
   /// LcpProblem::FromArrays tells with its words.  O(entries); allocates where it has met no problem as large
-  bool Take(const ProblemArrays& arrays);
-  /// The same of a problem with factors, which must outlive this; b is neither checked nor kept.
-  bool Take(const LcpProblem& problem);
+  /// @param arrays  those of an LcpProblem, which has checked them, are of one in range; its b may have any size
+  bool Take(const ProblemView& arrays);
   const StepRows& rows() const { return rows_; }
 
  private:
-  // J and the inverse masses, of arrays that fit together.
-  struct Factors {
-    Index rows, columns, entries;
-    const int* start;
-    const int* column;
-    const double* value;
-    const double* mass;
-  };
-  bool TakeFactors(const Factors& factors, int columns_per_body);
   template <Index p>
-  bool TakeRows(const Factors& factors);
+  bool TakeRows(const ProblemView& arrays);
   StepRows rows_;
   std::vector<std::int32_t> body_;
   std::vector<double> J_;

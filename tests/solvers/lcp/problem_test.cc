@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "benchmarks/measure/allocation_count.h"
 #include "support/input_error.h"
 #include "tests/solvers/lcp/same_problem.h"
 #include "tests/solvers/test_problems.h"
@@ -133,6 +134,29 @@ TEST(LcpProblem, ArraysMakeTheProblemTheyWereTakenOf) {
     EXPECT_EQ(DifferenceOfProblems(copy, problem), "");
     EXPECT_EQ(copy.facts().rank, problem.facts().rank);
     EXPECT_EQ(copy.facts().symmetric, problem.facts().symmetric);
+  }
+}
+
+// What an engine pays that makes a problem a step: one piece of memory, and the kinds of rows while they are checked.
+TEST(LcpProblem, ArraysAreKeptInOnePiece) {
+  if (!AllocationsAreCounted()) GTEST_SKIP() << "allocations are not counted";
+  const LcpProblem factors = RandomFactors(9, 4, 3);
+  RowBounds bounds = RowBounds::WithBilateralRows(9, {0, 4});
+  bounds.friction = {{3, 2, 0.5}, {1, 2, 0.5}};
+  bounds.bounded = {{8, -1, 1}, {6, 0, 2}};
+  const std::string id = "a name too long to be kept within a string";
+  for (const LcpProblem& problem :
+       {LcpProblem::FromFactors(id, factors.J(), factors.inverse_mass(), factors.b(), bounds),
+        LcpProblem::FromSparse(id, factors.SparseA(), factors.b(), bounds),
+        LcpProblem::FromDense(id, factors.DenseA(), factors.b(), bounds)}) {
+    const ProblemArrays arrays = ProblemArrays::Of(problem);
+    const long before = AllocationCount();
+    CountAllocations(true);
+    const LcpProblem made = LcpProblem::FromArrays(arrays);
+    CountAllocations(false);
+    EXPECT_LE(AllocationCount() - before, 2);
+    EXPECT_EQ(DifferenceOfProblems(made, problem), "");
+    EXPECT_EQ(made.view().value.data(), made.WithB(made.b()).view().value.data());
   }
 }
 

@@ -21,7 +21,7 @@ namespace {
 // At f = 0.
 void LayOut(const LcpProblem& problem, RowForm form, bool coloured, std::initializer_list<RowWork*> works) {
   TwoBodyCopy copy;
-  ASSERT_TRUE(copy.Take(problem));
+  ASSERT_TRUE(copy.Take(problem.view()));
   for (RowWork* work : works) {
     work->Prepare(problem, form, coloured, &copy.rows());
     work->Start(problem.b().data(), nullptr);
