@@ -615,4 +615,7 @@ void SolveGroup(BatchGroup* group) {
 }
 
 }  // namespace
+
+void LCPBENCH_KERNEL(SolveGroup)(BatchGroup* group) { SolveGroup(group); }
+
 }  // namespace lcpbench

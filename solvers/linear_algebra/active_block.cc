@@ -8,12 +8,13 @@
 #include "solvers/lcp/in_sequence.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/linear_algebra/cost_model.h"
+#include "solvers/linear_algebra/scaled_lcp.h"
 #include "support/array_index.h"
 
 namespace lcpbench {
 namespace {
 
-Index WholeBlocks(Index rows, Index block) { return (rows + block - 1) / block * block; }
+Index WholeLanes(Index rows) { return (rows + DenseLdlt::kLanes - 1) / DenseLdlt::kLanes * DenseLdlt::kLanes; }
 
 constexpr int kNone = -1;
 constexpr int kLongestChain = 4;
@@ -21,7 +22,7 @@ constexpr int kLongestChain = 4;
 }  // namespace
 
 double DenseActiveBlock::FactorTime(Index rows) {
-  const auto n = static_cast<double>(WholeBlocks(rows, kRows));
+  const auto n = static_cast<double>(WholeLanes(rows));
   return CostModel::kDenseMultiplyAdd * n * n * n / 6 + CostModel::kDenseEntry * n * n + CostModel::kDenseOverhead;
 }
 
@@ -30,13 +31,10 @@ void DenseActiveBlock::Analyze(const LcpProblem& problem) { Reserve(problem.Dens
 void DenseActiveBlock::Reserve(Index n) {
   n_ = n;
   RequireDenseMatrices(n_, 2);
-  A_.setZero(WholeBlocks(n_ + 1, kPanel), n_);
-  const Index most = WholeBlocks(n_, kRows);
-  factor_.resize(most * most);
-  panel_.resize(most * kPanel);
-  across_.setZero(most * kRows);
-  for (Eigen::VectorXd* v : {&inverse_, &floor_, &x_}) v->resize(most);
-  rows_.reserve(static_cast<size_t>(most));
+  A_.setZero(WholeLanes(n_ + 1), n_);
+  factor_.Reserve(n_);
+  x_.resize(n_);
+  rows_.reserve(static_cast<size_t>(WholeLanes(n_)));
 }
 
 void DenseActiveBlock::Load(const LcpProblem& problem, const Eigen::VectorXd& scale) {
@@ -53,148 +51,46 @@ void DenseActiveBlock::Scale(const Eigen::VectorXd& scale) {
   for (Index j = 0; j < n_; ++j) A_.col(j).head(n_).array() *= scale.array() * scale[j];
 }
 
-void DenseActiveBlock::Gather(double shift) {
-  for (Index k = 0; k < m_; ++k) {
-    const Index row = rows_[static_cast<size_t>(k)];
-    const double* from = A_.data() + row * A_.rows();
-    for (Index block = k / kRows; block * kRows < padded_; ++block) {
-      double* to = strip(block, k);
-      const std::int32_t* rows = rows_.data() + block * kRows;
-      for (Index r = 0; r < kRows; ++r) to[r] = from[rows[r]];
-    }
-    strip(k / kRows, k)[k % kRows] = from[row] * (1 + shift);
-    floor_[k] = from[row] * shift;
-  }
-  for (Index k = m_; k < WholeBlocks(m_, kPanel); ++k) {
-    double* to = strip(k / kRows, k);
-    std::fill(to, to + kRows, 0.0);
-    to[k % kRows] = 1;
-    floor_[k] = 1;
-  }
-}
-
-// Subtracts the product with the columns before `begin` from the panel.
-void DenseActiveBlock::UpdatePanel(Index begin) {
-  using Lanes = Eigen::Array<double, kRows / 2, 1>;
-  const double* panel_rows = strip(begin / kRows, 0) + begin % kRows;
-  for (Index k = 0; k < begin; ++k) {
-    for (Index c = 0; c < kPanel; ++c) panel_[k * kPanel + c] = panel_rows[k * kRows + c] * inverse_[k];
-  }
-  for (Index block = begin / kRows; block * kRows < padded_; ++block) {
-    Lanes sum0[kPanel];
-    Lanes sum1[kPanel];
-    for (Index c = 0; c < kPanel; ++c) {
-      sum0[c].setZero();
-      sum1[c].setZero();
-    }
-    const double* l = strip(block, 0);
-    const double* s = panel_.data();
-    for (Index k = 0; k < begin; ++k, l += kRows, s += kPanel) {
-      const Lanes l0 = Eigen::Map<const Lanes>(l);
-      const Lanes l1 = Eigen::Map<const Lanes>(l + kRows / 2);
-      for (Index c = 0; c < kPanel; ++c) {
-        sum0[c] += l0 * s[c];
-        sum1[c] += l1 * s[c];
-      }
-    }
-    for (Index c = 0; c < kPanel; ++c) {
-      double* to = strip(block, begin + c);
-      Eigen::Map<Lanes>{to} -= sum0[c];
-      Eigen::Map<Lanes>{to + kRows / 2} -= sum1[c];
-    }
-  }
-}
-
-void DenseActiveBlock::FactorPanel(Index begin) {
-  const Index end = std::min(begin + kPanel, m_);
-  for (Index d = begin; d < end; ++d) {
-    const Index own = d / kRows;
-    for (Index k = begin; k < d; ++k) {
-      const double s = strip(own, k)[d % kRows] * inverse_[k];
-      for (Index block = own; block * kRows < padded_; ++block) Strip(strip(block, d)) -= Strip(strip(block, k)) * s;
-    }
-    inverse_[d] = 1 / std::max(strip(own, d)[d % kRows], floor_[d]);
-    const double* const column = strip(own, d);
-    for (Index r = d % kRows + 1; r < kRows; ++r) across_[(own * kRows + r) * kRows + d % kRows] = column[r];
-  }
-}
-
 bool DenseActiveBlock::Factor(const std::vector<char>& active, double shift, const Deadline* deadline) {
-  const FactorClock::Scope clock;
+  shift_ = shift;
   rows_.clear();
   for (Index i = 0; i < n_; ++i) {
     if (active[static_cast<size_t>(i)] != 0) rows_.push_back(static_cast<std::int32_t>(i));
   }
-  m_ = std::ssize(rows_);
-  padded_ = WholeBlocks(m_, kRows);
-  rows_.resize(static_cast<size_t>(padded_), static_cast<std::int32_t>(n_));
-  Gather(shift);
-  for (Index begin = 0; begin < m_; begin += kPanel) {
-    if (begin > 0) UpdatePanel(begin);
-    FactorPanel(begin);
-    // One panel of a thousand rows takes some 100 us.
-    if (deadline != nullptr && deadline->Expired()) return false;
+  const Index m = std::ssize(rows_);
+  rows_.resize(static_cast<size_t>(WholeLanes(m)), static_cast<std::int32_t>(n_));
+  factor_.Reset(m);
+  for (Index k = 0; k < m; ++k) {
+    const double* from = A_.data() + rows_[static_cast<size_t>(k)] * A_.rows();
+    double* to = factor_.column(k);
+    for (Index i = k / DenseLdlt::kLanes * DenseLdlt::kLanes; i < std::ssize(rows_); i += DenseLdlt::kLanes) {
+      const std::int32_t* rows = rows_.data() + i;
+      for (Index lane = 0; lane < DenseLdlt::kLanes; ++lane) to[i + lane] = from[rows[lane]];
+    }
+    to[k] *= 1 + shift;
   }
-  return true;
+  return factor_.Factor(m, shift / (1 + shift), nullptr, deadline);
 }
 
 Index DenseActiveBlock::CountDependentRows() const {
   Index count = 0;
-  for (Index k = 0; k < m_; ++k) {
-    if (1 <= kDependentPivot * floor_[k] * inverse_[k]) ++count;
+  for (Index k = 0; k < factor_.size(); ++k) {
+    const Index row = rows_[static_cast<size_t>(k)];
+    if (factor_.pivot(k) <= kDependentPivot * shift_ * A_(row, row)) ++count;
   }
   return count;
 }
 
-// Entries that a column has above the diagonal of its block are no part of L: what they make of entries that are known
-// already is not read.
 void DenseActiveBlock::Solve(double* x) {
-  using Lanes = Eigen::Array<double, kRows, 1>;
-  double* y = x_.data();
-  for (Index k = 0; k < m_; ++k) y[k] = x[rows_[static_cast<size_t>(k)]];
-  std::fill(y + m_, y + padded_, 0.0);
-  double rest[kRows] = {};
-  for (Index block = 0; block * kRows < padded_; ++block) {  // y := D^-1 L^-1 y
-    const Index first = block * kRows;
-    Lanes left = Strip(y + first);
-    for (Index k = 0; k < first; ++k) left -= Strip(strip(block, k)) * y[k];
-    const Index end = std::min(kRows, m_ - first);
-    for (Index k = 0; k < end; ++k) {
-      Strip{rest} = left;
-      y[first + k] = rest[k] * inverse_[first + k];
-      left -= Strip(strip(block, first + k)) * y[first + k];
-    }
-  }
-  for (Index block = padded_ / kRows - 1; block >= 0; --block) {  // y := L^-T y, by rows of L D within the block
-    const Index first = block * kRows;
-    const Index end = std::min(kRows, m_ - first);
-    for (Index k = 0; k < end; ++k) {
-      Lanes sum = Lanes::Zero();
-      for (Index below = first + kRows; below < padded_; below += kRows) {
-        sum += Strip(strip(below / kRows, first + k)) * Strip(y + below);
-      }
-      rest[k] = sum.sum();
-    }
-    Lanes left = Strip(rest);
-    for (Index k = end - 1; k >= 0; --k) {
-      Strip{rest} = left;
-      y[first + k] -= inverse_[first + k] * rest[k];
-      left += Strip(across_.data() + (first + k) * kRows) * y[first + k];
-    }
-  }
+  for (Index k = 0; k < factor_.size(); ++k) x_[k] = x[rows_[static_cast<size_t>(k)]];
+  factor_.Solve(x_.data());
   std::fill(x, x + n_, 0.0);
-  for (Index k = 0; k < m_; ++k) x[rows_[static_cast<size_t>(k)]] = y[k];
+  for (Index k = 0; k < factor_.size(); ++k) x[rows_[static_cast<size_t>(k)]] = x_[k];
 }
 
 void DenseActiveBlock::Multiply(const double* x, double* y) const {
   std::fill(y, y + n_, 0.0);
-  for (Index j = 0; j < n_; ++j) {
-    const double xj = x[j];
-    if (xj == 0) continue;
-    const double* __restrict a = A_.data() + j * A_.rows();
-    double* __restrict out = y;
-    for (Index i = 0; i < n_; ++i) out[i] += a[i] * xj;
-  }
+  AddColumns(A_.data(), A_.rows(), 0, n_, n_, x, y);
 }
 
 bool SparseActiveBlock::HasPattern(const SparseMatrix& A) const {

@@ -6,6 +6,7 @@
 
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/step_rows.h"
+#include "solvers/linear_algebra/dense_ldlt.h"
 
 namespace lcpbench {
 
@@ -41,10 +42,7 @@ class ActiveBlock {
   static constexpr double kDependentPivot = 10;  ///< in shift A_ii
 };
 
-/// ActiveBlock on the dense A: L D L^T from scratch, left-looking by panels of eight columns. L D is stored by blocks
-/// of 16 rows, columns of a block one after the other, so that the product of a block with the rows of a panel reads
-/// memory in order and keeps its 16 x 8 sums in registers. F is filled up to whole blocks of rows, by zeros, and to
-/// whole panels of columns, by those of the unit matrix. No library routine, because those allocate in a factorization.
+/// ActiveBlock on the dense A: a DenseLdlt from scratch.
 class DenseActiveBlock final : public ActiveBlock {
  public:
   void Analyze(const LcpProblem& problem) override;
@@ -64,26 +62,11 @@ class DenseActiveBlock final : public ActiveBlock {
   static double FactorTime(Index n);
 
  private:
-  static constexpr Index kRows = 16;
-  static constexpr Index kPanel = 8;
-
-  using Strip = Eigen::Map<Eigen::Array<double, kRows, 1>>;
-
-  // Column k of the block of rows [kRows block, kRows (block + 1)).
-  double* strip(Index block, Index k) { return factor_.data() + (block * padded_ + k) * kRows; }
-  void Gather(double shift);
-  void UpdatePanel(Index begin);
-  void FactorPanel(Index begin);
-
   Index n_ = 0;
-  Index m_ = 0, padded_ = 0;        // |F|, and in whole blocks
+  double shift_ = 0;
   Eigen::MatrixXd A_;               // S A S, and below it at least one row of zeros
-  std::vector<std::int32_t> rows_;  // F, filled up to whole blocks by the first row of zeros
-  Eigen::VectorXd factor_;          // K_FF, then L D, diagonal and below
-  Eigen::VectorXd inverse_;         // 1 / D_kk
-  Eigen::VectorXd floor_;           // least pivot of each row
-  Eigen::VectorXd panel_;           // rows of the panel of L, packed
-  Eigen::VectorXd across_;          // L D within blocks below the diagonal, by rows of kRows numbers
+  std::vector<std::int32_t> rows_;  // F, filled up to whole lanes by the first row of zeros
+  DenseLdlt factor_;
   Eigen::VectorXd x_;
 };
 

@@ -58,6 +58,30 @@ bool ScaledVectors::Load(const Eigen::VectorXd& d, const Eigen::VectorXd& given)
   return true;
 }
 
+void AddColumns(const double* A, Index stride, Index begin, Index end, Index columns, const double* __restrict x,
+                double* __restrict out) {
+  Index j = 0;
+  // Four columns together, so that `out` is loaded and stored once for all of them.
+  for (; j + 4 <= columns; j += 4) {
+    const double x0 = x[j];
+    const double x1 = x[j + 1];
+    const double x2 = x[j + 2];
+    const double x3 = x[j + 3];
+    if (x0 == 0 && x1 == 0 && x2 == 0 && x3 == 0) continue;
+    const double* __restrict a0 = A + j * stride;
+    const double* __restrict a1 = a0 + stride;
+    const double* __restrict a2 = a1 + stride;
+    const double* __restrict a3 = a2 + stride;
+    for (Index p = begin; p < end; ++p) out[p] += (a0[p] * x0 + a1[p] * x1) + (a2[p] * x2 + a3[p] * x3);
+  }
+  for (; j < columns; ++j) {
+    const double xj = x[j];
+    if (xj == 0) continue;
+    const double* __restrict a = A + j * stride;
+    for (Index p = begin; p < end; ++p) out[p] += a[p] * xj;
+  }
+}
+
 void PermutedLcp::Reserve(Index max_rows) {
   if (max_rows <= f.size()) return;
   A.resize(PaddedStride(max_rows) * max_rows);
@@ -176,30 +200,6 @@ void PermutedLcp::Swap(Index p, Index q) {
   for (Index j = 0; j < nonzero; ++j) std::swap(row_p[j * stride], row_q[j * stride]);
   for (Eigen::VectorXd* v : {&diagonal, &b, &f, &w}) std::swap((*v)[p], (*v)[q]);
   std::swap(row[At(p)], row[At(q)]);
-}
-
-void PermutedLcp::AddColumns(Index begin, Index end, Index columns, const double* __restrict x,
-                             double* __restrict out) const {
-  Index j = 0;
-  // Four columns together, so that `out` is loaded and stored once for all of them.
-  for (; j + 4 <= columns; j += 4) {
-    const double x0 = x[j];
-    const double x1 = x[j + 1];
-    const double x2 = x[j + 2];
-    const double x3 = x[j + 3];
-    if (x0 == 0 && x1 == 0 && x2 == 0 && x3 == 0) continue;
-    const double* __restrict a0 = column(j);
-    const double* __restrict a1 = column(j + 1);
-    const double* __restrict a2 = column(j + 2);
-    const double* __restrict a3 = column(j + 3);
-    for (Index p = begin; p < end; ++p) out[p] += (a0[p] * x0 + a1[p] * x1) + (a2[p] * x2 + a3[p] * x3);
-  }
-  for (; j < columns; ++j) {
-    const double xj = x[j];
-    if (xj == 0) continue;
-    const double* __restrict a = column(j);
-    for (Index p = begin; p < end; ++p) out[p] += a[p] * xj;
-  }
 }
 
 PermutedLcp::Sum PermutedLcp::FreshW(Index p, Index columns) const {

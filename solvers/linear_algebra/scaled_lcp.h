@@ -40,6 +40,11 @@ inline Eigen::Index PaddedStride(Eigen::Index rows) {
   return stride % 512 == 0 ? stride + 8 : stride;
 }
 
+/// out[i] += sum over columns j < columns of A_ij x_j, for i in [begin, end), A by columns. Groups of zero x_j are
+/// skipped; x and out may be parts of one array that do not meet.
+void AddColumns(const double* A, Eigen::Index stride, Eigen::Index begin, Eigen::Index end, Eigen::Index columns,
+                const double* x, double* out);
+
 /// The vectors of an LCP in scaled units, by row of the problem: S A S, S b / t, S^-1 f / t with S = diag(scale) and
 /// t = b_unit, for methods that leave A to an ActiveBlock. Internal to solvers/.
 ///
@@ -114,8 +119,10 @@ struct PermutedLcp {
   double* column(Index p) { return A.data() + p * stride; }
   const double* column(Index p) const { return A.data() + p * stride; }
 
-  /// out[p] += sum over columns j < columns of A_pj x_j, for p in [begin, end). Groups of zero x_j are skipped.
-  void AddColumns(Index begin, Index end, Index columns, const double* x, double* out) const;
+  /// As above, for positions.
+  void AddColumns(Index begin, Index end, Index columns, const double* x, double* out) const {
+    lcpbench::AddColumns(A.data(), stride, begin, end, columns, x, out);
+  }
 
   struct Sum {
     double value;      ///< w_p = b_p + sum over j < columns of A_pj f_j

@@ -11,7 +11,7 @@ void ComplementaryBasis::Reserve(Index max_rows) {
   for (Eigen::VectorXd* v : {&df_, &z_, &z_other_, &x_}) v->setZero(max_rows);
   order_.resize(static_cast<size_t>(max_rows));
   slot_.resize(static_cast<size_t>(max_rows));
-  dropped_.reserve(static_cast<size_t>(max_rows));
+  kept_.reserve(static_cast<size_t>(max_rows));
 }
 
 void ComplementaryBasis::Reset() {
@@ -22,7 +22,7 @@ void ComplementaryBasis::Reset() {
 bool ComplementaryBasis::Factor(Index rows, double threshold, const Deadline* deadline) {
   constexpr Index kLanes = DenseLdlt::kLanes;
   m_ = 0;
-  dropped_.clear();
+  kept_.clear();
   constexpr Index kWorkPerClockRead = 1 << 14;  // entries, some 10 us
   Index work = 0;
   for (Index k = 0; k < rows; ++k) {
@@ -37,24 +37,22 @@ bool ComplementaryBasis::Factor(Index rows, double threshold, const Deadline* de
     for (Index i = k / kLanes * kLanes; i < rows; i += kLanes) std::copy(from + i, from + i + kLanes, to + i);
     for (Index i = rows; i % kLanes != 0; ++i) to[i] = 0;
   }
-  if (!ldlt_.Factor(rows, threshold, &dropped_, deadline)) return false;
-  Index k = 0;
-  auto gap = dropped_.begin();
-  for (Index p = 0; p < rows; ++p) {
-    if (gap != dropped_.end() && *gap == p) {
-      ++gap;
-      continue;
-    }
-    order_[static_cast<size_t>(k)] = p;
-    slot_[static_cast<size_t>(p)] = k++;
+  if (!ldlt_.Factor(rows, threshold, &kept_, deadline)) return false;
+  for (Index k = 0; k < std::ssize(kept_); ++k) {
+    order_[static_cast<size_t>(k)] = kept_[static_cast<size_t>(k)];
+    slot_[static_cast<size_t>(kept_[static_cast<size_t>(k)])] = k;
   }
   m_ = rows;
-  for (auto p = dropped_.rbegin(); p != dropped_.rend(); ++p) {
-    if (*p == --m_) continue;
-    const Index last = slot_[static_cast<size_t>(m_)];
-    slot_[static_cast<size_t>(*p)] = last;
-    order_[static_cast<size_t>(last)] = *p;
-    lcp.Swap(*p, m_);
+  auto kept = kept_.rbegin();
+  for (Index p = rows - 1; p >= 0; --p) {
+    if (kept != kept_.rend() && *kept == p) {
+      ++kept;
+    } else if (p != --m_) {
+      const Index last = slot_[static_cast<size_t>(m_)];
+      slot_[static_cast<size_t>(p)] = last;
+      order_[static_cast<size_t>(last)] = p;
+      lcp.Swap(p, m_);
+    }
   }
   return true;
 }

@@ -1,10 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <vector>
 
+#include "solvers/linear_algebra/dense_ldlt.h"
 #include "solvers/linear_algebra/scaled_lcp.h"
-#include "solvers/pivoting/dense_ldlt.h"
 
 namespace lcpbench {
 
@@ -32,7 +33,10 @@ class ComplementaryBasis {
   /// @returns false if the deadline passed meanwhile; F is empty then
   bool Factor(Index rows, double threshold, const Deadline* deadline);
   /// Where the first of the rows left out was; `rows` if there was none.
-  Index first_left_out(Index rows) const { return dropped_.empty() ? rows : dropped_.front(); }
+  Index first_left_out(Index rows) const {
+    const auto is_other = [first = Index{0}](Index row) mutable { return row != first++; };
+    return std::min(rows, std::find_if(kept_.begin(), kept_.end(), is_other) - kept_.begin());
+  }
 
   /// The driven row d outside F: L^-1 A_Fd is kept, and follows rows that enter. Returns s = A_dd - A_dF A_FF^-1 A_Fd,
   /// the pivot that d would have in F.  O(m^2)
@@ -67,7 +71,7 @@ class ComplementaryBasis {
   Index m_ = 0;
   std::vector<Index> order_;         // row of the factor -> position
   std::vector<Index> slot_;          // position in F -> row of the factor
-  std::vector<Index> dropped_;       // positions, of the latest Factor
+  std::vector<Index> kept_;          // positions, of the latest Factor
   Eigen::VectorXd df_;               // by position
   Eigen::VectorXd z_, z_other_, x_;  // by row of the factor
 };

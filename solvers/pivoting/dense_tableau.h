@@ -905,4 +905,7 @@ class DenseTableau {
 };
 
 }  // namespace
+
+bool LCPBENCH_KERNEL(SolveTableau)(TableauWork* work) { return DenseTableau(work).Solve(); }
+
 }  // namespace lcpbench

@@ -302,13 +302,13 @@ class TwoBodyRows final : public LaidOutRows<TwoBodyRows<p, kInSets>, !kInSets> 
   ScaledRows& rows_;
 };
 
-// The caller owns it.
-RowKernel* NewRows(const ScaledProblem& scaled, Index p, bool in_sets, ScaledRows* rows) {
+}  // namespace
+
+RowKernel* LCPBENCH_KERNEL(NewTwoBodyRows)(const ScaledProblem& scaled, Index p, bool in_sets, ScaledRows* rows) {
   if (p == 3 && in_sets) return new TwoBodyRows<3, true>(scaled, rows);
   if (p == 3) return new TwoBodyRows<3, false>(scaled, rows);
   if (in_sets) return new TwoBodyRows<6, true>(scaled, rows);
   return new TwoBodyRows<6, false>(scaled, rows);
 }
 
-}  // namespace
 }  // namespace lcpbench

@@ -1,5 +1,6 @@
-#include "solvers/pivoting/dense_ldlt.h"
+#include "solvers/linear_algebra/dense_ldlt.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <vector>
 
@@ -19,7 +20,7 @@ using Lanes = Eigen::Array<double, kLanes, 1>;
 using LanesOfColumn = Eigen::Map<Lanes, Eigen::AlignedMax>;
 using ReadLanes = Eigen::Map<const Lanes, Eigen::AlignedMax>;
 // Multiply-adds of a factorization between two looks at the clock, some 10 us.
-constexpr Index kWorkPerClockRead = 1 << 17;
+constexpr Index kUpdatesPerClockRead = 1 << 17;
 
 Index FirstLane(Index row) { return row / kLanes * kLanes; }
 
@@ -40,7 +41,7 @@ void DenseLdlt::Reset(Index rows) {
 
 // Columns [begin, begin + width) of L from what the panels before have left of the matrix. Left out rows get a column
 // of zeros and the pivot 0. Whole lanes are computed, also where they reach above the diagonal: nobody reads that.
-void DenseLdlt::FactorPanel(Index begin, Index width, Index rows, double threshold) {
+void DenseLdlt::FactorPanel(Index begin, Index width, Index rows, double threshold, bool all_enter) {
   for (Index j = begin; j < begin + width; ++j) {
     double* c = column(j);
     for (Index t = begin; t < j; ++t) {
@@ -49,9 +50,9 @@ void DenseLdlt::FactorPanel(Index begin, Index width, Index rows, double thresho
       if (s == 0) continue;
       for (Index i = begin; i < rows; i += kLanes) LanesOfColumn(c + i) -= ReadLanes(l + i) * s;
     }
-    const bool enters = c[j] > threshold * update_[j];
-    pivots_[j] = enters ? c[j] : 0.0;
-    inverse_[j] = enters ? 1 / c[j] : 0.0;
+    const double least = threshold * update_[j];
+    pivots_[j] = all_enter ? std::max(c[j], least) : c[j] > least ? c[j] : 0.0;
+    inverse_[j] = pivots_[j] != 0 ? 1 / pivots_[j] : 0.0;
     for (Index i = begin; i < rows; i += kLanes) LanesOfColumn(c + i) *= inverse_[j];
   }
 }
@@ -81,57 +82,40 @@ void DenseLdlt::UpdateBehindPanel(Index begin, Index column_begin, Index rows) {
   }
 }
 
-void DenseLdlt::CloseGaps(Index rows, const std::vector<Index>& dropped) {
-  Index to = dropped.front();
-  auto gap = dropped.begin();
-  for (Index k = 0; k < rows; ++k) {
-    const bool is_dropped = gap != dropped.end() && *gap == k;
-    if (is_dropped) {
-      ++gap;
-      continue;
-    }
-    const Index place = k - (gap - dropped.begin());
-    const double* from = column(k);
-    double* c = column(place);
-    pivots_[place] = pivots_[k];
-    inverse_[place] = inverse_[k];
-    Index row = place + 1;
-    auto skip = gap;
-    for (Index i = k + 1; i < rows; ++i) {
-      if (skip != dropped.end() && *skip == i) {
-        ++skip;
-      } else {
-        c[row++] = from[i];
-      }
-    }
-    to = place + 1;
+void DenseLdlt::Keep(const std::vector<Index>& kept) {
+  size_ = std::ssize(kept);
+  const auto from = [&](Index k) { return kept[static_cast<size_t>(k)]; };  // >= k
+  for (Index k = 0; k < size_; ++k) {
+    pivots_[k] = pivots_[from(k)];
+    inverse_[k] = inverse_[from(k)];
+    for (Index i = k + 1; i < size_; ++i) column(k)[i] = column(from(k))[from(i)];
   }
-  size_ = to;
 }
 
-bool DenseLdlt::Factor(Index rows, double threshold, std::vector<Index>* dropped, const Deadline* deadline) {
+bool DenseLdlt::Factor(Index rows, double threshold, std::vector<Index>* kept, const Deadline* deadline) {
   const FactorClock::Scope clock;
   size_ = 0;
-  dropped->clear();
   for (Index k = 0; k < rows; ++k) update_[k] = column(k)[k];
   Index work = 0;
   for (Index begin = 0; begin < rows; begin += kLanes) {
     const Index width = std::min(kLanes, rows - begin);
-    FactorPanel(begin, width, rows, threshold);
+    FactorPanel(begin, width, rows, threshold, kept == nullptr);
     for (Index k = begin + kLanes; k < rows; k += kBlock) {
       // The last columns may be none of the matrix: their storage is there, and nobody reads it.
       UpdateBehindPanel(begin, k, rows);
       work += kBlock * kLanes * (rows - k);
-      if (deadline == nullptr || work < kWorkPerClockRead) continue;
+      if (deadline == nullptr || work < kUpdatesPerClockRead) continue;
       work = 0;
       if (deadline->Expired()) return false;
     }
   }
-  for (Index k = 0; k < rows; ++k) {
-    if (pivots_[k] == 0) dropped->push_back(k);
-  }
   size_ = rows;
-  if (!dropped->empty()) CloseGaps(rows, *dropped);
+  if (kept == nullptr) return true;
+  kept->clear();
+  for (Index k = 0; k < rows; ++k) {
+    if (pivots_[k] != 0) kept->push_back(k);
+  }
+  if (std::ssize(*kept) < rows) Keep(*kept);
   return true;
 }
 
@@ -160,46 +144,10 @@ void DenseLdlt::ForwardSolve(double* __restrict x) const {
 }
 
 void DenseLdlt::BackSolve(double* x) const {
-  const Index m = size_;
-  Index end = m;  // entries from here on are done
-  for (Index j = m - 2; j >= 0 && j + 1 > m - m % kBlock; --j) {
-    const double* c = columns_.data() + j * stride_;
-    for (Index i = j + 1; i < m; ++i) x[j] -= c[i] * x[i];
-  }
-  for (end = m - m % kBlock; end > 0; end -= kBlock) {
-    const Index j = end - kBlock;
-    const double* c0 = columns_.data() + j * stride_;
-    const double* c1 = c0 + stride_;
-    const double* c2 = c1 + stride_;
-    const double* c3 = c2 + stride_;
-    double sum[kBlock] = {};
-    Index i = end;
-    if (m - end >= kLanes) {
-      double lanes[kBlock][kLanes] = {};
-      for (; i + kLanes <= m; i += kLanes) {
-        for (Index l = 0; l < kLanes; ++l) lanes[0][l] += c0[i + l] * x[i + l];
-        for (Index l = 0; l < kLanes; ++l) lanes[1][l] += c1[i + l] * x[i + l];
-        for (Index l = 0; l < kLanes; ++l) lanes[2][l] += c2[i + l] * x[i + l];
-        for (Index l = 0; l < kLanes; ++l) lanes[3][l] += c3[i + l] * x[i + l];
-      }
-      for (Index c = 0; c < kBlock; ++c) {
-        for (Index l = 0; l < kLanes; ++l) sum[c] += lanes[c][l];
-      }
-    }
-    for (; i < m; ++i) {
-      sum[0] += c0[i] * x[i];
-      sum[1] += c1[i] * x[i];
-      sum[2] += c2[i] * x[i];
-      sum[3] += c3[i] * x[i];
-    }
-    const double x3 = x[j + 3] - sum[3];
-    const double x2 = x[j + 2] - sum[2] - c2[j + 3] * x3;
-    const double x1 = x[j + 1] - sum[1] - c1[j + 2] * x2 - c1[j + 3] * x3;
-    x[j] -= sum[0] + c0[j + 1] * x1 + c0[j + 2] * x2 + c0[j + 3] * x3;
-    x[j + 1] = x1;
-    x[j + 2] = x2;
-    x[j + 3] = x3;
-  }
+  const Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>> L(columns_.data(), size_, size_,
+                                                                     Eigen::OuterStride<>(stride_));
+  Eigen::Map<Eigen::VectorXd> solution(x, size_);
+  L.transpose().triangularView<Eigen::UnitUpper>().solveInPlace(solution);
 }
 
 void DenseLdlt::Solve(double* x) const {

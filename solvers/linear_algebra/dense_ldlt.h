@@ -15,7 +15,7 @@ namespace lcpbench {
 /// for the rows after k, a rank-one *update with a positive weight*: all pivots grow, nothing cancels, so that leaving
 /// is as stable as entering.  [Gill, Golub, Murray, Saunders 1974, method C1] Many rows at once are factored from
 /// scratch, right-looking by panels of eight columns: m^3 / 6 multiply-adds, each some ten times faster than in the
-/// m^2 / 2 of a substitution.
+/// m^2 / 2 of a substitution. By no library routine, because those allocate.
 ///
 /// Append judges no pivot: the caller decides by its own rank rule whether a row may enter, and passes pivots > 0
 /// only. Cost with m rows: solve m^2 per pair of substitutions, Append m, Remove k < m: k (m - k) moves and (m - k)^2
@@ -46,10 +46,11 @@ class DenseLdlt {
   double* column(Index k) { return columns_.data() + k * stride_; }
   /// Forgets all rows and factors the matrix in the lower triangle of the columns [0, rows). A row whose pivot is not
   /// above `threshold` times its diagonal entry is left out; the rows after it move up.
-  /// @param dropped   receives the numbers of these rows, ascending; reserved by the caller
+  /// @param kept      receives the numbers of the other rows, ascending; reserved by the caller. nullptr: no row is
+  ///                  left out, but its pivot raised to that least one
   /// @param deadline  nullptr for none; looked at every some 10 us
   /// @returns false if the deadline passed meanwhile: no rows are left then
-  bool Factor(Index rows, double threshold, std::vector<Index>* dropped, const Deadline* deadline);
+  bool Factor(Index rows, double threshold, std::vector<Index>* kept, const Deadline* deadline);
 
   /// x := L^-1 x.
   void ForwardSolve(double* x) const;
@@ -66,9 +67,9 @@ class DenseLdlt {
   void Remove(Index k);
 
  private:
-  void FactorPanel(Index begin, Index width, Index rows, double threshold);
+  void FactorPanel(Index begin, Index width, Index rows, double threshold, bool all_enter);
   void UpdateBehindPanel(Index begin, Index column, Index rows);
-  void CloseGaps(Index rows, const std::vector<Index>& dropped);
+  void Keep(const std::vector<Index>& kept);
 
   Index size_ = 0;
   Index stride_ = 0;

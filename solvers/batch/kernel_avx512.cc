@@ -1,7 +1,0 @@
-#include "solvers/batch/tableau_kernel.h"
-
-namespace lcpbench {
-
-void SolveGroupAvx512(BatchGroup* group) { SolveGroup(group); }
-
-}  // namespace lcpbench
