@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "solvers/auto/auto_solver.h"
+#include "solvers/friction/mode_equations.h"
 #include "solvers/friction/mode_factor.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/islands.h"
@@ -49,23 +50,20 @@ void CheckSize(const char* name, Index rows, Index columns, Index n, Index m) {
 class Mode {
  public:
   Mode(const LcpProblem& problem, const std::vector<Role>& roles, const Vector& root, double rank_tolerance)
-      : problem_(problem), unknown_(roles.size(), -1), coefficient_(Vector::Ones(problem.size())) {
-    for (Index i = 0; i < problem.size(); ++i) {
-      if (roles[At(i)] != Role::kEquation) continue;
-      unknown_[At(i)] = static_cast<Index>(equation_.size());
-      equation_.push_back(i);
+      : problem_(problem) {
+    std::vector<RangeSide> sides;
+    for (const Role role : roles) {
+      sides.push_back(role == Role::kEquation ? RangeSide::kInside
+                      : role == Role::kDown   ? RangeSide::kUpper
+                                              : RangeSide::kLower);
     }
-    for (const FrictionRow& row : problem.friction_rows()) {
-      if (SlipOf(roles[At(row.row)]) == 0) continue;
-      unknown_[At(row.row)] = unknown_[At(row.normal)];
-      coefficient_[row.row] = -SlipOf(roles[At(row.row)]) * row.mu;
-    }
-    root_ = root(equation_);
+    of_.Set(sides, problem.friction_rows(), std::vector<BoundedRow>());
+    root_ = root(of_.equation);
     std::vector<Eigen::Triplet<double, int>> entries;
     for (Index k = 0; k < root_.size(); ++k) {
-      for (SparseMatrix::InnerIterator it(problem.SparseA(), equation_[At(k)]); it; ++it) {
-        const Index j = unknown_[At(it.col())];
-        const double value = it.value() * coefficient_[it.col()] / root_[k];
+      for (SparseMatrix::InnerIterator it(problem.SparseA(), of_.equation[At(k)]); it; ++it) {
+        const Index j = of_.unknown[At(it.col())];
+        const double value = it.value() * of_.coefficient[At(it.col())] / root_[k];
         if (j >= 0) entries.emplace_back(static_cast<int>(k), static_cast<int>(j), value);
       }
     }
@@ -74,32 +72,32 @@ class Mode {
     Factor(rank_tolerance);
   }
 
-  const std::vector<Index>& equations() const { return equation_; }
+  const std::vector<Index>& equations() const { return of_.equation; }
   bool is_singular() const { return is_singular_; }
 
   // df with (A df + r)_E = 0, the least dy where there are many; df = c elsewhere, plus what follows from the unknowns.
   Vector Solve(const Vector& r, const Vector& c) const {
     const Vector rest = r + problem_.SparseA() * c;
-    return c + Expand(solve_(-rest(equation_).cwiseQuotient(root_)));
+    return c + Expand(solve_(-rest(of_.equation).cwiseQuotient(root_)));
   }
   // lambda, 0 but on E, with lambda.r = df_bar.Solve(r, 0) for all r.
   Vector SolveTransposed(const Vector& df_bar) const {
     Vector y = Vector::Zero(root_.size()), lambda = Vector::Zero(df_bar.size());
     for (Index i = 0; i < df_bar.size(); ++i) {
-      if (unknown_[At(i)] >= 0) y[unknown_[At(i)]] += coefficient_[i] * df_bar[i];
+      if (of_.unknown[At(i)] >= 0) y[of_.unknown[At(i)]] += of_.coefficient[At(i)] * df_bar[i];
     }
-    lambda(equation_) = -solve_transposed_(y).cwiseQuotient(root_);
+    lambda(of_.equation) = -solve_transposed_(y).cwiseQuotient(root_);
     return lambda;
   }
   // Of plain problems: the least l with A_E l = f_E, and the part of x_E in the null space of A_E.
-  Vector Multipliers(const Vector& f) const { return Expand(solve_(f(equation_).cwiseQuotient(root_))); }
-  Vector FreePart(const Vector& x) const { return Expand(x(equation_) - solve_(K_ * x(equation_))); }
+  Vector Multipliers(const Vector& f) const { return Expand(solve_(f(of_.equation).cwiseQuotient(root_))); }
+  Vector FreePart(const Vector& x) const { return Expand(x(of_.equation) - solve_(K_ * x(of_.equation))); }
 
  private:
   Vector Expand(const Vector& y) const {
-    Vector x = Vector::Zero(coefficient_.size());
+    Vector x = Vector::Zero(problem_.size());
     for (Index i = 0; i < x.size(); ++i) {
-      if (unknown_[At(i)] >= 0) x[i] = coefficient_[i] * y[unknown_[At(i)]];
+      if (of_.unknown[At(i)] >= 0) x[i] = of_.coefficient[At(i)] * y[of_.unknown[At(i)]];
     }
     return x;
   }
@@ -141,8 +139,8 @@ class Mode {
   }
 
   LcpProblem problem_;
-  std::vector<Index> equation_, unknown_;  // E; n: place of a row's unknown, -1: none
-  Vector coefficient_, root_;              // n: B; D^1/2 on E
+  ModeEquations<double> of_;
+  Vector root_;  // D^1/2 on E
   Eigen::SparseMatrix<double> K_;
   std::function<Vector(const Vector&)> solve_, solve_transposed_;  // K, the least solution; and its transpose
   bool is_singular_ = false;

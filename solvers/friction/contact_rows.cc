@@ -21,8 +21,8 @@ constexpr Index kMostColumnsPerBody = 6;
 
 using law::Square;
 
-double Clamped(Fixed range, double /*force*/) { return range.force; }
-double Clamped(Interval range, double force) { return std::clamp(force, range.lower, range.upper); }
+double Clamped(PointRange range, double /*force*/) { return range.force; }
+double Clamped(IntervalRange range, double force) { return std::clamp(force, range.lower, range.upper); }
 
 // phi - omega, by row.
 struct Trial {
@@ -269,7 +269,8 @@ double ContactRows::Rho(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega
   return sums.norm() / scale_;
 }
 
-void ContactRows::FindSides(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega, std::vector<Side>* sides) const {
+void ContactRows::FindSides(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega,
+                            std::vector<RangeSide>* sides) const {
   const Trial trial{phi, omega};
   sides->resize(At(size()));
   laws().VisitRanges(trial, [&](Index i, const auto& range) { (*sides)[At(i)] = SideOf(range, trial[i]); });
@@ -298,10 +299,10 @@ void ContactRows::ToForces(const Eigen::VectorXd& phi, const Eigen::VectorXd& om
     if (!is_closed(n, std::max(phi[n], std::abs(phi[t])))) continue;
     (*f)[n] = closing(n);
     const double most = given_mu_[k] * (*f)[n], scaled = row.mu * std::max(trial[n], 0.0);
-    const Side side = CanStick(row) ? SideOf(Interval{-scaled, scaled}, trial[t]) : Side::kLower;
-    (*f)[t] = row.slip != 0           ? -row.slip * most
-              : side == Side::kInside ? std::clamp(phi[t] / root_[At(t)], -most, most)
-                                      : static_cast<int>(side) * most;
+    const RangeSide side = CanStick(row) ? SideOf(IntervalRange{-scaled, scaled}, trial[t]) : RangeSide::kLower;
+    (*f)[t] = row.slip != 0                ? -row.slip * most
+              : side == RangeSide::kInside ? std::clamp(phi[t] / root_[At(t)], -most, most)
+                                           : static_cast<int>(side) * most;
   }
   for (const BoundedRow& row : bounded_) {
     (*f)[row.row] = std::clamp(phi[row.row], row.lower, row.upper) / root_[At(row.row)];

@@ -83,7 +83,7 @@ class ContactRows {
   /// rho of docs/friction.md section 4.  O(n)
   double Rho(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega) const;
   /// The side of every row, by phi - omega; an open contact has the range [0, 0] on its friction rows.  O(n)
-  void FindSides(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega, std::vector<Side>* sides) const;
+  void FindSides(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega, std::vector<RangeSide>* sides) const;
   /// Forces brought within the laws.
   void ToScaled(const Eigen::VectorXd& f, Eigen::VectorXd* phi) const;
   /// Forces in the problem's units that obey the laws of forces exactly: 0 where a contact is open, or closed by no

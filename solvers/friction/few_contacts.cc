@@ -43,11 +43,11 @@ class Contacts {
   void VisitRanges(const Force& force, const Visit& visit) const {
     for (int i = 0; i < n; i += 2) {
       const double most = mu_[i / 2] * std::max(force(i), 0.0);
-      visit(i, HalfLine{});
-      visit(i + 1, Interval{-most, most});
+      visit(i, HalfLineRange{});
+      visit(i + 1, IntervalRange{-most, most});
     }
   }
-  void FindSides(Side* sides) const {
+  void FindSides(RangeSide* sides) const {
     const auto trial = [this](int i) { return phi_[i] - omega_[i]; };
     VisitRanges(trial, [&](int i, const auto& range) { sides[i] = SideOf(range, trial(i)); });
   }
@@ -60,7 +60,7 @@ class Contacts {
     AddResiduals(&sums);
     return sums.norm() / scale_;
   }
-  bool SolveSides(const Side* sides);
+  bool SolveSides(const RangeSide* sides);
   void ObeyLaws();
   bool IsSurelyRight(double tolerance);
   bool Passes(double rho, double tolerance) {
@@ -109,10 +109,10 @@ void Contacts<n>::Start(const RowsInOrder& order, const double* initial_f) {
 
 // phi of these sides, with an equation for each row: of its gap, or of its force. False where they are singular.
 template <int n>
-bool Contacts<n>::SolveSides(const Side* sides) {
+bool Contacts<n>::SolveSides(const RangeSide* sides) {
   double K[n][n], y[n];
   for (int i = 0; i < n; ++i) {
-    const bool has_gap = sides[i] == Side::kInside;
+    const bool has_gap = sides[i] == RangeSide::kInside;
     for (int j = 0; j < n; ++j) K[i][j] = has_gap ? A_[i][j] : 0;
     K[i][i] += has_gap ? kEps : 1;
     y[i] = has_gap ? kEps * phi_[i] - b_[i] : 0;
@@ -146,7 +146,7 @@ template <int n>
 bool Contacts<n>::Find(double tolerance, bool is_warm, std::int64_t* iterations) {
   ComputeGaps();
   if (is_warm && Passes(Rho(), tolerance)) return true;
-  Side sides[n], next[n];
+  RangeSide sides[n], next[n];
   FindSides(sides);
   for (int step = 0; step < kSteps; ++step) {
     if (!SolveSides(sides)) return false;
@@ -164,15 +164,15 @@ bool Contacts<n>::Find(double tolerance, bool is_warm, std::int64_t* iterations)
 // Forces in the problem's units that obey the laws of forces exactly, as ContactRows::ToForces.
 template <int n>
 void Contacts<n>::ObeyLaws() {
-  Side sides[n];
+  RangeSide sides[n];
   FindSides(sides);
   for (int i = 0; i < n; i += 2) {
     const double least = law::kPartOfLoad * std::max(std::abs(b_[i]), std::abs(b_[i + 1]));
-    const bool is_open = sides[i] == Side::kLower || (phi_[i] < least && std::abs(phi_[i + 1]) < least);
+    const bool is_open = sides[i] == RangeSide::kLower || (phi_[i] < least && std::abs(phi_[i + 1]) < least);
     f_[i] = is_open ? 0 : std::max(phi_[i], 0.0) / root_[i];
     const double most = given_mu_[i / 2] * f_[i];
-    f_[i + 1] = sides[i + 1] != Side::kInside ? static_cast<int>(sides[i + 1]) * most
-                                              : std::clamp(phi_[i + 1] / root_[i + 1], -most, most);
+    f_[i + 1] = sides[i + 1] != RangeSide::kInside ? static_cast<int>(sides[i + 1]) * most
+                                                   : std::clamp(phi_[i + 1] / root_[i + 1], -most, most);
   }
 }
 

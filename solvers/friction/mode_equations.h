@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,25 +25,25 @@ struct ModeEquations {
   /// @param friction  rows as FrictionRow, mu a Number
   /// @param bounded   rows as BoundedRow, bounds Numbers
   template <typename FrictionRows, typename BoundedRows>
-  void Set(std::span<const Side> side, const FrictionRows& friction, const BoundedRows& bounded) {
+  void Set(std::span<const RangeSide> side, const FrictionRows& friction, const BoundedRows& bounded) {
     const std::size_t n = side.size();
     equation.clear();
     unknown.assign(n, -1);
     coefficient.assign(n, Number(0));
     fixed.assign(n, Number(0));
     for (std::size_t i = 0; i < n; ++i) {
-      if (side[i] != Side::kInside) continue;
+      if (side[i] != RangeSide::kInside) continue;
       unknown[i] = static_cast<Index>(equation.size());
       coefficient[i] = Number(1);
       equation.push_back(static_cast<Index>(i));
     }
     for (const auto& row : bounded) {
       const auto i = static_cast<std::size_t>(row.row);
-      if (side[i] != Side::kInside) fixed[i] = side[i] == Side::kLower ? row.lower : row.upper;
+      if (side[i] != RangeSide::kInside) fixed[i] = EndOf(side[i] == RangeSide::kLower ? row.lower : row.upper);
     }
     for (const auto& row : friction) {
       const auto i = static_cast<std::size_t>(row.row), normal = static_cast<std::size_t>(row.normal);
-      if (side[i] == Side::kInside || side[normal] != Side::kInside) continue;
+      if (side[i] == RangeSide::kInside || side[normal] != RangeSide::kInside) continue;
       unknown[i] = unknown[normal];
       const int slope = row.slip != 0 ? -row.slip : static_cast<int>(side[i]);
       coefficient[i] = slope * row.mu;
@@ -59,6 +60,13 @@ struct ModeEquations {
     const Index place = unknown[static_cast<std::size_t>(row)];
     return place >= 0 && equation[static_cast<std::size_t>(place)] == row;
   }
+  /// visit(row, unknown, coefficient) of the rows whose forces are not constant.
+  template <typename Visit>
+  void VisitFollowers(const Visit& visit) const {
+    for (std::size_t i = 0; i < unknown.size(); ++i) {
+      if (unknown[i] >= 0 && coefficient[i] != 0) visit(static_cast<Index>(i), unknown[i], coefficient[i]);
+    }
+  }
   /// m
   Index size() const { return static_cast<Index>(equation.size()); }
   /// For up to so many rows.
@@ -67,6 +75,10 @@ struct ModeEquations {
     for (std::vector<Index>* const numbers : {&equation, &unknown}) numbers->reserve(rows);
     for (std::vector<Number>* const numbers : {&coefficient, &fixed}) numbers->reserve(rows);
   }
+
+ private:
+  static const Number& EndOf(const Number& bound) { return bound; }
+  static const Number& EndOf(const std::optional<Number>& bound) { return *bound; }
 };
 
 }  // namespace lcpbench

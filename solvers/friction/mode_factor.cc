@@ -65,13 +65,13 @@ void ModeFactor::SolveEquations(const ContactRows& rows, const Eigen::VectorXd& 
   }
 }
 
-bool ModeFactor::Solve(const ContactRows& rows, const std::vector<Side>& sides, const Eigen::VectorXd& center,
+bool ModeFactor::Solve(const ContactRows& rows, const std::vector<RangeSide>& sides, const Eigen::VectorXd& center,
                        double eps, Eigen::VectorXd* phi) {
   ContactRows::Lengthen(rows.size(), phi);
   return Factorize(rows, sides, eps) && Correct(rows, center, phi);
 }
 
-bool ModeFactor::Factorize(const ContactRows& rows, const std::vector<Side>& sides, double eps) {
+bool ModeFactor::Factorize(const ContactRows& rows, const std::vector<RangeSide>& sides, double eps) {
   of_.Set(sides, rows.laws().friction, rows.laws().bounded);
   ContactRows::Lengthen(size(), &y_);
   on_bodies_ = size() > kMostDense && eps >= kLeastEpsOnBodies ? rows.OnBodies() : nullptr;

@@ -25,13 +25,13 @@ class ModeFactor {
   /// @param sides   of ContactRows::FindSides
   /// @param center  n
   /// @return false where K + eps is singular in double; *phi is not to be used then
-  bool Solve(const ContactRows& rows, const std::vector<Side>& sides, const Eigen::VectorXd& center, double eps,
+  bool Solve(const ContactRows& rows, const std::vector<RangeSide>& sides, const Eigen::VectorXd& center, double eps,
              Eigen::VectorXd* phi);
   /// The same about *phi, which the last solve has given, by its factor: what eps and rounding have left of omega_E.
   /// O(m^2 + nnz A)
   void Refine(const ContactRows& rows, Eigen::VectorXd* phi);
   /// The factor alone; false where it is singular.
-  bool Factorize(const ContactRows& rows, const std::vector<Side>& sides, double eps);
+  bool Factorize(const ContactRows& rows, const std::vector<RangeSide>& sides, double eps);
   /// *phi = B y with K y = right_E, by the factor at hand.
   void SolveEquations(const ContactRows& rows, const Eigen::VectorXd& right, Eigen::VectorXd* phi);
   /// Of the factor at hand.

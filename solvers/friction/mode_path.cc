@@ -60,14 +60,14 @@ void ModePath::Start(const ContactRows& rows, double eps) {
 // phi_ = P(x_) of the present sides.
 void ModePath::ForcesOf(const ContactRows& rows) {
   const Laws laws = rows.laws();
-  for (Index i = 0; i < rows.size(); ++i) phi_[i] = sides_[At(i)] == Side::kInside ? x_[i] : 0;
+  for (Index i = 0; i < rows.size(); ++i) phi_[i] = sides_[At(i)] == RangeSide::kInside ? x_[i] : 0;
   for (const FrictionRow& row : laws.friction) {
-    const Side side = sides_[At(row.row)];
-    if (side != Side::kInside) phi_[row.row] = SlopeOf(row, side) * phi_[row.normal];
+    const RangeSide side = sides_[At(row.row)];
+    if (side != RangeSide::kInside) phi_[row.row] = SlopeOf(row, side) * phi_[row.normal];
   }
   for (const BoundedRow& row : laws.bounded) {
-    const Side side = sides_[At(row.row)];
-    if (side != Side::kInside) phi_[row.row] = side == Side::kLower ? row.lower : row.upper;
+    const RangeSide side = sides_[At(row.row)];
+    if (side != RangeSide::kInside) phi_[row.row] = side == RangeSide::kLower ? row.lower : row.upper;
   }
 }
 
@@ -120,26 +120,26 @@ void ModePath::VisitWalls(const ContactRows& rows, const Test& test) const {
     // A contact that sticks slips before it opens.
     bool sticks = false;
     for (const FrictionRow* row = friction_[At(i)]; row != nullptr && row != end && row->normal == i; ++row) {
-      sticks = sticks || sides_[At(row->row)] == Side::kInside;
+      sticks = sticks || sides_[At(row->row)] == RangeSide::kInside;
     }
     if (sticks) continue;
-    const bool is_open = sides_[At(i)] == Side::kLower;
+    const bool is_open = sides_[At(i)] == RangeSide::kLower;
     const double to = is_open ? -1 : 1;
-    test(i, is_open ? Side::kInside : Side::kLower, to * x_[i], to * direction_[i]);
+    test(i, is_open ? RangeSide::kInside : RangeSide::kLower, to * x_[i], to * direction_[i]);
   }
   const auto visit = [&](Index i, double at_lower, double of_lower, double at_upper, double of_upper) {
     const double x = x_[i], rate = direction_[i];
-    if (sides_[At(i)] == Side::kInside) {
-      if (at_lower > -kInfinity) test(i, Side::kLower, x - at_lower, rate - of_lower);
-      if (at_upper < kInfinity) test(i, Side::kUpper, at_upper - x, of_upper - rate);
-    } else if (sides_[At(i)] == Side::kLower) {
-      test(i, Side::kInside, at_lower - x, of_lower - rate);
+    if (sides_[At(i)] == RangeSide::kInside) {
+      if (at_lower > -kInfinity) test(i, RangeSide::kLower, x - at_lower, rate - of_lower);
+      if (at_upper < kInfinity) test(i, RangeSide::kUpper, at_upper - x, of_upper - rate);
+    } else if (sides_[At(i)] == RangeSide::kLower) {
+      test(i, RangeSide::kInside, at_lower - x, of_lower - rate);
     } else {
-      test(i, Side::kInside, x - at_upper, rate - of_upper);
+      test(i, RangeSide::kInside, x - at_upper, rate - of_upper);
     }
   };
   for (const FrictionRow& row : laws.friction) {
-    if (!CanStick(row) || sides_[At(row.normal)] == Side::kLower) continue;
+    if (!CanStick(row) || sides_[At(row.normal)] == RangeSide::kLower) continue;
     const double most = row.mu * x_[row.normal], rate = row.mu * direction_[row.normal];
     visit(row.row, -most, -rate, most, rate);
   }
@@ -150,7 +150,7 @@ void ModePath::VisitWalls(const ContactRows& rows, const Test& test) const {
 
 ModePath::Wall ModePath::FirstWall(const ContactRows& rows, double sign) const {
   Wall first{.step = kInfinity};
-  VisitWalls(rows, [&](Index row, Side next, double value, double rate) {
+  VisitWalls(rows, [&](Index row, RangeSide next, double value, double rate) {
     rate *= sign;
     if (rate >= -kLeastRate || std::max(value, 0.0) >= -rate * first.step) return;
     first = {row, next, std::max(value, 0.0) / -rate};
@@ -167,19 +167,19 @@ void ModePath::AddColumn(const ContactRows& rows, Index row, double factor) {
 // Changes the sides; column_: p.
 ModePath::Crossing ModePath::Jump(const ContactRows& rows, const Wall& wall) {
   column_.head(rows.size()).setZero();
-  Side& side = sides_[At(wall.row)];
-  const Side before = std::exchange(side, wall.next);
-  const double factor = wall.next == Side::kInside ? 1 : -1;
+  RangeSide& side = sides_[At(wall.row)];
+  const RangeSide before = std::exchange(side, wall.next);
+  const double factor = wall.next == RangeSide::kInside ? 1 : -1;
   AddColumn(rows, wall.row, factor);
   if (const FrictionRow* const row = friction_[At(wall.row)]; row != nullptr && row->row == wall.row) {
     return {row->row, row->normal, -SlopeOf(*row, factor > 0 ? before : wall.next), 1};
   }
   // All friction rows of a contact open and close together.
   for (const FrictionRow& row : rows.FrictionOf(wall.row)) {
-    Side& of_row = sides_[At(row.row)];
-    if (CanStick(row) && factor > 0) of_row = x_[row.row] < 0 ? Side::kLower : Side::kUpper;
+    RangeSide& of_row = sides_[At(row.row)];
+    if (CanStick(row) && factor > 0) of_row = x_[row.row] < 0 ? RangeSide::kLower : RangeSide::kUpper;
     AddColumn(rows, row.row, factor * SlopeOf(row, of_row));
-    if (factor < 0) of_row = Side::kLower;
+    if (factor < 0) of_row = RangeSide::kLower;
   }
   return {wall.row, -1, 0, 1};
 }
@@ -264,13 +264,13 @@ void ModePath::DrawCover(const ContactRows& rows, unsigned seed) {
   std::mt19937 random(seed + 1);
   const Laws laws = rows.laws();
   start_.head(rows.size()).setZero();
-  sides_.assign(At(rows.size()), Side::kInside);
+  sides_.assign(At(rows.size()), RangeSide::kInside);
   for (const Index i : laws.normals) {
-    sides_[At(i)] = Side::kLower;
+    sides_[At(i)] = RangeSide::kLower;
     start_[i] = -1 - Draw(&random);
   }
   for (const FrictionRow& row : laws.friction) {
-    sides_[At(row.row)] = Side::kLower;
+    sides_[At(row.row)] = RangeSide::kLower;
     start_[row.row] = (Draw(&random) - 0.5) * start_[row.normal] / std::max(row.mu, 1.0);
   }
   for (const BoundedRow& row : laws.bounded) {
@@ -278,7 +278,7 @@ void ModePath::DrawCover(const ContactRows& rows, unsigned seed) {
     const bool has_lower = std::isfinite(row.lower), has_upper = std::isfinite(row.upper);
     if (!has_lower && !has_upper) continue;
     const bool is_at_lower = has_lower && (!has_upper || Draw(&random) < 0.5);
-    sides_[At(row.row)] = is_at_lower ? Side::kLower : Side::kUpper;
+    sides_[At(row.row)] = is_at_lower ? RangeSide::kLower : RangeSide::kUpper;
     start_[row.row] = is_at_lower ? -drawn : drawn;
   }
 }
@@ -293,7 +293,7 @@ ModePath::End ModePath::FollowCover(const ContactRows& rows, unsigned seed, doub
   if (!Factorize(rows, 0)) return End::kSingular;
   // The least z at which these are the sides.
   double z = 0;
-  VisitWalls(rows, [&](Index /*row*/, Side /*next*/, double value, double rate) {
+  VisitWalls(rows, [&](Index /*row*/, RangeSide /*next*/, double value, double rate) {
     if (value < 0 && rate > 0) z = std::max(z, -value / rate);
   });
   x_.head(n) += z * direction_.head(n);

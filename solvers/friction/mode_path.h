@@ -48,7 +48,7 @@ class ModePath {
   // The first wall ahead: the row comes to another side.
   struct Wall {
     Index row = -1;
-    Side next = Side::kLower;
+    RangeSide next = RangeSide::kLower;
     double step;  // infinite: none
   };
   // N' of a crossing is N' before + p v^T, v = e_row + along e_other; `pivot` is 1 + v . N'^-1 p.
@@ -79,7 +79,7 @@ class ModePath {
   ModeFactor factor_;
   End end_ = End::kLimit;
   double eps_ = 0;
-  std::vector<Side> sides_;
+  std::vector<RangeSide> sides_;
   std::vector<const FrictionRow*> friction_;  // n: of a friction row, and the first of a normal row
   std::vector<Crossing> crossings_;           // since the factor was made
   Eigen::VectorXd columns_;                   // N'^-1 p of each

@@ -28,7 +28,7 @@ constexpr int kSweepsPerCheck = 5;
 
 void ModeSteps::Reserve(Index max_rows) {
   factor_.Reserve(max_rows);
-  for (std::vector<Side>* const sides : {&sides_, &tried_}) sides->reserve(static_cast<size_t>(max_rows));
+  for (std::vector<RangeSide>* const sides : {&sides_, &tried_}) sides->reserve(static_cast<size_t>(max_rows));
   for (Eigen::VectorXd* const numbers : {&gaps_, &next_, &trial_, &center_, &start_}) {
     ContactRows::Lengthen(max_rows, numbers);
   }
@@ -109,10 +109,10 @@ void ModeSteps::CloseUnloaded(const ContactRows& rows) {
   const double most = kUnloaded * rows.b().lpNorm<Eigen::Infinity>();
   const auto is_unloaded = [&](Index normal) { return std::abs(rows.b()[normal]) <= most; };
   for (const Index i : rows.laws().normals) {
-    if (is_unloaded(i)) sides_[At(i)] = Side::kInside;
+    if (is_unloaded(i)) sides_[At(i)] = RangeSide::kInside;
   }
   for (const FrictionRow& row : rows.laws().friction) {
-    if (is_unloaded(row.normal) && CanStick(row)) sides_[At(row.row)] = Side::kInside;
+    if (is_unloaded(row.normal) && CanStick(row)) sides_[At(row.row)] = RangeSide::kInside;
   }
 }
 
@@ -139,19 +139,21 @@ bool ModeSteps::TryAll(const ContactRows& rows, FrictionAnswer* answer) {
   const size_t all = size_t{1} << (2 * laws.normals.size());
   ContactRows::Lengthen(rows.size(), &center_);
   center_.head(rows.size()).setZero();
-  sides_.assign(At(rows.size()), Side::kLower);
-  for (const Index i : laws.joints) sides_[At(i)] = Side::kInside;
+  sides_.assign(At(rows.size()), RangeSide::kLower);
+  for (const Index i : laws.joints) sides_[At(i)] = RangeSide::kInside;
   for (size_t code = 0; code < all && !answer->IsOver(); ++code) {
     bool is_new = true;
     for (size_t k = 0; k < laws.normals.size(); ++k) {
       const unsigned mode = (code >> (2 * k)) % 4;
       const Index normal = laws.normals[k];
-      sides_[At(normal)] = mode == kOpen ? Side::kLower : Side::kInside;
+      sides_[At(normal)] = mode == kOpen ? RangeSide::kLower : RangeSide::kInside;
       bool can_stick = false;
       for (const FrictionRow& row : rows.FrictionOf(normal)) {
         if (!CanStick(row)) continue;
         can_stick = true;
-        sides_[At(row.row)] = mode == kStick ? Side::kInside : mode == kDown ? Side::kUpper : Side::kLower;
+        sides_[At(row.row)] = mode == kStick  ? RangeSide::kInside
+                              : mode == kDown ? RangeSide::kUpper
+                                              : RangeSide::kLower;
       }
       is_new = is_new && (can_stick || mode <= kStick);
     }

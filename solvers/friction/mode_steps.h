@@ -49,7 +49,7 @@ class ModeSteps {
   ModeFactor factor_;
   ContactSweeps sweeps_;
   bool sweeps_are_ready_ = false;
-  std::vector<Side> sides_, tried_;
+  std::vector<RangeSide> sides_, tried_;
   Eigen::VectorXd gaps_, next_, trial_, center_, start_, f_;
 };
 

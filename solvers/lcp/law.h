@@ -16,41 +16,45 @@ namespace lcpbench {
 
 /// Where a row stands on the graph of its law: its force at an end of the range, or inside, where it is an unknown and
 /// the gap is 0.
-enum class Side : signed char { kLower = -1, kInside = 0, kUpper = 1 };
+enum class RangeSide : signed char { kLower = -1, kInside = 0, kUpper = 1 };
 
 /// The ranges that have a type of their own, so that no infinite end is compared, and no point has an inside.
-struct Line {};
-struct HalfLine {};
-struct Fixed {
+struct LineRange {};
+struct HalfLineRange {};
+struct PointRange {
   double force;
 };
-struct Interval {
+struct IntervalRange {
   double lower, upper;
 };
 
 /// The natural residual of a row, D f - clamp(D f - w), without that sum, in which a large force rounds the gap away. A
 /// gap that is NaN stays.
 /// @param force  D f, as the range is
-[[gnu::always_inline]] inline double ResidualOf(Line /*range*/, double /*force*/, double gap) { return gap; }
-[[gnu::always_inline]] inline double ResidualOf(HalfLine /*range*/, double force, double gap) {
+[[gnu::always_inline]] inline double ResidualOf(LineRange /*range*/, double /*force*/, double gap) { return gap; }
+[[gnu::always_inline]] inline double ResidualOf(HalfLineRange /*range*/, double force, double gap) {
   return !(force < gap) ? gap : force;
 }
-[[gnu::always_inline]] inline double ResidualOf(Fixed range, double force, double /*gap*/) {
+[[gnu::always_inline]] inline double ResidualOf(PointRange range, double force, double /*gap*/) {
   return force - range.force;
 }
-[[gnu::always_inline]] inline double ResidualOf(Interval range, double force, double gap) {
+[[gnu::always_inline]] inline double ResidualOf(IntervalRange range, double force, double gap) {
   const double from_lower = force - range.lower, from_upper = force - range.upper;
   const double below = from_lower < gap ? from_lower : gap;
   return from_upper > below ? from_upper : below;
 }
 
 /// The side of D f - w [Alart, Curnier 1991]; of a range without an inside always the same.
-inline Side SideOf(Line /*range*/, double /*trial*/) { return Side::kInside; }
-inline Side SideOf(HalfLine /*range*/, double trial) { return trial > 0 ? Side::kInside : Side::kLower; }
-inline Side SideOf(Fixed /*range*/, double /*trial*/) { return Side::kLower; }
-inline Side SideOf(Interval range, double trial) {
+inline RangeSide SideOf(LineRange /*range*/, double /*trial*/) { return RangeSide::kInside; }
+inline RangeSide SideOf(HalfLineRange /*range*/, double trial) {
+  return trial > 0 ? RangeSide::kInside : RangeSide::kLower;
+}
+inline RangeSide SideOf(PointRange /*range*/, double /*trial*/) { return RangeSide::kLower; }
+inline RangeSide SideOf(IntervalRange range, double trial) {
   const bool is_wide = range.lower < range.upper;
-  return !is_wide || trial < range.lower ? Side::kLower : trial > range.upper ? Side::kUpper : Side::kInside;
+  return !is_wide || trial < range.lower ? RangeSide::kLower
+         : trial > range.upper           ? RangeSide::kUpper
+                                         : RangeSide::kInside;
 }
 
 /// By how much a gap is wrong where the force is within its range to the last bit; <= 0: right.
@@ -61,7 +65,7 @@ inline Side SideOf(Interval range, double trial) {
 }
 
 /// f_t / f_n of a friction or sliding row that is not inside its range.
-inline double SlopeOf(const FrictionRow& row, Side side) {
+inline double SlopeOf(const FrictionRow& row, RangeSide side) {
   return (row.slip != 0 ? -row.slip : static_cast<signed char>(side)) * row.mu;
 }
 /// Whether the two directions of slip of a row differ.
@@ -79,19 +83,19 @@ struct Laws {
   void VisitOthers(const Force& force, const Visit& visit) const {
     for (const FrictionRow& row : friction) {
       if (!CanStick(row)) {
-        visit(row.row, Fixed{SlopeOf(row, Side::kLower) * force[row.normal]});
+        visit(row.row, PointRange{SlopeOf(row, RangeSide::kLower) * force[row.normal]});
         continue;
       }
       const double most = row.mu * std::max(force[row.normal], 0.0);
-      visit(row.row, Interval{-most, most});
+      visit(row.row, IntervalRange{-most, most});
     }
-    for (const BoundedRow& row : bounded) visit(row.row, Interval{row.lower, row.upper});
+    for (const BoundedRow& row : bounded) visit(row.row, IntervalRange{row.lower, row.upper});
   }
   /// The same of all rows.
   template <typename Force, typename Visit>
   void VisitRanges(const Force& force, const Visit& visit) const {
-    for (const Index row : joints) visit(row, Line{});
-    for (const Index row : normals) visit(row, HalfLine{});
+    for (const Index row : joints) visit(row, LineRange{});
+    for (const Index row : normals) visit(row, HalfLineRange{});
     VisitOthers(force, visit);
   }
 };

@@ -19,25 +19,49 @@ std::string FindFaultOfModes(const ExactLcp& problem, const std::string& modes, 
   return {};
 }
 
-std::string ModesOf(const LcpProblem& problem, const Eigen::VectorXd& f) {
-  const Index n = problem.size();
-  Eigen::VectorXd w, root(n);
-  problem.ComputeW(f, &w);
-  for (Index i = 0; i < n; ++i) root[i] = problem.DiagonalA()[i] > 0 ? std::sqrt(problem.DiagonalA()[i]) : 1;
-  const Eigen::VectorXd trial = root.cwiseProduct(f) - w.cwiseQuotient(root);
-  std::string modes(At(n), 'O');
-  for (Index i = 0; i < n; ++i) {
-    if (trial[i] > 0) modes[At(i)] = 'C';
-    if (problem.is_bilateral(i)) modes[At(i)] = 'B';
+std::vector<RangeSide> SidesOf(const std::string& modes) {
+  std::vector<RangeSide> sides;
+  for (const char mode : modes) {
+    const bool is_inside = mode == 'C' || mode == 'B' || mode == 'S';
+    sides.push_back(is_inside ? RangeSide::kInside : mode == '-' ? RangeSide::kUpper : RangeSide::kLower);
   }
+  return sides;
+}
+
+std::string ModesOf(const LcpProblem& problem, const Eigen::VectorXd& f) {
+  Eigen::VectorXd omega, root = problem.DiagonalA().unaryExpr([](double d) { return d > 0 ? std::sqrt(d) : 1.0; });
+  problem.ComputeW(f, &omega);
+  omega = omega.cwiseQuotient(root);
+  const Eigen::VectorXd trial = root.cwiseProduct(f) - omega;
+  std::vector<FrictionRow> friction = problem.friction_rows();
+  std::vector<BoundedRow> bounded = problem.bounded_rows();
+  for (FrictionRow& row : friction) row.mu *= root[row.row] / root[row.normal];
+  for (BoundedRow& row : bounded) {
+    row.lower *= root[row.row];
+    row.upper *= root[row.row];
+  }
+  std::vector<Index> normals;
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (problem.kind(i) == RowKind::kUnilateral) normals.push_back(i);
+  }
+  std::vector<RangeSide> sides(At(problem.size()));
+  Laws{problem.bilateral_rows(), normals, friction, bounded}.VisitRanges(
+      trial, [&](Index i, const auto& range) { sides[At(i)] = SideOf(range, trial[i]); });
+  std::string modes(At(problem.size()), 'O');
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (sides[At(i)] == RangeSide::kInside) modes[At(i)] = problem.is_bilateral(i) ? 'B' : 'C';
+  }
+  const auto mode_of = [](RangeSide side) {
+    return side == RangeSide::kInside ? 'S' : side == RangeSide::kLower ? '+' : '-';
+  };
   for (const FrictionRow& row : problem.friction_rows()) {
-    const double most = row.mu * root[row.row] / root[row.normal] * trial[row.normal];
-    const char slip = trial[row.row] > most ? '-' : trial[row.row] < -most ? '+' : 'S';
-    modes[At(row.row)] = modes[At(row.normal)] == 'O' ? 'o' : row.slip != 0 ? 'k' : slip;
+    const bool is_open = sides[At(row.normal)] == RangeSide::kLower;
+    const RangeSide slip = row.mu > 0 || omega[row.row] >= 0 ? sides[At(row.row)] : RangeSide::kUpper;
+    modes[At(row.row)] = is_open ? 'o' : row.slip != 0 ? 'k' : mode_of(slip);
   }
   for (const BoundedRow& row : problem.bounded_rows()) {
-    const double force = trial[row.row] / root[row.row];
-    modes[At(row.row)] = force < row.lower ? '+' : force > row.upper ? '-' : 'S';
+    const bool is_upper = row.lower == row.upper && omega[row.row] < 0;
+    modes[At(row.row)] = is_upper ? '-' : mode_of(sides[At(row.row)]);
   }
   return modes;
 }

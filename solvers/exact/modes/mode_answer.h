@@ -8,6 +8,7 @@
 
 #include "solvers/exact/exact_lcp.h"
 #include "solvers/exact/modes/polyhedron.h"
+#include "solvers/lcp/law.h"
 
 namespace lcpbench {
 
@@ -51,10 +52,13 @@ struct ModeOptions {
   bool follows_path = true;  ///< where no guess is right; seconds to hours
 };
 
+/// The side of every row: inside where w = 0, upper where the mode is `-`.
+std::vector<RangeSide> SidesOf(const std::string& modes);
+
 /// What is wrong with f as a solution in these modes, from the definitions alone; "" where it is one.
 std::string FindFaultOfModes(const ExactLcp& problem, const std::string& modes, const RationalVector& f);
 
-/// The modes of forces in doubles: by the signs of D^1/2 f - D^-1/2 w, clipped to the cone [Alart, Curnier 1991].
+/// The modes of forces in doubles, by the sides of D^1/2 f - D^-1/2 w [Alart, Curnier 1991].
 std::string ModesOf(const LcpProblem& problem, const Eigen::VectorXd& f);
 
 }  // namespace lcpbench

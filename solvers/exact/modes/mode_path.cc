@@ -6,6 +6,7 @@
 
 #include "solvers/exact/flint_matrix.h"
 #include "solvers/exact/modes/mode_system.h"
+#include "solvers/friction/mode_equations.h"
 
 namespace lcpbench {
 namespace {
@@ -125,32 +126,23 @@ class ModePath {
     return independent;
   }
 
-  // The unknown forces of the modes at hand, as columns, and the rows with w = 0.
+  // The unknown forces of the modes at hand, as columns, and the rows with w = 0: joints that depend on others are
+  // none.
   struct System {
     std::vector<RationalVector> columns;
     std::vector<Index> equations;
   };
   System MakeSystem() const {
-    System system;
-    const auto add = [&](Index row) -> RationalVector& {
-      system.equations.push_back(row);
-      system.columns.emplace_back(At(problem_.size));
-      system.columns.back()[At(row)] = 1;
-      return system.columns.back();
-    };
-    for (const Index i : joints_) add(i);
-    for (const Index i : contacts_) {
-      if (modes_[At(i)] == 'O') continue;
-      RationalVector& column = add(i);
-      const ExactFrictionRow* tangent = tangent_[At(i)];
-      if (tangent == nullptr) continue;
-      const char mode = modes_[At(tangent->row)];
-      if (mode == 'S') {
-        add(tangent->row);
-      } else {
-        column[At(tangent->row)] = mode == '+' ? Rational(-tangent->mu) : tangent->mu;
-      }
+    std::vector<RangeSide> sides = SidesOf(modes_);
+    for (Index i = 0; i < problem_.size; ++i) {
+      const bool is_joint = problem_.bilateral[At(i)] != 0;
+      if (is_joint && !std::ranges::binary_search(joints_, i)) sides[At(i)] = RangeSide::kLower;
     }
+    ModeEquations<Rational> of;
+    of.Set(sides, problem_.friction, problem_.bounded);
+    System system{std::vector<RationalVector>(of.equation.size(), RationalVector(At(problem_.size))), of.equation};
+    of.VisitFollowers(
+        [&](Index row, Index unknown, const Rational& part) { system.columns[At(unknown)][At(row)] = part; });
     return system;
   }
 

@@ -9,6 +9,7 @@
 #include "solvers/exact/dyadic_lcp.h"
 #include "solvers/exact/exact_solver.h"
 #include "solvers/exact/modes/mode_answer.h"
+#include "solvers/friction/mode_equations.h"
 
 namespace lcpbench {
 namespace {
@@ -35,15 +36,12 @@ int SignOf(char mode) { return mode == '+' ? 1 : -1; }
 
 // K x = -w at x = 0, and what is around it.
 struct RoundedModes::Equations {
-  std::vector<Index> rows;    // E
-  std::vector<double> share;  // n: force = share x_column; 0 where it is no unknown's
-  std::vector<Index> column;  // n
-  Eigen::VectorXd fixed;      // n: forces at bounds
+  ModeEquations<double> of;
   Eigen::MatrixXd R;
-  double inverse_norm = 0;  // |K^-1|_inf <=
-  double shares = 0;        // the sum of |share|
-  double error = 0;         // |x - x*|_inf <=, once it is known
-  Eigen::VectorXd forces;   // n
+  double inverse_norm = 0;               // |K^-1|_inf <=
+  double shares = 0, largest_share = 1;  // the sum of |coefficients|, and the largest
+  double error = 0;                      // |x - x*|_inf <=, once it is known
+  Eigen::VectorXd forces;                // n
 };
 
 RoundedModes::RoundedModes(const ExactLcp& problem)
@@ -58,8 +56,8 @@ RoundedModes::RoundedModes(const ExactLcp& problem)
     }
   }
   for (const ExactFrictionRow& row : problem.friction) {
-    friction_.push_back({row.row, row.normal, row.mu.convert_to<double>(), row.slip});
-    is_usable_ = is_usable_ && (friction_.back().ratio != 0 || row.mu == 0);
+    friction_.push_back({row.row, row.normal, row.mu.convert_to<double>(), static_cast<signed char>(row.slip)});
+    is_usable_ = is_usable_ && (friction_.back().mu != 0 || row.mu == 0);
   }
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (const ExactBoundedRow& row : problem.bounded) {
@@ -72,10 +70,8 @@ RoundedModes::RoundedModes(const ExactLcp& problem)
 RoundedModes::RoundedModes(const LcpProblem& problem)
     : A_(problem.DenseA()), b_(problem.b()), bilateral_(At(problem.size()), 0) {
   for (const Index row : problem.bilateral_rows()) bilateral_[At(row)] = 1;
-  for (const FrictionRow& row : problem.friction_rows()) {
-    friction_.push_back({row.row, row.normal, row.mu, row.slip});
-  }
-  for (const BoundedRow& row : problem.bounded_rows()) bounded_.push_back({row.row, row.lower, row.upper});
+  friction_ = problem.friction_rows();
+  bounded_ = problem.bounded_rows();
   is_usable_ = !problem.has_extreme_matrix();
   if (problem.has_factors()) {
     Index most = 0;
@@ -106,11 +102,11 @@ void RoundedModes::Scale() {
   largest_ = std::max(2.0, A_.size() > 0 ? A_.cwiseAbs().maxCoeff() : 0.0);
   entry_error_ = entry_error_ * largest_ + kUnderflow;
   is_usable_ = is_usable_ && largest_ <= kLargestEntry;
-  for (Friction& row : friction_) {
-    row.ratio *= scale_[row.normal] / scale_[row.row];
-    is_usable_ = is_usable_ && row.ratio <= kLargestMu && (row.ratio == 0 || row.ratio >= 1 / kLargestMu);
+  for (FrictionRow& row : friction_) {
+    row.mu *= scale_[row.normal] / scale_[row.row];
+    is_usable_ = is_usable_ && row.mu <= kLargestMu && (row.mu == 0 || row.mu >= 1 / kLargestMu);
   }
-  for (Bounded& row : bounded_) {
+  for (BoundedRow& row : bounded_) {
     row.lower /= scale_[row.row];
     row.upper /= scale_[row.row];
     for (const double bound : {row.lower, row.upper}) {
@@ -123,31 +119,15 @@ void RoundedModes::Scale() {
 // False where K may be singular.
 bool RoundedModes::MakeEquations(const std::string& modes, Equations* equations) const {
   Equations& e = *equations;
-  const auto n = static_cast<Index>(modes.size());
-  e.share.assign(modes.size(), 0);
-  e.column.assign(modes.size(), 0);
-  e.fixed.setZero(n);
-  for (Index i = 0; i < n; ++i) {
-    const char mode = modes[At(i)];
-    if (mode != 'C' && mode != 'B' && mode != 'S') continue;
-    e.share[At(i)] = 1;
-    e.column[At(i)] = static_cast<Index>(e.rows.size());
-    e.rows.push_back(i);
-  }
-  const auto m = static_cast<Index>(e.rows.size());
-  Eigen::MatrixXd K = A_(e.rows, e.rows);
-  for (const Friction& row : friction_) {
-    const char mode = modes[At(row.row)];
-    if (mode == 'o' || mode == 'S' || row.ratio == 0) continue;
-    const double share = -(mode == 'k' ? row.slip : SignOf(mode)) * row.ratio;
-    e.share[At(row.row)] = share;
-    e.column[At(row.row)] = e.column[At(row.normal)];
-    K.col(e.column[At(row.row)]) += share * A_(e.rows, row.row);
-  }
-  for (const Bounded& row : bounded_) {
-    if (modes[At(row.row)] != 'S') e.fixed[row.row] = modes[At(row.row)] == '+' ? row.lower : row.upper;
-  }
-  for (const double share : e.share) e.shares += std::abs(share);
+  e.of.Set(SidesOf(modes), friction_, bounded_);
+  const auto n = static_cast<Index>(modes.size()), m = e.of.size();
+  const std::vector<Index>& E = e.of.equation;
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(m, m);
+  e.of.VisitFollowers([&](Index row, Index unknown, double share) {
+    K.col(unknown) += share * A_(E, row);
+    e.shares += std::abs(share);
+    e.largest_share = std::max(e.largest_share, std::abs(share));
+  });
   if (m == 0) return true;
   e.R = K.partialPivLu().inverse();
   if (!e.R.allFinite()) return false;
@@ -170,16 +150,14 @@ ModeEnclosure RoundedModes::Enclose(const std::string& modes) const {
   if (!is_usable_) return enclosure;
   const bool is_nonsingular = MakeEquations(modes, &e);
   if (!e.R.allFinite()) return enclosure;
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(static_cast<Index>(e.rows.size()));
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(e.of.size());
   Eigen::VectorXd gaps;
   // Newton's step from x = 0 ends at the solution but for rounding; the second refines it.
   for (int step = 0; step < 3; ++step) {
-    e.forces = e.fixed;
-    for (Index i = 0; i < n; ++i) {
-      if (e.share[At(i)] != 0) e.forces[i] = e.share[At(i)] * x[e.column[At(i)]];
-    }
+    e.forces.resize(n);
+    for (Index i = 0; i < n; ++i) e.forces[i] = e.of.ForceOf(i, x);
     gaps = b_ + A_ * e.forces;
-    if (step < 2 && !e.rows.empty()) x -= e.R * gaps(e.rows);
+    if (step < 2 && e.of.size() > 0) x -= e.R * gaps(e.of.equation);
   }
   if (!e.forces.allFinite() || !gaps.allFinite()) return enclosure;
   enclosure.f = scale_.cwiseProduct(e.forces);
@@ -189,15 +167,14 @@ ModeEnclosure RoundedModes::Enclose(const std::string& modes) const {
                 (Gamma(n + 6) * b_.cwiseAbs()).array())
                    .matrix();
   double residual = 0;
-  for (const Index i : e.rows) residual = std::max(residual, std::abs(gaps[i]) + gap_errors[i]);
+  for (const Index i : e.of.equation) residual = std::max(residual, std::abs(gaps[i]) + gap_errors[i]);
   e.error = kSlack * e.inverse_norm * residual;
   gap_errors.array() += kSlack * largest_ * e.shares * e.error;
   JudgeSigns(modes, e, gaps, gap_errors, &enclosure);
-  double largest_share = 1;
-  for (const double share : e.share) largest_share = std::max(largest_share, std::abs(share));
   // D_ii^1/2 s_i is below 2^1/2; the forces of followers and bounds are rounded, too.
-  enclosure.error = kSlack * std::sqrt(2.0) *
-                    (largest_share * e.error + 8 * kUnitRoundoff * (n > 0 ? e.forces.lpNorm<Eigen::Infinity>() : 0.0));
+  enclosure.error =
+      kSlack * std::sqrt(2.0) *
+      (e.largest_share * e.error + 8 * kUnitRoundoff * (n > 0 ? e.forces.lpNorm<Eigen::Infinity>() : 0.0));
   return enclosure;
 }
 
@@ -212,17 +189,17 @@ void RoundedModes::JudgeSigns(const std::string& modes, const Equations& e, cons
   };
   const auto require_gap = [&](Index i, int sign) { require(sign * gaps[i], gap_errors[i], 0); };
   std::vector<char> is_plain(modes.size(), 1);
-  for (const Friction& row : friction_) {
+  for (const FrictionRow& row : friction_) {
     is_plain[At(row.row)] = 0;
     const char mode = modes[At(row.row)];
     if (mode == '+' || mode == '-') require_gap(row.row, SignOf(mode));
     if (mode != 'S') continue;
-    const double most = row.ratio * e.forces[row.normal], tangent = e.forces[row.row];
+    const double most = row.mu * e.forces[row.normal], tangent = e.forces[row.row];
     for (const double value : {most - tangent, most + tangent}) {
-      require(value, (row.ratio + 1) * e.error, std::abs(most) + std::abs(tangent));
+      require(value, (row.mu + 1) * e.error, std::abs(most) + std::abs(tangent));
     }
   }
-  for (const Bounded& row : bounded_) {
+  for (const BoundedRow& row : bounded_) {
     is_plain[At(row.row)] = 0;
     const char mode = modes[At(row.row)];
     if (mode == '+' || mode == '-') require_gap(row.row, SignOf(mode));

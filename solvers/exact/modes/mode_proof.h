@@ -42,15 +42,6 @@ class RoundedModes {
   ModeEnclosure Enclose(const std::string& modes) const;
 
  private:
-  struct Friction {
-    Index row, normal;
-    double ratio;  // mu s_n / s_t
-    int slip;
-  };
-  struct Bounded {
-    Index row;
-    double lower, upper;  // divided by s
-  };
   struct Equations;
 
   void Scale();
@@ -65,8 +56,8 @@ class RoundedModes {
   double entry_error_ = 0;  // of A_
   double largest_ = 0;      // entry of A_
   std::vector<char> bilateral_;
-  std::vector<Friction> friction_;
-  std::vector<Bounded> bounded_;
+  std::vector<FrictionRow> friction_;  // mu s_n / s_t
+  std::vector<BoundedRow> bounded_;    // bounds / s
 };
 
 /// Which problem f solves, as far as doubles prove it.

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "solvers/exact/modes/mode_answer.h"
+#include "solvers/friction/mode_equations.h"
+
 namespace lcpbench {
 namespace {
 
@@ -51,45 +54,6 @@ void AddBoundedLaws(const ExactBoundedRow& row, char mode, std::vector<Law>* law
   laws->push_back({{{row.row, true, mode == '+' ? 1 : -1}}, 0, false});
 }
 
-// An unknown force, with the friction forces that follow it: `row` times 1, and other rows times factors.
-struct Unknown {
-  Index row;
-  std::vector<std::pair<Index, Rational>> followers;
-};
-
-std::vector<Unknown> UnknownsOf(const ExactLcp& problem, const std::string& modes) {
-  std::vector<Unknown> unknowns;
-  std::vector<Index> place(modes.size(), -1);
-  for (Index i = 0; i < problem.size; ++i) {
-    const char mode = modes[At(i)];
-    if (mode != 'C' && mode != 'B' && mode != 'S') continue;
-    place[At(i)] = static_cast<Index>(unknowns.size());
-    unknowns.push_back({i, {}});
-  }
-  for (const ExactFrictionRow& row : problem.friction) {
-    const char mode = modes[At(row.row)];
-    if (mode == 'o' || mode == 'S' || row.mu == 0) continue;
-    const int sign = mode == 'k' ? row.slip : mode == '+' ? 1 : -1;
-    unknowns[At(place[At(row.normal)])].followers.emplace_back(row.row, -sign * row.mu);
-  }
-  return unknowns;
-}
-
-// The forces of bounded rows at their bounds; zeros elsewhere.
-RationalVector FixedForces(const ExactLcp& problem, const std::string& modes) {
-  RationalVector fixed(modes.size());
-  for (const ExactBoundedRow& row : problem.bounded) {
-    const char mode = modes[At(row.row)];
-    if (mode != 'S') fixed[At(row.row)] = mode == '+' ? *row.lower : *row.upper;
-  }
-  return fixed;
-}
-
-void AddTimes(const Rational& factor, const Unknown& unknown, RationalVector* f) {
-  (*f)[At(unknown.row)] += factor;
-  for (const auto& [row, part] : unknown.followers) (*f)[At(row)] += factor * part;
-}
-
 }  // namespace
 
 std::vector<Law> LawsOf(const ExactLcp& problem, const std::string& modes) {
@@ -136,35 +100,37 @@ ModeSystem::ModeSystem(const ExactLcp& problem)
 
 // K y = -r of integers: columns of K are in units of their own, so that coefficients of friction are integers, too.
 std::optional<ModeSpace> ModeSystem::SpaceOf(const std::string& modes) const {
-  const std::vector<Unknown> unknowns = UnknownsOf(problem_, modes);
-  const RationalVector fixed = FixedForces(problem_, modes);
-  const auto m = static_cast<Index>(unknowns.size());
+  ModeEquations<Rational> equations;
+  equations.Set(SidesOf(modes), problem_.friction, problem_.bounded);
+  const std::vector<Index>& E = equations.equation;
+  const auto m = equations.size();
   IntegerMatrix system(m, m + 1);
   std::vector<BigInteger> unit(At(m), 1);
+  equations.VisitFollowers([&](Index /*row*/, Index unknown, const Rational& part) {
+    unit[At(unknown)] = lcm(unit[At(unknown)], denominator(part));
+  });
   Integer factor, product;
-  for (Index j = 0; j < m; ++j) {
-    for (const auto& [row, part] : unknowns[At(j)].followers) unit[At(j)] = lcm(unit[At(j)], denominator(part));
-    fmpz_set_mpz(factor.get(), unit[At(j)].backend().data());
+  equations.VisitFollowers([&](Index row, Index unknown, const Rational& part) {
+    const BigInteger scaled = numerator(part) * (unit[At(unknown)] / denominator(part));
+    fmpz_set_mpz(factor.get(), scaled.backend().data());
     for (Index i = 0; i < m; ++i) {
-      fmpz_mul(system.at(i, j), factor.get(), A_.at(unknowns[At(i)].row, unknowns[At(j)].row));
+      fmpz_mul(product.get(), factor.get(), A_.at(E[At(i)], row));
+      fmpz_add(system.at(i, unknown), system.at(i, unknown), product.get());
     }
-    for (const auto& [row, part] : unknowns[At(j)].followers) {
-      const BigInteger scaled = numerator(part) * (unit[At(j)] / denominator(part));
-      fmpz_set_mpz(factor.get(), scaled.backend().data());
-      for (Index i = 0; i < m; ++i) {
-        fmpz_mul(product.get(), factor.get(), A_.at(unknowns[At(i)].row, row));
-        fmpz_add(system.at(i, j), system.at(i, j), product.get());
-      }
-    }
-  }
+  });
+  const auto add_times = [&](const Rational& times, Index unknown, RationalVector* f) {
+    equations.VisitFollowers([&](Index row, Index of, const Rational& part) {
+      if (of == unknown) (*f)[At(row)] += times * part;
+    });
+  };
   BigInteger load_unit = load_unit_;
   if (problem_.bounded.empty()) {
-    for (Index i = 0; i < m; ++i) fmpz_neg(system.at(i, m), b_.at(unknowns[At(i)].row, 0));
+    for (Index i = 0; i < m; ++i) fmpz_neg(system.at(i, m), b_.at(E[At(i)], 0));
   } else {
-    const RationalVector rest = GapsOf(problem_, fixed);
+    const RationalVector rest = GapsOf(problem_, equations.fixed);
     load_unit = CommonDenominator(rest);
     const IntegerMatrix scaled = Scaled(rest, problem_.size, load_unit);
-    for (Index i = 0; i < m; ++i) fmpz_neg(system.at(i, m), scaled.at(unknowns[At(i)].row, 0));
+    for (Index i = 0; i < m; ++i) fmpz_neg(system.at(i, m), scaled.at(E[At(i)], 0));
   }
   Integer common;
   const Index rank = m == 0 ? 0 : fmpz_mat_rref(system.get(), common.get(), system.get());
@@ -179,14 +145,14 @@ std::optional<ModeSpace> ModeSystem::SpaceOf(const std::string& modes) const {
     return ToRational(system.at(i, column), common.get()) * Rational(unit[At(pivots[At(i)])]);
   };
   ModeSpace space;
-  space.f = fixed;
+  space.f = equations.fixed;
   const Rational force_unit(matrix_unit_, load_unit);
-  for (Index i = 0; i < rank; ++i) AddTimes(unknown_of(i, m) * force_unit, unknowns[At(pivots[At(i)])], &space.f);
+  for (Index i = 0; i < rank; ++i) add_times(unknown_of(i, m) * force_unit, pivots[At(i)], &space.f);
   space.w = GapsOf(problem_, space.f);
   for (const Index free : OtherRows(m, pivots)) {
     RationalVector direction(At(problem_.size));
-    AddTimes(Rational(unit[At(free)]), unknowns[At(free)], &direction);
-    for (Index i = 0; i < rank; ++i) AddTimes(-unknown_of(i, free), unknowns[At(pivots[At(i)])], &direction);
+    add_times(Rational(unit[At(free)]), free, &direction);
+    for (Index i = 0; i < rank; ++i) add_times(-unknown_of(i, free), pivots[At(i)], &direction);
     space.w_directions.push_back(GapsOf(problem_, direction, true));
     space.f_directions.push_back(std::move(direction));
   }
