@@ -55,19 +55,22 @@ bool HasDearFactor(const Facts& facts) {
 // Islands with laws: of how many contacts Newton steps from 0 come before the relaxation, and of how many all modes and
 // Lemke's path are tried.
 constexpr Index kContactsOfModes = 16, kContactsOfAllModes = 3, kContactsOfLemke = 128;
-// At tolerances from here on large ones are swept first: the relaxation, a plain problem of as many rows, may take
-// longer than all these sweeps. Forces travel a row or so a sweep.
-constexpr double kLooseTolerance = 1e-4;
+// Large ones are swept first: the relaxation, a plain problem of as many rows, may take longer than all these sweeps.
+// Forces travel a row or so a sweep.
 constexpr Index kLargeIsland = 129;
 constexpr double kSweepsPerRoot = 40;
+constexpr std::int64_t kLastSweeps = 20000;
+constexpr int kRoundsOfShift = 4;
+
+bool IsLargeIsland(const Facts& facts) { return facts.has_problem && facts.rows >= kLargeIsland; }
 
 // The words of the table below have these numbers.
 static_assert(Facts::IsNarrow(45) && !Facts::IsNarrow(46) && Facts::kMostRowsInOneIsland == 0.75 &&
               Facts::kSmallRows == 900 && kDearFactor == 6 && kFactorizationsForPsor == 4 &&
               kFactorizationsOfBpp == 6 && kFactorizationsOfNewton == 12 && kSweepsPerRootOfRows == 8 &&
               kMostFactorizationsOfBpp == 24 && kContactsOfModes == 16 && kContactsOfAllModes == 3 &&
-              kContactsOfLemke == 128 && kLargeIsland == 129 && kLooseTolerance == 1e-4 && kSweepsPerRoot == 40 &&
-              kMostContactsOfExact == 8 && (kSweepsOfPacking == 600 || kSweepsOfPacking == 0));
+              kContactsOfLemke == 128 && kLargeIsland == 129 && kSweepsPerRoot == 40 && kRoundsOfShift == 4 &&
+              kLastSweeps == 20000 && kMostContactsOfExact == 8 && (kSweepsOfPacking == 600 || kSweepsOfPacking == 0));
 
 using enum AutoStage;
 using enum AutoMethod;
@@ -87,19 +90,31 @@ constexpr std::array kRules = {
              [](const Facts& facts) { return std::int64_t{facts.contacts <= kContactsOfModes ? 8 : 0}; }, "8 steps"},
     AutoRule{kLaws, ModeSteps::kFewRows, "up to 3 contacts, no bounded rows", kAllModes,
              [](const Facts& facts) { return If(facts.contacts <= kContactsOfAllModes && !facts.has_bounded); }},
-    AutoRule{kLaws, kAnyRows, "from 129 rows on, at tolerances from 1e-4 on", kSweeps,
+    AutoRule{kLaws, kAnyRows, "from 129 rows on", kSweeps,
              [](const Facts& facts) {
-               const bool holds = facts.has_problem && facts.tolerance >= kLooseTolerance && facts.rows >= kLargeIsland;
-               return holds ? static_cast<std::int64_t>(kSweepsPerRoot * std::sqrt(static_cast<double>(facts.rows)))
-                            : 0;
+               const double sweeps = kSweepsPerRoot * std::sqrt(static_cast<double>(facts.rows));
+               return IsLargeIsland(facts) ? static_cast<std::int64_t>(sweeps) : 0;
              },
-             "40 √n sweeps"},
+             "40 √n sweeps, while their rate promises an answer"},
     AutoRule{kLaws, kAnyRows, "one friction row a contact, none slides, no bounded rows", kRelaxation,
-             [](const Facts& facts) { return std::int64_t{facts.can_relax ? 4 : 0}; }, "4 rounds"},
+             [](const Facts& facts) {
+               return std::int64_t{!facts.can_relax ? 0 : IsLargeIsland(facts) ? 1 : kRoundsOfShift};
+             },
+             "4 rounds; from 129 rows on 1"},
     AutoRule{kLaws, kAnyRows, "the relaxation has no answer", kRay,
              [](const Facts& facts) { return If(facts.has_problem && facts.relaxation_failed); }},
-    AutoRule{kLaws, kAnyRows, "others than those that are relaxed", kModeNewton,
-             [](const Facts& facts) { return std::int64_t{facts.can_relax ? 0 : 30}; }, "30 steps"},
+    AutoRule{kLaws, kAnyRows, "from 129 rows on, and others than those that are relaxed", kModeNewton,
+             [](const Facts& facts) { return std::int64_t{facts.can_relax && !IsLargeIsland(facts) ? 0 : 30}; },
+             "30 steps; from 129 rows on its own limit"},
+    AutoRule{kLaws, kAnyRows, "from 129 rows on", kSweeps,
+             [](const Facts& facts) { return IsLargeIsland(facts) ? kLastSweeps : 0; },
+             "20000 sweeps, while their rate promises an answer"},
+    AutoRule{kLaws, kAnyRows, "from 129 rows on, and the first round is solved", kRelaxation,
+             [](const Facts& facts) {
+               const bool holds = IsLargeIsland(facts) && facts.can_relax && !facts.relaxation_failed;
+               return std::int64_t{holds ? kRoundsOfShift - 1 : 0};
+             },
+             "3 rounds"},
     AutoRule{kLaws, kAnyRows, "up to 128 contacts, one friction row each", kLemke,
              [](const Facts& facts) { return If(facts.is_paired && facts.contacts <= kContactsOfLemke); }},
     AutoRule{kLaws, kAnyRows, "", kProximalPoints, [](const Facts&) { return std::int64_t{1000}; }, "1000 points"},

@@ -43,7 +43,6 @@ const char* LawLadder::Ask(const ContactRows& rows, std::size_t* next, FrictionA
   const Laws laws = rows.laws();
   facts_ = {};
   facts_.rows = rows.size();
-  facts_.tolerance = answer->tolerance();
   facts_.contacts = std::ssize(laws.normals);
   facts_.can_stick = std::ranges::any_of(laws.friction, &CanStick);
   facts_.can_relax = rows.can_relax();
@@ -94,8 +93,8 @@ const char* LawLadder::AskOne(const AutoRule& rule, const ContactRows& rows, Fri
     case AutoMethod::kAllModes:
       return newton_.TryAll(rows, answer) ? "modes" : nullptr;
     case AutoMethod::kSweeps:
-      start_at_zero();
-      return newton_.Sweep(rows, granted, &phi_, answer) ? "sweeps" : nullptr;
+      if (!answer->GetBest(&phi_)) start_at_zero();
+      return AskSweeps(rows, static_cast<double>(rule.Grants(facts_)), answer);
     case AutoMethod::kRelaxation: {
       const char* const method = rounds_.Run(rows, granted, &newton_, &phi_, answer);
       facts_.relaxation_failed = method == nullptr && !rounds_.is_solved() && !rounds_.ran_out_of_time();
@@ -103,6 +102,9 @@ const char* LawLadder::AskOne(const AutoRule& rule, const ContactRows& rows, Fri
     }
     case AutoMethod::kModeNewton:
       start_at_zero();
+      if (rows.size() > Ladder::kMostLawRows) {
+        return path_.ApproachByNewton(rows, &newton_, &phi_, answer) ? "mode-newton" : nullptr;
+      }
       return newton_.Run(rows, {.steps = granted, .eps = kCold.eps}, &phi_, answer) ? "mode-newton" : nullptr;
     case AutoMethod::kLemke:
       return path_.Cover(rows, kSeeds, &newton_, &phi_, answer) ? "lemke" : nullptr;
@@ -116,6 +118,26 @@ const char* LawLadder::AskOne(const AutoRule& rule, const ContactRows& rows, Fri
   }
 }
 
+// Sweeps from phi_, in spans that double, as long as the rate of the last one promises an answer within `granted`.
+const char* LawLadder::AskSweeps(const ContactRows& rows, double granted, FrictionAnswer* answer) {
+  constexpr double kFirstSpan = 2;  // times the root of the rows: forces travel a row or so a sweep
+  // rho of sweeps whose modes may be the answer's.
+  constexpr double kWorthNewton = 1e-5;
+  constexpr ModeSteps::Limits kNear{.steps = 3, .eps = 1e-8};
+  double all = 0, rest = 0, before = answer->rho();
+  double span = kFirstSpan * std::sqrt(static_cast<double>(rows.size()));
+  for (; all + rest <= granted && !answer->IsOver(); span = all) {
+    if (newton_.Sweep(rows, static_cast<int>(span), &phi_, answer) || answer->Take(phi_)) return "sweeps";
+    const double rho = answer->rho();
+    if (rho < kWorthNewton && newton_.Run(rows, kNear, &phi_, answer)) return "mode-newton";
+    if (!(rho < before)) break;
+    all += span;
+    rest = span * std::log(rho / answer->tolerance()) / std::log(before / rho);
+    before = rho;
+  }
+  return nullptr;
+}
+
 // Whether there is no solution even without friction, whose forces then do not help [docs/friction.md section 2].
 bool LawLadder::FindRay(const FrictionAnswer& answer, LcpResult* result) const {
   const LcpProblem& problem = answer.problem();
@@ -127,6 +149,7 @@ bool LawLadder::FindRay(const FrictionAnswer& answer, LcpResult* result) const {
   plain.time_limit_s = std::max(answer.Remaining(), kLeastTimeOfPart);
   LcpResult frictionless;
   plain_.make_plain()->Solve(problem.WithBounds(std::move(bounds)), plain, &frictionless);
+  answer.ForgetTime();
   std::optional<Eigen::VectorXd>& ray = frictionless.farkas_ray;
   if (frictionless.status != LcpStatus::kInfeasible || !ray || !VerifyFarkasRay(problem, *ray).accepted) return false;
   result->farkas_ray = std::move(ray);

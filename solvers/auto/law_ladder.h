@@ -31,6 +31,7 @@ class LawLadder {
 
  private:
   const char* AskOne(const AutoRule& rule, const ContactRows& rows, FrictionAnswer* answer, LcpResult* result);
+  const char* AskSweeps(const ContactRows& rows, double granted, FrictionAnswer* answer);
   bool FindRay(const FrictionAnswer& answer, LcpResult* result) const;
 
   const WithinOptions plain_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -42,10 +43,20 @@ class FrictionAnswer {
   /// rho of the best candidate; infinite without one.
   double rho() const { return rho_; }
 
-  const LcpProblem& problem() const { return *problem_; }                               ///< that is solved
-  const LcpOptions& options() const { return options_; }                                ///< of the solve
-  double tolerance() const { return options_.tolerance; }                               ///< of rho
-  bool IsLate() const { return deadline_.has_value() && deadline_->Expired(); }         ///< whether time is up
+  const LcpProblem& problem() const { return *problem_; }  ///< that is solved
+  const LcpOptions& options() const { return options_; }   ///< of the solve
+  double tolerance() const { return options_.tolerance; }  ///< of rho
+  /// Whether time is up, or less is left than passed between two of these questions: what cannot be interrupted, such
+  /// as a factorization, is not begun then.
+  bool IsLate() const {
+    if (!deadline_) return false;
+    const double left = deadline_->Remaining();
+    longest_ = std::max(longest_, left_ - left);
+    left_ = left;
+    return left <= longest_;
+  }
+  /// After what keeps its own limit: the time since IsLate does not count.
+  void ForgetTime() const { left_ = 0; }
   double Remaining() const { return deadline_ ? deadline_->Remaining() : kUnlimited; }  ///< seconds, may be infinite
   std::int64_t& iterations() { return result_->iterations; }                            ///< of all methods together
   /// Whether iterations or time are up.
@@ -63,6 +74,7 @@ class FrictionAnswer {
   const LcpProblem* const problem_;
   const LcpOptions& options_;
   std::optional<Deadline> deadline_;  // none where it is not needed: reading the clock costs
+  mutable double left_ = 0, longest_ = 0;
   LcpResult* const result_;
   double rho_ = std::numeric_limits<double>::infinity();
   Room own_;

@@ -25,13 +25,10 @@ class ModeNewtonEngine {
     newton_.Reset();
   }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-    constexpr int kFirstSweeps = 20, kSweeps = 50, kPoints = 100;
     rows_.SetB(problem);
     FrictionAnswer answer(rows_, &problem, options, result);
     rows_.ToScaled(options.initial_f == nullptr ? result->f : *options.initial_f, &phi_);
-    if (answer.Take(phi_) || newton_.Sweep(rows_, kFirstSweeps, &phi_, &answer)) return;
-    if (newton_.Run(rows_, {.sweeps = kSweeps}, &phi_, &answer)) return;
-    if (path_.Approach(rows_, kPoints, &newton_, &phi_, &answer)) return;
+    if (answer.Take(phi_) || path_.ApproachByNewton(rows_, &newton_, &phi_, &answer)) return;
     answer.Fail("no step reduces the residual to the tolerance");
   }
 

@@ -238,6 +238,13 @@ ModePath::End ModePath::FollowToCenter(const ContactRows& rows, double eps, int 
   return Factorize(rows, 1) ? FollowFrom(rows, 1, most_crossings, phi, answer) : End::kSingular;
 }
 
+bool ModePath::ApproachByNewton(const ContactRows& rows, ModeSteps* newton, Eigen::VectorXd* phi,
+                                FrictionAnswer* answer) {
+  constexpr int kFirstSweeps = 20, kSweeps = 50, kPoints = 100;
+  return newton->Sweep(rows, kFirstSweeps, phi, answer) || newton->Run(rows, {.sweeps = kSweeps}, phi, answer) ||
+         Approach(rows, kPoints, newton, phi, answer);
+}
+
 bool ModePath::Approach(const ContactRows& rows, int points, ModeSteps* newton, Eigen::VectorXd* phi,
                         FrictionAnswer* answer) {
   const int most = std::max(kMostOfPath, static_cast<int>(kMostPerRow * static_cast<double>(rows.size())));

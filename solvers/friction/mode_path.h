@@ -32,6 +32,9 @@ class ModePath {
 
   /// For problems of up to so many rows, up to ModeFactor::kMostDense of which are unknowns.
   void Reserve(Index max_rows);
+  /// The method of mode-newton from *phi: a few sweeps, Newton steps with sweeps where they stall, proximal points.
+  /// @return true where an answer passes
+  bool ApproachByNewton(const ContactRows& rows, ModeSteps* newton, Eigen::VectorXd* phi, FrictionAnswer* answer);
   /// Proximal points, up to so many from *phi, which is the last one afterwards: s = N(center) from z = 1. eps falls
   /// where paths are short, and grows where they wander.
   /// @return true where an answer passes

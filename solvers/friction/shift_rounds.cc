@@ -136,6 +136,7 @@ bool ShiftRounds::RelaxProblem(const ContactRows& rows, FrictionAnswer* answer, 
   loads_.head(n) = problem.b();
   for (Index i = 0; i < n; ++i) loads_[i] += shift_[i] * rows.root(i);
   solver_->Solve(problem.WithB(loads_.head(n)), of_round, &result_);
+  answer->ForgetTime();
   status_ = result_.status;
   const bool is_usable = status_ != LcpStatus::kUnsupported && status_ != LcpStatus::kTimeLimit;
   if (!is_usable || !result_.f.allFinite()) return false;
