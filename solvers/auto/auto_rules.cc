@@ -56,8 +56,9 @@ bool HasDearFactor(const Facts& facts) {
 // Lemke's path are tried.
 constexpr Index kContactsOfModes = 16, kContactsOfAllModes = 3, kContactsOfLemke = 128;
 // Large ones are swept first: the relaxation, a plain problem of as many rows, may take longer than all these sweeps.
-// Forces travel a row or so a sweep.
+// Forces travel a row or so a sweep. At fine tolerances sweeps come after the others.
 constexpr Index kLargeIsland = 129;
+constexpr double kFineTolerance = 1e-7;
 constexpr double kSweepsPerRoot = 40;
 constexpr std::int64_t kLastSweeps = 20000;
 constexpr int kRoundsOfShift = 4;
@@ -69,8 +70,9 @@ static_assert(Facts::IsNarrow(45) && !Facts::IsNarrow(46) && Facts::kMostRowsInO
               Facts::kSmallRows == 900 && kDearFactor == 6 && kFactorizationsForPsor == 4 &&
               kFactorizationsOfBpp == 6 && kFactorizationsOfNewton == 12 && kSweepsPerRootOfRows == 8 &&
               kMostFactorizationsOfBpp == 24 && kContactsOfModes == 16 && kContactsOfAllModes == 3 &&
-              kContactsOfLemke == 128 && kLargeIsland == 129 && kSweepsPerRoot == 40 && kRoundsOfShift == 4 &&
-              kLastSweeps == 20000 && kMostContactsOfExact == 8 && (kSweepsOfPacking == 600 || kSweepsOfPacking == 0));
+              kContactsOfLemke == 128 && kLargeIsland == 129 && kFineTolerance == 1e-7 && kSweepsPerRoot == 40 &&
+              kRoundsOfShift == 4 && kLastSweeps == 20000 && kMostContactsOfExact == 8 &&
+              (kSweepsOfPacking == 600 || kSweepsOfPacking == 0));
 
 using enum AutoStage;
 using enum AutoMethod;
@@ -90,10 +92,11 @@ constexpr std::array kRules = {
              [](const Facts& facts) { return std::int64_t{facts.contacts <= kContactsOfModes ? 8 : 0}; }, "8 steps"},
     AutoRule{kLaws, ModeSteps::kFewRows, "up to 3 contacts, no bounded rows", kAllModes,
              [](const Facts& facts) { return If(facts.contacts <= kContactsOfAllModes && !facts.has_bounded); }},
-    AutoRule{kLaws, kAnyRows, "from 129 rows on", kSweeps,
+    AutoRule{kLaws, kAnyRows, "from 129 rows on, at tolerances from 1e-7 on", kSweeps,
              [](const Facts& facts) {
                const double sweeps = kSweepsPerRoot * std::sqrt(static_cast<double>(facts.rows));
-               return IsLargeIsland(facts) ? static_cast<std::int64_t>(sweeps) : 0;
+               const bool holds = IsLargeIsland(facts) && facts.tolerance >= kFineTolerance;
+               return holds ? static_cast<std::int64_t>(sweeps) : 0;
              },
              "40 √n sweeps, while their rate promises an answer"},
     AutoRule{kLaws, kAnyRows, "one friction row a contact, none slides, no bounded rows", kRelaxation,

@@ -72,6 +72,7 @@ struct AutoFacts {
   bool is_undivided = false;  ///< kRows: a small step, islands not looked for
   Index tableau_rows = 0;     ///< AutoOptions::tableau_rows, or hard_tableau_rows of redundant or full problems
   // kLaws.
+  double tolerance = 0;
   Index contacts = 0;              ///< unilateral rows
   bool can_stick = false;          ///< a friction row with mu > 0 that does not slide
   bool can_relax = false;          ///< up to one friction row a contact, none slides, no bounded rows

@@ -43,6 +43,7 @@ const char* LawLadder::Ask(const ContactRows& rows, std::size_t* next, FrictionA
   const Laws laws = rows.laws();
   facts_ = {};
   facts_.rows = rows.size();
+  facts_.tolerance = answer->tolerance();
   facts_.contacts = std::ssize(laws.normals);
   facts_.can_stick = std::ranges::any_of(laws.friction, &CanStick);
   facts_.can_relax = rows.can_relax();
@@ -102,7 +103,7 @@ const char* LawLadder::AskOne(const AutoRule& rule, const ContactRows& rows, Fri
     }
     case AutoMethod::kModeNewton:
       start_at_zero();
-      if (rows.size() > Ladder::kMostLawRows) {
+      if (rows.size() > ModeFactor::kMostDense) {
         return path_.ApproachByNewton(rows, &newton_, &phi_, answer) ? "mode-newton" : nullptr;
       }
       return newton_.Run(rows, {.steps = granted, .eps = kCold.eps}, &phi_, answer) ? "mode-newton" : nullptr;

@@ -24,10 +24,12 @@ using Coefficients = std::array<double, FewContacts::kMostContacts>;
 template <int n>
 class Contacts {
  public:
+  // Apart from Find: where wide registers are in use all through, GCC leaves their upper halves in use at the end, and
+  // what follows waits.
   template <int p, typename Real>
-  bool Load(const StepRows& step, const Real* J, const RowsInOrder& order, const Coefficients& mu);
+  [[gnu::noinline]] bool Load(const StepRows& step, const Real* J, const RowsInOrder& order, const Coefficients& mu);
   void Start(const RowsInOrder& order, const double* initial_f);
-  bool Find(double tolerance, bool is_warm, std::int64_t* iterations);
+  [[gnu::noinline]] bool Find(double tolerance, bool is_warm, std::int64_t* iterations);
   void Store(const RowsInOrder& order, double* f, double* w) const;
   double rho() const { return rho_; }
 
@@ -111,12 +113,14 @@ void Contacts<n>::Start(const RowsInOrder& order, const double* initial_f) {
 template <int n>
 bool Contacts<n>::SolveSides(const RangeSide* sides) {
   double K[n][n], y[n];
-  for (int i = 0; i < n; ++i) {
-    const bool has_gap = sides[i] == RangeSide::kInside;
-    for (int j = 0; j < n; ++j) K[i][j] = has_gap ? A_[i][j] : 0;
-    K[i][i] += has_gap ? kEps : 1;
-    y[i] = has_gap ? kEps * phi_[i] - b_[i] : 0;
-    if (i % 2 == 1 && !has_gap) K[i][i - 1] = -static_cast<int>(sides[i]) * mu_[i / 2];
+  for (int i = 0; i < n; i += 2) {
+    for (int r = i; r < i + 2; ++r) {
+      const bool has_gap = sides[r] == RangeSide::kInside;
+      for (int j = 0; j < n; ++j) K[r][j] = has_gap ? A_[r][j] : 0;
+      K[r][r] += has_gap ? kEps : 1;
+      y[r] = has_gap ? kEps * phi_[r] - b_[r] : 0;
+    }
+    if (sides[i + 1] != RangeSide::kInside) K[i + 1][i] = -static_cast<int>(sides[i + 1]) * mu_[i / 2];
   }
   for (int k = 0; k < n; ++k) {
     int pivot = k;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "solvers/exact/modes/mode_system.h"
+#include "solvers/lcp/law.h"
 
 namespace lcpbench {
 
@@ -17,15 +18,6 @@ std::string FindFaultOfModes(const ExactLcp& problem, const std::string& modes, 
            modes[At(term.row)];
   }
   return {};
-}
-
-std::vector<RangeSide> SidesOf(const std::string& modes) {
-  std::vector<RangeSide> sides;
-  for (const char mode : modes) {
-    const bool is_inside = mode == 'C' || mode == 'B' || mode == 'S';
-    sides.push_back(is_inside ? RangeSide::kInside : mode == '-' ? RangeSide::kUpper : RangeSide::kLower);
-  }
-  return sides;
 }
 
 std::string ModesOf(const LcpProblem& problem, const Eigen::VectorXd& f) {

@@ -8,7 +8,6 @@
 
 #include "solvers/exact/exact_lcp.h"
 #include "solvers/exact/modes/polyhedron.h"
-#include "solvers/lcp/law.h"
 
 namespace lcpbench {
 
@@ -51,9 +50,6 @@ struct ModeOptions {
   std::function<std::vector<std::string>()> guesses = {};
   bool follows_path = true;  ///< where no guess is right; seconds to hours
 };
-
-/// The side of every row: inside where w = 0, upper where the mode is `-`.
-std::vector<RangeSide> SidesOf(const std::string& modes);
 
 /// What is wrong with f as a solution in these modes, from the definitions alone; "" where it is one.
 std::string FindFaultOfModes(const ExactLcp& problem, const std::string& modes, const RationalVector& f);

@@ -9,6 +9,7 @@
 #include "solvers/exact/dyadic_lcp.h"
 #include "solvers/exact/exact_solver.h"
 #include "solvers/exact/modes/mode_answer.h"
+#include "solvers/exact/modes/mode_system.h"
 #include "solvers/friction/mode_equations.h"
 
 namespace lcpbench {

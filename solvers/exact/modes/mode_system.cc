@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "solvers/exact/modes/mode_answer.h"
 #include "solvers/friction/mode_equations.h"
 
 namespace lcpbench {
@@ -55,6 +54,15 @@ void AddBoundedLaws(const ExactBoundedRow& row, char mode, std::vector<Law>* law
 }
 
 }  // namespace
+
+std::vector<RangeSide> SidesOf(const std::string& modes) {
+  std::vector<RangeSide> sides;
+  for (const char mode : modes) {
+    const bool is_inside = mode == 'C' || mode == 'B' || mode == 'S';
+    sides.push_back(is_inside ? RangeSide::kInside : mode == '-' ? RangeSide::kUpper : RangeSide::kLower);
+  }
+  return sides;
+}
 
 std::vector<Law> LawsOf(const ExactLcp& problem, const std::string& modes) {
   std::vector<Law> laws;

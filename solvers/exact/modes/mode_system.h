@@ -7,6 +7,7 @@
 #include "solvers/exact/exact_lcp.h"
 #include "solvers/exact/flint_matrix.h"
 #include "solvers/exact/modes/polyhedron.h"
+#include "solvers/lcp/law.h"
 
 namespace lcpbench {
 
@@ -22,6 +23,9 @@ struct Law {
   Rational constant;
   bool is_equation;
 };
+
+/// The side of every row: inside where w = 0, upper where the mode is `-`.
+std::vector<RangeSide> SidesOf(const std::string& modes);
 
 /// The linear laws of one mode string.
 std::vector<Law> LawsOf(const ExactLcp& problem, const std::string& modes);
