@@ -7,8 +7,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "solvers/lcp/problem.h"
 #include "solvers/lcp/law.h"
+#include "solvers/lcp/problem.h"
 #include "support/array_index.h"
 
 namespace lcpbench {

@@ -6,8 +6,8 @@
 #include <sstream>
 #include <utility>
 
-#include "solvers/lcp/residual.h"
 #include "solvers/lcp/law.h"
+#include "solvers/lcp/residual.h"
 
 namespace lcpbench {
 namespace {

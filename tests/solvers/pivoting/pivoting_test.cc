@@ -6,8 +6,8 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "solvers/pivoting/dantzig.h"
 #include "solvers/linear_algebra/dense_ldlt.h"
+#include "solvers/pivoting/dantzig.h"
 #include "solvers/pivoting/lemke.h"
 #include "support/input_error.h"
 #include "tests/solvers/exact_problems.h"
