@@ -35,7 +35,11 @@ void FirstOrderEngine::PrepareRows(const LcpProblem& problem) {
   const bool is_copied = problem.has_two_body_rows() && copy.Take(problem.view());
   rows_.Prepare(problem, setup_.form, setup_.coloured, is_copied ? &copy.rows() : nullptr);
   given_.Reset(problem);
-  problem.DiagonalA();  // which given_ asks for: made now, not in a solve
+  // What given_ asks for is made now, not in a solve.
+  problem.DiagonalA();
+  problem.b();
+  problem.bilateral_rows();
+  if (problem.has_factors()) problem.inverse_mass();
   best_.setZero(problem.size());
 }
 

@@ -107,7 +107,7 @@ void ContactRows::Assemble(const StepRows& step, const Real* J, std::span<const 
   dense_.head(stride_ * n).setZero();
   start_.resize(At(n));
   end_.resize(At(n));
-  jacobian_.resize(At(2 * p * n));
+  jacobian_.resize(At(Index{2} * p * n));
   sides_.Reserve(n, step.bodies);
   for (Index i = 0; i < n; ++i) {
     start_[At(i)] = i;

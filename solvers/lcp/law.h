@@ -18,26 +18,32 @@ namespace lcpbench {
 /// the gap is 0.
 enum class RangeSide : signed char { kLower = -1, kInside = 0, kUpper = 1 };
 
-/// The ranges that have a type of their own, so that no infinite end is compared, and no point has an inside.
+/// The range of a bilateral row. Ranges have types, so that no infinite end is compared, and no point has an inside.
 struct LineRange {};
+/// Of a unilateral row.
 struct HalfLineRange {};
+/// Of a sliding row.
 struct PointRange {
-  double force;
+  double force;  ///< the only one
 };
+/// Of a friction row and of a bounded one.
 struct IntervalRange {
-  double lower, upper;
+  double lower;  ///< may be -infinity
+  double upper;  ///< >= lower, may be infinity
 };
 
 /// The natural residual of a row, D f - clamp(D f - w), without that sum, in which a large force rounds the gap away. A
-/// gap that is NaN stays.
-/// @param force  D f, as the range is
+/// gap that is NaN stays. `force` is D f, in the unit of the range.
 [[gnu::always_inline]] inline double ResidualOf(LineRange /*range*/, double /*force*/, double gap) { return gap; }
+/// The same.
 [[gnu::always_inline]] inline double ResidualOf(HalfLineRange /*range*/, double force, double gap) {
   return !(force < gap) ? gap : force;
 }
+/// The same.
 [[gnu::always_inline]] inline double ResidualOf(PointRange range, double force, double /*gap*/) {
   return force - range.force;
 }
+/// The same.
 [[gnu::always_inline]] inline double ResidualOf(IntervalRange range, double force, double gap) {
   const double from_lower = force - range.lower, from_upper = force - range.upper;
   const double below = from_lower < gap ? from_lower : gap;
@@ -46,10 +52,13 @@ struct IntervalRange {
 
 /// The side of D f - w [Alart, Curnier 1991]; of a range without an inside always the same.
 inline RangeSide SideOf(LineRange /*range*/, double /*trial*/) { return RangeSide::kInside; }
+/// The same.
 inline RangeSide SideOf(HalfLineRange /*range*/, double trial) {
   return trial > 0 ? RangeSide::kInside : RangeSide::kLower;
 }
+/// The same.
 inline RangeSide SideOf(PointRange /*range*/, double /*trial*/) { return RangeSide::kLower; }
+/// The same.
 inline RangeSide SideOf(IntervalRange range, double trial) {
   const bool is_wide = range.lower < range.upper;
   return !is_wide || trial < range.lower ? RangeSide::kLower
@@ -76,7 +85,7 @@ struct Laws {
   std::span<const Index> joints;          ///< bilateral rows
   std::span<const Index> normals;         ///< unilateral rows
   std::span<const FrictionRow> friction;  ///< friction and sliding rows, by their normal rows
-  std::span<const BoundedRow> bounded;
+  std::span<const BoundedRow> bounded;    ///< bounded rows
 
   /// visit(row, range) of the friction and bounded rows at forces of their normal rows.
   template <typename Force, typename Visit>
@@ -102,13 +111,14 @@ struct Laws {
 
 /// Numbers of verdicts in problems that are not plain.
 namespace law {
-/// As the verifier's: forces up to this part of a contact's loads are rounding; rho is relative to no less than that
-/// part of all loads.
+/// As the verifier's: forces up to this part of a contact's loads are rounding.
 inline constexpr double kPartOfLoad = 0x1p-46;
+/// As the verifier's: rho is relative to no less than this part of all loads.
 inline constexpr double kLeastScale = 0x1p-20;
 /// Roundings of a sum over a row, beside one for each term.
 inline constexpr double kTermsBesideRows = 64;
 
+/// x x
 inline double Square(double x) { return x * x; }
 
 /// S of the loads of unilateral, bilateral and bounded rows, of friction rows as far as friction answers them, and of

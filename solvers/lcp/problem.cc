@@ -545,6 +545,8 @@ void SetRows(const char* name, SparseMatrix* matrix, ProblemView* view) {
 
 }  // namespace
 
+// Callers hand over what they need no longer; all is copied to one place.
+// NOLINTBEGIN(performance-unnecessary-value-param)
 LcpProblem LcpProblem::FromDense(std::string id, Eigen::MatrixXd A, Eigen::VectorXd b, RowBounds bounds,
                                  MatrixFacts facts) {
   ProblemView view = ViewOf(id, MatrixForm::kDense, b, bounds, facts);
@@ -569,6 +571,7 @@ LcpProblem LcpProblem::FromFactors(std::string id, SparseMatrix J, Eigen::Vector
   SetRows("J", &J, &view);
   return Make(view);
 }
+// NOLINTEND(performance-unnecessary-value-param)
 
 LcpProblem LcpProblem::FromArrays(const ProblemView& arrays) {
   if (arrays.is_checked) return Make(arrays);

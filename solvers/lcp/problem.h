@@ -71,16 +71,20 @@ struct MatrixFacts {
 /// What ProblemArrays says, read where it is kept: in a caller's arrays, or in an LcpProblem (LcpProblem::view). Valid
 /// as long as these are.
 struct ProblemView {
-  std::string_view id;                             ///< of ProblemArrays, as all that follows
-  MatrixForm form = MatrixForm::kFactors;          ///< which of the arrays below are used
-  Index rows = 0, columns = 0;                     ///< n; of J
-  std::span<const int> row_start, column;          ///< of kSparse and kFactors
-  std::span<const double> value, inverse_mass, b;  ///< of A or J; of kFactors; n
-  std::span<const unsigned char> bilateral;        ///< n, or none
-  std::span<const FrictionRow> friction;           ///< of an LcpProblem by ascending row
-  std::span<const BoundedRow> bounded;             ///< of an LcpProblem by ascending row
-  MatrixFacts facts;                               ///< what is proved about A
-  bool is_checked = false;                         ///< an LcpProblem's: all fits, and numbers are finite
+  std::string_view id;                       ///< of ProblemArrays, as all that follows
+  MatrixForm form = MatrixForm::kFactors;    ///< which of the arrays below are used
+  Index rows = 0;                            ///< n
+  Index columns = 0;                         ///< of J
+  std::span<const int> row_start;            ///< of kSparse and kFactors
+  std::span<const int> column;               ///< of these, too
+  std::span<const double> value;             ///< of A or J
+  std::span<const double> inverse_mass;      ///< of kFactors
+  std::span<const double> b;                 ///< n
+  std::span<const unsigned char> bilateral;  ///< n, or none
+  std::span<const FrictionRow> friction;     ///< of an LcpProblem by ascending row
+  std::span<const BoundedRow> bounded;       ///< of an LcpProblem by ascending row
+  MatrixFacts facts;                         ///< what is proved about A
+  bool is_checked = false;                   ///< an LcpProblem's: all fits, and numbers are finite
 };
 
 /// A problem as a caller's arrays hold it: what an engine has in memory before any solver is asked, and where the time

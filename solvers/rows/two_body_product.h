@@ -62,7 +62,7 @@ template <int p, int together, int n, typename Real>
                                                double (*A)[n]) {
   RowsOnBodies<together, p> of[n / together];
   for (int k = 0; k < n / together; ++k) {
-    if (!of[k].Load(step, J, rows + together * k) && together > 1) return false;
+    if (!of[k].Load(step, J, rows + Index{together} * k) && together > 1) return false;
     for (int l = 0; l <= k; ++l) {
       double sum[together][together];
       of[k].Multiply(of[l], sum);
@@ -91,7 +91,7 @@ template <int p, typename Real, typename Touch>
   for (std::int32_t i = 0; i < std::ssize(part); ++i) {
     const Index given = part[static_cast<std::size_t>(i)];
     double* const own = jacobian + Index{2} * p * i;
-    for (int c = 0; c < 2 * p; ++c) own[c] = static_cast<double>(J[2 * p * given + c]);
+    for (int c = 0; c < 2 * p; ++c) own[c] = static_cast<double>(J[Index{2} * p * given + c]);
     const std::int32_t bodies[2] = {step.body[2 * given], step.body[2 * given + 1]};
     const bool is_joined = bodies[0] == bodies[1];  // the row has one side: the sum of both
     for (int c = 0; c < p && is_joined; ++c) own[c] += own[p + c];
@@ -113,7 +113,7 @@ template <int p, typename Real, typename Touch>
       sides->ForEach(
           bodies[s], [&](std::int32_t other) __attribute__((always_inline)) {
             const Index j = other / 2;
-            const double* const its = jacobian + other * p;
+            const double* const its = jacobian + Index{other} * p;
             double sum = row[j];
             for (int c = 0; c < p; ++c) sum += momentum[c] * its[c];
             row[j] = A[j * stride + i] = sum;

@@ -43,8 +43,8 @@ LcpProblem ProblemOf(const StepRows& rows) {
   MatrixFacts facts;
   facts.columns_per_body = rows.columns_per_body;
   using Numbers = Eigen::Map<const Eigen::VectorXd>;
-  return LcpProblem::FromFactors("step", std::move(J), Numbers(rows.inverse_mass, rows.bodies * p),
-                                 Numbers(rows.b, rows.rows), std::move(bounds), facts);
+  return LcpProblem::FromFactors("step", J, Numbers(rows.inverse_mass, rows.bodies * p), Numbers(rows.b, rows.rows),
+                                 std::move(bounds), facts);
 }
 
 bool IsPlain(const StepRows& rows) { return rows.friction.empty() && rows.bounded.empty(); }
