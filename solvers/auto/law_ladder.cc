@@ -64,7 +64,10 @@ const char* LawLadder::Ask(const ContactRows& rows, std::size_t* next, FrictionA
       continue;
     }
     if (const char* method = AskOne(rule, rows, answer, result)) return method;
-    if (answer->IsOver()) break;
+    if (answer->IsOver()) {
+      if (answer->is_unclear()) --*next;
+      break;
+    }
     if (facts_.relaxation_failed && !facts_.has_problem) {
       --*next;  // a solver of plain problems has other methods
       break;
