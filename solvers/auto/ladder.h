@@ -94,7 +94,7 @@ class Ladder {
     LawLadder ladder;
     // By row of the step: its place in the friction rows, in the bounded rows beyond these, or -1; and in its part.
     std::vector<std::int32_t> law, place;
-    // Of the part at hand, rows counted in it.
+    // The laws of the island that is solved; rows are counted in the island.
     std::vector<FrictionRow> friction;
     std::vector<BoundedRow> bounded;
     ContactRows contacts;

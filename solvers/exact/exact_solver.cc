@@ -24,7 +24,8 @@ ExactOptions AnswerOnly(const LcpOptions& options, double elapsed_s) {
 // LLL takes less than kSecondsOfLattice for so many active rows.
 constexpr Index kMostRowsTogether = 24;
 constexpr double kSecondsOfLattice = 0.1;
-// Of gaps, below the largest that rounding brings: A_FF of nearly parallel rows is nearly singular.
+// Gaps are kept to so many bits below the largest one that rounding causes, because A_FF of nearly parallel rows is
+// nearly singular.
 constexpr long kBitsOfLattice = 160;
 
 // Doubles near f whose gaps are nearer to those of f: units in the last place of the forces, z, such that the sum of

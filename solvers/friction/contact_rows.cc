@@ -334,7 +334,7 @@ bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance, doub
   for (const Index i : joints_) add(i, false, false);
   for (const Index i : normals_) add(i, phi_[i] == 0, false);
   for (size_t k = 0; k < friction_.size(); ++k) {
-    // Of an open contact, and of one that slides in a known direction, any gap is right.
+    // An open contact may have any gap, and so may one that slides in a known direction.
     const double most = given_mu_[k] * f[friction_[k].normal], along = f[friction_[k].row];
     const Index i = friction_[k].row;
     const bool is_free = !CanStick(friction_[k]) || (most == 0 && along == 0);

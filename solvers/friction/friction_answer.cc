@@ -22,7 +22,7 @@ bool FrictionAnswer::TakeForces(const Eigen::VectorXd& f) {
   return Judge();
 }
 
-// Of the f in the room.
+// Judges room_.f.
 bool FrictionAnswer::Judge() {
   constexpr double kNear = 10;
   const auto f = room_.f.head(rows_.size());

@@ -34,7 +34,7 @@ class ModeFactor {
   bool Factorize(const ContactRows& rows, const std::vector<RangeSide>& sides, double eps);
   /// *phi = B y with K y = right_E, by the factor at hand.
   void SolveEquations(const ContactRows& rows, const Eigen::VectorXd& right, Eigen::VectorXd* phi);
-  /// Of the factor at hand.
+  /// The equations that the factor was made of.
   const ModeEquations<double>& equations() const { return of_; }
 
  private:

@@ -44,7 +44,7 @@ class ModePath {
   /// same on A + 1e-7 and A + 1e-10, whose rows do not depend on each other, with Newton's method after it. *phi: room.
   /// @return true where an answer passes
   bool Cover(const ContactRows& rows, unsigned seeds, ModeSteps* newton, Eigen::VectorXd* phi, FrictionAnswer* answer);
-  /// Of the latest path.
+  /// How the latest path ended.
   End end() const { return end_; }
 
  private:

@@ -20,13 +20,13 @@ enum class RangeSide : signed char { kLower = -1, kInside = 0, kUpper = 1 };
 
 /// The range of a bilateral row. Ranges have types, so that no infinite end is compared, and no point has an inside.
 struct LineRange {};
-/// Of a unilateral row.
+/// The range of a unilateral row.
 struct HalfLineRange {};
-/// Of a sliding row.
+/// The range of a sliding row.
 struct PointRange {
   double force;  ///< the only one
 };
-/// Of a friction row and of a bounded one.
+/// The range of a friction row, and of a bounded row.
 struct IntervalRange {
   double lower;  ///< may be -infinity
   double upper;  ///< >= lower, may be infinity
@@ -170,7 +170,7 @@ class LawSums {
   }
   /// The residual of a row in scaled variables.
   [[gnu::always_inline]] void AddResidual(Real residual) { defects_ += residual * residual; }
-  /// What rounding may hide of the gap of such a row.
+  /// Adds what rounding may hide of the gap of such a row.
   [[gnu::always_inline]] void AddHidden(Real hidden) { magnitudes_ += hidden * hidden; }
   /// The same of one whose gap is wrong by `defect` (GapDefect).
   /// @param magnitude  (|A| |f| + |b|)_i
