@@ -79,29 +79,4 @@ StepRows StepArrays::View(bool single) const {
 
 LcpProblem StepArrays::Problem(bool single) const { return ProblemOf(View(single)); }
 
-LcpProblem ProblemOf(const StepRows& rows) {
-  const Index p = rows.columns_per_body;
-  std::vector<Eigen::Triplet<double, int>> entries;
-  for (Index i = 0; i < rows.rows; ++i) {
-    for (Index side = 0; side < 2; ++side) {
-      const Index of = rows.body[2 * i + side];
-      for (Index c = 0; c < p && of >= 0; ++c) {
-        const Index at = (2 * i + side) * p + c;
-        entries.emplace_back(static_cast<int>(i), static_cast<int>(of * p + c),
-                             rows.J != nullptr ? rows.J[at] : static_cast<double>(rows.J_single[at]));
-      }
-    }
-  }
-  SparseMatrix J(rows.rows, p * rows.bodies);
-  J.setFromTriplets(entries.begin(), entries.end());
-  RowBounds bounds;
-  if (rows.bilateral != nullptr) bounds.bilateral.assign(rows.bilateral, rows.bilateral + rows.rows);
-  bounds.friction.assign(rows.friction.begin(), rows.friction.end());
-  bounds.bounded.assign(rows.bounded.begin(), rows.bounded.end());
-  MatrixFacts facts;
-  facts.columns_per_body = rows.columns_per_body;
-  return LcpProblem::FromFactors("step", J, Eigen::Map<const Eigen::VectorXd>(rows.inverse_mass, p * rows.bodies),
-                                 Eigen::Map<const Eigen::VectorXd>(rows.b, rows.rows), bounds, facts);
-}
-
 }  // namespace lcpbench

@@ -39,7 +39,4 @@ struct StepArrays {
   LcpProblem Problem(bool single = false) const;
 };
 
-/// The problem that rows stand for, by factors.
-LcpProblem ProblemOf(const StepRows& rows);
-
 }  // namespace lcpbench

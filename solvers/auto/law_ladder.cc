@@ -227,7 +227,7 @@ void LawPortfolio::SolvePart(Part* part, const LcpProblem& problem, const LcpOpt
   FrictionAnswer answer(rows, &problem, options, result);
   if (rows.size() > ModeFactor::kMostDense) next = 0;
   const bool has_arrived = reached != nullptr && answer.TakeForces(*reached);
-  const char* const method = has_arrived ? "modes" : ladder_.Ask(rows, &next, &answer, result);
+  const char* const method = has_arrived ? "rows in place" : ladder_.Ask(rows, &next, &answer, result);
   if (method == nullptr) return answer.Fail("no method finds an answer");
   result->detail = method;
 }

@@ -40,7 +40,6 @@ bool FrictionAnswer::Judge() {
     result_->f.head(rows_.size()) = f;
   }
   if (passes) result_->status = LcpStatus::kSolved;
-  is_unclear_ = problem_ == nullptr && !passes && rho <= options_.tolerance;
   return passes;
 }
 

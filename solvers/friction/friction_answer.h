@@ -60,10 +60,12 @@ class FrictionAnswer {
   double Remaining() const { return deadline_ ? deadline_->Remaining() : kUnlimited; }  ///< seconds, may be infinite
   std::int64_t& iterations() { return result_->iterations; }                            ///< of all methods together
   /// Without a problem: rounding alone leaves open whether the best candidate passes, which a problem's verifier tells.
-  bool is_unclear() const { return is_unclear_; }
+  bool is_unclear() const {
+    return problem_ == nullptr && result_->status != LcpStatus::kSolved && rho_ <= options_.tolerance;
+  }
   /// Whether iterations or time are up, or the best candidate is unclear.
   bool IsOver() const {
-    return is_unclear_ || (options_.max_iterations > 0 && result_->iterations >= options_.max_iterations) || IsLate();
+    return is_unclear() || (options_.max_iterations > 0 && result_->iterations >= options_.max_iterations) || IsLate();
   }
   /// The end of a solve without an answer: the best candidate is judged by the verifier, then a limit, or `detail`.
   void Fail(const char* detail) const;
@@ -77,7 +79,6 @@ class FrictionAnswer {
   const LcpOptions& options_;
   std::optional<Deadline> deadline_;  // none where it is not needed: reading the clock costs
   mutable double left_ = 0, longest_ = 0;
-  bool is_unclear_ = false;
   LcpResult* const result_;
   double rho_ = std::numeric_limits<double>::infinity();
   Room own_;

@@ -1,6 +1,8 @@
 #include "solvers/lcp/step_rows.h"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "solvers/lcp/number_range.h"
 
@@ -77,6 +79,27 @@ StepRows PartOf(const StepRows& rows, std::int64_t first, std::int64_t last) {
   part.b += first;
   if (part.bilateral != nullptr) part.bilateral += first;
   return part;
+}
+
+LcpProblem ProblemOf(const StepRows& rows) {
+  const Index p = rows.columns_per_body;
+  std::vector<Eigen::Triplet<double, int>> entries;
+  for (Index k = 0; k < 2 * p * rows.rows; ++k) {
+    const std::int32_t body = rows.body[k / p];
+    const double entry = rows.J != nullptr ? rows.J[k] : static_cast<double>(rows.J_single[k]);
+    if (body >= 0) entries.emplace_back(static_cast<int>(k / (2 * p)), static_cast<int>(body * p + k % p), entry);
+  }
+  SparseMatrix J(rows.rows, rows.bodies * p);
+  J.setFromTriplets(entries.begin(), entries.end());
+  RowBounds bounds;
+  if (rows.bilateral != nullptr) bounds.bilateral.assign(rows.bilateral, rows.bilateral + rows.rows);
+  bounds.friction.assign(rows.friction.begin(), rows.friction.end());
+  bounds.bounded.assign(rows.bounded.begin(), rows.bounded.end());
+  MatrixFacts facts;
+  facts.columns_per_body = rows.columns_per_body;
+  using Numbers = Eigen::Map<const Eigen::VectorXd>;
+  return LcpProblem::FromFactors("step", J, Numbers(rows.inverse_mass, rows.bodies * p), Numbers(rows.b, rows.rows),
+                                 std::move(bounds), facts);
 }
 
 }  // namespace lcpbench

@@ -50,4 +50,8 @@ void AssembleDenseA(const StepRows& rows, double* A, Index stride);
 /// The rows first to last - 1 of plain rows alone.
 StepRows PartOf(const StepRows& rows, std::int64_t first, std::int64_t last);
 
+/// The same problem by factors. Allocates.
+/// @param rows  checked (CheckRows)
+LcpProblem ProblemOf(const StepRows& rows);
+
 }  // namespace lcpbench

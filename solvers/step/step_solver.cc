@@ -25,28 +25,6 @@ namespace {
 
 constexpr int kMostThreads = 1024;
 
-// For what AutoSolver asks.
-LcpProblem ProblemOf(const StepRows& rows) {
-  const Index p = rows.columns_per_body;
-  std::vector<Eigen::Triplet<double, int>> entries;
-  for (Index k = 0; k < 2 * p * rows.rows; ++k) {
-    const std::int32_t body = rows.body[k / p];
-    const double entry = rows.J != nullptr ? rows.J[k] : static_cast<double>(rows.J_single[k]);
-    if (body >= 0) entries.emplace_back(static_cast<int>(k / (2 * p)), static_cast<int>(body * p + k % p), entry);
-  }
-  SparseMatrix J(rows.rows, rows.bodies * p);
-  J.setFromTriplets(entries.begin(), entries.end());
-  RowBounds bounds;
-  if (rows.bilateral != nullptr) bounds.bilateral.assign(rows.bilateral, rows.bilateral + rows.rows);
-  bounds.friction.assign(rows.friction.begin(), rows.friction.end());
-  bounds.bounded.assign(rows.bounded.begin(), rows.bounded.end());
-  MatrixFacts facts;
-  facts.columns_per_body = rows.columns_per_body;
-  using Numbers = Eigen::Map<const Eigen::VectorXd>;
-  return LcpProblem::FromFactors("step", J, Numbers(rows.inverse_mass, rows.bodies * p), Numbers(rows.b, rows.rows),
-                                 std::move(bounds), facts);
-}
-
 bool IsPlain(const StepRows& rows) { return rows.friction.empty() && rows.bounded.empty(); }
 
 // Rows with the bodies alone that they name: what solves one problem must not look at a whole world, and what other
