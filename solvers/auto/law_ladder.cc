@@ -52,7 +52,7 @@ const char* LawLadder::Ask(const ContactRows& rows, std::size_t* next, FrictionA
   facts_.has_start = answer->options().initial_f != nullptr;
   facts_.has_problem = plain_.make_plain != nullptr;
   newton_.Reset();
-  rounds_.Start(rows);
+  has_rounds_ = false;
   const std::span<const AutoRule> rules = AutoRulesOf(AutoStage::kLaws);
   AutoFacts of_problem = facts_;
   of_problem.has_problem = true;
@@ -79,16 +79,20 @@ const char* LawLadder::Ask(const ContactRows& rows, std::size_t* next, FrictionA
 
 const char* LawLadder::AskOne(const AutoRule& rule, const ContactRows& rows, FrictionAnswer* answer,
                               LcpResult* result) {
-  constexpr ModeSteps::Limits kCold{.eps = 1e-8};
+  constexpr double kFirstEps = 1e-8;
   constexpr unsigned kSeeds = 2;
   const auto granted = static_cast<int>(std::min<std::int64_t>(rule.Grants(facts_), ModeSteps::kMostSteps));
   const auto start_at_zero = [&] {
     ContactRows::Lengthen(rows.size(), &phi_);
     phi_.head(rows.size()).setZero();
   };
+  const auto run_rounds = [&](int count) {
+    if (!std::exchange(has_rounds_, true)) rounds_.Start(rows);
+    return rounds_.Run(rows, count, &newton_, &phi_, answer);
+  };
   switch (rule.method) {
     case AutoMethod::kNoFriction:
-      return rounds_.Run(rows, 1, &newton_, &phi_, answer) != nullptr ? "no friction" : nullptr;
+      return run_rounds(1) != nullptr ? "no friction" : nullptr;
     case AutoMethod::kWarmModes:
       return newton_.Warm(rows, granted, answer) ? "warm modes" : nullptr;
     case AutoMethod::kModes:
@@ -100,7 +104,7 @@ const char* LawLadder::AskOne(const AutoRule& rule, const ContactRows& rows, Fri
       if (!answer->GetBest(&phi_)) start_at_zero();
       return AskSweeps(rows, static_cast<double>(rule.Grants(facts_)), answer);
     case AutoMethod::kRelaxation: {
-      const char* const method = rounds_.Run(rows, granted, &newton_, &phi_, answer);
+      const char* const method = run_rounds(granted);
       facts_.relaxation_failed = method == nullptr && !rounds_.is_solved() && !rounds_.ran_out_of_time();
       return method;
     }
@@ -109,7 +113,7 @@ const char* LawLadder::AskOne(const AutoRule& rule, const ContactRows& rows, Fri
       if (rows.size() > ModeFactor::kMostDense) {
         return path_.ApproachByNewton(rows, &newton_, &phi_, answer) ? "mode-newton" : nullptr;
       }
-      return newton_.Run(rows, {.steps = granted, .eps = kCold.eps}, &phi_, answer) ? "mode-newton" : nullptr;
+      return newton_.Run(rows, {.steps = granted, .eps = kFirstEps}, &phi_, answer) ? "mode-newton" : nullptr;
     case AutoMethod::kLemke:
       return path_.Cover(rows, kSeeds, &newton_, &phi_, answer) ? "lemke" : nullptr;
     case AutoMethod::kProximalPoints:

@@ -38,6 +38,7 @@ class LawLadder {
   AutoFacts facts_;
   ModeSteps newton_;
   ShiftRounds rounds_;
+  bool has_rounds_ = false;  // rounds_ has begun with this island
   ModePath path_;
   Eigen::VectorXd phi_;
 };

@@ -328,6 +328,8 @@ bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance, doub
   LawSums<double> sums(std::sqrt(tolerance));
   laws().VisitRanges(phi_,
                      [&](Index i, const auto& range) { sums.AddResidual(ResidualOf(range, phi_[i], omega_[i])); });
+  *rho = sums.norm() / scale_;
+  if (!(*rho <= tolerance)) return false;
   const auto add = [&](Index i, bool is_at_lower, bool is_at_upper) {
     sums.AddHidden(unit * (forces + magnitude_[i]), GapDefect(omega_[i], is_at_lower, is_at_upper), magnitude_[i]);
   };
@@ -343,7 +345,6 @@ bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance, doub
   for (const BoundedRow& row : bounded_) {
     add(row.row, phi_[row.row] <= row.lower, phi_[row.row] >= row.upper);
   }
-  *rho = sums.norm() / scale_;
   return sums.AreSurelyRight(tolerance, scale_);
 }
 

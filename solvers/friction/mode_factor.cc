@@ -90,7 +90,7 @@ void ModeFactor::AddDenseColumns(const ContactRows& rows) {
   before_.resize(At(rows.size()) + 1);
   for (Index i = 0, k = 0; i <= rows.size(); ++i) {
     before_[At(i)] = k;
-    if (k < size() && of_.equation[At(k)] == i) ++k;
+    k += k < size() && of_.equation[At(k)] == i ? 1 : 0;  // without a branch: sides are hard to predict
   }
   Index last_unknown = -1;
   for (Index j = 0; j < rows.size(); ++j) {

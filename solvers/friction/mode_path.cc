@@ -32,7 +32,7 @@ constexpr double kWorthPolishing = 1e-6;
 constexpr double kVanished = 1e-12;
 
 // In [0, 1), the same on every machine.
-double Draw(std::mt19937* random) { return static_cast<double>((*random)()) * 0x1p-32; }
+double Draw(std::minstd_rand* random) { return static_cast<double>((*random)()) * 0x1p-31; }
 
 }  // namespace
 
@@ -268,7 +268,7 @@ bool ModePath::Approach(const ContactRows& rows, int points, ModeSteps* newton, 
 
 // start_ = -d, and the sides at large z: contacts open, bounded rows at a bound, joints inside, d = 0 there.
 void ModePath::DrawCover(const ContactRows& rows, unsigned seed) {
-  std::mt19937 random(seed + 1);
+  std::minstd_rand random(seed + 1);
   const Laws laws = rows.laws();
   start_.head(rows.size()).setZero();
   sides_.assign(At(rows.size()), RangeSide::kInside);

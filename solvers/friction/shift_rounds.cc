@@ -60,8 +60,7 @@ const char* ShiftRounds::RunOne(const ContactRows& rows, ModeSteps* newton, Eige
   if (rows.is_dense() ? RelaxDense(rows, answer, phi) : RelaxProblem(rows, answer, phi)) {
     return was_first ? "relaxation" : "shift";
   }
-  const bool is_usable = status_ != LcpStatus::kUnsupported && status_ != LcpStatus::kTimeLimit;
-  if (!is_usable || !phi->head(rows.size()).allFinite()) return nullptr;
+  if (!has_forces()) return nullptr;
   rows.ComputeGaps(*phi, &gaps_);
   for (const FrictionRow& row : rows.laws().friction) {
     if (!CanStick(row)) continue;
@@ -138,8 +137,8 @@ bool ShiftRounds::RelaxProblem(const ContactRows& rows, FrictionAnswer* answer, 
   solver_->Solve(problem.WithB(loads_.head(n)), of_round, &result_);
   answer->ForgetTime();
   status_ = result_.status;
-  const bool is_usable = status_ != LcpStatus::kUnsupported && status_ != LcpStatus::kTimeLimit;
-  if (!is_usable || !result_.f.allFinite()) return false;
+  if (!result_.f.allFinite()) status_ = LcpStatus::kUnsupported;
+  if (!has_forces()) return false;
   rows.ToScaled(result_.f, phi);
   return answer->TakeForces(result_.f);
 }

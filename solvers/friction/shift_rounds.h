@@ -30,6 +30,8 @@ class ShiftRounds {
   const char* Run(const ContactRows& rows, int count, ModeSteps* newton, Eigen::VectorXd* phi, FrictionAnswer* answer);
 
  private:
+  // Whether Newton's method may go on from the latest relaxation.
+  bool has_forces() const { return status_ != LcpStatus::kUnsupported && status_ != LcpStatus::kTimeLimit; }
   const char* RunOne(const ContactRows& rows, ModeSteps* newton, Eigen::VectorXd* phi, FrictionAnswer* answer);
   void AssembleDense(const ContactRows& rows);
   bool RelaxDense(const ContactRows& rows, FrictionAnswer* answer, Eigen::VectorXd* phi);
