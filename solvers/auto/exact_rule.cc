@@ -42,8 +42,7 @@ void AskExact(const LcpProblem& problem, const LcpOptions& options, const Deadli
     exact.f = Rounded(answer.f);
     exact.farkas_ray = Rounded(answer.ray);
   }
-  const bool is_late = exact.status == LcpStatus::kTimeLimit || deadline.Expired();
-  result->status = is_late ? LcpStatus::kTimeLimit : LcpStatus::kNumericalFailure;
+  result->status = deadline.Expired() ? LcpStatus::kTimeLimit : LcpStatus::kNumericalFailure;
   if (exact.status == LcpStatus::kSolved) {
     const Metrics metrics = ComputeMetrics(problem, exact.f);
     const bool passes = PassesTier(metrics, options.tolerance);

@@ -230,13 +230,13 @@ void ContactRows::SetScale() {
   scale_ = law::Scale(plain, answered, all);
 }
 
-// b + A phi and |b| + |A| |phi| for a dense A, a register of rows at a time. A is symmetric: its rows are read as
+// A phi, with b, and |b| + |A| |phi| for a dense A, a register of rows at a time. A is symmetric: its rows are read as
 // columns.
-template <bool kWithMagnitudes>
+template <bool kWithLoads, bool kWithMagnitudes>
 void ContactRows::SumRows(const Eigen::VectorXd& phi, double* sums, double* magnitudes) const {
   constexpr Index kWidth = Lanes::kWidth;
   for (Index i = 0; i < size(); i += kWidth) {
-    Lanes::V sum = Lanes::Load(b_.data() + i), magnitude = Lanes::Abs(sum);
+    Lanes::V sum = kWithLoads ? Lanes::Load(b_.data() + i) : Lanes::Set(0), magnitude = Lanes::Abs(sum);
     const double* const entry = dense_.data() + i;
     const Index end = end_of_register_[At(i / kWidth)];
     for (Index j = first_of_register_[At(i / kWidth)]; j < end; ++j) {
@@ -249,9 +249,19 @@ void ContactRows::SumRows(const Eigen::VectorXd& phi, double* sums, double* magn
   }
 }
 
+void ContactRows::Multiply(const Eigen::VectorXd& phi, Eigen::VectorXd* product) const {
+  Lengthen(size(), product);
+  if (is_dense_) return SumRows<false, false>(phi, product->data(), nullptr);
+  for (Index i = 0; i < size(); ++i) {
+    double sum = 0;
+    VisitRow(i, [&](Index j, double a) { sum += a * phi[j]; });
+    (*product)[i] = sum;
+  }
+}
+
 void ContactRows::ComputeGaps(const Eigen::VectorXd& phi, Eigen::VectorXd* omega) const {
   Lengthen(size(), omega);
-  if (is_dense_) return SumRows<false>(phi, omega->data(), nullptr);
+  if (is_dense_) return SumRows<true, false>(phi, omega->data(), nullptr);
   for (Index i = 0; i < size(); ++i) (*omega)[i] = Gap(i, phi);
 }
 
@@ -315,7 +325,7 @@ bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance, doub
   for (Index i = 0; i < n; ++i) phi_[i] = root_[At(i)] * f[i];
   const double forces = phi_.head(n).lpNorm<1>();
   const double unit = (static_cast<double>(n) + law::kTermsBesideRows) * std::numeric_limits<double>::epsilon();
-  if (is_dense_) SumRows<true>(phi_, omega_.data(), magnitude_.data());
+  if (is_dense_) SumRows<true, true>(phi_, omega_.data(), magnitude_.data());
   for (Index i = 0; i < n && !is_dense_; ++i) {
     double sum = b_[i], size = std::abs(b_[i]);
     VisitRow(i, [&](Index j, double a) {

@@ -78,6 +78,8 @@ class ContactRows {
     VisitRow(row, [&](Index j, double a) { sum += a * phi[j]; });
     return sum;
   }
+  /// *product = A phi.  O(nnz A)
+  void Multiply(const Eigen::VectorXd& phi, Eigen::VectorXd* product) const;
   /// *omega = A phi + b.  O(nnz A)
   void ComputeGaps(const Eigen::VectorXd& phi, Eigen::VectorXd* omega) const;
   /// rho of docs/friction.md section 4.  O(n)
@@ -101,7 +103,7 @@ class ContactRows {
   }
 
  private:
-  template <bool kWithMagnitudes>
+  template <bool kWithLoads, bool kWithMagnitudes>
   void SumRows(const Eigen::VectorXd& phi, double* sums, double* magnitudes) const;
   void TakeMatrix(const LcpProblem& problem);
   template <int p, typename Real>

@@ -83,13 +83,9 @@ void ModePath::ComputeNormalMap(const ContactRows& rows, Eigen::VectorXd* value)
 void ModePath::Solve(const ContactRows& rows, Eigen::VectorXd* y) {
   const Index n = rows.size();
   factor_.SolveEquations(rows, *y, &phi_);
+  rows.Multiply(phi_, &gaps_);
   for (Index i = 0; i < n; ++i) {
-    if (factor_.equations().IsUnknown(i)) {
-      (*y)[i] = phi_[i];
-    } else {
-      (*y)[i] += phi_[i] - eps_ * phi_[i];
-      rows.VisitRow(i, [&](Index j, double a) { (*y)[i] -= a * phi_[j]; });
-    }
+    (*y)[i] = factor_.equations().IsUnknown(i) ? phi_[i] : (*y)[i] + (phi_[i] - eps_ * phi_[i] - gaps_[i]);
   }
   for (std::size_t k = 0; k < crossings_.size(); ++k) {
     const double along = crossings_[k].Of(*y);

@@ -54,16 +54,15 @@ struct IntervalRange {
 inline RangeSide SideOf(LineRange /*range*/, double /*trial*/) { return RangeSide::kInside; }
 /// The same.
 inline RangeSide SideOf(HalfLineRange /*range*/, double trial) {
-  return trial > 0 ? RangeSide::kInside : RangeSide::kLower;
+  return static_cast<RangeSide>(static_cast<int>(trial > 0) - 1);
 }
 /// The same.
 inline RangeSide SideOf(PointRange /*range*/, double /*trial*/) { return RangeSide::kLower; }
-/// The same.
+/// The same. Without a branch: sides are hard to predict.
 inline RangeSide SideOf(IntervalRange range, double trial) {
-  const bool is_wide = range.lower < range.upper;
-  return !is_wide || trial < range.lower ? RangeSide::kLower
-         : trial > range.upper           ? RangeSide::kUpper
-                                         : RangeSide::kInside;
+  const int is_wide = static_cast<int>(range.lower < range.upper);
+  const int is_above = is_wide & static_cast<int>(trial > range.upper);
+  return static_cast<RangeSide>(is_above - ((1 - is_wide) | static_cast<int>(trial < range.lower)));
 }
 
 /// By how much a gap is wrong where the force is within its range to the last bit; <= 0: right.

@@ -475,38 +475,43 @@ RowBounds RowBounds::WithBilateralRows(Index n, const std::vector<Index>& bilate
 }
 
 // Each array is copied once, to its place: engines make a problem per step, and the clock runs.
-LcpProblem LcpProblem::Make(ProblemView from, Index side) {
+LcpProblem LcpProblem::Make(const ProblemView& from, Index side) {
   const Beyond of_b = RequireFinite(from.id, "b", kLoadRange, from.b.data(), from.rows);
   const auto kinds = std::ssize(from.bilateral);
   if (kinds > 0) RequireShape(from.id, "bilateral", kinds, 1, from.rows, 1);
   const bool has_factors = from.form == MatrixForm::kFactors;
-  if (!has_factors) from.inverse_mass = {};
-  if (from.form == MatrixForm::kDense) from.row_start = from.column = {};
-  if (std::ranges::all_of(from.bilateral, [](unsigned char kind) { return kind == 0; })) from.bilateral = {};
-  const size_t bytes = from.value.size_bytes() + from.inverse_mass.size_bytes() + from.b.size_bytes() +
-                       from.friction.size_bytes() + from.bounded.size_bytes() + from.row_start.size_bytes() +
-                       from.column.size_bytes() + from.bilateral.size_bytes() + from.id.size();
+  const bool has_starts = from.form != MatrixForm::kDense;
+  const bool has_joints = std::ranges::any_of(from.bilateral, [](unsigned char kind) { return kind != 0; });
+  const size_t masses = has_factors ? from.inverse_mass.size() : 0;
+  const size_t starts = has_starts ? from.row_start.size() : 0;
+  const size_t columns = has_starts ? from.column.size() : 0;
+  const size_t joints = has_joints ? from.bilateral.size() : 0;
+  const size_t bytes = (from.value.size() + masses + from.b.size()) * sizeof(double) + from.friction.size_bytes() +
+                       from.bounded.size_bytes() + (starts + columns) * sizeof(int) + joints + from.id.size();
   std::byte* room = nullptr;
   const auto matrix = std::allocate_shared<Matrix>(AllocatorWithRoom<Matrix>(bytes, &room));
-  const auto copy = [&room]<typename Number>(std::span<const Number> numbers) {
-    const std::span<Number> copied(reinterpret_cast<Number*>(room), numbers.size());
-    std::ranges::copy(numbers, copied.begin());
-    room += numbers.size_bytes();
+  const auto copy = [&room]<typename Number>(const Number* numbers, size_t count) {
+    const std::span<Number> copied(reinterpret_cast<Number*>(room), count);
+    std::copy_n(numbers, count, copied.begin());
+    room += count * sizeof(Number);
     return copied;
   };
   ProblemView& given = matrix->given;
-  given = from;
-  given.value = copy(from.value);  // numbers of eight bytes come before those of four
-  given.inverse_mass = copy(from.inverse_mass);
-  given.b = copy(from.b);
-  const std::span<FrictionRow> friction = copy(from.friction);
-  const std::span<BoundedRow> bounded = copy(from.bounded);
+  given.form = from.form;
+  given.rows = from.rows;
+  given.columns = from.columns;
+  given.facts = from.facts;
+  given.value = copy(from.value.data(), from.value.size());  // numbers of eight bytes come before those of four
+  given.inverse_mass = copy(from.inverse_mass.data(), masses);
+  given.b = copy(from.b.data(), from.b.size());
+  const std::span<FrictionRow> friction = copy(from.friction.data(), from.friction.size());
+  const std::span<BoundedRow> bounded = copy(from.bounded.data(), from.bounded.size());
   given.friction = friction;
   given.bounded = bounded;
-  given.row_start = copy(from.row_start);
-  given.column = copy(from.column);
-  given.bilateral = copy(from.bilateral);
-  given.id = {copy(std::span<const char>(from.id)).data(), from.id.size()};
+  given.row_start = copy(from.row_start.data(), starts);
+  given.column = copy(from.column.data(), columns);
+  given.bilateral = copy(from.bilateral.data(), joints);
+  given.id = {copy(from.id.data(), from.id.size()).data(), from.id.size()};
   if (!matrix->is_plain()) {
     std::ranges::sort(friction, {}, &FrictionRow::row);
     std::ranges::sort(bounded, {}, &BoundedRow::row);

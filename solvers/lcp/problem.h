@@ -240,7 +240,7 @@ class LcpProblem {
       : matrix_(std::move(matrix)), has_extreme_b_(has_extreme_b) {}
   /// @param given  whose shapes fit
   /// @param side   of a dense A whose entries are named by row and column; 0: an array of numbers
-  static LcpProblem Make(ProblemView given, Index side = 0);
+  static LcpProblem Make(const ProblemView& given, Index side = 0);
 
   std::shared_ptr<const Matrix> matrix_;
   std::shared_ptr<const Eigen::VectorXd> b_;  // of WithB; nullptr: that of the arrays

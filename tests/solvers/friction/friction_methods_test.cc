@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "solvers/friction/shift.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "tests/solvers/friction/friction_records.h"
@@ -366,6 +367,24 @@ TEST(FrictionMethods, ARelaxedAnswerSaysWhoseLawItObeys) {
     const Verdict verdict = Verify(problem, result, 1e-9);
     EXPECT_EQ(verdict.passes, pull > -1);
     EXPECT_FALSE(verdict.false_success);
+  }
+}
+
+// A solver of plain problems that breaks down.
+class Broken final : public LcpSolver {
+  void DoPrepare(const LcpProblem& /*problem*/) override {}
+  void DoSolve(const LcpProblem& /*problem*/, const LcpOptions& /*options*/, LcpResult* result) override {
+    result->f.setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+};
+
+TEST(FrictionMethods, ARelaxationWithoutForcesEndsTheRoundsOfShift) {
+  for (const Index contacts : {1, 3, 40}) {
+    const LcpProblem problem = RandomFrictionProblem(7, contacts);
+    ShiftSolver solver(WithinOptions{[] { return std::make_unique<Broken>(); }});
+    const LcpResult result = SolveTo(&solver, problem);
+    EXPECT_EQ(result.status, LcpStatus::kNumericalFailure) << result.detail;
+    EXPECT_TRUE(result.f.allFinite());
   }
 }
 
