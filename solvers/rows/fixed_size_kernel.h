@@ -28,7 +28,7 @@ inline double Larger(double a, double b) { return a < b ? b : a; }
 
 template <int n>
 struct Tiny {
-  double A[n][n], b[n], f[n], w[n];
+  double A[n][n] = {}, b[n], f[n], w[n];
   unsigned joints = 0;
   double noise = 0;
   // L D L^T of the last active set; `inverse` is 1/D, or 0 for a row that depends on those before it.
