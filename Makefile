@@ -42,8 +42,6 @@ FUZZ_FLAGS    = -max_total_time=$(FUZZ_SECONDS) -max_len=8192 -timeout=20 -rss_l
 ATTACK_PROBLEMS ?= 10000
 ATTACK_SEED     ?= 100000
 
-# Which lines of the list of recordings `make record-engines` makes anew: those that fit this expression.
-RECORDINGS ?= .
 
 # Curves that users ask authors of engines for: which (all), and where their files go.
 CURVES         ?=
@@ -64,7 +62,7 @@ REFERENCE_OTHERS  := smoke pathological large sequences-qp friction
 # Of a report: folders besides that of its name, and studies.
 MORE_friction     := $(REFERENCE)/friction-pathological --motion $(REFERENCE)/friction-motion --pictures $(PICTURES)
 
-.PHONY: $(BASELINE) $(V3) core help deps peers configure command build test test-long python-test report run pictures ablation calibrate record-engines fresh-benchmark scene-benchmark solver-curves slurm-try doc reference-report check format fuzz attack install clean
+.PHONY: $(BASELINE) $(V3) core help deps peers configure command build test test-long python-test report run pictures ablation calibrate fresh-benchmark scene-benchmark solver-curves slurm-try doc reference-report check format fuzz attack install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
@@ -75,7 +73,6 @@ help:
 	@echo "make core       the campaign behind the published numbers, on two processors (AGAIN=FOLDER compares with that one)"
 	@echo "make ablation   what our own checks, checks for peers, and instruction sets are worth: a build and a campaign (20 minutes)"
 	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
-	@echo "make record-engines   let physics engines step scenes of their own, and record them in data/recordings (RECORDINGS=box2d-)"
 	@echo "make fresh-benchmark      fresh times of our solvers, ODE and Bullet, by size class and origin (OPTIONS=--cpu 1)"
 	@echo "make scene-benchmark      time scene generation, contact detection and assembly at 10^3 to 10^5 rows"
 	@echo "make solver-curves        residual against mass ratio, regularization, sweeps and precision, for the report (CURVES=sweeps; a minute or two)"
@@ -181,19 +178,6 @@ core: command $(BASELINE) $(V3)
 calibrate: command
 	@$(BUILD)/lcpbench run --resume $(CALIBRATION) --output $(CALIBRATION_RESULTS)
 	@$(PYTHON) report/report.py calibrate $(CALIBRATION_RESULTS)
-
-# A recording that cannot be made leaves the old one alone.
-record-engines: deps
-	@sh cmake/install_packages.sh cmake/packages/packages-recorders.txt
-	@cmake --preset $(PRESET) -DLCPBENCH_RECORDERS=ON > build/configure-$(PRESET).log 2>&1 || { cat build/configure-$(PRESET).log; exit 1; }
-	@cmake --build --preset $(PRESET) -j $(JOBS) --target recorders
-	@mkdir -p data/recordings build/recordings
-	@grep -E '^[a-z]' benchmarks/recorders/recordings.txt | grep -E '$(RECORDINGS)' | while read -r file engine scene options; do \
-	  [ -x $(BUILD)/recorder-$$engine ] || { echo "no recorder of $$engine: $$file is not made anew"; continue; }; \
-	  $(BUILD)/recorder-$$engine $$scene $$options > build/recordings/$$file.jsonl || exit 1; \
-	  gzip -n -9 < build/recordings/$$file.jsonl > data/recordings/$$file.jsonl.gz || exit 1; \
-	done
-	@$(PYTHON) data/recordings/table.py
 
 fresh-benchmark scene-benchmark: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target $(subst -,_,$@)

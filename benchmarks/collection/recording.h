@@ -11,9 +11,9 @@
 
 namespace lcpbench {
 
-// Recordings: what an engine itself met in a scene of its own, step by step (benchmarks/recorders/ writes them, and
-// docs/formats/recording.schema.json is the format), and the problems that are made of it. The engine's own friction,
-// restitution, softness and position correction are left out: w is what rigid frictionless contact demands.
+// Recordings: what an engine itself met in a scene of its own, step by step (docs/formats/recording.schema.json), and
+// the problems that are made of it. The engine's own friction, restitution, softness and position correction are left
+// out: w is what rigid frictionless contact demands.
 
 /// What all steps have in common. World axes, SI units or the engine's own.
 struct RecordingHeader {
