@@ -62,7 +62,7 @@ constexpr double kNoBound = 2e19;
 constexpr double kNever = 1e-40;
 
 // Every option that differs from Ipopt's default, in the notation of its options files; docs/solvers/ipopt.md has the
-// measurements.
+// reasons.
 //
 // The test of the project stops Ipopt from its callback, after every iteration, and Ipopt's own tests are set out of
 // reach: the tier T bounds a 2-norm of min(f, w), Ipopt max-norms of its optimality conditions, of which
