@@ -62,7 +62,7 @@ REFERENCE_OTHERS  := smoke pathological large sequences-qp friction
 # Of a report: folders besides that of its name, and studies.
 MORE_friction     := $(REFERENCE)/friction-pathological --motion $(REFERENCE)/friction-motion --pictures $(PICTURES)
 
-.PHONY: $(BASELINE) $(V3) core help deps peers configure command build test test-long python-test report run pictures ablation calibrate fresh-benchmark scene-benchmark solver-curves slurm-try doc reference-report check format fuzz attack install clean
+.PHONY: $(BASELINE) $(V3) core help deps peers configure command build test test-long python-test report run pictures ablation calibrate fresh-benchmark scene-benchmark solver-curves doc reference-report check format fuzz attack install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
@@ -78,7 +78,6 @@ help:
 	@echo "make solver-curves        residual against mass ratio, regularization, sweeps and precision, for the report (CURVES=sweeps; a minute or two)"
 	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, numbers in README.md and docs/"
 	@echo "make peers    install the libraries of the peer solvers (cmake/packages/) and reconfigure"
-	@echo "make slurm-try   try campaigns as job arrays on a Slurm of its own (needs root once; a minute)"
 	@echo "make doc      reference of the public headers, build/doc/html/index.html"
 	@echo "make check    formatting, documentation of the public headers, and lint of what was changed (ALL=1: of everything)"
 	@echo "make format   reformat our own code"
@@ -187,9 +186,6 @@ fresh-benchmark scene-benchmark: configure
 solver-curves: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target solver_curves
 	@$(BUILD)/solver_curves $(CURVES) $(OPTIONS) --output $(CURVES_RESULTS)
-
-slurm-try: command
-	@benchmarks/slurm/try_slurm.sh $(BUILD)/lcpbench
 
 doc: configure
 	@cmake --build --preset $(PRESET) --target doc > build/doc.log || { cat build/doc.log; exit 1; }

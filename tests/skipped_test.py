@@ -27,7 +27,7 @@ class Skipped(unittest.TestCase):
             _ctest(
                 ("x_tests.1", "properties", "[  PASSED  ] 1 test.\n"),
                 ("x_tests.2", "failure", "/a/b.cc:50: Failure\n"),
-                ("slurm", "skipped", "first\ntry_slurm.sh: not installed: slurmctld\n"),
+                ("tool", "skipped", "first\ntry.sh: not installed: tool\n"),
                 ("other", "skipped", ""),
             ),
             {
@@ -37,7 +37,7 @@ class Skipped(unittest.TestCase):
         )
         self.assertEqual(
             line,
-            "5 of 7 tests skipped: no AVX-512 here (2), try_slurm.sh: not installed: slurmctld (1), "
+            "5 of 7 tests skipped: no AVX-512 here (2), try.sh: not installed: tool (1), "
             "no reason given (1), not in this build: OSQP, SCS (1)",
         )
 
