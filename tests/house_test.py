@@ -1,20 +1,19 @@
 #!/usr/bin/python3
 """The rules of the source tree: which folders may include which, how many entries a folder has, that cited files exist,
-and that the chart of the layers (docs/architecture.md) is up to date, and that every peer's package is installed."""
+and that every peer's package is installed."""
 
 import graphlib
 import os
 import re
+import subprocess
 import sys
 import unittest
 from collections import defaultdict
 from pathlib import Path
+from typing import NamedTuple
 
 _ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(_ROOT / "docs"))
 sys.dont_write_bytecode = True
-
-import draw_includes  # noqa: E402  (docs/draw_includes.py)
 
 _OURS = ("support", "solvers", "model", "benchmarks", "tests", "examples", "python")
 
@@ -62,6 +61,43 @@ _CXX_TOKEN = re.compile(
 )
 
 
+_INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)[">]')
+
+
+class Include(NamedTuple):
+    source: str  # the file that includes, from the root
+    line: int
+    target: str  # as it is written
+    is_quoted: bool
+
+    def __str__(self):
+        return f"{self.source}:{self.line} includes {self.target}"
+
+
+def tracked_files(root=_ROOT):
+    """Paths from the root; without a git repository, every file outside build folders."""
+    listed = subprocess.run(["git", "-C", str(root), "ls-files", "-z"], capture_output=True, check=False)
+    if listed.returncode == 0 and listed.stdout:
+        return sorted(path for path in listed.stdout.decode().split("\0") if path and (root / path).is_file())
+    found = [path.relative_to(root) for path in root.rglob("*") if path.is_file()]
+    return sorted(path.as_posix() for path in found if not {".git", "build", "__pycache__"}.intersection(path.parts))
+
+
+def includes(files, root=_ROOT):
+    """Every include of every C and C++ file, templates (*.in) too."""
+    found = []
+    for path in files:
+        if re.search(r"\.(h|cc|c)(\.in)?$", path):
+            lines = (root / path).read_text(encoding="utf-8").splitlines()
+            matches = ((number, _INCLUDE.match(line)) for number, line in enumerate(lines, 1))
+            found += [Include(path, number, match[2], match[1] == '"') for number, match in matches if match]
+    return found
+
+
+def folder_of(path):
+    return path.rpartition("/")[0]
+
+
 def _only(text, spans):
     """The text with all but the spans blanked, so that lines keep their numbers."""
     blank = [character if character == "\n" else " " for character in text]
@@ -96,9 +132,9 @@ def _anchor(heading):
 class _Tree(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.files = draw_includes.tracked_files(_ROOT)
+        cls.files = tracked_files(_ROOT)
         cls.known = set(cls.files)
-        cls.includes = draw_includes.includes(cls.files, _ROOT)
+        cls.includes = includes(cls.files, _ROOT)
         # Other includes are of the language and of libraries.
         cls.own_includes = [include for include in cls.includes if include.target in cls.known]
 
@@ -150,7 +186,7 @@ class Includes(_Tree):
 
     def test_there_are_no_cycles(self):
         for what, is_checked, name in (
-            ("folders", lambda path: not path.startswith("tests/"), draw_includes.folder_of),
+            ("folders", lambda path: not path.startswith("tests/"), folder_of),
             # X.h and X.cc as one
             ("files", lambda path: path.startswith(("solvers/", "model/")), lambda path: re.sub(r"\.(h|cc|c)$", "", path)),
             ("headers", lambda path: path.endswith(".h"), lambda path: path),
@@ -161,7 +197,7 @@ class Includes(_Tree):
 
     def test_a_cycle_is_found(self):
         pairs = [("a", "b"), ("b", "c"), ("c", "d"), ("d", "b"), ("a", "d")]
-        includes = [draw_includes.Include(source, 1, target, True) for source, target in pairs]
+        includes = [Include(source, 1, target, True) for source, target in pairs]
         self.assertEqual({include.source for include in _cycle(includes, str)}, {"b", "c", "d"})
         self.assertEqual(_cycle(includes[:3], str), [])
 
@@ -277,12 +313,6 @@ class Citations(_Tree):
         ]
         self.assertTrue(cited)
         self.assertNone([f"{path} names {name}" for path, name in cited if name not in tests], "no such test:")
-
-
-class Chart(_Tree):
-    def test_the_chart_shows_the_tree(self):
-        text = draw_includes.DOCUMENT.read_text(encoding="utf-8")
-        self.assertTrue(draw_includes.with_chart(text, self.own_includes) == text, "run docs/draw_includes.py")
 
 
 class Packages(unittest.TestCase):
