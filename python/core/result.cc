@@ -113,14 +113,14 @@ void BindVerdict(nb::module_& module) {
   nb::class_<Verdict>(module, "Verdict",
                       R"(The verifier's judgement of f, in extended precision, by the problem as given.
 
-It passes tier T where f is finite, rho <= T and eta <= sqrt(T).)")
+It passes tier T where f is finite, rho <= T and backward_error <= sqrt(T).)")
       .def_ro("passes", &Verdict::passes, "Whether f passes the tolerance that was asked for.")
       .def_ro("requested", &Verdict::requested, "The tolerance that was asked for.")
       .def_prop_ro(
           "rho", [](const Verdict& v) { return v.metrics.rho; },
           "Scaled natural residual, dimensionless: |min(D^1/2 f, D^-1/2 w)| / |D^-1/2 b|, D = diag A.")
       .def_prop_ro(
-          "eta", [](const Verdict& v) { return v.metrics.backward_error; },
+          "backward_error", [](const Verdict& v) { return v.metrics.backward_error; },
           "Componentwise backward error: max |min(A_ii f_i, w_i)| / (|A||f| + |b|)_i.")
       .def_prop_ro(
           "tier", [](const Verdict& v) { return v.best_tier == 0 ? nb::none() : nb::object(nb::float_(v.best_tier)); },
@@ -139,7 +139,7 @@ It passes tier T where f is finite, rho <= T and eta <= sqrt(T).)")
       .def_ro("reason", &Verdict::reason, "Why it does not pass.")
       .def("__repr__", [](const Verdict& v) {
         char text[128];
-        std::snprintf(text, sizeof text, "Verdict(passes=%s, rho=%.3g, eta=%.3g, tier=%g)", v.passes ? "True" : "False",
+        std::snprintf(text, sizeof text, "Verdict(passes=%s, rho=%.3g, backward_error=%.3g, tier=%g)", v.passes ? "True" : "False",
                       v.metrics.rho, v.metrics.backward_error, v.best_tier);
         return std::string(text);
       });

@@ -38,7 +38,7 @@ class Campaign:
 
     folder   its files (benchmarks/RESULTS.md), for `lcpbench report` and `tables`
     tasks    a row per solver, problem and tier (the tolerance asked for): verdict of the verifier and the solver's
-             claim, the reason in words of what was not solved, rho, eta (backward_error), time_s from the arrays to f
+             claim, the reason in words of what was not solved, rho, backward_error, time_s from the arrays to f
              (median over the launches; inf where the answer is not verified), first_s of the first solve; of functions
              call_s, what a call that does nothing takes of time_s
     summary  a row per solver and tier: problems, how many of them are verified, false successes, below the tier (of

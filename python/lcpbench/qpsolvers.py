@@ -42,7 +42,7 @@ def solve_problem(problem: Problem, initvals: np.ndarray | None = None, verbose:
     options   of lcpbench.solve: tolerance (on rho), time_limit, max_iterations, settings of the method
 
     The solution is `found` where the verifier passes it at the tolerance. `extras` has the method's status, iterations
-    and detail, rho and eta. Where lb > ub, and where the objective is unbounded, nothing is found.
+    and detail, rho and backward_error. Where lb > ub, and where the objective is unbounded, nothing is found.
     Raises qpsolvers' ProblemError for G, h, A or b and a P that is not positive semidefinite, and ValueError naming
     another argument.
     """
@@ -84,7 +84,7 @@ def solve_problem(problem: Problem, initvals: np.ndarray | None = None, verbose:
     verdict = result.verdict
     solution.found = bool(verdict.passes)
     solution.extras = {"status": result.status, "iterations": result.iterations, "detail": result.detail,
-                       "rho": verdict.rho, "eta": verdict.eta}
+                       "rho": verdict.rho, "backward_error": verdict.backward_error}
     if verbose:
         print(f"lcpbench {method}: {result.status}, rho = {verdict.rho:.1e}")
     if solution.found:
