@@ -1,18 +1,11 @@
 #!/usr/bin/python3
-"""Writes the tables of data/README.md that say what the collection covers, from the manifests.
-
-usage: coverage.py [--check]    (--check: exit status 1 where the README is not what would be written)
-"""
+"""Prints what the collection covers, as Markdown tables, from the manifests. It has no options."""
 
 import json
-import sys
 from collections import Counter
 from pathlib import Path
 
 _DATA = Path(__file__).resolve().parent
-_README = _DATA / "README.md"
-_BEGIN = "<!-- coverage: written by data/coverage.py -->"
-_END = "<!-- end of coverage -->"
 _TIERS = ["smoke", "engine", "standard", "large", "pathological", "recorded", "literature", "nonsymmetric",
           "friction-engine", "friction", "friction-pathological", "painleve"]
 
@@ -191,7 +184,6 @@ def text():
                for entry in json.loads((_DATA / f"{tier}.json").read_text(encoding="utf-8"))["sequences"]]
     everything = [problem for manifest in manifests.values() for problem in manifest["problems"]]
     return "\n\n".join([
-        _BEGIN,
         overview(manifests),
         "Problems by size and kinds of constraints (rows), redundancy 1 − rank/n and condition of A (columns, "
         "`redundancy; condition`; `?`: not measured):",
@@ -215,18 +207,8 @@ def text():
         "Sequences (rows: least / median / most; rows that came, went, became active, ceased to be; churn: all of "
         "these by rows, mean; still: problems without any):",
         sequences(entries),
-        _END,
     ])
 
 
-def main():
-    readme = _README.read_text(encoding="utf-8")
-    end = readme.index(_END) + len(_END)
-    new = readme[:readme.index(_BEGIN)] + text() + readme[end:]
-    if "--check" not in sys.argv[1:]:
-        _README.write_text(new, encoding="utf-8")
-    return int("--check" in sys.argv[1:] and new != readme)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    print(text())

@@ -1,18 +1,11 @@
 #!/usr/bin/python3
-"""Writes the table of data/recordings/README.md, from the recordings.
-
-usage: table.py [--check]    (--check: exit status 1 where the README is not what would be written)
-"""
+"""Prints a table of the recordings beside it. It has no options."""
 
 import gzip
 import json
-import sys
 from pathlib import Path
 
 FOLDER = Path(__file__).resolve().parent
-_README = FOLDER / "README.md"
-_BEGIN = "<!-- table: written by data/recordings/table.py -->"
-_END = "<!-- end of table -->"
 
 
 def read(path):
@@ -38,7 +31,7 @@ def row(path, header, steps):
 
 
 def text(recordings):
-    """What the README holds between its marks. @param recordings  (path, header, steps), by name"""
+    """The table. @param recordings  (path, header, steps), by name"""
     head = ["| file | engine | licence | scene | source | steps | rows: least / median / most | bytes |",
             "| --- | --- | --- | --- | --- | --- | ---: | ---: |"]
     total = sum(path.stat().st_size for path, _, _ in recordings)
@@ -47,20 +40,9 @@ def text(recordings):
     return "\n".join(head + [row(*recording) for recording in recordings] + end)
 
 
-def is_up_to_date(recordings):
-    return _written(recordings) == _README.read_text(encoding="utf-8")
-
-
-def _written(recordings):
-    before, _, rest = _README.read_text(encoding="utf-8").partition(_BEGIN)
-    return f"{before}{_BEGIN}\n{text(recordings)}\n{_END}{rest.partition(_END)[2]}"
-
-
 def recordings():
     return [(path, *read(path)) for path in sorted(FOLDER.glob("*.jsonl.gz"))]
 
 
 if __name__ == "__main__":
-    if sys.argv[1:] == ["--check"]:
-        sys.exit(0 if is_up_to_date(recordings()) else "data/recordings/README.md is out of date: run table.py beside it")
-    _README.write_text(_written(recordings()), encoding="utf-8")
+    print(text(recordings()))
