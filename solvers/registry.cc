@@ -18,7 +18,7 @@
 #include "solvers/first_order/pgs.h"
 #include "solvers/friction/lagged_bounds.h"
 #include "solvers/friction/mode_newton.h"
-#include "solvers/friction/mode_path.h"
+#include "solvers/friction/normal_map_path.h"
 #include "solvers/friction/relaxation.h"
 #include "solvers/friction/shift.h"
 #include "solvers/peers/peer_table.h"

@@ -73,7 +73,7 @@ class Campaign {
     StartWorker();  // with all its memory
     for (int round = 0; round < plan_.rounds; ++round) {
       const std::string title = "sequences, round " + std::to_string(round);
-      if (!VisitAll(passes_, round, title, [&](const Task& pass) { RunPass(pass, round); })) return false;
+      if (!VisitAll(passes_, round, title, [&](const Task& pass) { RunTimedTask(pass, round); })) return false;
     }
     return !Interruption::Requested();
   }
@@ -358,7 +358,7 @@ class Campaign {
   }
 
   // Passes that did not complete in round 0 are not visited again.
-  void RunPass(Task pass, int round) {
+  void RunTimedTask(Task pass, int round) {
     const TaskKey key(pass, pass.tier);
     if (journal_.Has(key, "", round)) return;
     if (pass.excluded.empty()) pass.excluded = RuleFor(pass, 0);

@@ -33,19 +33,19 @@ constexpr double kForever = std::numeric_limits<double>::infinity();
 }  // namespace
 
 template <typename Answer, typename Message>
-Answer WorkerProcess::Ask(const Message& request) {
+Answer WorkerProcess::Request(const Message& request) {
   bool by_others = false;
-  Answer answer = AskOnce<Answer>(request, &by_others);
+  Answer answer = RequestOnce<Answer>(request, &by_others);
   // A job scheduler that has asked for the end may kill all processes.
   if (!by_others || Interruption::Requested()) return answer;
   const std::string retried = answer.detail;
-  answer = AskOnce<Answer>(request, &by_others);
+  answer = RequestOnce<Answer>(request, &by_others);
   answer.retried = retried + (answer.retried.empty() ? "" : "; ") + answer.retried;
   return answer;
 }
 
 template <typename Answer, typename Message>
-Answer WorkerProcess::AskOnce(const Message& request, bool* by_others) {
+Answer WorkerProcess::RequestOnce(const Message& request, bool* by_others) {
   if (!process_) {
     SubprocessOptions start;
     start.command = {options_.program, kWorkerCommand};
@@ -92,9 +92,9 @@ Answer WorkerProcess::AskOnce(const Message& request, bool* by_others) {
   return answer;
 }
 
-JudgeReply WorkerProcess::Run(const JudgeRequest& request) { return Ask<JudgeReply>(request); }
-TimedReply WorkerProcess::Run(const TimedRequest& request) { return Ask<TimedReply>(request); }
-SequenceReply WorkerProcess::Run(const SequenceRequest& request) { return Ask<SequenceReply>(request); }
+JudgeReply WorkerProcess::Run(const JudgeRequest& request) { return Request<JudgeReply>(request); }
+TimedReply WorkerProcess::Run(const TimedRequest& request) { return Request<TimedReply>(request); }
+SequenceReply WorkerProcess::Run(const SequenceRequest& request) { return Request<SequenceReply>(request); }
 
 int ServeTasks(const std::vector<std::string>& solver_arguments) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // a campaign that is killed leaves nobody who goes on solving

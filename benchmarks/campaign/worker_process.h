@@ -38,10 +38,10 @@ class WorkerProcess {
 
  private:
   template <typename Answer, typename Message>
-  Answer Ask(const Message& request);
+  Answer Request(const Message& request);
   /// @param by_others  whether something else killed the worker
   template <typename Answer, typename Message>
-  Answer AskOnce(const Message& request, bool* by_others);
+  Answer RequestOnce(const Message& request, bool* by_others);
 
   WorkerOptions options_;
   std::unique_ptr<Subprocess> process_;

@@ -19,7 +19,7 @@ namespace {
 class FormatProgram {
  public:
   // Problem or file that the program answers with. @throws InputError with its refusal, or `place: ` and how it ended
-  std::string Ask(const std::string& request, const std::string& place) {
+  std::string Exchange(const std::string& request, const std::string& place) {
     if (!process_) Start(place);
     constexpr double kForever = std::numeric_limits<double>::infinity();
     char kind = 0;
@@ -63,9 +63,9 @@ class FormatProgram {
 };
 
 // @param place  of refusals
-std::string Ask(const std::string& request, const std::string& place) {
+std::string ExchangeWithProgram(const std::string& request, const std::string& place) {
   static FormatProgram program;
-  return program.Ask(request, place);
+  return program.Exchange(request, place);
 }
 
 }  // namespace
@@ -76,14 +76,14 @@ LcpProblem ReadWithPython(const std::string& path, const ReadingOptions& options
   if (options.symmetrize) chosen["most_asymmetry"] = *options.symmetrize;
   // A path may be any bytes: they follow the request.
   const nlohmann::json request = {{"read", path.size()}, {"options", chosen}};
-  return ParseLcpRecord(Ask(request.dump() + "\n" + path, path), path).problem;
+  return ParseLcpRecord(ExchangeWithProgram(request.dump() + "\n" + path, path), path).problem;
 }
 
 void WriteWithPython(const LcpProblem& problem, const std::string& format, const std::string& path) {
   const std::string is_dense = problem.given_form() == MatrixForm::kDense ? "true" : "false";
-  const std::string file = Ask("{\"write\":\"" + format + "\",\"is_dense\":" + is_dense +
-                                   ",\"problem\":" + FormatLcpRecord(problem, true) + "}\n",
-                               path);
+  const std::string file = ExchangeWithProgram("{\"write\":\"" + format + "\",\"is_dense\":" + is_dense +
+                                                   ",\"problem\":" + FormatLcpRecord(problem, true) + "}\n",
+                                               path);
   TextOrGzipOutput output(path);
   output.Write(file);
   output.Close();

@@ -20,7 +20,7 @@ constexpr double kTimeLimit = 30;
 // By expected cost. The answers of an interior point, of pivoting and of descent from 0 lie apart where f is not
 // unique: their floors differ by up to 50 on redundant packings.
 constexpr std::array<const char*, 3> kModeSolvers = {"auto", "relaxation", "pgs"};
-constexpr std::array<std::string_view, 4> kReferenceSolvers = {"auto", "suitesparse", "nncg", "dantzig"};
+constexpr std::array<std::string_view, 4> kReferenceSolvers = {"auto", "ipm", "nncg", "dantzig"};
 
 LcpResult SolveBy(const char* key, const LcpProblem& problem) {
   LcpOptions options;

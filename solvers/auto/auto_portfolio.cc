@@ -139,7 +139,7 @@ void AutoPortfolio::Prepare(const LcpProblem& problem) {
 }
 
 // True if there is nothing left to try: solved and passed, proved infeasible, or out of time.
-bool AutoPortfolio::Try(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result) {
+bool AutoPortfolio::RunBackend(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result) {
   LcpOptions rest = *options_;
   rest.time_limit_s = deadline_->Remaining();
   if (limit != kOwnLimit) rest.max_iterations = rest.max_iterations > 0 ? std::min(rest.max_iterations, limit) : limit;
@@ -187,16 +187,16 @@ void AutoPortfolio::StartAt(const Eigen::VectorXd* f) {
 }
 
 // The next method starts at the forces that sweeps have reached.
-bool AutoPortfolio::AskSweeps(LcpSolver* solver, std::string_view name, std::int64_t granted, LcpResult* result) {
-  if (Try(solver, name, granted, result)) return true;
+bool AutoPortfolio::TrySweeps(LcpSolver* solver, std::string_view name, std::int64_t granted, LcpResult* result) {
+  if (RunBackend(solver, name, granted, result)) return true;
   if (result->f.allFinite()) StartAt(&result->f);
   return false;
 }
 
-bool AutoPortfolio::AskBpp(std::int64_t granted, LcpResult* result) {
+bool AutoPortfolio::TryBpp(std::int64_t granted, LcpResult* result) {
   // Prepare has tried it already, unless sweeps come before.
   if (!has_bpp_ && !(facts_.is_wide_sparse && PrepareBpp(*problem_))) return false;
-  if (Try(&bpp_, "bpp", granted, result)) return true;
+  if (RunBackend(&bpp_, "bpp", granted, result)) return true;
   // What it has when it runs out of factorizations is mostly right but for a few rows.
   if (facts_.is_large && result->iterations > 1 && result->f.allFinite()) StartAt(&result->f);
   facts_.has_dependent_rows = result->iterations == 1 && result->status == LcpStatus::kNumericalFailure;
@@ -204,33 +204,33 @@ bool AutoPortfolio::AskBpp(std::int64_t granted, LcpResult* result) {
 }
 
 // Asks a method after which the next one starts anew.
-bool AutoPortfolio::AskFromStart(LcpSolver* solver, std::string_view name, std::int64_t granted, LcpResult* result) {
-  if (Try(solver, name, granted, result)) return true;
+bool AutoPortfolio::TryFromStart(LcpSolver* solver, std::string_view name, std::int64_t granted, LcpResult* result) {
+  if (RunBackend(solver, name, granted, result)) return true;
   StartAt(options_->initial_f);
   return false;
 }
 
-bool AutoPortfolio::Ask(AutoMethod method, std::int64_t granted, LcpResult* result) {
+bool AutoPortfolio::TryMethod(AutoMethod method, std::int64_t granted, LcpResult* result) {
   const std::string_view name = KeyOf(method);
   switch (method) {
     case AutoMethod::kPsor:
-      return AskSweeps(&psor_, name, granted, result);
+      return TrySweeps(&psor_, name, granted, result);
     case AutoMethod::kNncg:
     case AutoMethod::kPatientNncg:
       facts_.has_swept = true;
-      return AskSweeps(method == AutoMethod::kNncg ? &nncg_ : &patient_nncg_, name, granted, result);
+      return TrySweeps(method == AutoMethod::kNncg ? &nncg_ : &patient_nncg_, name, granted, result);
     case AutoMethod::kBpp:
-      return AskBpp(granted, result);
+      return TryBpp(granted, result);
     case AutoMethod::kSemismoothNewton:
-      return AskFromStart(&newton_, name, newton_factorizations_, result);
+      return TryFromStart(&newton_, name, newton_factorizations_, result);
     case AutoMethod::kHybrid:
 #ifdef LCPBENCH_WITH_SUITESPARSE
-      return AskFromStart(&hybrid_, name, granted, result);
+      return TryFromStart(&hybrid_, name, granted, result);
 #else
       return false;
 #endif
     default:
-      return Try(&dantzig_, name, granted, result);
+      return RunBackend(&dantzig_, name, granted, result);
   }
 }
 
@@ -245,7 +245,7 @@ void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, 
   if (!result->f.isZero(0)) Remember(result->f);
   for (const AutoRule& rule : AutoRulesOf(AutoStage::kBackends)) {
     const std::int64_t granted = rule.Grants(facts_);
-    if (granted > 0 && Ask(rule.method, granted, result)) break;
+    if (granted > 0 && TryMethod(rule.method, granted, result)) break;
   }
   const bool arrived = result->status == LcpStatus::kSolved || result->status == LcpStatus::kInfeasible;
   if (!arrived && reached_count_ > 0) TakeTheBest(result);

@@ -42,11 +42,11 @@ class AutoPortfolio {
 
  private:
   bool PrepareBpp(const LcpProblem& problem);
-  bool Ask(AutoMethod method, std::int64_t granted, LcpResult* result);
-  bool AskSweeps(LcpSolver* solver, std::string_view name, std::int64_t granted, LcpResult* result);
-  bool AskBpp(std::int64_t granted, LcpResult* result);
-  bool AskFromStart(LcpSolver* solver, std::string_view name, std::int64_t granted, LcpResult* result);
-  bool Try(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result);
+  bool TryMethod(AutoMethod method, std::int64_t granted, LcpResult* result);
+  bool TrySweeps(LcpSolver* solver, std::string_view name, std::int64_t granted, LcpResult* result);
+  bool TryBpp(std::int64_t granted, LcpResult* result);
+  bool TryFromStart(LcpSolver* solver, std::string_view name, std::int64_t granted, LcpResult* result);
+  bool RunBackend(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result);
   void StartAt(const Eigen::VectorXd* f);
   void Remember(const Eigen::VectorXd& f);
   void TakeTheBest(LcpResult* result);

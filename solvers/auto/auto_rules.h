@@ -35,10 +35,10 @@ enum class AutoMethod : std::uint8_t {
   kSweeps,             ///< ModeSteps::Sweep
   kRelaxation,         ///< ShiftRounds
   kModeNewton,         ///< ModeSteps::Run
-  kLemke,              ///< ModePath::Cover
-  kProximalPoints,     ///< ModePath::Approach
+  kLemke,              ///< NormalMapPath::Cover
+  kProximalPoints,     ///< NormalMapPath::Approach
   kRay,                ///< of the problem without friction
-  kExact,              ///< AskExact
+  kExact,              ///< TryExact
 };
 
 /// The registry's key, or words.

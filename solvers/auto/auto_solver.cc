@@ -455,7 +455,7 @@ void AutoEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lcp
     SolveFriction(problem, options, limit.has_value() ? &*limit : nullptr, result);
   }
   const bool is_open = result->status == LcpStatus::kNumericalFailure || result->status == LcpStatus::kIterationLimit;
-  if (is_open && options_.asks_exact && !options_.only) AskExact(problem, options, deadline, result);
+  if (is_open && options_.asks_exact && !options_.only) TryExact(problem, options, deadline, result);
 }
 
 // AutoStage::kProblem, and then kBackends.

@@ -18,7 +18,7 @@ constexpr double kSecondsOfProduct = 1e-6;  // of two rationals, in J M^-1 J^T
 
 }  // namespace
 
-void AskExact(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result) {
+void TryExact(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result) {
   const Index n = problem.size();
   const auto others = problem.bilateral_rows().size() + problem.friction_rows().size() + problem.bounded_rows().size();
   const bool has_few = n - static_cast<Index>(others) <= kMostContactsOfExact && n <= kMostRowsOfModes &&

@@ -15,6 +15,6 @@ inline constexpr Index kMostContactsOfExact = 8;  ///< unilateral rows of proble
 /// Appends to `detail`. Does nothing beyond its sizes, nor where options.max_iterations, in other methods' unit, is
 /// set.
 /// @param deadline  of the whole solve; no exact solve is begun that may outlast it
-void AskExact(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
+void TryExact(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
 
 }  // namespace lcpbench

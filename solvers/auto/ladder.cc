@@ -62,7 +62,7 @@ RowAnswer Ladder::Solve(const StepRows& rows, double tolerance, const Deadline* 
   rows_of_method_ = 0;
   if (has_laws) {
     // As many friction rows as others: the check of the laws is its own.
-    if (rows.bounded.empty() && AskFixedSizeModes(request, rows.rows, rows.friction, &answer)) {
+    if (rows.bounded.empty() && TryFixedSizeModes(request, rows.rows, rows.friction, &answer)) {
       answer.solved = true;
       return answer;
     }
@@ -117,20 +117,20 @@ Ladder::PartEnd Ladder::SolvePart(const Request& request, Part part, RowAnswer* 
     if (end != PartEnd::kNoRule && request.deadline != nullptr && request.deadline->Expired()) break;
     // Most of the active set of inexact forces is right.
     const double* const initial_f = end == PartEnd::kInexact ? request.f : request.initial_f;
-    end = Ask(rule.method, request, part, initial_f, answer);
+    end = TryMethod(rule.method, request, part, initial_f, answer);
     if (end == PartEnd::kSolved) break;
   }
   return end;
 }
 
-Ladder::PartEnd Ladder::Ask(AutoMethod method, const Request& request, Part part, const double* initial_f,
-                            RowAnswer* answer) {
-  if (method == AutoMethod::kFixedSizeBpp) return AskFixedSizeBpp(request, part, answer);
-  if (method == AutoMethod::kPrincipalPivoting) return AskPrincipalPivoting(request, part, initial_f, answer);
-  return AskProfilePivoting(request, part, initial_f, answer);
+Ladder::PartEnd Ladder::TryMethod(AutoMethod method, const Request& request, Part part, const double* initial_f,
+                                  RowAnswer* answer) {
+  if (method == AutoMethod::kFixedSizeBpp) return TryFixedSizeBpp(request, part, answer);
+  if (method == AutoMethod::kPrincipalPivoting) return TryPrincipalPivoting(request, part, initial_f, answer);
+  return TryProfilePivoting(request, part, initial_f, answer);
 }
 
-Ladder::PartEnd Ladder::AskFixedSizeBpp(const Request& request, Part part, RowAnswer* answer) {
+Ladder::PartEnd Ladder::TryFixedSizeBpp(const Request& request, Part part, RowAnswer* answer) {
   const double tolerance = request.tolerance;
   const double row_limit = tableau::kMargin * std::sqrt(tolerance);
   double rho = 0;
@@ -140,7 +140,7 @@ Ladder::PartEnd Ladder::AskFixedSizeBpp(const Request& request, Part part, RowAn
   return PartEnd::kSolved;
 }
 
-Ladder::PartEnd Ladder::AskPrincipalPivoting(const Request& request, Part part, const double* initial_f,
+Ladder::PartEnd Ladder::TryPrincipalPivoting(const Request& request, Part part, const double* initial_f,
                                              RowAnswer* answer) {
   SmallPivoting::Request of_part;
   of_part.initial_f = initial_f;
@@ -155,7 +155,7 @@ Ladder::PartEnd Ladder::AskPrincipalPivoting(const Request& request, Part part, 
   return PartEnd::kSolved;
 }
 
-Ladder::PartEnd Ladder::AskProfilePivoting(const Request& request, Part part, const double* initial_f,
+Ladder::PartEnd Ladder::TryProfilePivoting(const Request& request, Part part, const double* initial_f,
                                            RowAnswer* answer) {
   profile_.Solve(request.rows, part, {request.tolerance / 2, initial_f, request.deadline}, request.f);
   answer->iterations += profile_.iterations();
@@ -197,7 +197,7 @@ bool Ladder::TakeLaws(const StepRows& rows) {
 }
 
 // Few contacts alone: the rows of `friction`, as many others, and none besides.
-bool Ladder::AskFixedSizeModes(const Request& request, Index size, std::span<const FrictionRow> friction,
+bool Ladder::TryFixedSizeModes(const Request& request, Index size, std::span<const FrictionRow> friction,
                                RowAnswer* answer) {
   double rho = 0;
   if (!FewContacts::Solve(request.rows, size, friction, request.tolerance, request.initial_f, request.f, request.w,
@@ -223,13 +223,13 @@ Ladder::PartEnd Ladder::SolveLaws(const Request& request, Part part, RowAnswer* 
     const std::int32_t law = own.law[At(row)];
     if (law >= 0 && law < std::ssize(step.friction)) own.friction.push_back(step.friction[At(law)]);
   }
-  if (n < step.rows && AskFixedSizeModes(request, n, own.friction, answer)) return PartEnd::kSolved;
+  if (n < step.rows && TryFixedSizeModes(request, n, own.friction, answer)) return PartEnd::kSolved;
   for (const std::int32_t row : part) request.f[row] = 0;
   if (n > kMostLawRows) return PartEnd::kNoRule;
   PrepareLaws(request, part);
   FrictionAnswer found(own.contacts, nullptr, own.options, &own.result, &own.room);
   std::size_t next = 0;
-  const char* const method = own.ladder.Ask(own.contacts, &next, &found, &own.result);
+  const char* const method = own.ladder.Solve(own.contacts, &next, &found, &own.result);
   answer->iterations += own.result.iterations;
   for (Index i = 0; i < n; ++i) request.f[part[At(i)]] = own.result.f[i];
   if (method == nullptr) {

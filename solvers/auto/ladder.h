@@ -79,10 +79,10 @@ class Ladder {
   };
   PartEnd SolvePart(const Request& request, Part part, RowAnswer* answer);
   static PartEnd SolveIdleRow(const Request& request, std::int32_t row);
-  PartEnd Ask(AutoMethod method, const Request& request, Part part, const double* initial_f, RowAnswer* answer);
-  PartEnd AskFixedSizeBpp(const Request& request, Part part, RowAnswer* answer);
-  PartEnd AskPrincipalPivoting(const Request& request, Part part, const double* initial_f, RowAnswer* answer);
-  PartEnd AskProfilePivoting(const Request& request, Part part, const double* initial_f, RowAnswer* answer);
+  PartEnd TryMethod(AutoMethod method, const Request& request, Part part, const double* initial_f, RowAnswer* answer);
+  PartEnd TryFixedSizeBpp(const Request& request, Part part, RowAnswer* answer);
+  PartEnd TryPrincipalPivoting(const Request& request, Part part, const double* initial_f, RowAnswer* answer);
+  PartEnd TryProfilePivoting(const Request& request, Part part, const double* initial_f, RowAnswer* answer);
   bool Passes(const Request& request, Part part, double* rho) {
     return judge_.Passes(request.rows, part, request.tolerance, request.f, request.w, rho);
   }
@@ -104,7 +104,7 @@ class Ladder {
     Eigen::VectorXd start, gaps;
   };
   bool TakeLaws(const StepRows& rows);
-  bool AskFixedSizeModes(const Request& request, Index size, std::span<const FrictionRow> friction, RowAnswer* answer);
+  bool TryFixedSizeModes(const Request& request, Index size, std::span<const FrictionRow> friction, RowAnswer* answer);
   PartEnd SolveLaws(const Request& request, Part part, RowAnswer* answer);
   void PrepareLaws(const Request& request, Part part);
   void NameMethod(const char* method, Index size);

@@ -39,7 +39,7 @@ void LawLadder::Reserve(Index max_rows) {
   ContactRows::Lengthen(max_rows, &phi_);
 }
 
-const char* LawLadder::Ask(const ContactRows& rows, std::size_t* next, FrictionAnswer* answer, LcpResult* result) {
+const char* LawLadder::Solve(const ContactRows& rows, std::size_t* next, FrictionAnswer* answer, LcpResult* result) {
   const Laws laws = rows.laws();
   facts_ = {};
   facts_.rows = rows.size();
@@ -63,7 +63,7 @@ const char* LawLadder::Ask(const ContactRows& rows, std::size_t* next, FrictionA
       if (rule.Grants(of_problem) > 0) left = std::min(left, *next - 1);
       continue;
     }
-    if (const char* method = AskOne(rule, rows, answer, result)) return method;
+    if (const char* method = TryMethod(rule, rows, answer, result)) return method;
     if (answer->IsOver()) {
       if (answer->is_unclear()) --*next;
       break;
@@ -77,8 +77,8 @@ const char* LawLadder::Ask(const ContactRows& rows, std::size_t* next, FrictionA
   return nullptr;
 }
 
-const char* LawLadder::AskOne(const AutoRule& rule, const ContactRows& rows, FrictionAnswer* answer,
-                              LcpResult* result) {
+const char* LawLadder::TryMethod(const AutoRule& rule, const ContactRows& rows, FrictionAnswer* answer,
+                                 LcpResult* result) {
   constexpr double kFirstEps = 1e-8;
   constexpr unsigned kSeeds = 2;
   const auto granted = static_cast<int>(std::min<std::int64_t>(rule.Grants(facts_), ModeSteps::kMostSteps));
@@ -102,7 +102,7 @@ const char* LawLadder::AskOne(const AutoRule& rule, const ContactRows& rows, Fri
       return newton_.TryAll(rows, answer) ? "modes" : nullptr;
     case AutoMethod::kSweeps:
       if (!answer->GetBest(&phi_)) start_at_zero();
-      return AskSweeps(rows, static_cast<double>(rule.Grants(facts_)), answer);
+      return TrySweeps(rows, static_cast<double>(rule.Grants(facts_)), answer);
     case AutoMethod::kRelaxation: {
       const char* const method = run_rounds(granted);
       facts_.relaxation_failed = method == nullptr && !rounds_.is_solved() && !rounds_.ran_out_of_time();
@@ -127,7 +127,7 @@ const char* LawLadder::AskOne(const AutoRule& rule, const ContactRows& rows, Fri
 }
 
 // Sweeps from phi_, in spans that double, as long as the rate of the last one promises an answer within `granted`.
-const char* LawLadder::AskSweeps(const ContactRows& rows, double granted, FrictionAnswer* answer) {
+const char* LawLadder::TrySweeps(const ContactRows& rows, double granted, FrictionAnswer* answer) {
   constexpr double kFirstSpan = 2;  // times the root of the rows: forces travel a row or so a sweep
   // rho of sweeps whose modes may be the answer's.
   constexpr double kWorthNewton = 1e-5;
@@ -231,7 +231,7 @@ void LawPortfolio::SolvePart(Part* part, const LcpProblem& problem, const LcpOpt
   FrictionAnswer answer(rows, &problem, options, result);
   if (rows.size() > ModeFactor::kMostDense) next = 0;
   const bool has_arrived = reached != nullptr && answer.TakeForces(*reached);
-  const char* const method = has_arrived ? "rows in place" : ladder_.Ask(rows, &next, &answer, result);
+  const char* const method = has_arrived ? "rows in place" : ladder_.Solve(rows, &next, &answer, result);
   if (method == nullptr) return answer.Fail("no method finds an answer");
   result->detail = method;
 }

@@ -9,8 +9,8 @@
 #include "solvers/auto/auto_rules.h"
 #include "solvers/friction/contact_rows.h"
 #include "solvers/friction/friction_answer.h"
-#include "solvers/friction/mode_path.h"
 #include "solvers/friction/mode_steps.h"
+#include "solvers/friction/normal_map_path.h"
 #include "solvers/friction/shift_rounds.h"
 
 /// Internal to solvers/.
@@ -27,11 +27,11 @@ class LawLadder {
   void Reserve(Index max_rows);
   /// The method that answered, in words; nullptr if none did: then answer->Fail or others.
   /// @param next  the first rule to ask; the first that was not asked afterwards
-  const char* Ask(const ContactRows& rows, std::size_t* next, FrictionAnswer* answer, LcpResult* result);
+  const char* Solve(const ContactRows& rows, std::size_t* next, FrictionAnswer* answer, LcpResult* result);
 
  private:
-  const char* AskOne(const AutoRule& rule, const ContactRows& rows, FrictionAnswer* answer, LcpResult* result);
-  const char* AskSweeps(const ContactRows& rows, double granted, FrictionAnswer* answer);
+  const char* TryMethod(const AutoRule& rule, const ContactRows& rows, FrictionAnswer* answer, LcpResult* result);
+  const char* TrySweeps(const ContactRows& rows, double granted, FrictionAnswer* answer);
   bool FindRay(const FrictionAnswer& answer, LcpResult* result) const;
 
   const WithinOptions plain_;
@@ -39,7 +39,7 @@ class LawLadder {
   ModeSteps newton_;
   ShiftRounds rounds_;
   bool has_rounds_ = false;  // rounds_ has begun with this island
-  ModePath path_;
+  NormalMapPath path_;
   Eigen::VectorXd phi_;
 };
 

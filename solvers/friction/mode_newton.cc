@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "solvers/friction/mode_path.h"
 #include "solvers/friction/mode_steps.h"
+#include "solvers/friction/normal_map_path.h"
 
 namespace lcpbench {
 
@@ -35,7 +35,7 @@ class ModeNewtonEngine {
  private:
   ContactRows rows_;
   ModeSteps newton_;
-  ModePath path_;
+  NormalMapPath path_;
   Eigen::VectorXd phi_;
 };
 

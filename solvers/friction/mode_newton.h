@@ -14,7 +14,7 @@ struct ModeNewtonOptions {
 /// stick, slip of either sign), then the solution in these modes. Proximal: the system has eps about the iterate on its
 /// diagonal, so that redundant contacts do no harm; the step is shortened until |r| of docs/friction.md section 4
 /// falls; where it does not, contact by contact sweeps go on from there, up to 2000 of them, and then proximal points
-/// with an eps that is not small, each by a path of the normal map (mode_path.h).
+/// with an eps that is not small, each by a path of the normal map (normal_map_path.h).
 ///
 /// Takes plain, friction, sliding and bounded rows; numerically symmetric A. No guarantee: modes may cycle, and so may
 /// sweeps. Cost: a nonsymmetric factor a step, dense up to 128 unknowns, above sparse. Iterations are steps and sweeps;

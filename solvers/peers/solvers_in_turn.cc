@@ -104,7 +104,7 @@ bool SolversInTurn::Passes(const ProblemArrays& arrays, double tolerance, const 
 
 // @param given  a problem, or its arrays
 template <typename Given>
-void SolversInTurn::Ask(const Given& given, const LcpOptions& options, LcpResult* result) {
+void SolversInTurn::SolveInTurn(const Given& given, const LcpOptions& options, LcpResult* result) {
   const Deadline deadline(options);
   SolveTurn(turns_.front(), given, options, result);
   LcpStatus last = result->status;
@@ -145,11 +145,11 @@ void SolversInTurn::Ask(const Given& given, const LcpOptions& options, LcpResult
 }
 
 void SolversInTurn::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  Ask(problem, options, result);
+  SolveInTurn(problem, options, result);
 }
 
 bool SolversInTurn::DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
-  Ask(arrays, options, result);
+  SolveInTurn(arrays, options, result);
   return true;
 }
 

@@ -36,7 +36,7 @@ class SolversInTurn : public LcpSolver {
 
  private:
   template <typename Given>
-  void Ask(const Given& given, const LcpOptions& options, LcpResult* result);
+  void SolveInTurn(const Given& given, const LcpOptions& options, LcpResult* result);
   // Whether f passes; rho is written.
   static bool Passes(const LcpProblem& problem, double tolerance, const Eigen::VectorXd& f, double* rho);
   bool Passes(const ProblemArrays& arrays, double tolerance, const Eigen::VectorXd& f, double* rho);

@@ -34,8 +34,8 @@ struct LemkeOptions : PivotOptions {
 /// max_iterations (default 50 n + 1000; typically 0.5 n to 2 n are used).
 ///
 /// Problems with friction, sliding or bounded rows are left to another solver: in the registry the same idea along the
-/// modes of contacts, ModePath::Cover, guaranteed for a time step with c >= 0 (docs/friction.md section 2), in exact
-/// arithmetic.
+/// modes of contacts, NormalMapPath::Cover, guaranteed for a time step with c >= 0 (docs/friction.md section 2), in
+/// exact arithmetic.
 ///
 /// Guaranteed for symmetric positive semidefinite A of any rank, in exact arithmetic: ends with a solution or with a
 /// Farkas ray, since ties are resolved lexicographically and no basis is visited twice. On other symmetric A it may

@@ -142,7 +142,7 @@ struct StepSolver::Implementation {
       const RowAnswer answer = SolveRows(of, start, f, w);
       if (answer.solved) return {LcpStatus::kSolved, answer.iterations, answer.rho};
     }
-    return Ask(has_own_bodies ? of : own_bodies.Take(of), start, f, w);
+    return SolveByLadder(has_own_bodies ? of : own_bodies.Take(of), start, f, w);
   }
 
   RowAnswer SolveRows(const StepRows& of, const double* start, double* f, double* w) {
@@ -180,7 +180,7 @@ struct StepSolver::Implementation {
   }
 
   // What rows in place leave open. `f` holds what it reached.
-  StepAnswer Ask(const StepRows& of, const double* start, double* f, double* w) {
+  StepAnswer SolveByLadder(const StepRows& of, const double* start, double* f, double* w) {
     ++fallbacks;
     if (others == nullptr)
       others = std::make_unique<AutoSolver>(AutoOptions{.reads_in_place = false, .instructions = options.instructions});

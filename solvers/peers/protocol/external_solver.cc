@@ -58,7 +58,8 @@ Bytes ExternalSolver::Receive(MessageType expected, double limit_s) {
 
 // Sends, and decodes the answer. Whatever goes wrong, the worker is gone afterwards.
 template <typename Decode>
-auto ExternalSolver::Ask(MessageType type, const Bytes& payload, MessageType answer, double limit_s, Decode decode) {
+auto ExternalSolver::Exchange(MessageType type, const Bytes& payload, MessageType answer, double limit_s,
+                              Decode decode) {
   try {
     Check(WriteFrame(process_->socket(), type, payload, SteadyNow() + limit_s), limit_s);
     return decode(Receive(answer, limit_s));
@@ -137,18 +138,18 @@ void ExternalSolver::Load(const LcpProblem& problem, double time_limit_s) {
     if (hello_.form == WantedForm::kDense) wanted = InForm(wanted, MatrixForm::kDense);
     if (hello_.form == WantedForm::kSparse) wanted = InForm(wanted, MatrixForm::kSparse);
     const Bytes arrays = Encode(ProblemArrays::Of(wanted), hello_.version);
-    prepared_ = Ask(MessageType::kProblem, arrays, MessageType::kPrepared, limit(arrays), DecodePrepared);
+    prepared_ = Exchange(MessageType::kProblem, arrays, MessageType::kPrepared, limit(arrays), DecodePrepared);
   } else if (has_matrix) {
     const Bytes b = Encode(problem.b());
-    Ask(MessageType::kOtherB, b, MessageType::kLoaded, limit(b), TakeAnswer);
+    Exchange(MessageType::kOtherB, b, MessageType::kLoaded, limit(b), TakeAnswer);
   } else {
     const Bytes arrays = Encode(ProblemArrays::Of(problem), hello_.version);
-    Ask(MessageType::kProblem, arrays, MessageType::kLoaded, limit(arrays), TakeAnswer);
+    Exchange(MessageType::kProblem, arrays, MessageType::kLoaded, limit(arrays), TakeAnswer);
   }
   loaded_ = problem;
 }
 
-LcpResult ExternalSolver::AskForSolve(const LcpProblem& problem, const LcpOptions& options) {
+LcpResult ExternalSolver::RequestSolve(const LcpProblem& problem, const LcpOptions& options) {
   const auto refusal = [&](std::string why) {
     LcpResult result;
     result.f.setZero(problem.size());
@@ -168,9 +169,9 @@ LcpResult ExternalSolver::AskForSolve(const LcpProblem& problem, const LcpOption
   request.max_iterations = options.max_iterations;
   request.time_parts = options.time_parts;
   if (options.initial_f != nullptr) request.start = *options.initial_f;
-  LcpResult result =
-      Ask(MessageType::kSolve, Encode(request, hello_.version), MessageType::kResult, WithGrace(options.time_limit_s),
-          [&](const Bytes& payload) { return DecodeResult(payload, problem.size(), hello_.version); });
+  LcpResult result = Exchange(
+      MessageType::kSolve, Encode(request, hello_.version), MessageType::kResult, WithGrace(options.time_limit_s),
+      [&](const Bytes& payload) { return DecodeResult(payload, problem.size(), hello_.version); });
   if (hello_.version == 1) {
     result.own_fresh_s = formed_on_host_s_ + prepared_.convert_s + std::max(0.0, result.own_convert_s) +
                          std::max(0.0, result.own_solve_s);
@@ -180,7 +181,7 @@ LcpResult ExternalSolver::AskForSolve(const LcpProblem& problem, const LcpOption
 
 void ExternalSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   try {
-    *result = AskForSolve(problem, options);
+    *result = RequestSolve(problem, options);
     may_retry_ = true;
   } catch (const WorkerFailure& failure) {
     if (Retries(failure)) return DoSolve(problem, options, result);
@@ -214,16 +215,16 @@ void ExternalSolver::SendStream() {
     throw WorkerFailure(How::kNotStarted, error.what());
   }
   if (has_stream_ || !RunsPasses()) return;
-  has_stream_ = Ask(MessageType::kStream, Encode(stream_, hello_.version), MessageType::kLoaded,
-                    options_.prepare_limit_s, TakeAnswer);
+  has_stream_ = Exchange(MessageType::kStream, Encode(stream_, hello_.version), MessageType::kLoaded,
+                         options_.prepare_limit_s, TakeAnswer);
 }
 
 PassReply ExternalSolver::RunPass(const PassRequest& request, double limit_s) {
   try {
     SendStream();
     PassReply reply = RunsPasses()
-                          ? Ask(MessageType::kPass, Encode(request), MessageType::kPassReply, limit_s,
-                                [&](const Bytes& payload) { return DecodePassReply(payload, request, stream_); })
+                          ? Exchange(MessageType::kPass, Encode(request), MessageType::kPassReply, limit_s,
+                                     [&](const Bytes& payload) { return DecodePassReply(payload, request, stream_); })
                           : RunPassByProblems(request, limit_s);
     may_retry_ = true;
     return reply;
@@ -243,7 +244,7 @@ PassReply ExternalSolver::RunPassByProblems(const PassRequest& request, double l
   const double start = SteadyNow();
   const auto solve = [&](const LcpProblem& problem) {
     if (SteadyNow() - start > limit_s) throw WorkerFailure(How::kTimeLimit, "a pass by single solves took too long");
-    return AskForSolve(problem, options);
+    return RequestSolve(problem, options);
   };
   for (const std::uint32_t index : request.warm_up) solve(LcpProblem::FromArrays(stream_[index]));
   PassReply reply;

@@ -117,12 +117,12 @@ class ExternalSolver : public LcpSolver {
   Bytes Receive(MessageType expected, double limit_s);
   double WithGrace(double time_limit_s) const { return time_limit_s * (1 + options_.grace_factor) + options_.grace_s; }
   template <typename Decode>
-  auto Ask(MessageType type, const Bytes& payload, MessageType answer, double limit_s, Decode decode);
+  auto Exchange(MessageType type, const Bytes& payload, MessageType answer, double limit_s, Decode decode);
   void Load(const LcpProblem& problem, double time_limit_s);
   void SendStream();
   bool RunsPasses() const;
   bool Retries(const WorkerFailure& failure);
-  LcpResult AskForSolve(const LcpProblem& problem, const LcpOptions& options);
+  LcpResult RequestSolve(const LcpProblem& problem, const LcpOptions& options);
   PassReply RunPassByProblems(const PassRequest& request, double limit_s);
 
   ExternalSolverOptions options_;

@@ -48,7 +48,7 @@ LcpResult Ask(const LcpProblem& problem, const LcpOptions& options) {
   LcpResult result;
   result.f.setZero(problem.size());
   result.status = LcpStatus::kNumericalFailure;
-  AskExact(problem, options, Deadline(options), &result);
+  TryExact(problem, options, Deadline(options), &result);
   return result;
 }
 

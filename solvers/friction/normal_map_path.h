@@ -20,7 +20,7 @@ namespace lcpbench {
 ///
 /// Beyond a wall the derivative of N differs by a matrix of rank one, so that a crossing costs one solve by the factor
 /// of the sides, which is made anew after some crossings.  O(nnz of the factor + n crossings) each
-class ModePath {
+class NormalMapPath {
  public:
   /// How a path ended.
   enum class End {
@@ -89,8 +89,8 @@ class ModePath {
   Eigen::VectorXd center_, x_, phi_, gaps_, start_, direction_, column_;  // n or more
 };
 
-/// The solver `lemke` for problems that are not plain: ModePath::Cover with three d. Own limit 50 n + 1000 crossings a
-/// path; a secondary ray is kNumericalFailure, as it proves nothing.
+/// The solver `lemke` for problems that are not plain: NormalMapPath::Cover with three d. Own limit 50 n + 1000
+/// crossings a path; a secondary ray is kNumericalFailure, as it proves nothing.
 struct ModeLemkeOptions {};
 using ModeLemkeSolver = EngineSolver<ModeLemkeOptions, class ModeLemkeEngine>;
 extern template class EngineSolver<ModeLemkeOptions, ModeLemkeEngine>;

@@ -1,4 +1,4 @@
-#include "solvers/friction/mode_path.h"
+#include "solvers/friction/normal_map_path.h"
 
 #include <algorithm>
 #include <cmath>
@@ -36,7 +36,7 @@ double Draw(std::minstd_rand* random) { return static_cast<double>((*random)()) 
 
 }  // namespace
 
-void ModePath::Reserve(Index max_rows) {
+void NormalMapPath::Reserve(Index max_rows) {
   factor_.Reserve(max_rows);
   for (Eigen::VectorXd* const numbers : {&center_, &x_, &phi_, &gaps_, &start_, &direction_, &column_}) {
     ContactRows::Lengthen(max_rows, numbers);
@@ -47,7 +47,7 @@ void ModePath::Reserve(Index max_rows) {
   crossings_.reserve(kMostCrossings);
 }
 
-void ModePath::Start(const ContactRows& rows, double eps) {
+void NormalMapPath::Start(const ContactRows& rows, double eps) {
   Reserve(rows.size());
   eps_ = eps;
   friction_.assign(At(rows.size()), nullptr);
@@ -58,7 +58,7 @@ void ModePath::Start(const ContactRows& rows, double eps) {
 }
 
 // phi_ = P(x_) of the present sides.
-void ModePath::ForcesOf(const ContactRows& rows) {
+void NormalMapPath::ForcesOf(const ContactRows& rows) {
   const Laws laws = rows.laws();
   for (Index i = 0; i < rows.size(); ++i) phi_[i] = sides_[At(i)] == RangeSide::kInside ? x_[i] : 0;
   for (const FrictionRow& row : laws.friction) {
@@ -71,7 +71,7 @@ void ModePath::ForcesOf(const ContactRows& rows) {
   }
 }
 
-void ModePath::ComputeNormalMap(const ContactRows& rows, Eigen::VectorXd* value) {
+void NormalMapPath::ComputeNormalMap(const ContactRows& rows, Eigen::VectorXd* value) {
   ForcesOf(rows);
   rows.ComputeGaps(phi_, &gaps_);
   for (Index i = 0; i < rows.size(); ++i) {
@@ -80,7 +80,7 @@ void ModePath::ComputeNormalMap(const ContactRows& rows, Eigen::VectorXd* value)
 }
 
 // y -> N'^-1 y.
-void ModePath::Solve(const ContactRows& rows, Eigen::VectorXd* y) {
+void NormalMapPath::Solve(const ContactRows& rows, Eigen::VectorXd* y) {
   const Index n = rows.size();
   factor_.SolveEquations(rows, *y, &phi_);
   rows.Multiply(phi_, &gaps_);
@@ -94,7 +94,7 @@ void ModePath::Solve(const ContactRows& rows, Eigen::VectorXd* y) {
 }
 
 // The factor of the present sides; by it, x_ is brought back to the path at z, and the direction is found.
-bool ModePath::Factorize(const ContactRows& rows, double z) {
+bool NormalMapPath::Factorize(const ContactRows& rows, double z) {
   const Index n = rows.size();
   crossings_.clear();
   if (!factor_.Factorize(rows, sides_, eps_)) return false;
@@ -109,7 +109,7 @@ bool ModePath::Factorize(const ContactRows& rows, double z) {
 
 // Calls test(row, next, value, rate) for every wall of the present sides: `value` is >= 0 inside, and 0 at the wall.
 template <typename Test>
-void ModePath::VisitWalls(const ContactRows& rows, const Test& test) const {
+void NormalMapPath::VisitWalls(const ContactRows& rows, const Test& test) const {
   const Laws laws = rows.laws();
   const FrictionRow* const end = laws.friction.data() + laws.friction.size();
   for (const Index i : laws.normals) {
@@ -144,7 +144,7 @@ void ModePath::VisitWalls(const ContactRows& rows, const Test& test) const {
   }
 }
 
-ModePath::Wall ModePath::FirstWall(const ContactRows& rows, double sign) const {
+NormalMapPath::Wall NormalMapPath::FirstWall(const ContactRows& rows, double sign) const {
   Wall first{.step = kInfinity};
   VisitWalls(rows, [&](Index row, RangeSide next, double value, double rate) {
     rate *= sign;
@@ -155,13 +155,13 @@ ModePath::Wall ModePath::FirstWall(const ContactRows& rows, double sign) const {
 }
 
 // column_ += factor (A + eps - 1) e_row
-void ModePath::AddColumn(const ContactRows& rows, Index row, double factor) {
+void NormalMapPath::AddColumn(const ContactRows& rows, Index row, double factor) {
   rows.VisitRow(row, [&](Index j, double a) { column_[j] += factor * a; });
   column_[row] += factor * (eps_ - 1);
 }
 
 // Changes the sides; column_: p.
-ModePath::Crossing ModePath::Jump(const ContactRows& rows, const Wall& wall) {
+NormalMapPath::Crossing NormalMapPath::Jump(const ContactRows& rows, const Wall& wall) {
   column_.head(rows.size()).setZero();
   RangeSide& side = sides_[At(wall.row)];
   const RangeSide before = std::exchange(side, wall.next);
@@ -181,7 +181,7 @@ ModePath::Crossing ModePath::Jump(const ContactRows& rows, const Wall& wall) {
 }
 
 // *sign: of dz along the path, which turns where the determinant changes its sign.
-bool ModePath::Cross(const ContactRows& rows, const Wall& wall, double* sign) {
+bool NormalMapPath::Cross(const ContactRows& rows, const Wall& wall, double* sign) {
   const Index n = rows.size();
   Crossing crossing = Jump(rows, wall);
   Solve(rows, &column_);
@@ -195,8 +195,8 @@ bool ModePath::Cross(const ContactRows& rows, const Wall& wall, double* sign) {
 }
 
 // From x_ on the path at z, of whose sides the factor is. *phi: forces at the end, where it is reached.
-ModePath::End ModePath::FollowFrom(const ContactRows& rows, double z, int most_crossings, Eigen::VectorXd* phi,
-                                   FrictionAnswer* answer) {
+NormalMapPath::End NormalMapPath::FollowFrom(const ContactRows& rows, double z, int most_crossings,
+                                             Eigen::VectorXd* phi, FrictionAnswer* answer) {
   const Index n = rows.size();
   const double vanished = kVanished * z;
   double sign = -1;
@@ -222,8 +222,8 @@ ModePath::End ModePath::FollowFrom(const ContactRows& rows, double z, int most_c
 }
 
 // From *phi, the center, to the answer about it.
-ModePath::End ModePath::FollowToCenter(const ContactRows& rows, double eps, int most_crossings, Eigen::VectorXd* phi,
-                                       FrictionAnswer* answer) {
+NormalMapPath::End NormalMapPath::FollowToCenter(const ContactRows& rows, double eps, int most_crossings,
+                                                 Eigen::VectorXd* phi, FrictionAnswer* answer) {
   const Index n = rows.size();
   Start(rows, eps);
   center_.head(n) = phi->head(n);
@@ -234,15 +234,15 @@ ModePath::End ModePath::FollowToCenter(const ContactRows& rows, double eps, int 
   return Factorize(rows, 1) ? FollowFrom(rows, 1, most_crossings, phi, answer) : End::kSingular;
 }
 
-bool ModePath::ApproachByNewton(const ContactRows& rows, ModeSteps* newton, Eigen::VectorXd* phi,
-                                FrictionAnswer* answer) {
+bool NormalMapPath::ApproachByNewton(const ContactRows& rows, ModeSteps* newton, Eigen::VectorXd* phi,
+                                     FrictionAnswer* answer) {
   constexpr int kFirstSweeps = 20, kSweeps = 50, kPoints = 100;
   return newton->Sweep(rows, kFirstSweeps, phi, answer) || newton->Run(rows, {.sweeps = kSweeps}, phi, answer) ||
          Approach(rows, kPoints, newton, phi, answer);
 }
 
-bool ModePath::Approach(const ContactRows& rows, int points, ModeSteps* newton, Eigen::VectorXd* phi,
-                        FrictionAnswer* answer) {
+bool NormalMapPath::Approach(const ContactRows& rows, int points, ModeSteps* newton, Eigen::VectorXd* phi,
+                             FrictionAnswer* answer) {
   const int most = std::max(kMostOfPath, static_cast<int>(kMostPerRow * static_cast<double>(rows.size())));
   double eps = kFirstEps;
   for (int point = 0; point < points && !answer->IsOver(); ++point) {
@@ -263,7 +263,7 @@ bool ModePath::Approach(const ContactRows& rows, int points, ModeSteps* newton, 
 }
 
 // start_ = -d, and the sides at large z: contacts open, bounded rows at a bound, joints inside, d = 0 there.
-void ModePath::DrawCover(const ContactRows& rows, unsigned seed) {
+void NormalMapPath::DrawCover(const ContactRows& rows, unsigned seed) {
   std::minstd_rand random(seed + 1);
   const Laws laws = rows.laws();
   start_.head(rows.size()).setZero();
@@ -286,8 +286,8 @@ void ModePath::DrawCover(const ContactRows& rows, unsigned seed) {
   }
 }
 
-ModePath::End ModePath::FollowCover(const ContactRows& rows, unsigned seed, double eps, Eigen::VectorXd* phi,
-                                    FrictionAnswer* answer) {
+NormalMapPath::End NormalMapPath::FollowCover(const ContactRows& rows, unsigned seed, double eps, Eigen::VectorXd* phi,
+                                              FrictionAnswer* answer) {
   const Index n = rows.size();
   Start(rows, eps);
   DrawCover(rows, seed);
@@ -309,8 +309,8 @@ ModePath::End ModePath::FollowCover(const ContactRows& rows, unsigned seed, doub
   return end;
 }
 
-bool ModePath::Cover(const ContactRows& rows, unsigned seeds, ModeSteps* newton, Eigen::VectorXd* phi,
-                     FrictionAnswer* answer) {
+bool NormalMapPath::Cover(const ContactRows& rows, unsigned seeds, ModeSteps* newton, Eigen::VectorXd* phi,
+                          FrictionAnswer* answer) {
   constexpr ModeSteps::Limits kAfterwards{.steps = 15, .eps = 1e-8};
   for (const double eps : {0.0, 1e-7, 1e-10}) {
     for (unsigned seed = 0; seed < seeds && !answer->IsOver(); ++seed) {
@@ -346,7 +346,7 @@ class ModeLemkeEngine {
 
  private:
   ContactRows rows_;
-  ModePath path_;
+  NormalMapPath path_;
   ModeSteps newton_;
   Eigen::VectorXd phi_;
 };
