@@ -12,9 +12,9 @@
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/measure/reference_solves.h"
 #include "solvers/exact/bounded_reference.h"
-#include "solvers/exact/enumeration.h"
-#include "solvers/exact/exact_lcp.h"
-#include "solvers/exact/modes/mode_search.h"
+#include "solvers/exact/modes/certificate.h"
+#include "solvers/exact/modes/enumeration.h"
+#include "solvers/exact/modes/mode_proof.h"
 #include "solvers/io/gzip_file.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
@@ -100,62 +100,41 @@ void WriteInfeasible(const LcpProblem& problem, const std::optional<Eigen::Vecto
 
 std::optional<Eigen::VectorXd> Solve(const LcpProblem& problem, const ExamineOptions& options);
 
-// Proves the answer of a problem with friction or bounded rows, of many rows where its modes show in doubles. Its
-// w counts as that of every solution only where all modes say so.
-bool CertifyModes(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
-  ModeOptions modes;
-  modes.time_limit_s = options.time_limit_s;
-  modes.guesses = [&] {
+// True where an answer is proved; then it is written into `examined`. With friction or bounded rows, w counts as that
+// of every solution only where all modes say so.
+bool CertifyInto(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
+  CertifyOptions certify = FromSolvers(problem, options.time_limit_s);
+  certify.modes.guesses = [&] {
     const std::optional<Eigen::VectorXd> f = Solve(problem, options);
     if (!f) return std::vector<std::string>();
     return std::vector{ProveModes(problem, *f).modes, ModesOf(problem, *f)};
   };
-  modes.follows_path = problem.size() <= options.path_up_to;
-  const ExactLcp exact = ExactFrom(problem);
-  const ModeAnswer answer = SolveByModes(exact, modes);
-  ReferenceSummary& reference = examined->entry.reference;
-  switch (answer.status) {
-    case LcpReference::Status::kSolved:
-      if (!FindFaultOfModes(exact, answer.modes, answer.f).empty()) return false;
-      WriteSolved(problem, ToDoubles(answer.f), ToDoubles(answer.w), answer.f_unique, answer.w_unique.value_or(false),
-                  "f", examined);
-      reference.detail = "modes " + answer.modes;
-      if (answer.pieces.size() > 1) reference.detail += ", of " + std::to_string(answer.pieces.size()) + " pieces";
-      return true;
-    case LcpReference::Status::kInfeasible: {
-      std::optional<Eigen::VectorXd> ray;
-      if (!answer.ray.empty()) ray = ToDoubles(answer.ray);
-      WriteInfeasible(problem, ray, examined);
-      reference.detail = ray ? "by a ray of normal forces" : "by all modes";
-      return true;
-    }
-    case LcpReference::Status::kUnknown:
-      reference.detail = answer.detail;
-  }
-  return false;
-}
-
-// True where one is known; then it is written into `examined`.
-bool Certify(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
-  if (!problem.is_plain()) return CertifyModes(problem, options, examined);
-  ExactOptions exact_options;
-  exact_options.time_limit_s = options.time_limit_s;
-  exact_options.guess = GuessBySolvers;
+  certify.modes.follows_path = problem.size() <= options.path_up_to;
   ExactLcp exact = ExactFrom(problem);
   exact.has_factors = exact.has_factors || problem.facts().positive_semidefinite;  // as a formula's problem has it
-  const ExactAnswer answer = SolveExactly(exact, exact_options);
-  const bool solved = answer.status == ExactAnswer::Status::kSolved;
-  const bool infeasible = answer.status == ExactAnswer::Status::kInfeasible;
-  if (!(solved || infeasible) || !FindFault(exact, answer).empty()) return false;
-  if (infeasible) {
-    WriteInfeasible(problem, ToDoubles(answer.ray), examined);
+  const Certificate answer = Certify(exact, certify);
+  const bool is_plain = problem.is_plain(), is_infeasible = !answer.is_solved(), has_ray = !answer.ray.empty();
+  ReferenceSummary& reference = examined->entry.reference;
+  if (!answer.certified) {
+    if (!is_plain) reference.detail = answer.detail;
+    return false;
+  }
+  if (is_infeasible) {
+    WriteInfeasible(problem, has_ray ? std::optional(ToDoubles(answer.ray)) : std::nullopt, examined);
+    if (!is_plain) reference.detail = has_ray ? "by a ray of normal forces" : "by all modes";
     return true;
   }
-  const bool least_norm = !answer.f_least_norm.empty();
-  WriteSolved(problem, ToDoubles(least_norm ? answer.f_least_norm : answer.f), ToDoubles(answer.w), answer.f_unique, {},
-              least_norm ? "f_minnorm" : "f", examined);
-  examined->entry.reference.nullity_on_active = answer.nullity_on_active;
-  if (!least_norm) examined->entry.reference.detail = answer.detail;
+  const bool has_least_norm = !answer.f_least_norm.empty();
+  const std::optional<bool> w_unique = is_plain ? std::nullopt : std::optional(answer.w_unique.value_or(false));
+  WriteSolved(problem, ToDoubles(has_least_norm ? answer.f_least_norm : answer.f), ToDoubles(answer.w), answer.f_unique,
+              w_unique, has_least_norm ? "f_minnorm" : "f", examined);
+  if (is_plain) {
+    reference.nullity_on_active = answer.nullity_on_active;
+    if (!has_least_norm) reference.detail = answer.detail;
+    return true;
+  }
+  reference.detail = "modes " + answer.modes;
+  if (answer.pieces.size() > 1) reference.detail += ", of " + std::to_string(answer.pieces.size()) + " pieces";
   return true;
 }
 
@@ -191,7 +170,7 @@ void Enumerate(const LcpProblem& problem, const ExamineOptions& options, Examine
     MakeSolver(key)->Solve(problem, lcp, &result);
     guesses.push_back(std::move(result.f));
   }
-  const EnumeratedAnswer answer = SolveByEnumeration(problem, guesses);
+  const ModeAnswer answer = SolveByEnumeration(problem, guesses);
   ReferenceSummary& reference = examined->entry.reference;
   switch (answer.status) {
     case LcpReference::Status::kSolved: {
@@ -355,7 +334,7 @@ Examined Examine(const LcpProblem& problem, const ExamineOptions& options,
     return examined;
   }
   const bool is_symmetric = problem.Asymmetry() == 0;
-  if (is_symmetric && problem.size() <= options.exact_up_to && Certify(problem, options, &examined)) {
+  if (is_symmetric && problem.size() <= options.exact_up_to && CertifyInto(problem, options, &examined)) {
     const bool is_infeasible = examined.entry.reference.status == "infeasible";
     if (is_infeasible && problem.is_plain()) LookNearby(problem, options, &examined);
     return examined;

@@ -9,9 +9,8 @@
 #include "benchmarks/command/options.h"
 #include "benchmarks/measure/reference_solves.h"
 #include "solvers/exact/bounded_reference.h"
-#include "solvers/exact/exact_lcp.h"
 #include "solvers/exact/exact_solver.h"
-#include "solvers/exact/modes/mode_search.h"
+#include "solvers/exact/modes/certificate.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/solver.h"
 #include "support/input_error.h"
@@ -26,7 +25,7 @@ Json OrNull(const std::optional<Value>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-struct Certify {
+struct CertifyFiles {
   double time_limit_s = 3600;
   Index most_rows_of_proofs = ExactOptions{}.most_rows_of_proofs;
   Index most_exact_rows = 400;
@@ -63,7 +62,7 @@ struct Certify {
       const LcpProblem& problem = record.problem;
       const auto solve = [&] {
         const ExactLcp given = as_written ? ParseExactLcp(line, where) : ExactFrom(problem);
-        return problem.is_plain() ? Solve(given) : SolveModes(given, problem);
+        return Solve(given, problem);
       };
       const Json answer = exact ? solve() : problem.is_plain() ? Bound(problem) : BoundModes(problem);
       std::cout << answer.dump() << std::endl;
@@ -72,80 +71,53 @@ struct Certify {
   }
 
  private:
-  Json Solve(const ExactLcp& problem) const {
-    ExactOptions options;
-    options.time_limit_s = time_limit_s;
-    options.most_rows_of_proofs = most_rows_of_proofs;
-    options.guess = GuessBySolvers;
+  Json Solve(const ExactLcp& problem, const LcpProblem& rounded_problem) const {
+    CertifyOptions options = FromSolvers(rounded_problem, time_limit_s);
+    options.plain.most_rows_of_proofs = most_rows_of_proofs;
+    options.modes.most_modes = most_modes;
     const double start = SteadyNow();
-    const ExactAnswer answer = SolveExactly(problem, options);
-    const std::string fault = FindFault(problem, answer);
+    const Certificate answer = Certify(problem, options);
     const double time_s = SteadyNow() - start;
-    const bool solved = answer.status == ExactAnswer::Status::kSolved;
-    Json record = {{"id", problem.id},
-                   {"n", problem.size},
-                   {"status", ToString(answer.status)},
-                   {"certified", fault.empty() && (solved || answer.status == ExactAnswer::Status::kInfeasible)}};
-    if (!fault.empty()) record["fault"] = fault;
-    record["rank_A"] = answer.rank;
-    record["rank_is_proved"] = answer.rank_is_proved;
-    if (solved) {
-      record["nullity_on_active"] = answer.nullity_on_active;
+    const bool is_plain = problem.is_plain();
+    Json record = {{"id", problem.id}, {"n", problem.size}, {"status", answer.status}, {"certified", answer.certified}};
+    if (!is_plain) record["complete"] = answer.complete;
+    if (!answer.fault.empty()) record["fault"] = answer.fault;
+    if (is_plain) record.update({{"rank_A", *answer.rank}, {"rank_is_proved", answer.rank_is_proved}});
+    if (answer.is_solved()) {
+      const bool has_least_norm = !answer.f_least_norm.empty() || answer.f.empty();
+      if (is_plain) {
+        record["nullity_on_active"] = answer.nullity_on_active;
+        record["degenerate"] = has_least_norm ? Json(answer.degenerate) : Json(nullptr);
+      } else {
+        record.update({{"proof", "modes"}, {"modes", answer.modes}, {"w_unique", OrNull(answer.w_unique)}});
+      }
       record["f_unique"] = OrNull(answer.f_unique);
-      const bool has_least_norm = answer.f_least_norm.size() == answer.f.size();
-      record["degenerate"] = has_least_norm ? Json(answer.degenerate) : Json(nullptr);
       Add("w", answer.w, &record);
       Add("f", answer.f, &record);
-      if (has_least_norm) Add("f_minnorm", answer.f_least_norm, &record);
+      if (is_plain && has_least_norm) Add("f_minnorm", answer.f_least_norm, &record);
     }
-    if (answer.status == ExactAnswer::Status::kInfeasible) Add("ray", answer.ray, &record);
-    record.update({{"exact_solves", answer.pivots}, {"time_s", time_s}, {"detail", answer.detail}});
+    if (!is_plain && answer.complete) {
+      if (answer.is_solved()) {
+        record.update({{"components", answer.components}, {"pieces", PiecesOf(answer)}});
+      } else {
+        record["infeasible_by"] = answer.ray.empty() ? "modes" : "normal-ray";
+      }
+    }
+    if (!answer.ray.empty()) Add("ray", answer.ray, &record);
+    record.update({{is_plain ? "exact_solves" : "tried", answer.steps}, {"time_s", time_s}, {"detail", answer.detail}});
     return record;
   }
 
-  // A problem with friction or bounded rows.
-  Json SolveModes(const ExactLcp& problem, const LcpProblem& rounded_problem) const {
-    ModeOptions options;
-    options.most_modes = most_modes;
-    options.time_limit_s = time_limit_s;
-    options.guesses = [&] { return GuessModes(rounded_problem).modes; };
-    const double start = SteadyNow();
-    const ModeAnswer answer = SolveByModes(problem, options);
-    const bool solved = answer.status == LcpReference::Status::kSolved;
-    const std::string fault = solved ? FindFaultOfModes(problem, answer.modes, answer.f) : "";
-    const double time_s = SteadyNow() - start;
-    Json record = {{"id", problem.id},
-                   {"n", problem.size},
-                   {"status", solved            ? "solved"
-                              : answer.complete ? "infeasible"
-                                                : "unknown"},
-                   {"certified", fault.empty() && (solved || answer.complete)},
-                   {"complete", answer.complete}};
-    if (!fault.empty()) record["fault"] = fault;
-    if (solved) {
-      record["proof"] = "modes";
-      record["modes"] = answer.modes;
-      record["f_unique"] = OrNull(answer.f_unique);
-      record["w_unique"] = OrNull(answer.w_unique);
-      Add("w", answer.w, &record);
-      Add("f", answer.f, &record);
+  static Json PiecesOf(const Certificate& answer) {
+    Json pieces = Json::array();
+    for (const ModePiece& piece : answer.pieces) {
+      pieces.push_back({{"modes", piece.modes},
+                        {"dimension", piece.dimension},
+                        {"vertices", ExactList(piece.f.vertices)},
+                        {"rays", ExactList(piece.f.rays)},
+                        {"lines", ExactList(piece.f.lines)}});
     }
-    if (answer.complete && solved) {
-      record["components"] = answer.components;
-      record["pieces"] = Json::array();
-      for (const ModePiece& piece : answer.pieces) {
-        record["pieces"].push_back({{"modes", piece.modes},
-                                    {"dimension", piece.dimension},
-                                    {"vertices", ExactList(piece.f.vertices)},
-                                    {"rays", ExactList(piece.f.rays)},
-                                    {"lines", ExactList(piece.f.lines)}});
-      }
-    } else if (answer.complete) {
-      record["infeasible_by"] = answer.ray.empty() ? "modes" : "normal-ray";
-      if (!answer.ray.empty()) Add("ray", answer.ray, &record);
-    }
-    record.update({{"tried", answer.tried}, {"time_s", time_s}, {"detail", answer.detail}});
-    return record;
+    return pieces;
   }
 
   static Json ExactList(const std::vector<RationalVector>& points) {
@@ -221,7 +193,7 @@ struct Certify {
 }  // namespace
 
 void AddCertifyCommand(CLI::App& app, CommandRun& run) {
-  AddCommand<Certify>(app, run, "certify", "Solves LCPs exactly, in rational numbers, with proofs");
+  AddCommand<CertifyFiles>(app, run, "certify", "Solves LCPs exactly, in rational numbers, with proofs");
 }
 
 }  // namespace lcpbench

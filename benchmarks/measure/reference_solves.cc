@@ -68,6 +68,14 @@ ModeGuess GuessModes(const LcpProblem& problem) {
   return guess;
 }
 
+CertifyOptions FromSolvers(const LcpProblem& problem, double time_limit_s) {
+  CertifyOptions options;
+  options.plain.guess = GuessBySolvers;
+  options.modes.guesses = [&problem] { return GuessModes(problem).modes; };
+  options.plain.time_limit_s = options.modes.time_limit_s = time_limit_s;
+  return options;
+}
+
 std::optional<bool> IsOnlyAnswer(const LcpProblem& problem, const Eigen::VectorXd& f, double tolerance) {
   constexpr Index kMostRows = 300;
   constexpr double kClearly = 1e-3;

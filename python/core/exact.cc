@@ -12,75 +12,22 @@
 #include "python/core/long_work.h"
 #include "python/core/pickle.h"
 #include "python/core/problem.h"
-#include "solvers/exact/exact_lcp.h"
-#include "solvers/exact/modes/mode_search.h"
+#include "solvers/exact/modes/certificate.h"
 #include "support/number_text.h"
 
 namespace lcpbench::python {
 namespace {
 
-// What is proved; of problems with friction and bounded rows by their modes.
-struct Certificate {
-  std::string status, detail, modes;
-  bool certified = false;
-  bool complete = false;  // every solution is known of
-  std::vector<Rational> f, w, f_least_norm, ray;
-  std::optional<bool> f_unique, w_unique;
-  std::optional<Index> rank;
-};
+// In this namespace, as pickle.h finds Parts by the type.
+struct Certificate : lcpbench::Certificate {};
 
 template <typename Io>
 void Parts(Io& io, Certificate& c) {
-  State(io, c.status, c.detail, c.modes, c.certified, c.complete, c.f, c.w, c.f_least_norm, c.ray, c.f_unique,
+  State(io, c.status, c.fault, c.detail, c.modes, c.certified, c.complete, c.f, c.w, c.f_least_norm, c.ray, c.f_unique,
         c.w_unique, c.rank);
 }
 
-Certificate Plain(const LcpProblem& problem, double time_limit_s) {
-  ExactOptions options;
-  options.time_limit_s = time_limit_s;
-  options.guess = GuessBySolvers;
-  const ExactLcp exact = ExactFrom(problem);
-  ExactAnswer answer = SolveExactly(exact, options);
-  Certificate certificate;
-  const bool solved = answer.status == ExactAnswer::Status::kSolved;
-  const std::string fault = FindFault(exact, answer);
-  certificate.status = ToString(answer.status);
-  certificate.certified = fault.empty() && (solved || answer.status == ExactAnswer::Status::kInfeasible);
-  certificate.complete = certificate.certified;
-  certificate.detail = fault.empty() ? answer.detail : fault;
-  certificate.f = std::move(answer.f);
-  certificate.w = std::move(answer.w);
-  certificate.f_least_norm = std::move(answer.f_least_norm);
-  certificate.ray = std::move(answer.ray);
-  certificate.f_unique = answer.f_unique;
-  if (solved) certificate.w_unique = true;
-  certificate.rank = answer.rank;
-  return certificate;
-}
-
-Certificate ByModes(const LcpProblem& problem, double time_limit_s) {
-  ModeOptions options;
-  options.time_limit_s = time_limit_s;
-  options.guesses = [&] { return GuessModes(problem).modes; };
-  const ExactLcp exact = ExactFrom(problem);
-  ModeAnswer answer = SolveByModes(exact, options);
-  Certificate certificate;
-  const bool solved = answer.status == LcpReference::Status::kSolved;
-  const std::string fault = solved ? FindFaultOfModes(exact, answer.modes, answer.f) : "";
-  certificate.status = solved ? "solved" : answer.complete ? "infeasible" : "unknown";
-  certificate.certified = fault.empty() && (solved || answer.complete);
-  certificate.complete = answer.complete;
-  certificate.detail = fault.empty() ? answer.detail : fault;
-  certificate.modes = answer.modes;
-  certificate.f = std::move(answer.f);
-  certificate.w = std::move(answer.w);
-  certificate.ray = std::move(answer.ray);
-  certificate.f_unique = answer.f_unique;
-  certificate.w_unique = answer.w_unique;
-  return certificate;
-}
-
-Certificate Certify(const LcpProblem& given, nb::handle time_limit, nb::handle symmetrize) {
+Certificate CertifyProblem(const LcpProblem& given, nb::handle time_limit, nb::handle symmetrize) {
   const double time_limit_s = ReadNumber(time_limit, "time_limit", ExactOptions().time_limit_s);
   if (!(time_limit_s > 0)) Refuse("time_limit", "is " + std::to_string(time_limit_s) + ", expected a number > 0");
   const double most_asymmetry = ReadSymmetrize(symmetrize);
@@ -90,12 +37,12 @@ Certificate Certify(const LcpProblem& given, nb::handle time_limit, nb::handle s
       Refuse("problem", "A has an asymmetry of " + FormatNumber(problem.Asymmetry(), "%.3g") +
                             ", expected a symmetric matrix; symmetrize= makes a small one 0");
     }
-    return problem.is_plain() ? Plain(problem, time_limit_s) : ByModes(problem, time_limit_s);
+    return Certificate{Certify(ExactFrom(problem), FromSolvers(problem, time_limit_s))};
   });
 }
 
 // A list of fractions.Fraction; None where there is nothing.
-template <std::vector<Rational> Certificate::*member>
+template <RationalVector lcpbench::Certificate::*member>
 nb::object Fractions(const Certificate& certificate) {
   if ((certificate.*member).empty()) return nb::none();
   const nb::object fraction = nb::module_::import_("fractions").attr("Fraction");
@@ -127,12 +74,14 @@ void BindExact(nb::module_& module) {
       .def_ro("modes", &Certificate::modes,
               "Of f, a character a row, where there are friction or bounded rows: open O or o, closed C, stick S, "
               "slip + or -, sliding k, joint B.")
-      .def_ro("detail", &Certificate::detail, "What is not known, and why.")
+      .def_prop_ro(
+          "detail", [](const Certificate& c) { return c.fault.empty() ? c.detail : c.fault; },
+          "What is not known, and why.")
       .def("__repr__", [](const Certificate& c) {
         return "Certificate(status='" + c.status + "', certified=" + (c.certified ? "True)" : "False)");
       });
   MakePicklable<Certificate>(module.attr("Certificate"), [] { return Certificate(); });
-  module.def("certify", &Certify, nb::arg("problem"), nb::kw_only(), nb::arg("time_limit") = nb::none(),
+  module.def("certify", &CertifyProblem, nb::arg("problem"), nb::kw_only(), nb::arg("time_limit") = nb::none(),
              nb::arg("symmetrize") = nb::none(),
              nb::sig("def certify(problem: Problem, *, time_limit: float | None = None, symmetrize: float | None = "
                      "None) -> Certificate"),

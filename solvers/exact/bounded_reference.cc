@@ -236,24 +236,6 @@ void RequireBounded(const LcpProblem& problem) {
   }
 }
 
-const BigInteger& Diagonal(const DyadicLcp& lcp, Index i, const BigInteger& one) {
-  return lcp.diagonal(i) > 0 ? lcp.diagonal(i) : one;
-}
-
-// |D^-1/2 d|_2 for d in units of 2^-bits.
-double ScaledNorm(const DyadicLcp& lcp, const std::vector<BigInteger>& d, long bits) {
-  const BigInteger one = Scaled(1, lcp.matrix_bits());
-  UpperBound sum(0.0);
-  for (size_t i = 0; i < d.size(); ++i) {
-    if (d[i] == 0) continue;
-    UpperBound square(d[i] * d[i], 2 * bits);
-    square.DivideBy(Diagonal(lcp, static_cast<Index>(i), one), lcp.matrix_bits());
-    sum += square;
-  }
-  sum.TakeRoot();
-  return sum.ToDouble();
-}
-
 // One RefineReference.
 class Refinement {
  public:
@@ -367,7 +349,7 @@ class Refinement {
     double least = std::numeric_limits<double>::infinity();
     for (int patience = kPatience; patience > 0 && !deadline_.Expired(); --patience) {
       Evaluate();
-      const double shift = ScaledNorm(lcp_, Shift(), gap_bits());
+      const double shift = lcp_.ScaledNorm(Shift(), gap_bits());
       if (shift * kLeastGain <= least) patience = kPatience;
       if (shift < least) {
         least = shift;
@@ -522,7 +504,7 @@ class Refinement {
 
   void ProveNearby() {
     reference_.proof = BoundedReference::Proof::kNearbyProblem;
-    reference_.energy_shift = ScaledNorm(lcp_, Shift(), gap_bits());
+    reference_.energy_shift = lcp_.ScaledNorm(Shift(), gap_bits());
     SetGaps([this](Index i) { return KeepsGap(i); });
   }
 

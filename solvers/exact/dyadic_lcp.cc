@@ -99,6 +99,19 @@ void DyadicLcp::ComputeGaps(const std::vector<BigInteger>& f, long force_bits, s
   }
 }
 
+double DyadicLcp::ScaledNorm(const std::vector<BigInteger>& d, long bits) const {
+  const BigInteger one = Scaled(1, matrix_bits_);
+  UpperBound sum(0.0);
+  for (size_t i = 0; i < d.size(); ++i) {
+    if (d[i] == 0) continue;
+    UpperBound square(d[i] * d[i], 2 * bits);
+    square.DivideBy(diagonal_[i] > 0 ? diagonal_[i] : one, matrix_bits_);
+    sum += square;
+  }
+  sum.TakeRoot();
+  return sum.ToDouble();
+}
+
 UpperBound::Float UpperBound::Converted(const BigInteger& number, long bits, mpfr_rnd_t rounding) {
   Float converted;
   mpfr_set_z_2exp(converted.backend().data(), number.backend().data(), -bits, rounding);

@@ -41,6 +41,9 @@ class DyadicLcp {
   /// O(nnz of the given form) products of integers, some 0.1 us each
   void ComputeGaps(const std::vector<BigInteger>& f, long force_bits, std::vector<BigInteger>* w) const;
 
+  /// |D^-1/2 d|_2 rounded up, D = diag A with 1 where that is 0, for d in units of 2^-bits.
+  double ScaledNorm(const std::vector<BigInteger>& d, long bits) const;
+
  private:
   const LcpProblem& problem_;
   const SparseMatrix& given_;        // J or A

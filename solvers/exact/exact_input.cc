@@ -1,8 +1,9 @@
+#include "solvers/exact/exact_input.h"
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "solvers/exact/exact_lcp.h"
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
 
@@ -91,10 +92,13 @@ void Multiply(const std::vector<Entry>& J, const std::vector<Rational>& inverse_
 
 void SetMatrix(const std::vector<Entry>& entries, ExactLcp* lcp) {
   for (const Entry& entry : entries) lcp->A[At(entry.row * lcp->size + entry.column)] += entry.value;
-  for (Index i = 0; i < lcp->size; ++i) {
+}
+
+void RequireSymmetric(const ExactLcp& lcp) {
+  for (Index i = 0; i < lcp.size; ++i) {
     for (Index j = 0; j < i; ++j) {
-      if (lcp->A[At(i * lcp->size + j)] == lcp->A[At(j * lcp->size + i)]) continue;
-      throw InputError(Named(lcp->id) + "A is not symmetric: entries (" + std::to_string(i) + ", " + std::to_string(j) +
+      if (lcp.A[At(i * lcp.size + j)] == lcp.A[At(j * lcp.size + i)]) continue;
+      throw InputError(Named(lcp.id) + "A is not symmetric: entries (" + std::to_string(i) + ", " + std::to_string(j) +
                        ") and (" + std::to_string(j) + ", " + std::to_string(i) +
                        ") differ; expected a symmetric positive semidefinite matrix, or J and invM");
     }
@@ -149,7 +153,7 @@ void ReadLaws(const Json& json, ExactLcp* lcp) {
 
 }  // namespace
 
-ExactLcp ExactFrom(const LcpProblem& problem) {
+ExactLcp ExactFromAny(const LcpProblem& problem) {
   ExactLcp lcp = Frame(problem);
   for (Index i = 0; i < lcp.size; ++i) lcp.b[At(i)] = Rational(problem.b()[i]);
   if (problem.has_factors()) {
@@ -159,6 +163,12 @@ ExactLcp ExactFrom(const LcpProblem& problem) {
   } else {
     SetMatrix(Entries(problem.SparseA()), &lcp);
   }
+  return lcp;
+}
+
+ExactLcp ExactFrom(const LcpProblem& problem) {
+  ExactLcp lcp = ExactFromAny(problem);
+  if (!lcp.has_factors) RequireSymmetric(lcp);
   return lcp;
 }
 
@@ -186,6 +196,7 @@ ExactLcp ParseExactLcp(std::string_view line, const std::string& where) {
     return lcp;
   }
   SetMatrix(Entries(matrix, lcp.size), &lcp);
+  RequireSymmetric(lcp);
   return lcp;
 }
 

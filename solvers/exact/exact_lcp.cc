@@ -2,179 +2,18 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <boost/multiprecision/eigen.hpp>
-#include <boost/multiprecision/mpfr.hpp>
 #include <cmath>
-#include <limits>
-#include <numeric>
 #include <optional>
 #include <vector>
 
 #include "solvers/exact/exact_pivoting.h"
 #include "solvers/exact/flint_matrix.h"
 #include "solvers/exact/least_norm.h"
+#include "solvers/exact/lemke_path.h"
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {
 namespace {
-
-// Active rows by Lemke's method in floating point of kGuessDigits digits.
-//
-// In doubles, rows that depend on others to rounding are all alike; in exact numbers only some of them can be active,
-// and which ones is decided at 1e-17 of the forces. More digits see that.
-struct LemkeGuess {
-  std::vector<char> active;   // unilateral rows with f > 0
-  std::vector<char> support;  // of a ray, where Lemke's method ends on one; else empty
-};
-
-constexpr int kGuessDigits = 60;
-
-using Float = boost::multiprecision::number<
-    boost::multiprecision::mpfr_float_backend<kGuessDigits, boost::multiprecision::allocate_stack>,
-    boost::multiprecision::et_off>;
-
-constexpr Index kMostPivotsPerRow = 20;
-
-Float ToFloat(const fmpz* integer) { return Float(ToInteger(integer)); }
-
-using Matrix = Eigen::Matrix<Float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-// basic = T nonbasic + q, q the last column; the variable of the column before it is the artificial one.
-struct Dictionary {
-  Matrix values;
-  std::vector<int> basic, nonbasic;
-
-  void Pivot(Index row, Index column) {
-    const Float inverse = 1 / values(row, column);
-    values.row(row) *= -inverse;
-    values(row, column) = inverse;
-    for (Index i = 0; i < values.rows(); ++i) {
-      const Float factor = values(i, column);
-      if (i == row || factor == 0) continue;
-      values(i, column) = 0;
-      values.row(i) += factor * values.row(row);
-    }
-    std::swap(basic[At(row)], nonbasic[At(column)]);
-  }
-};
-
-// Eliminates the rows of S from n on, which are joints' with their right-hand sides in the last column, the largest
-// diagonal first. False where that is not > 0, or the deadline has passed.
-bool EliminateJoints(Index n, const Deadline& deadline, Matrix* S) {
-  const Index all = S->rows();
-  std::vector<char> done(At(all - n), 0);
-  for (Index step = n; step < all; ++step) {
-    Index p = -1;
-    for (Index i = n; i < all; ++i) {
-      if (done[At(i - n)] == 0 && (p < 0 || (*S)(i, i) > (*S)(p, p))) p = i;
-    }
-    done[At(p - n)] = 1;
-    if (!((*S)(p, p) > 0) || deadline.Expired()) return false;
-    for (Index i = 0; i < all; ++i) {
-      if (i == p || (i >= n && done[At(i - n)] != 0)) continue;
-      const Float factor = (*S)(i, p) / (*S)(p, p);
-      if (factor == 0) continue;
-      S->row(i) -= factor * S->row(p);
-    }
-  }
-  return true;
-}
-
-// The row that leaves where that column comes in, -1 where none does. Of ratios q / -slope the smallest, and of equal
-// ones the artificial variable's, 2 n. Slopes above -tiny are none.
-Index LeavingRow(const Dictionary& dictionary, Index column, const Float& tiny) {
-  const Matrix& T = dictionary.values;
-  const Index n = T.rows();
-  Index row = -1;
-  for (Index i = 0; i < n; ++i) {
-    const Float& slope = T(i, column);
-    if (!(slope < -tiny)) continue;
-    if (row < 0) {
-      row = i;
-      continue;
-    }
-    const Float difference = T(row, n + 1) * slope - T(i, n + 1) * T(row, column);
-    if (difference < 0 || (difference == 0 && dictionary.basic[At(i)] == 2 * n)) row = i;
-  }
-  return row;
-}
-
-// @param bilateral_basis  independent bilateral rows, which are eliminated first
-// O(n^2) operations of some 0.1 us a pivot, about n to 2 n pivots. Nothing where it comes to no end, or
-// not by the deadline, which is looked at before every pivot.
-std::optional<LemkeGuess> GuessByLemke(const IntegerMatrix& A, const IntegerMatrix& b,
-                                       const std::vector<char>& bilateral, const std::vector<Index>& bilateral_basis,
-                                       const Deadline& deadline) {
-  const Index size = A.rows();
-  // Without their units: rows and columns by the root of the diagonal, b by its largest entry.
-  std::vector<Index> rows;
-  for (Index i = 0; i < size; ++i) {
-    if (bilateral[At(i)] == 0 && fmpz_sgn(A.at(i, i)) > 0) rows.push_back(i);
-  }
-  const auto n = static_cast<Index>(rows.size());
-  rows.insert(rows.end(), bilateral_basis.begin(), bilateral_basis.end());
-  const auto all = static_cast<Index>(rows.size());
-  std::vector<Float> root(At(all));
-  for (Index i = 0; i < all; ++i) root[At(i)] = sqrt(ToFloat(A.at(rows[At(i)], rows[At(i)])));
-
-  // Joints out of the way: block elimination of the last rows.
-  Matrix S(all, all + 1);
-  Float largest = 0;
-  for (Index i = 0; i < all; ++i) {
-    for (Index j = 0; j < all; ++j) S(i, j) = ToFloat(A.at(rows[At(i)], rows[At(j)])) / (root[At(i)] * root[At(j)]);
-    S(i, all) = ToFloat(b.at(rows[At(i)], 0)) / root[At(i)];
-    largest = std::max(largest, Float(abs(S(i, all))));
-  }
-  if (largest == 0) return LemkeGuess{std::vector<char>(At(size), 0), {}};
-  if (!EliminateJoints(n, deadline, &S)) return std::nullopt;
-
-  // Variables: w_i is i, f_i is n + i, the artificial one 2 n.
-  const Float tiny = pow(Float(10), -2 * kGuessDigits / 3);
-  Dictionary dictionary{Matrix(n, n + 2), std::vector<int>(At(n)), std::vector<int>(At(n + 1))};
-  Matrix& T = dictionary.values;
-  T.leftCols(n) = S.topLeftCorner(n, n);
-  T.col(n).setOnes();
-  const auto constant = [&T, n](Index i) -> const Float& { return T(i, n + 1); };
-  for (Index i = 0; i < n; ++i) T(i, n + 1) = S(i, all) / largest;
-  std::iota(dictionary.basic.begin(), dictionary.basic.end(), 0);
-  std::iota(dictionary.nonbasic.begin(), dictionary.nonbasic.end(), static_cast<int>(n));
-  Index row = -1;
-  for (Index i = 0; i < n; ++i) {
-    if (constant(i) < 0 && (row < 0 || constant(i) < constant(row))) row = i;
-  }
-  LemkeGuess guess{std::vector<char>(At(size), 0), {}};
-  if (row < 0) return guess;
-  Index column = n;
-  for (Index pivots = 0; pivots < kMostPivotsPerRow * (n + 1); ++pivots) {
-    if (deadline.Expired()) return std::nullopt;
-    const int left = dictionary.basic[At(row)];
-    dictionary.Pivot(row, column);
-    if (left == 2 * n) {
-      for (Index i = 0; i < n; ++i) {
-        const int variable = dictionary.basic[At(i)];
-        if (variable >= n && variable < 2 * n) guess.active[At(rows[At(variable - n)])] = 1;
-      }
-      return guess;
-    }
-    // The complement of what has left comes in.
-    const int entering = left < n ? left + static_cast<int>(n) : left - static_cast<int>(n);
-    column = 0;
-    while (dictionary.nonbasic[At(column)] != entering) ++column;
-    row = LeavingRow(dictionary, column, tiny);
-    if (row < 0) {
-      guess.support.assign(At(size), 0);
-      if (entering >= n) guess.support[At(rows[At(entering - n)])] = 1;
-      for (Index i = 0; i < n; ++i) {
-        const int variable = dictionary.basic[At(i)];
-        if (variable < n || variable >= 2 * n) continue;
-        if (T(i, column) > tiny) guess.support[At(rows[At(variable - n)])] = 1;
-      }
-      for (const Index joint : bilateral_basis) guess.support[At(joint)] = 1;
-      return guess;
-    }
-  }
-  return std::nullopt;
-}
 
 // Forces of a guess up to this part of the largest, both in D^1/2 f, are zero.
 constexpr double kGuessedZero = 1e-12;
@@ -254,11 +93,12 @@ class ExactSolve {
     const ExactPivoting::End end =
         pivoting->Run(start, deadline_, options_.guess ? kSolvesOfFirstGuess : kSolvesOfNoGuess);
     if (end != ExactPivoting::End::kSolveLimit) return end;
-    const std::vector<Index> joints = IndependentRows(A_, Marked(problem_.bilateral));
-    const std::optional<LemkeGuess> guess = GuessByLemke(A_, b_, problem_.bilateral, joints, deadline_);
-    if (!guess.has_value()) return pivoting->Run(start, deadline_);
-    if (any(guess->support) && pivoting->TryRay(guess->support)) return ExactPivoting::End::kRay;
-    return pivoting->Run(guess->active, deadline_);
+    const LemkeEnd lemke = FollowLemke(problem_, A_, b_, 0, deadline_);
+    if (lemke.kind == LemkeEnd::Kind::kLimit) return pivoting->Run(start, deadline_);
+    if (any(lemke.support) && pivoting->TryRay(lemke.support)) return ExactPivoting::End::kRay;
+    std::vector<char> active(lemke.modes.size());
+    std::ranges::transform(lemke.modes, active.begin(), [](char mode) { return mode == 'C' ? 1 : 0; });
+    return pivoting->Run(active, deadline_);
   }
 
   // The other rows are proved to depend on these by Schur complements of 0.

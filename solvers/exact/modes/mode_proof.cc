@@ -294,15 +294,7 @@ ModeProof ProveNearby(const LcpProblem& problem, const Eigen::VectorXd& start) {
     proof.modes[At(row.row)] = up ? '+' : down ? '-' : 'S';
     keep(row.row, up || down);
   }
-  const BigInteger one = Scaled(1, lcp.matrix_bits());
-  UpperBound sum(0.0);
-  for (Index i = 0; i < n; ++i) {
-    UpperBound square(w[At(i)] * w[At(i)], 2 * (lcp.matrix_bits() + bits));
-    square.DivideBy(lcp.diagonal(i) > 0 ? lcp.diagonal(i) : one, lcp.matrix_bits());
-    sum += square;
-  }
-  sum.TakeRoot();
-  proof.b_shift = sum.ToDouble();
+  proof.b_shift = lcp.ScaledNorm(w, lcp.matrix_bits() + bits);
   return proof;
 }
 

@@ -5,12 +5,15 @@
 #include <utility>
 
 #include "solvers/exact/flint_matrix.h"
-#include "solvers/exact/modes/mode_path.h"
+#include "solvers/exact/lemke_path.h"
 #include "solvers/exact/modes/mode_proof.h"
 #include "solvers/exact/modes/mode_system.h"
 
 namespace lcpbench {
 namespace {
+
+// Directions of Lemke's path that are tried in turn.
+constexpr unsigned kSeeds = 8;
 
 // Rows whose modes belong together, and the strings that they may have: a contact, a bounded row.
 struct ModeGroup {
@@ -83,7 +86,7 @@ bool Meets(const ExactLcp& problem, const std::vector<Law>& laws, const Rational
   });
 }
 
-// All solutions, mode by mode.
+// All solutions, mode by mode; or one.
 class ModeSearch {
  public:
   ModeSearch(const ExactLcp& problem, const ModeOptions& options)
@@ -108,6 +111,33 @@ class ModeSearch {
       return std::move(answer_);
     }
     Describe();
+    return std::move(answer_);
+  }
+
+  ModeAnswer FindOne(const ModeOptions& options) {
+    for (const std::string& modes : options.guesses ? options.guesses() : std::vector<std::string>{}) {
+      if (TakeModes(modes, true)) return std::move(answer_);
+    }
+    answer_.detail = "no guess has the modes of a solution";
+    if (!options.follows_path) return std::move(answer_);
+    std::vector<char> has_tangent(At(problem_.size), 0);
+    bool takes = problem_.bounded.empty();
+    for (const ExactFrictionRow& row : problem_.friction) {
+      takes = takes && row.slip == 0 && std::exchange(has_tangent[At(row.normal)], 1) == 0;
+    }
+    if (!takes) {
+      answer_.detail += ", and the path takes one friction row a contact, no sliding and no bounded rows";
+      return std::move(answer_);
+    }
+    for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+      const LemkeEnd end = FollowLemke(problem_, system_.A(), system_.b(), seed, deadline_);
+      answer_.tried += end.steps;
+      if (end.kind == LemkeEnd::Kind::kSolved && TakeModes(end.modes, false)) break;
+      answer_.detail = end.kind == LemkeEnd::Kind::kRay     ? "secondary ray"
+                       : end.kind == LemkeEnd::Kind::kLimit ? "out of time or steps"
+                                                            : "ties on every path";
+      if (end.kind == LemkeEnd::Kind::kLimit) break;
+    }
     return std::move(answer_);
   }
 
@@ -157,6 +187,24 @@ class ModeSearch {
     }
     std::erase_if(pieces_, [&](const Found& other) { return IsWithin(other.piece.f, laws); });
     pieces_.push_back({{modes, 0, std::move(f)}, std::move(laws), std::move(*space)});
+  }
+
+  // Takes modes where they have a solution; those of a guess where they have no other. A tangent with mu = 0 that is on
+  // a closed contact slips.
+  bool TakeModes(std::string modes, bool is_guess) {
+    std::optional<ModeSpace> space = system_.SpaceOf(modes);
+    if (!space || (is_guess && !space->f_directions.empty())) return false;
+    for (const ExactFrictionRow& row : problem_.friction) {
+      if (is_guess || row.mu != 0 || modes[At(row.normal)] != 'C') continue;
+      modes[At(row.row)] = space->w[At(row.row)] >= 0 ? '+' : '-';
+    }
+    if (!FindFaultOfModes(problem_, modes, space->f).empty()) return false;
+    answer_.status = LcpReference::Status::kSolved;
+    answer_.f = std::move(space->f);
+    answer_.w = std::move(space->w);
+    answer_.modes = std::move(modes);
+    answer_.detail.clear();
+    return true;
   }
 
   bool IsWithin(const Polyhedron& f, const std::vector<Law>& laws) const {
@@ -209,13 +257,16 @@ class ModeSearch {
     return !PointsOf(one.space, laws).is_empty();
   }
 
-  // A ray of ModeAnswer::ray; empty where there is none: A y = 0 on the rows that may be in it, by its extreme rays.
+  // A ray of ModeAnswer::ray; empty where there is none: A^T y = 0 on the rows that may be in it, by its extreme rays.
   RationalVector NormalRay() const {
     ExactLcp rays = problem_;
+    for (Index i = 0; i < rays.size; ++i) {
+      for (Index j = 0; j < i; ++j) std::swap(rays.A[At(i * rays.size + j)], rays.A[At(j * rays.size + i)]);
+    }
     rays.b.assign(rays.b.size(), 0);
     rays.friction.clear();
     rays.bounded.clear();
-    // As an LCP of closed rows, A y = 0 is its equation; rows that are not in it are held at 0 by bounds.
+    // As an LCP of closed rows, A^T y = 0 is its equation; rows that are not in it are held at 0 by bounds.
     std::string modes(At(problem_.size), 'C');
     std::vector<Law> signs;
     for (Index i = 0; i < problem_.size; ++i) {
@@ -271,7 +322,7 @@ class ModeSearch {
 ModeAnswer SolveByModes(const ExactLcp& problem, const ModeOptions& options) {
   ModeSearch search(problem, options);
   if (search.IsSmall(options.most_modes)) return search.Run();
-  return SolveAlongModes(problem, options);
+  return search.FindOne(options);
 }
 
 }  // namespace lcpbench

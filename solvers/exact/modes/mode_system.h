@@ -52,6 +52,10 @@ class ModeSystem {
   /// them modulo primes or by p-adic lifting [FLINT]
   std::optional<ModeSpace> SpaceOf(const std::string& modes) const;
 
+  /// Those of the problem in integers, each in units of its own.
+  const IntegerMatrix& A() const { return A_; }
+  const IntegerMatrix& b() const { return b_; }
+
  private:
   const ExactLcp& problem_;
   BigInteger matrix_unit_, load_unit_;

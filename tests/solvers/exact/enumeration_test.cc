@@ -1,4 +1,4 @@
-#include "solvers/exact/enumeration.h"
+#include "solvers/exact/modes/enumeration.h"
 
 #include <gtest/gtest.h>
 
@@ -24,20 +24,32 @@ LcpProblem Problem(const std::vector<std::vector<double>>& A, const std::vector<
 }
 
 TEST(Enumeration, KnowsWhatIsKnownOfSmallProblems) {
-  const EnumeratedAnswer none = SolveByEnumeration(Problem({{-1, 0}, {0, -1}}, {1, -1}), {});
+  const ModeAnswer none = SolveByEnumeration(Problem({{-1, 0}, {0, -1}}, {1, -1}), {});
   EXPECT_EQ(none.status, Status::kInfeasible);
-  const EnumeratedAnswer two = SolveByEnumeration(Problem({{1, 2}, {2, 1}}, {-1, -1}), {});
+  const ModeAnswer two = SolveByEnumeration(Problem({{1, 2}, {2, 1}}, {-1, -1}), {});
   EXPECT_EQ(two.status, Status::kSolved);
   EXPECT_EQ(two.f_unique, false);
-  const EnumeratedAnswer skew = SolveByEnumeration(Problem({{0, 1}, {-1, 0}}, {-1, 2}), {});
+  const ModeAnswer skew = SolveByEnumeration(Problem({{0, 1}, {-1, 0}}, {-1, 2}), {});
   EXPECT_EQ(skew.status, Status::kSolved);
   EXPECT_EQ(skew.f, (std::vector<Rational>{2, 1}));
-  const EnumeratedAnswer joint = SolveByEnumeration(Problem({{2, 1}, {1, 3}}, {4, 3}, {0}), {});
+  const ModeAnswer joint = SolveByEnumeration(Problem({{2, 1}, {1, 3}}, {4, 3}, {0}), {});
   EXPECT_EQ(joint.f, (std::vector<Rational>{-2, 0}));
   EXPECT_EQ(joint.w, (std::vector<Rational>{0, 1}));
-  // Without a solution, which a singular A_FF hides.
-  const EnumeratedAnswer unknown = SolveByEnumeration(Problem({{1, -1}, {-1, 1}}, {-1, -1}), {});
-  EXPECT_EQ(unknown.status, Status::kUnknown);
+  // Without a solution, on a singular A_FF: y.w = y.b < 0 for every f, by a ray with A^T y = 0.
+  const ModeAnswer singular = SolveByEnumeration(Problem({{1, -1}, {-2, 2}}, {-1, -1}), {});
+  EXPECT_EQ(singular.status, Status::kInfeasible);
+  EXPECT_EQ(singular.ray, (std::vector<Rational>{Rational(2, 3), Rational(1, 3)}));
+  // Several solutions on singular A_FF: f = (1 + t, t).
+  const ModeAnswer line = SolveByEnumeration(Problem({{1, -1}, {-1, 1}}, {-1, 1}), {});
+  EXPECT_EQ(line.status, Status::kSolved);
+  EXPECT_EQ(line.f_unique, false);
+  // Rows beyond those that are tried: a guess, or nothing.
+  const Index n = 16;
+  const LcpProblem many = LcpProblem::FromDense("", Eigen::MatrixXd::Identity(n, n), -Eigen::VectorXd::Ones(n));
+  EXPECT_EQ(SolveByEnumeration(many, {}).status, Status::kUnknown);
+  const ModeAnswer guessed = SolveByEnumeration(many, {Eigen::VectorXd::Ones(n)});
+  EXPECT_EQ(guessed.status, Status::kSolved);
+  EXPECT_FALSE(guessed.f_unique.has_value());
 }
 
 // On symmetric positive definite matrices the exact method is another way to the same, only, answer.
@@ -51,7 +63,7 @@ TEST(Enumeration, AgreesWithTheExactMethodAndNeverTrustsAGuess) {
     const Eigen::VectorXd b = Eigen::VectorXd::NullaryExpr(n, [&] { return entry(random); });
     const LcpProblem problem = LcpProblem::FromDense("", A, b);
     const Eigen::VectorXd guess = Eigen::VectorXd::NullaryExpr(n, [&] { return entry(random); });
-    const EnumeratedAnswer answer = SolveByEnumeration(problem, {guess});
+    const ModeAnswer answer = SolveByEnumeration(problem, {guess});
     const ExactAnswer exact = SolveExactly(ExactFrom(problem), {});
     ASSERT_EQ(answer.status, Status::kSolved);
     EXPECT_EQ(answer.f_unique, true);
