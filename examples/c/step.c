@@ -6,17 +6,16 @@ int main(void) {
   const int32_t body[] = {0, -1, 1, 0};
   const double J[] = {0, 1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0};
   const double b[] = {-9.81, 0}, inverse_mass[] = {1, 1, 2, 1, 1, 2};
-  lcpbench_step_rows rows;
+  const lcpbench_step_rows rows = {.size = sizeof rows, /* contacts only, in the plane */
+                                   .rows = 2,
+                                   .bodies = 2,
+                                   .body = body,
+                                   .J = J,
+                                   .b = b,
+                                   .inverse_mass = inverse_mass};
   lcpbench_step_answer answer;
   lcpbench_step* step = NULL;
   double f[2];
-  lcpbench_step_rows_init(&rows, sizeof rows); /* contacts only, in the plane */
-  rows.rows = 2;
-  rows.bodies = 2;
-  rows.body = body;
-  rows.J = J;
-  rows.b = b;
-  rows.inverse_mass = inverse_mass;
   if (lcpbench_step_create(NULL, &step) || lcpbench_step_reserve(step, 1000, 500) ||
       lcpbench_step_solve(step, &rows, NULL, f, NULL, &answer, sizeof answer)) {
     fprintf(stderr, "%s\n", lcpbench_last_error());

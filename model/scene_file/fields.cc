@@ -1,46 +1,26 @@
 #include "model/scene_file/fields.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "support/number_text.h"
 
 namespace lcpbench {
 
-double ReadNumber(const JsonField& field) {
+double ReadNumber(const JsonField& field, const Range& range) {
+  if (range.wider != nullptr) ReadNumber(field, *range.wider);
   const double number = field.Number();
-  if (!(std::abs(number) <= kLargestNumber)) field.Mismatch("a number within -1e30..1e30");
-  return number;
-}
-
-double ReadPositive(const JsonField& field) {
-  const double number = field.Number();
-  if (!(number >= 1 / kLargestNumber && number <= kLargestNumber)) {
-    field.Mismatch("a number > 0, within 1e-30..1e30");
-  }
-  return number;
-}
-
-double ReadNonNegative(const JsonField& field) {
-  const double number = field.Number();
-  if (!(number >= 0 && number <= kLargestNumber)) field.Mismatch("a number >= 0, at most 1e30");
+  if (!range.Holds(number)) field.Mismatch(range.text);
   return number;
 }
 
 Vec2 ReadVector(const JsonField& field) {
   const Vec2 vector = field.Pair<Vec2>();
-  if (!(std::abs(vector.x) <= kLargestNumber && std::abs(vector.y) <= kLargestNumber)) {
-    field.Fail("expected numbers within -1e30..1e30, found " + Text(vector));
-  }
+  if (!kAnyNumber.Holds(vector)) field.Fail("expected numbers within -1e30..1e30, found " + Text(vector));
   return vector;
 }
 
-double ReadNumber(const JsonField& object, const char* key, double otherwise) {
-  return object.Has(key) ? ReadNumber(object[key]) : otherwise;
-}
-
-Vec2 ReadVector(const JsonField& object, const char* key, Vec2 otherwise) {
-  return object.Has(key) ? ReadVector(object[key]) : otherwise;
+double ReadNumber(const JsonField& object, const char* key, double otherwise, const Range& range) {
+  return object.Has(key) ? ReadNumber(object[key], range) : otherwise;
 }
 
 void RequireName(const std::string& name, const JsonField& field) {

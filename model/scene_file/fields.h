@@ -2,10 +2,8 @@
 
 #include <initializer_list>
 #include <string>
-#include <utility>
 
-#include "model/contact/system.h"
-#include "model/motion/impact.h"
+#include "model/contact/body.h"
 #include "support/input_error.h"
 #include "support/json_field.h"
 
@@ -17,24 +15,27 @@ namespace lcpbench {
 /// products of a few of them stay within double's range.
 inline constexpr double kLargestNumber = 1e30;
 inline constexpr std::size_t kLongestName = 200;  ///< [bytes]
-/// A joint's "type".
-inline constexpr std::initializer_list<std::pair<const char*, ConstraintType>> kJointTypes = {
-    {"pin", ConstraintType::kPin},
-    {"path", ConstraintType::kPathJoint},
-    {"rod", ConstraintType::kRod},
-    {"rope", ConstraintType::kRope}};
-/// A motion's "impact_law".
-inline constexpr std::initializer_list<std::pair<const char*, ImpactLaw>> kImpactLaws = {
-    {"newton", ImpactLaw::kNewton}, {"poisson", ImpactLaw::kPoisson}};
 
-double ReadNumber(const JsonField& field);
-double ReadPositive(const JsonField& field);
-double ReadNonNegative(const JsonField& field);
+/// What a number may be.
+struct Range {
+  double least;
+  double most;
+  const char* text;              ///< what an error says of it
+  const Range* wider = nullptr;  ///< one whose error comes first
+  bool Holds(double value) const { return value >= least && value <= most; }
+  bool Holds(Vec2 p) const { return Holds(p.x) && Holds(p.y); }
+};
+inline constexpr Range kAnyNumber = {-kLargestNumber, kLargestNumber, "a number within -1e30..1e30"};
+inline constexpr Range kPositive = {1 / kLargestNumber, kLargestNumber, "a number > 0, within 1e-30..1e30"};
+inline constexpr Range kNonNegative = {0, kLargestNumber, "a number >= 0, at most 1e30"};
+inline constexpr Range kShare = {0, 1, "a number in 0..1"};
+inline constexpr Range kCoefficient = {0, kMostFriction, "a number in 0..1e6", &kNonNegative};
+
+double ReadNumber(const JsonField& field, const Range& range = kAnyNumber);
 Vec2 ReadVector(const JsonField& field);
 
 /// Member `key`, or the default where it is absent.
-double ReadNumber(const JsonField& object, const char* key, double otherwise);
-Vec2 ReadVector(const JsonField& object, const char* key, Vec2 otherwise);
+double ReadNumber(const JsonField& object, const char* key, double otherwise, const Range& range = kAnyNumber);
 
 /// A name that can stand in one line of text: 1..kLongestName bytes, no control characters.
 std::string ReadName(const JsonField& field);

@@ -19,19 +19,16 @@ constexpr double kFullTurn = 2 * std::numbers::pi;
 // How far a stated point may be from a stated curve, relative to the curve's size: as outlines may be open.
 constexpr double kOnCurve = 1e-9;
 
-enum class Turn { kLeft, kRight };
-
-Turn ReadTurn(const JsonField& object) {
-  return object["turns"].Choice<Turn>({{"left", Turn::kLeft}, {"right", Turn::kRight}});
+// Material lies on the left: inside a curve that turns left.
+Side ReadTurn(const JsonField& object) {
+  return object["turns"].Choice<Side>({{"left", Side::kConvex}, {"right", Side::kConcave}});
 }
 
-// Material lies on the left: inside a curve that turns left.
-Side SideOf(Turn turn) { return turn == Turn::kLeft ? Side::kConvex : Side::kConcave; }
-
-// From one angle to the other in the sense of the turn; from an angle to itself, all the way round.
-OutlinePiece Swept(OutlineCurve curve, double s_begin, double s_end, Turn turn) {
-  if (turn == Turn::kLeft && !(s_end > s_begin)) s_end += kFullTurn;
-  if (turn == Turn::kRight && !(s_end < s_begin)) s_end -= kFullTurn;
+// From one angle to the other in the sense that the curve turns; from an angle to itself, all the way round.
+template <class Curve>
+OutlinePiece Swept(const Curve& curve, double s_begin, double s_end) {
+  if (curve.side == Side::kConvex && !(s_end > s_begin)) s_end += kFullTurn;
+  if (curve.side == Side::kConcave && !(s_end < s_begin)) s_end -= kFullTurn;
   return {curve, s_begin, s_end};
 }
 
@@ -42,7 +39,7 @@ Vec2 Begin(const JsonField& edge, std::optional<Vec2> begin) {
 }
 
 // The centre of the circle of that radius through p and q, seen from an arc that turns and is the long one or not.
-Vec2 CenterThrough(const JsonField& edge, Vec2 p, Vec2 q, double radius, Turn turn, bool is_long) {
+Vec2 CenterThrough(const JsonField& edge, Vec2 p, Vec2 q, double radius, Side side, bool is_long) {
   const Vec2 half = 0.5 * (q - p);
   const double length = Norm(half);
   if (!(length > 0)) edge.Fail("zero-length edge: it ends where it begins, " + Text(p));
@@ -52,34 +49,29 @@ Vec2 CenterThrough(const JsonField& edge, Vec2 p, Vec2 q, double radius, Turn tu
     edge.Fail("the curve is too small to reach from " + Text(p) + " to " + Text(q));
   }
   const double height = std::sqrt(std::max(square, 0.0));
-  const bool center_on_left = (turn == Turn::kLeft) != is_long;
+  const bool center_on_left = (side == Side::kConvex) != is_long;
   return p + half + ((center_on_left ? height : -height) / length) * Perp(half);
 }
 
 bool ReadLong(const JsonField& edge) { return edge.Has("long") && edge["long"].Boolean(); }
 
-// The parameter range of a form that states the whole curve: s_begin and s_end, or all of it in the sense of "turns".
-struct Range {
-  double begin = 0;
-  double end = 0;
-  Side side = Side::kConvex;
-};
+DrawnEdge Whole(const OutlinePiece& piece) { return {piece, CurvePoint(piece.edge, piece.s_end)}; }
 
-Range ReadRange(const JsonField& edge) {
+// A form that states the whole curve, but for its side: from s_begin to s_end, or all of it in the sense of "turns".
+template <class Curve>
+DrawnEdge ReadRange(const JsonField& edge, Curve curve) {
   if (!edge.Has("s_begin") && !edge.Has("s_end")) {
-    const Turn turn = ReadTurn(edge);
-    return turn == Turn::kLeft ? Range{0, kFullTurn, SideOf(turn)} : Range{kFullTurn, 0, SideOf(turn)};
+    curve.side = ReadTurn(edge);
+    return Whole(curve.side == Side::kConvex ? OutlinePiece{curve, 0, kFullTurn} : OutlinePiece{curve, kFullTurn, 0});
   }
   const double begin = ReadNumber(edge["s_begin"]);
   const double end = ReadNumber(edge["s_end"]);
-  const Side side = begin < end ? Side::kConvex : Side::kConcave;
-  if (edge.Has("turns") && SideOf(ReadTurn(edge)) != side) {
+  curve.side = begin < end ? Side::kConvex : Side::kConcave;
+  if (edge.Has("turns") && ReadTurn(edge) != curve.side) {
     edge["turns"].Fail("a curve turns left where s_begin < s_end, and right where s_begin > s_end");
   }
-  return {begin, end, side};
+  return Whole({curve, begin, end});
 }
-
-DrawnEdge Whole(const OutlinePiece& piece) { return {piece, CurvePoint(piece.edge, piece.s_end)}; }
 
 DrawnEdge ReadLine(const JsonField& line, std::optional<Vec2> begin) {
   line.RequireOnlyKeys({"from", "to", "s_begin", "s_end"});
@@ -88,8 +80,8 @@ DrawnEdge ReadLine(const JsonField& line, std::optional<Vec2> begin) {
   return Whole({StraightEdge{a, b}, ReadNumber(line, "s_begin", 0), ReadNumber(line, "s_end", 1)});
 }
 
-DrawnEdge ArcAbout(Vec2 center, double radius, Vec2 p, Vec2 q, Turn turn) {
-  return {Swept(ArcEdge{center, radius, SideOf(turn)}, AngleOf(p - center), AngleOf(q - center), turn), q};
+DrawnEdge ArcAbout(Vec2 center, double radius, Vec2 p, Vec2 q, Side side) {
+  return {Swept(ArcEdge{center, radius, side}, AngleOf(p - center), AngleOf(q - center)), q};
 }
 
 DrawnEdge ReadBulgingArc(const JsonField& arc, Vec2 p) {
@@ -106,7 +98,7 @@ DrawnEdge ReadBulgingArc(const JsonField& arc, Vec2 p) {
   // With t = tan(sweep / 4), tan(sweep / 2) = 2 t / (1 - t^2) and sin(sweep / 2) = 2 t / (1 + t^2).
   const Vec2 center = p + half + ((1 - bulge) * (1 + bulge) / (2 * bulge)) * Perp(half);
   const double radius = length * (1 + bulge * bulge) / (2 * std::abs(bulge));
-  return ArcAbout(center, radius, p, q, bulge > 0 ? Turn::kLeft : Turn::kRight);
+  return ArcAbout(center, radius, p, q, bulge > 0 ? Side::kConvex : Side::kConcave);
 }
 
 // Reads the forms that begin where the edge before ends.
@@ -117,7 +109,7 @@ DrawnEdge ReadArcFrom(const JsonField& arc, Vec2 p) {
     const Vec2 center = ReadVector(arc["center"]);
     const double sweep = ReadNumber(arc["sweep"]);
     const double s_begin = AngleOf(p - center);
-    const ArcEdge edge{center, Norm(p - center), SideOf(sweep < 0 ? Turn::kRight : Turn::kLeft)};
+    const ArcEdge edge{center, Norm(p - center), sweep < 0 ? Side::kConcave : Side::kConvex};
     return Whole({edge, s_begin, s_begin + sweep});
   }
   const Vec2 q = ReadVector(arc["to"]);
@@ -132,9 +124,9 @@ DrawnEdge ReadArcFrom(const JsonField& arc, Vec2 p) {
     return ArcAbout(center, radius, p, q, ReadTurn(arc));
   }
   arc.RequireOnlyKeys({"to", "radius", "turns", "long"});
-  const double radius = ReadPositive(arc["radius"]);
-  const Turn turn = ReadTurn(arc);
-  return ArcAbout(CenterThrough(arc, p, q, radius, turn, ReadLong(arc)), radius, p, q, turn);
+  const double radius = ReadNumber(arc["radius"], kPositive);
+  const Side side = ReadTurn(arc);
+  return ArcAbout(CenterThrough(arc, p, q, radius, side, ReadLong(arc)), radius, p, q, side);
 }
 
 DrawnEdge ReadArc(const JsonField& arc, std::optional<Vec2> begin) {
@@ -142,9 +134,7 @@ DrawnEdge ReadArc(const JsonField& arc, std::optional<Vec2> begin) {
   if (arc.Has("bulge") || arc.Has("sweep") || arc.Has("to")) return ReadArcFrom(arc, Begin(arc, begin));
   arc.RequireOnlyKeys({"center", "radius", "s_begin", "s_end", "turns"});
   const Vec2 center = ReadVector(arc["center"]);
-  const double radius = ReadPositive(arc["radius"]);
-  const Range range = ReadRange(arc);
-  return Whole({ArcEdge{center, radius, range.side}, range.begin, range.end});
+  return ReadRange(arc, ArcEdge{center, ReadNumber(arc["radius"], kPositive), Side::kConvex});
 }
 
 Vec2 Scaled(const EllipseEdge& e, Vec2 in_axes) { return {in_axes.x / e.a, in_axes.y / e.b}; }
@@ -173,22 +163,17 @@ double ParameterAt(const Oval& oval, Vec2 p, const JsonField& edge) {
 template <class Oval>
 DrawnEdge ReadStatedOval(const JsonField& edge, Oval oval, std::optional<Vec2> begin) {
   oval.center = ReadVector(edge["center"]);
-  if (!edge.Has("to")) {
-    const Range range = ReadRange(edge);
-    oval.side = range.side;
-    return Whole({oval, range.begin, range.end});
-  }
+  if (!edge.Has("to")) return ReadRange(edge, oval);
   const Vec2 p = Begin(edge, begin);
   const Vec2 q = ReadVector(edge["to"]);
-  const Turn turn = ReadTurn(edge);
-  oval.side = SideOf(turn);
-  return {Swept(oval, ParameterAt(oval, p, edge), ParameterAt(oval, q, edge), turn), q};
+  oval.side = ReadTurn(edge);
+  return {Swept(oval, ParameterAt(oval, p, edge), ParameterAt(oval, q, edge)), q};
 }
 
 DrawnEdge ReadEllipse(const JsonField& edge, std::optional<Vec2> begin) {
   EllipseEdge e;
-  e.a = ReadPositive(edge["a"]);
-  e.b = ReadPositive(edge["b"]);
+  e.a = ReadNumber(edge["a"], kPositive);
+  e.b = ReadNumber(edge["b"], kPositive);
   e.phi = ReadNumber(edge, "phi", 0);
   if (edge.Has("center")) {
     edge.RequireOnlyKeys({"center", "a", "b", "phi", "to", "turns", "s_begin", "s_end"});
@@ -197,21 +182,20 @@ DrawnEdge ReadEllipse(const JsonField& edge, std::optional<Vec2> begin) {
   edge.RequireOnlyKeys({"to", "a", "b", "phi", "turns", "long"});
   const Vec2 p = Begin(edge, begin);
   const Vec2 q = ReadVector(edge["to"]);
-  const Turn turn = ReadTurn(edge);
-  e.side = SideOf(turn);
+  e.side = ReadTurn(edge);
   // On the unit circle that the ellipse is the image of.
   const Vec2 u = Scaled(e, e.Shape().InAxes(p));
   const Vec2 v = Scaled(e, e.Shape().InAxes(q));
-  const Vec2 middle = CenterThrough(edge, u, v, 1, turn, ReadLong(edge));
+  const Vec2 middle = CenterThrough(edge, u, v, 1, e.side, ReadLong(edge));
   e.center = Rotate(SinCos(e.phi), {e.a * middle.x, e.b * middle.y});
-  return {Swept(e, AngleOf(u - middle), AngleOf(v - middle), turn), q};
+  return {Swept(e, AngleOf(u - middle), AngleOf(v - middle)), q};
 }
 
 DrawnEdge ReadSuperellipse(const JsonField& edge, std::optional<Vec2> begin) {
   edge.RequireOnlyKeys({"center", "a", "b", "m", "phi", "to", "turns", "s_begin", "s_end"});
   SuperellipseEdge e;
-  e.a = ReadPositive(edge["a"]);
-  e.b = ReadPositive(edge["b"]);
+  e.a = ReadNumber(edge["a"], kPositive);
+  e.b = ReadNumber(edge["b"], kPositive);
   e.m = edge["m"].Integer();
   if (e.m < 2 || e.m % 2 != 0 || e.m > kMaxSuperellipseExponent) {
     edge["m"].Mismatch("an even integer in 2.." + std::to_string(kMaxSuperellipseExponent));
@@ -311,21 +295,18 @@ Outline ReadGear(const JsonField& field) {
   if (gear.teeth < 3 || gear.teeth > kMostTeeth) {
     field["teeth"].Mismatch("an integer in 3.." + std::to_string(kMostTeeth));
   }
-  const auto read = [&](const char* key, double* value) {
-    if (field.Has(key)) *value = ReadPositive(field[key]);
-  };
-  read("root_radius", &gear.root_radius);
-  read("tip_radius", &gear.tip_radius);
-  read("tip_share", &gear.tip_share);
-  read("foot_share", &gear.foot_share);
-  read("flank_radius", &gear.flank_radius);
+  gear.root_radius = ReadNumber(field, "root_radius", gear.root_radius, kPositive);
+  gear.tip_radius = ReadNumber(field, "tip_radius", gear.tip_radius, kPositive);
+  gear.tip_share = ReadNumber(field, "tip_share", gear.tip_share, kPositive);
+  gear.foot_share = ReadNumber(field, "foot_share", gear.foot_share, kPositive);
+  gear.flank_radius = ReadNumber(field, "flank_radius", gear.flank_radius, kPositive);
   return AtField(field, [&] { return Gear(gear); });
 }
 
 Outline ReadSuperellipseShape(const JsonField& field) {
   field.RequireOnlyKeys({"a", "b", "m"});
-  const double a = ReadPositive(field["a"]);
-  const double b = ReadPositive(field["b"]);
+  const double a = ReadNumber(field["a"], kPositive);
+  const double b = ReadNumber(field["b"], kPositive);
   const int m = field["m"].Integer();
   return AtField(field, [&] { return Superellipse(a, b, m); });
 }
@@ -334,7 +315,7 @@ Outline ReadSuperellipseShape(const JsonField& field) {
 template <auto shape, class... Keys>
 Outline ReadParameters(const JsonField& field, Keys... keys) {
   field.RequireOnlyKeys({keys...});
-  const std::array<double, sizeof...(keys)> values{ReadPositive(field[keys])...};
+  const std::array<double, sizeof...(keys)> values{ReadNumber(field[keys], kPositive)...};
   return AtField(field, [&] { return std::apply(shape, values); });
 }
 

@@ -5,7 +5,7 @@
 /// LCPBench's solvers and its verifier for C and for every language that calls C (Python's ctypes, Julia's ccall).
 /// Find f and w with
 ///     w = A f + b,   unilateral rows: f >= 0, w >= 0, f w = 0;   bilateral rows: w = 0, f free;
-/// and rows with friction or bounds (lcpbench_problem_with_laws).
+/// and rows with friction or bounds (lcpbench_friction_row, lcpbench_bounded_row).
 /// As frictionless contact: f are normal forces [N], w gap accelerations [m/s^2], positive where bodies separate,
 /// A = J M^-1 J^T [1/kg] and b the gap accelerations at zero force [m/s^2]: the sign of b is that of w.
 ///
@@ -17,16 +17,18 @@
 /// written to outputs. A problem that is hard or has no solution is a lcpbench_status, not an error. No C++
 /// exception leaves the library.
 ///
-/// Ownership. What a `create` or `from` function hands out belongs to the caller, who gives it to the `free` function
-/// of its type; NULL may be freed. Arrays and strings that are passed in are copied, or read only, before the call
-/// returns. Pointers that are handed out say how long they live.
+/// Ownership. What a `create` function hands out belongs to the caller, who gives it to the `free` function of its
+/// type; NULL may be freed. Arrays and strings that are passed in are copied, or read only, before the call returns.
+/// Pointers that are handed out say how long they live.
 ///
-/// Threads. Problems are immutable and may be used by several threads at once. A solver, a step solver or a result
-/// serves one thread at a time; distinct ones are independent. All other functions may be called from any thread at any
-/// time, but for lcpbench_limit_library_threads.
+/// Threads. Problems are immutable and may be used by several threads at once. A solver or a step solver serves one
+/// thread at a time; distinct ones are independent. All other functions may be called from any thread at any time, but
+/// for lcpbench_limit_library_threads.
 ///
-/// Growth. Structs may get more members at their ends, and carry or are passed with their size, so that programs and
-/// libraries of different versions understand each other. Values of enumerations and functions may be added.
+/// Structs. A member that is 0 or NULL stands for its default, or for "none". A struct that is read begins with its
+/// size, which the caller sets: `lcpbench_answer answer = {.size = sizeof answer};`. A struct that is only written is
+/// passed with its size. Structs may get more members at their ends, values of enumerations and functions may be
+/// added: a larger struct of a later version is taken if the members that this version does not know are 0.
 
 #include <stddef.h>
 #include <stdint.h>
@@ -55,7 +57,7 @@ enum {
 typedef int32_t lcpbench_status;
 /// Values of lcpbench_status.
 enum {
-  LCPBENCH_NOT_RUN = 0,  ///< the result has not been through a solve
+  LCPBENCH_NOT_RUN = 0,  ///< no solve, no claim
   LCPBENCH_SOLVED = 1,   ///< the solver believes that f meets the requested tolerance
   /// No f exists: the solver found a Farkas ray, which is a proof for the numbers as given, or one within rounding
   /// only. Then a problem whose numbers differ in their last digits has no solution, and one of this problem, if there
@@ -67,13 +69,25 @@ enum {
   LCPBENCH_UNSUPPORTED = 6         ///< the problem is outside what the solver takes; detail says why
 };
 
+/// In which form a problem is given; it has no default.
+typedef int32_t lcpbench_form;
+/// Values of lcpbench_form.
+enum {
+  LCPBENCH_DENSE = 1,   ///< A with all its numbers
+  LCPBENCH_SPARSE = 2,  ///< A compressed, both triangles stored
+  /// A = J M^-1 J^T, which is symmetric positive semidefinite, by a compressed J and the inverse masses. The better
+  /// form for rigid bodies: many solvers never form A. Rows of J whose entries lie in the columns of at most two bodies
+  /// are the fastest, other J are welcome.
+  LCPBENCH_FACTORS = 3
+};
+
 /// How a matrix lies in memory. Compressed means: starts[k] .. starts[k + 1] - 1 are the places of column (or row) k
 /// in `indices` (the row, or column, of each entry) and `values`; the order within a column (or row) is free.
 typedef int32_t lcpbench_layout;
 /// Values of lcpbench_layout.
 enum {
-  LCPBENCH_COLUMN_MAJOR = 0,  ///< dense: A_ij at A[i + j n]; sparse: compressed columns (CSC)
-  LCPBENCH_ROW_MAJOR = 1      ///< dense: A_ij at A[i n + j]; sparse: compressed rows (CSR)
+  LCPBENCH_COLUMN_MAJOR = 0,  ///< dense: A_ij at values[i + j n]; compressed: columns (CSC)
+  LCPBENCH_ROW_MAJOR = 1      ///< dense: A_ij at values[i n + j]; compressed: rows (CSR)
 };
 
 /// Values of the array `kinds`, one byte a row.
@@ -88,89 +102,10 @@ enum {
   LCPBENCH_POSITIVE_SEMIDEFINITE = 2  ///< f.A f >= 0 for every f
 };
 
-/// An LCP. Immutable, so that all solvers may share it. It is what was given, bit for bit: the verifier judges by the
-/// numbers passed in, not by a form that was derived from them.
-typedef struct lcpbench_problem lcpbench_problem;
-
-/// A solver with its settings and its workspace, which is kept from solve to solve.
-typedef struct lcpbench_solver lcpbench_solver;
-
-/// An answer. One result may serve any number of solves, one after the other.
-typedef struct lcpbench_result lcpbench_result;
-
-/// The version of the library, "0.2.0". Lives as long as the library.
-LCPBENCH_API const char* lcpbench_version(void);
-
-/// One line on the last call that failed in this thread: function, argument, what was found and what was expected; ""
-/// where none has. Valid until the next call that fails in this thread.
-LCPBENCH_API const char* lcpbench_last_error(void);
-
-/// A problem from a dense A.  O(n^2).
-/// @param n        rows, >= 0; n = 0 is a valid problem, whose arrays may be NULL
-/// @param A        n x n numbers, finite, without gaps; symmetry is not assumed
-/// @param layout   of A
-/// @param b        n numbers, finite
-/// @param kinds    n bytes, LCPBENCH_UNILATERAL or LCPBENCH_BILATERAL; NULL: every row is unilateral
-/// @param facts    0, or LCPBENCH_SYMMETRIC, LCPBENCH_POSITIVE_SEMIDEFINITE or both (joined by |), where they are
-/// known;
-///                 an A that is said to be symmetric and is not is refused
-/// @param problem  the new problem, to be freed by lcpbench_problem_free
-LCPBENCH_API lcpbench_error lcpbench_problem_from_dense(int64_t n, const double* A, lcpbench_layout layout,
-                                                        const double* b, const uint8_t* kinds, uint32_t facts,
-                                                        lcpbench_problem** problem);
-
-/// A problem from a sparse A, both triangles stored.  O(n + entries).
-/// @param n        rows, 0 <= n < 2^31; n = 0 is a valid problem, whose arrays may be NULL
-/// @param layout   of A: compressed columns or compressed rows
-/// @param starts   n + 1 numbers that do not fall, the first 0 and the last `entries`
-/// @param indices  `entries` numbers in [0, n), none twice in one column (or row)
-/// @param values   `entries` numbers, finite
-/// @param entries  stored entries, 0 <= entries < 2^31
-/// @param b,kinds,facts,problem  as in lcpbench_problem_from_dense
-LCPBENCH_API lcpbench_error lcpbench_problem_from_sparse(int64_t n, lcpbench_layout layout, const int32_t* starts,
-                                                         const int32_t* indices, const double* values, int64_t entries,
-                                                         const double* b, const uint8_t* kinds, uint32_t facts,
-                                                         lcpbench_problem** problem);
-
-/// A problem from the factors of A = J M^-1 J^T, which is symmetric positive semidefinite by its form. The better form
-/// for rigid bodies: many solvers never form A. In the plane body k has the columns 3k, 3k + 1 (its translation) and
-/// 3k + 2 (its rotation); rows whose entries lie in at most two such blocks are the fastest, other J are welcome.
-/// Bodies in space: lcpbench_problem_from_body_factors.  O(n + columns + entries).
-/// @param n             rows of J, 0 <= n < 2^31; without rows the arrays of J, b and kinds may be NULL
-/// @param columns       columns of J (degrees of freedom), 0 <= columns < 2^31
-/// @param layout        of J: compressed columns or compressed rows
-/// @param starts        columns + 1 numbers (or n + 1, for compressed rows), as in lcpbench_problem_from_sparse
-/// @param indices       `entries` numbers in [0, n) (or [0, columns)), none twice in one column (or row)
-/// @param values        `entries` numbers, finite
-/// @param entries       stored entries of J, 0 <= entries < 2^31
-/// @param inverse_mass  `columns` numbers, finite, >= 0: the diagonal of M^-1, 1/kg for translations, 1/(kg m^2) for
-///                      rotations; 0 for what cannot move
-/// @param b             n numbers, finite: J M^-1 (external forces) plus the velocity-product terms
-/// @param kinds         as in lcpbench_problem_from_dense
-/// @param problem       the new problem, to be freed by lcpbench_problem_free
-LCPBENCH_API lcpbench_error lcpbench_problem_from_factors(int64_t n, int64_t columns, lcpbench_layout layout,
-                                                          const int32_t* starts, const int32_t* indices,
-                                                          const double* values, int64_t entries,
-                                                          const double* inverse_mass, const double* b,
-                                                          const uint8_t* kinds, lcpbench_problem** problem);
-
-/// As lcpbench_problem_from_factors, for bodies in the plane or in space.  O(n + columns + entries).
-/// @param n,columns         as in lcpbench_problem_from_factors
-/// @param columns_per_body  3: bodies in the plane, as in lcpbench_problem_from_factors; 6: in space, body k has the
-///                          columns 6k to 6k + 2 (its translations) and 6k + 3 to 6k + 5 (its rotations about its
-///                          principal axes, so that M^-1 is diagonal)
-/// @param layout,starts,indices,values,entries,inverse_mass,b,kinds,problem  as in lcpbench_problem_from_factors
-LCPBENCH_API lcpbench_error lcpbench_problem_from_body_factors(int64_t n, int64_t columns, int32_t columns_per_body,
-                                                               lcpbench_layout layout, const int32_t* starts,
-                                                               const int32_t* indices, const double* values,
-                                                               int64_t entries, const double* inverse_mass,
-                                                               const double* b, const uint8_t* kinds,
-                                                               lcpbench_problem** problem);
-
 /// A tangent row of a contact with Coulomb friction: |f| <= mu f_normal; w > 0 needs f = -mu f_normal, w < 0 needs
 /// f = mu f_normal. f acts along the tangent on the row's first body, w is the slip.
 typedef struct lcpbench_friction_row {
-  int64_t row;       ///< in [0, n), unilateral before and listed once
+  int64_t row;       ///< in [0, n), unilateral by `kinds` and listed once
   int64_t normal;    ///< the contact's unilateral row
   double mu;         ///< coefficient of friction, finite, >= 0
   int32_t slip;      ///< 0; +1 or -1: the contact slides that way, f = -slip mu f_normal and w is free
@@ -179,30 +114,64 @@ typedef struct lcpbench_friction_row {
 
 /// lower <= f <= upper; w > 0 needs f = lower, w < 0 needs f = upper.
 typedef struct lcpbench_bounded_row {
-  int64_t row;   ///< in [0, n), unilateral before and listed once
+  int64_t row;   ///< in [0, n), unilateral by `kinds` and listed once
   double lower;  ///< may be -infinity
   double upper;  ///< >= lower, may be infinity
 } lcpbench_bounded_row;
 
-/// The same problem with friction, sliding and bounded rows in place of unilateral ones. Solvers that do not take them
-/// answer LCPBENCH_UNSUPPORTED. O(n + entries): the matrix is copied.
-/// @param problem         not NULL; stays as it is
-/// @param friction        `friction_count` structs; NULL where that is 0
-/// @param friction_count  >= 0
-/// @param bounded         `bounded_count` structs; NULL where that is 0
-/// @param bounded_count   >= 0
-/// @param with_laws       the new problem, to be freed by lcpbench_problem_free
-LCPBENCH_API lcpbench_error lcpbench_problem_with_laws(const lcpbench_problem* problem,
-                                                       const lcpbench_friction_row* friction, int64_t friction_count,
-                                                       const lcpbench_bounded_row* bounded, int64_t bounded_count,
-                                                       lcpbench_problem** with_laws);
+/// A problem as the caller's arrays hold it. Numbers of arrays are finite. Members that the form does not name are not
+/// read; arrays of no numbers may be NULL, and n = 0 is a valid problem.
+typedef struct lcpbench_problem_data {
+  size_t size;             ///< sizeof(lcpbench_problem_data)
+  lcpbench_form form;      ///< of A
+  lcpbench_layout layout;  ///< of A, or of J
+  int64_t rows;            ///< n, 0 <= n < 2^31
+  int64_t columns;         ///< factors: of J (degrees of freedom), 0 <= columns < 2^31
+  /// Factors: 3 (0 stands for it), in the plane: body k has the columns 3k, 3k + 1 (its translation) and 3k + 2 (its
+  /// rotation); 6, in space: 6k to 6k + 2 (its translations) and 6k + 3 to 6k + 5 (its rotations about its principal
+  /// axes, so that M^-1 is diagonal).
+  int32_t columns_per_body;
+  uint32_t facts;          ///< bits of what is known; an A that is said to be symmetric and is not is refused
+  const double* values;    ///< dense: the n n numbers of A, symmetric or not; compressed: `entries` numbers
+  int64_t entries;         ///< compressed: stored entries, 0 <= entries < 2^31
+  const int32_t* starts;   ///< compressed: a number a column (or row) and one more, not falling, from 0 to `entries`
+  const int32_t* indices;  ///< compressed: `entries` rows (or columns), none twice in one column (or row)
+  /// Factors: `columns` numbers >= 0, the diagonal of M^-1: 1/kg for translations, 1/(kg m^2) for rotations; 0 for what
+  /// cannot move.
+  const double* inverse_mass;
+  const double* b;       ///< n numbers; from factors J M^-1 (external forces) plus the velocity-product terms
+  const uint8_t* kinds;  ///< n bytes, LCPBENCH_UNILATERAL or LCPBENCH_BILATERAL; NULL: every row is unilateral
+  /// `friction_count` structs. Solvers that do not take a kind of row answer LCPBENCH_UNSUPPORTED.
+  const lcpbench_friction_row* friction;
+  int64_t friction_count;               ///< >= 0
+  const lcpbench_bounded_row* bounded;  ///< `bounded_count` structs
+  int64_t bounded_count;                ///< >= 0
+} lcpbench_problem_data;
 
-/// How many rows a problem has.
-/// @param problem  not NULL
-/// @param n        the number of rows
-LCPBENCH_API lcpbench_error lcpbench_problem_size(const lcpbench_problem* problem, int64_t* n);
+/// An LCP. Immutable, so that all solvers may share it. It is what was given, bit for bit: the verifier judges by the
+/// numbers passed in, not by a form that was derived from them.
+typedef struct lcpbench_problem lcpbench_problem;
 
-/// Frees a problem. Solvers and results that have met it stay valid.
+/// A solver with its settings and its workspace, which is kept from solve to solve.
+typedef struct lcpbench_solver lcpbench_solver;
+
+/// The version of the library, "0.2.0". Lives as long as the library.
+LCPBENCH_API const char* lcpbench_version(void);
+
+/// One line on the last call that failed in this thread: function, argument, what was found and what was expected; ""
+/// where none has. Valid until the next call that fails in this thread.
+LCPBENCH_API const char* lcpbench_last_error(void);
+
+/// The key of a status as files have it: "solved", "iteration_limit", ... Lives as long as the library.
+/// @param status  any value; "unknown" for one that is not an enumerator
+LCPBENCH_API const char* lcpbench_status_key(lcpbench_status status);
+
+/// Checks and copies a problem.  O(numbers in `data`)
+/// @param data     the problem
+/// @param problem  the new problem, to be freed by lcpbench_problem_free
+LCPBENCH_API lcpbench_error lcpbench_problem_create(const lcpbench_problem_data* data, lcpbench_problem** problem);
+
+/// Frees a problem. Solvers and answers that have met it stay valid.
 /// @param problem  may be NULL
 LCPBENCH_API void lcpbench_problem_free(lcpbench_problem* problem);
 
@@ -218,13 +187,12 @@ typedef struct lcpbench_solver_info {
 } lcpbench_solver_info;
 
 /// How many solvers there are, those that are not in this build included.
-/// @param count  the number of solvers
-LCPBENCH_API lcpbench_error lcpbench_solver_count(size_t* count);
+LCPBENCH_API size_t lcpbench_solver_count(void);
 
 /// A row of the table of solvers, own ones first.
-/// @param index  in [0, count)
+/// @param index  in [0, lcpbench_solver_count())
 /// @param info   the row
-/// @param size   sizeof *info, as the caller's header declares it
+/// @param size   sizeof *info
 LCPBENCH_API lcpbench_error lcpbench_solver_describe(size_t index, lcpbench_solver_info* info, size_t size);
 
 /// An option of one method by name: {"relaxation", "1.3"}. Names and values are those of `lcpbench solve --set`, and
@@ -256,28 +224,42 @@ LCPBENCH_API lcpbench_error lcpbench_solver_prepare(lcpbench_solver* solver, con
 /// @param solver  may be NULL
 LCPBENCH_API void lcpbench_solver_free(lcpbench_solver* solver);
 
-/// What every solver understands. To be initialised by lcpbench_solve_options_init, then changed.
+/// What every solver understands.
 typedef struct lcpbench_solve_options {
-  size_t size;              ///< sizeof(lcpbench_solve_options), set by lcpbench_solve_options_init
-  double tolerance;         ///< requested bound on rho (see lcpbench_verdict), in (0, 1); default 1e-9
-  double time_limit_s;      ///< wall-clock limit [s], > 0; default: infinity
-  int64_t max_iterations;   ///< in the solver's unit (pivots, sweeps, Newton steps); default 0: the solver's own limit
-  const double* initial_f;  ///< warm start, finite; default NULL: a cold start. Copied by the call
-  int64_t initial_f_size;   ///< entries of initial_f: the problem's n; default 0
+  size_t size;              ///< sizeof(lcpbench_solve_options)
+  double tolerance;         ///< requested bound on rho (see lcpbench_verdict), in (0, 1); 0: 1e-9
+  double time_limit_s;      ///< wall-clock limit [s], > 0; 0: no limit
+  int64_t max_iterations;   ///< in the solver's unit (pivots, sweeps, Newton steps); 0: the solver's own limit
+  const double* initial_f;  ///< warm start, finite; NULL: a cold start
+  int64_t initial_f_size;   ///< entries of initial_f: the problem's n
+  /// In (0, 1), 1e-12 where in doubt: a solved answer has the f of least Euclidean norm |f|_2, in the units given,
+  /// which is unique where f is not (redundant contacts), and passes the tolerance. Eigenvalues of D^-1/2 A D^-1/2 on
+  /// the rows with w = 0 up to this part of the largest count as 0. For symmetric positive semidefinite A of up to 1000
+  /// rows, O(n^3). 0: any solution.
+  double rank_tolerance;
 } lcpbench_solve_options;
 
-/// Writes the defaults.
-/// @param options  not NULL
-/// @param size     sizeof *options, as the caller's header declares it
-LCPBENCH_API lcpbench_error lcpbench_solve_options_init(lcpbench_solve_options* options, size_t size);
+/// An answer: lcpbench_solve writes it, lcpbench_verify reads it, also one that the caller has filled in.
+typedef struct lcpbench_answer {
+  size_t size;             ///< sizeof(lcpbench_answer)
+  lcpbench_status status;  ///< how the solve ended, as the solver claims
+  int32_t relaxed;         ///< 1: the claim is about the model of the solver "relaxation", in which slip separates
+  int64_t n;               ///< entries of f and of the ray: the problem's n
+  const double* f;         ///< the forces: the best iterate, also where the solver failed; zeros where it had none
+  const double* ray;       ///< proof that there is no solution: y >= 0 on unilateral rows, A y = 0, b.y < 0; NULL: none
+  int64_t iterations;      ///< pivots, sweeps or Newton steps, as the solver's header defines them
+  int64_t nullity;         ///< with rank_tolerance: free directions of f; -1: f is not of least norm, detail says why
+  const char* detail;  ///< the reason in words, with an external library's own code; "" where there is nothing to say
+} lcpbench_answer;
 
 /// Solves. A solve that fails is LCPBENCH_OK with a status that says so. Nothing carries over from one solve to the
 /// next but workspace: repeated solves of one problem with the same options give the same bits.
 /// @param solver,problem  not NULL
 /// @param options  NULL: the defaults
-/// @param result   not NULL; replaced as a whole, or left as it was where an argument is refused
+/// @param answer   written but for its size, or left as it was where an argument is refused. Its pointers belong to the
+///                 solver: valid until its next solve that is not refused, or until it is freed
 LCPBENCH_API lcpbench_error lcpbench_solve(lcpbench_solver* solver, const lcpbench_problem* problem,
-                                           const lcpbench_solve_options* options, lcpbench_result* result);
+                                           const lcpbench_solve_options* options, lcpbench_answer* answer);
 
 /// Limits the threads of the BLAS and OpenMP libraries below the solvers, for the whole process. Call it before other
 /// threads solve.
@@ -285,85 +267,29 @@ LCPBENCH_API lcpbench_error lcpbench_solve(lcpbench_solver* solver, const lcpben
 /// @param reported  what BLAS says afterwards, 0 where it cannot tell; may be NULL
 LCPBENCH_API lcpbench_error lcpbench_limit_library_threads(int32_t threads, int32_t* reported);
 
-/// An empty result, with the status LCPBENCH_NOT_RUN.
-/// @param result  the new result, to be freed by lcpbench_result_free
-LCPBENCH_API lcpbench_error lcpbench_result_create(lcpbench_result** result);
-
-/// How the solve ended, as the solver claims.
-/// @param result  not NULL
-/// @param status  the claim
-LCPBENCH_API lcpbench_error lcpbench_result_status(const lcpbench_result* result, lcpbench_status* status);
-
-/// Pivots, sweeps or Newton steps, as the solver's header defines them.
-/// @param result      not NULL
-/// @param iterations  -1 before a solve
-LCPBENCH_API lcpbench_error lcpbench_result_iterations(const lcpbench_result* result, int64_t* iterations);
-
-/// The forces: the best iterate, also where the solver failed; zeros where it had none.
-/// @param result  not NULL
-/// @param f       n numbers, valid until the next solve into this result or until it is freed; NULL where n is 0
-/// @param n       rows of the problem that was solved, 0 before a solve
-LCPBENCH_API lcpbench_error lcpbench_result_f(const lcpbench_result* result, const double** f, int64_t* n);
-
-/// The reason in words, with an external library's own code where there is one.
-/// @param result  not NULL
-/// @param detail  "" where there is nothing to say; valid until the next solve into this result or until it is freed
-LCPBENCH_API lcpbench_error lcpbench_result_detail(const lcpbench_result* result, const char** detail);
-
-/// The proof that there is no solution: y >= 0 on unilateral rows, A y = 0, b.y < 0.
-/// @param result  not NULL
-/// @param ray     n numbers, valid as those of f; NULL where the result has no ray
-/// @param n       entries of the ray, 0 without one
-LCPBENCH_API lcpbench_error lcpbench_result_farkas_ray(const lcpbench_result* result, const double** ray, int64_t* n);
-
-/// Replaces the forces of a solved result by the solution of least Euclidean norm |f|_2, in the units given, which is
-/// unique where f is not (redundant contacts). Judged as a solver's own check. For symmetric positive semidefinite A
-/// of up to 1000 rows.  O(n^3)
-/// @param problem         the one that was solved
-/// @param result          not NULL, of status LCPBENCH_SOLVED; its f is replaced, or left as it was where nullity is -1
-/// @param tolerance       the tier that the answer must pass, in (0, 1)
-/// @param rank_tolerance  eigenvalues of D^-1/2 A D^-1/2 on the rows with w = 0 up to this part of the largest count as
-///                        0, in (0, 1); 1e-12 where in doubt
-/// @param nullity         free directions of the forces; -1 where no such f was found: detail of the result says why
-LCPBENCH_API lcpbench_error lcpbench_result_least_norm(const lcpbench_problem* problem, lcpbench_result* result,
-                                                       double tolerance, double rank_tolerance, int64_t* nullity);
-
-/// The key of a status as files have it: "solved", "iteration_limit", ... Lives as long as the library.
-/// @param status  any value; "unknown" for one that is not an enumerator
-LCPBENCH_API const char* lcpbench_status_key(lcpbench_status status);
-
-/// Frees a result.
-/// @param result  may be NULL
-LCPBENCH_API void lcpbench_result_free(lcpbench_result* result);
-
 /// From an engine's arrays to forces, for the LCP of one time step: what the solver "auto" does, without problem and
 /// result objects. The arrays are read in place, no matrix is copied, and lcpbench_step_solve allocates nothing up to
 /// the sizes given to lcpbench_step_reserve, but for what lcpbench_step_fallbacks counts and for refused arguments.
 /// Nothing but workspace carries over from one solve to the next: the same rows and start give the same bits.
 typedef struct lcpbench_step lcpbench_step;
 
-/// Options of a step solver. To be initialised by lcpbench_step_options_init, then changed.
+/// Options of a step solver.
 typedef struct lcpbench_step_options {
-  size_t size;          ///< sizeof(lcpbench_step_options), set by lcpbench_step_options_init
-  double tolerance;     ///< requested bound on rho (see lcpbench_verdict), in (0, 1); default 1e-9
-  double time_limit_s;  ///< wall-clock limit of one solve [s], > 0; default: infinity
-  int32_t threads;      ///< of lcpbench_step_solve_batch, in [1, 1024], the caller's among them; default 1
+  size_t size;          ///< sizeof(lcpbench_step_options)
+  double tolerance;     ///< requested bound on rho (see lcpbench_verdict), in (0, 1); 0: 1e-9
+  double time_limit_s;  ///< wall-clock limit of one solve [s], > 0; 0: no limit
+  int32_t threads;      ///< of lcpbench_step_solve_batch, in [1, 1024], the caller's among them; 0: 1
   int32_t reserved;     ///< 0
 } lcpbench_step_options;
 
-/// Writes the defaults.
-/// @param options  not NULL
-/// @param size     sizeof *options, as the caller's header declares it
-LCPBENCH_API lcpbench_error lcpbench_step_options_init(lcpbench_step_options* options, size_t size);
-
-/// One problem as an engine's arrays hold it: rows that act on two bodies at most, A = J M^-1 J^T. To be initialised by
-/// lcpbench_step_rows_init, then filled in. The arrays stay the caller's: they are read in place, and must not change
-/// during a call. Without rows they may be NULL. Rows that act on more than two bodies are for problems from factors.
+/// One problem as an engine's arrays hold it: rows that act on two bodies at most, A = J M^-1 J^T. The arrays stay the
+/// caller's: they are read in place, and must not change during a call. Without rows they may be NULL. Rows that act on
+/// more than two bodies are for problems from factors.
 typedef struct lcpbench_step_rows {
-  size_t size;                 ///< sizeof(lcpbench_step_rows), set by lcpbench_step_rows_init
-  int64_t rows;                ///< n, 0 <= rows < 2^31; default 0
-  int64_t bodies;              ///< of which inverse_mass tells, 0 <= bodies < 2^31; default 0
-  int32_t columns_per_body;    ///< p: 3 (x, y, rotation; the default), or 6 as in lcpbench_problem_from_body_factors
+  size_t size;                 ///< sizeof(lcpbench_step_rows)
+  int64_t rows;                ///< n, 0 <= rows < 2^31
+  int64_t bodies;              ///< of which inverse_mass tells, 0 <= bodies < 2^31
+  int32_t columns_per_body;    ///< p: 3 (0 stands for it) or 6, as in lcpbench_problem_data
   int32_t reserved;            ///< 0
   const int32_t* body;         ///< 2 n numbers in [-1, bodies): the two bodies of each row; -1: none (the ground)
   const double* J;             ///< 2 p n numbers, finite: of each row the p of its first body, then those of its second
@@ -371,16 +297,11 @@ typedef struct lcpbench_step_rows {
   const double* b;             ///< n numbers, finite: J M^-1 (external forces) plus the velocity-product terms
   const uint8_t* kinds;        ///< n bytes, LCPBENCH_UNILATERAL or LCPBENCH_BILATERAL; NULL: every row is unilateral
   const double* inverse_mass;  ///< p numbers a body, finite, >= 0; 0 for what cannot move
-  const lcpbench_friction_row* friction;  ///< `friction_count` structs, as in lcpbench_problem_with_laws; NULL: none
-  int64_t friction_count;                 ///< >= 0; default 0
-  const lcpbench_bounded_row* bounded;    ///< `bounded_count` structs; NULL: none
-  int64_t bounded_count;                  ///< >= 0; default 0
+  const lcpbench_friction_row* friction;  ///< `friction_count` structs: friction and sliding rows
+  int64_t friction_count;                 ///< >= 0
+  const lcpbench_bounded_row* bounded;    ///< `bounded_count` structs
+  int64_t bounded_count;                  ///< >= 0
 } lcpbench_step_rows;
-
-/// Writes the defaults: no rows, no bodies, bodies in the plane, all arrays NULL.
-/// @param rows  not NULL
-/// @param size  sizeof *rows, as the caller's header declares it
-LCPBENCH_API lcpbench_error lcpbench_step_rows_init(lcpbench_step_rows* rows, size_t size);
 
 /// How a solve of a step ended.
 typedef struct lcpbench_step_answer {
@@ -417,7 +338,7 @@ LCPBENCH_API lcpbench_error lcpbench_step_reserve(lcpbench_step* step, int64_t m
 /// @param f          n numbers, written: the forces, the best there are where the status is not LCPBENCH_SOLVED
 /// @param w          n numbers, written: A f + b, in double; may be NULL
 /// @param answer     how it ended
-/// @param size       sizeof *answer, as the caller's header declares it
+/// @param size       sizeof *answer
 LCPBENCH_API lcpbench_error lcpbench_step_solve(lcpbench_step* step, const lcpbench_step_rows* rows,
                                                 const double* initial_f, double* f, double* w,
                                                 lcpbench_step_answer* answer, size_t size);
@@ -431,7 +352,7 @@ LCPBENCH_API lcpbench_error lcpbench_step_solve(lcpbench_step* step, const lcpbe
 /// @param count    problems, >= 0
 /// @param f        rows->rows numbers, written: the forces
 /// @param answers  `count` structs, written; NULL where count is 0
-/// @param size     sizeof *answers, as the caller's header declares it
+/// @param size     sizeof *answers
 LCPBENCH_API lcpbench_error lcpbench_step_solve_batch(lcpbench_step* step, const lcpbench_step_rows* rows,
                                                       const int32_t* starts, int64_t count, double* f,
                                                       lcpbench_step_answer* answers, size_t size);
@@ -490,29 +411,16 @@ typedef struct lcpbench_verdict {
   double model_rho;      ///< residual of an answer of the solver "relaxation" to its own model; else -1
 } lcpbench_verdict;
 
-/// Judges the result of a solve.  O(entries of A), from factors one pass over the entries of J M^-1 J^T.
+/// Judges an answer: of a solve, or from anywhere.  O(entries of A), from factors one pass over those of J M^-1 J^T
 /// @param problem    the one that was solved
-/// @param result     not NULL, with n entries in f
+/// @param answer     its f is judged, also where it is not finite, and its ray where it has one; its status is a claim,
+///                   which decides over false_success and false_infeasible only
 /// @param tolerance  the tier T, in (0, 1)
 /// @param verdict    the judgement
-/// @param size       sizeof *verdict, as the caller's header declares it
-/// @param w          n numbers, written: A f + b; may be NULL
-LCPBENCH_API lcpbench_error lcpbench_verify_result(const lcpbench_problem* problem, const lcpbench_result* result,
-                                                   double tolerance, lcpbench_verdict* verdict, size_t size, double* w);
-
-/// Judges an answer from anywhere.
-/// @param problem    not NULL
-/// @param f          `f_size` numbers; those that are not finite are judged, not refused
-/// @param f_size     the problem's n
-/// @param claim      what the answer's author says of it; it decides over false_success and false_infeasible only
-/// @param ray        a Farkas ray of n numbers, to be judged as well; NULL without one
-/// @param tolerance  the tier T, in (0, 1)
-/// @param verdict    the judgement
-/// @param size       sizeof *verdict, as the caller's header declares it
+/// @param size       sizeof *verdict
 /// @param w          n numbers, written: A f + b, NaN where f is not finite; may be NULL
-LCPBENCH_API lcpbench_error lcpbench_verify(const lcpbench_problem* problem, const double* f, int64_t f_size,
-                                            lcpbench_status claim, const double* ray, double tolerance,
-                                            lcpbench_verdict* verdict, size_t size, double* w);
+LCPBENCH_API lcpbench_error lcpbench_verify(const lcpbench_problem* problem, const lcpbench_answer* answer,
+                                            double tolerance, lcpbench_verdict* verdict, size_t size, double* w);
 
 #ifdef __cplusplus
 }

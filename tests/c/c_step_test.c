@@ -29,8 +29,7 @@ static double Random(void) {
 /* n rows, each on a body of its own and on the ground or another body: A is positive definite, so that f is unique.
    J is exact in single precision. */
 static lcpbench_step_rows MakeRows(Arrays* arrays, int n, int p, int joints, int single) {
-  lcpbench_step_rows rows;
-  CHECK_OK(lcpbench_step_rows_init(&rows, sizeof rows));
+  lcpbench_step_rows rows = {.size = sizeof rows};
   memset(arrays, 0, sizeof *arrays);
   rows.rows = n;
   rows.bodies = n + 2;
@@ -81,10 +80,31 @@ static lcpbench_problem* ProblemOf(const lcpbench_step_rows* rows) {
     }
     starts[i + 1] = entries;
   }
+  const lcpbench_problem_data data = {.size = sizeof data,
+                                      .form = LCPBENCH_FACTORS,
+                                      .layout = LCPBENCH_ROW_MAJOR,
+                                      .rows = n,
+                                      .columns = rows->bodies * p,
+                                      .columns_per_body = p,
+                                      .values = values,
+                                      .entries = entries,
+                                      .starts = starts,
+                                      .indices = indices,
+                                      .inverse_mass = rows->inverse_mass,
+                                      .b = rows->b,
+                                      .kinds = rows->kinds};
   lcpbench_problem* problem = NULL;
-  CHECK_OK(lcpbench_problem_from_body_factors(n, rows->bodies * p, p, LCPBENCH_ROW_MAJOR, starts, indices, values,
-                                              entries, rows->inverse_mass, rows->b, rows->kinds, &problem));
+  CHECK_OK(lcpbench_problem_create(&data, &problem));
   return problem;
+}
+
+/* Judges forces at 1e-9. */
+static lcpbench_verdict Judge(const lcpbench_problem* problem, const double* f, int64_t n, lcpbench_status claim,
+                              double* w) {
+  const lcpbench_answer answer = {.size = sizeof answer, .status = claim, .n = n, .f = f};
+  lcpbench_verdict verdict;
+  CHECK_OK(lcpbench_verify(problem, &answer, 1e-9, &verdict, sizeof verdict, w));
+  return verdict;
 }
 
 static lcpbench_step* MakeStep(void) {
@@ -107,22 +127,17 @@ static void ExpectSolved(lcpbench_step* step, const lcpbench_step_rows* rows) {
         answer.iterations >= 0);
 
   lcpbench_problem* problem = ProblemOf(rows);
-  lcpbench_verdict verdict;
-  CHECK_OK(lcpbench_verify(problem, f, n, answer.status, NULL, 1e-9, &verdict, sizeof verdict, expected_w));
+  const lcpbench_verdict verdict = Judge(problem, f, n, answer.status, expected_w);
   CHECK(verdict.passes == 1 && verdict.false_success == 0);
   CHECK(verdict.rho <= answer.rho + 1e-13 && answer.rho <= 1e-9);
 
   lcpbench_solver* solver = NULL;
-  lcpbench_result* result = NULL;
-  const double* expected_f = NULL;
-  int64_t size = 0;
+  lcpbench_answer expected = {.size = sizeof expected};
   CHECK_OK(lcpbench_solver_create("auto", NULL, 0, &solver));
-  CHECK_OK(lcpbench_result_create(&result));
-  CHECK_OK(lcpbench_solve(solver, problem, NULL, result));
-  CHECK_OK(lcpbench_result_f(result, &expected_f, &size));
-  CHECK(size == n);
+  CHECK_OK(lcpbench_solve(solver, problem, NULL, &expected));
+  CHECK(expected.n == n);
   for (int64_t i = 0; i < n; ++i) {
-    CHECK(fabs(f[i] - expected_f[i]) < 1e-9 * (1 + fabs(expected_f[i])));
+    CHECK(fabs(f[i] - expected.f[i]) < 1e-9 * (1 + fabs(expected.f[i])));
     CHECK(fabs(w[i] - expected_w[i]) < 1e-12 * (1 + fabs(f[i])));
     start[i] = f[i];
   }
@@ -132,7 +147,6 @@ static void ExpectSolved(lcpbench_step* step, const lcpbench_step_rows* rows) {
   CHECK_OK(lcpbench_step_solve(step, rows, start, again, NULL, &answer, sizeof answer));
   CHECK(answer.status == LCPBENCH_SOLVED && answer.iterations <= (cold > 1 ? cold : 1));
   for (int64_t i = 0; i < n; ++i) CHECK(fabs(again[i] - f[i]) < 1e-9 * (1 + fabs(f[i])));
-  lcpbench_result_free(result);
   lcpbench_solver_free(solver);
   lcpbench_problem_free(problem);
 }
@@ -163,16 +177,14 @@ static void AKnownStep(void) {
   const double J[18] = {0, 1, 0, 9, 9, 9, 0, 1, 0, 0, -1, 0, 1, 0, 0, 0, 0, 0}; /* nines act on nothing */
   const double b[3] = {-10, 0, -3}, inverse_mass[6] = {0.5, 0.5, 1, 1, 1, 1};
   const uint8_t kinds[3] = {LCPBENCH_UNILATERAL, LCPBENCH_UNILATERAL, LCPBENCH_BILATERAL};
-  lcpbench_step_rows rows;
-  CHECK_OK(lcpbench_step_rows_init(&rows, sizeof rows));
-  CHECK(rows.size == sizeof rows && rows.columns_per_body == 3 && rows.rows == 0 && rows.body == NULL);
-  rows.rows = 3;
-  rows.bodies = 2;
-  rows.body = body;
-  rows.J = J;
-  rows.b = b;
-  rows.kinds = kinds;
-  rows.inverse_mass = inverse_mass;
+  const lcpbench_step_rows rows = {.size = sizeof rows, /* columns_per_body 0: in the plane */
+                                   .rows = 3,
+                                   .bodies = 2,
+                                   .body = body,
+                                   .J = J,
+                                   .b = b,
+                                   .kinds = kinds,
+                                   .inverse_mass = inverse_mass};
   double f[3], w[3];
   lcpbench_step_answer answer;
   lcpbench_step* step = NULL; /* without a reservation */
@@ -192,15 +204,14 @@ static lcpbench_step_answer SolveTwoJoints(lcpbench_step* step, double first_x, 
   const double J[12] = {first_x, first_y, 0, 0, 0, 0, second_x, second_y, 0, 0, 0, 0};
   const double b[2] = {1, -1}, inverse_mass[3] = {1, 1, 1};
   const uint8_t kinds[2] = {LCPBENCH_BILATERAL, LCPBENCH_BILATERAL};
-  lcpbench_step_rows rows;
-  CHECK_OK(lcpbench_step_rows_init(&rows, sizeof rows));
-  rows.rows = 2;
-  rows.bodies = 1;
-  rows.body = body;
-  rows.J = J;
-  rows.b = b;
-  rows.kinds = kinds;
-  rows.inverse_mass = inverse_mass;
+  const lcpbench_step_rows rows = {.size = sizeof rows,
+                                   .rows = 2,
+                                   .bodies = 1,
+                                   .body = body,
+                                   .J = J,
+                                   .b = b,
+                                   .kinds = kinds,
+                                   .inverse_mass = inverse_mass};
   double f[2] = {NAN, NAN};
   lcpbench_step_answer answer;
   CHECK_OK(lcpbench_step_solve(step, &rows, NULL, f, NULL, &answer, sizeof answer));
@@ -265,11 +276,8 @@ static void ABatchIsItsProblems(void) {
       part.b += first;
       if (part.kinds != NULL) part.kinds += first;
       lcpbench_problem* problem = ProblemOf(&part);
-      lcpbench_verdict verdict;
       CHECK(answers[k].status == LCPBENCH_SOLVED && answers[k].iterations >= 0 && answers[k].rho <= 1e-9);
-      CHECK_OK(lcpbench_verify(problem, f + first, part.rows, answers[k].status, NULL, 1e-9, &verdict, sizeof verdict,
-                               NULL));
-      CHECK(verdict.passes == 1);
+      CHECK(Judge(problem, f + first, part.rows, answers[k].status, NULL).passes == 1);
       lcpbench_step_answer answer;
       CHECK_OK(lcpbench_step_solve(step, &part, NULL, alone, NULL, &answer, sizeof answer));
       for (int32_t i = 0; i < part.rows; ++i) {
@@ -279,16 +287,14 @@ static void ABatchIsItsProblems(void) {
     }
   }
   const int32_t none[1] = {0};
-  lcpbench_step_rows rows;
-  CHECK_OK(lcpbench_step_rows_init(&rows, sizeof rows));
+  const lcpbench_step_rows rows = {.size = sizeof rows};
   CHECK_OK(lcpbench_step_solve_batch(step, &rows, none, 0, NULL, NULL, sizeof(lcpbench_step_answer)));
   lcpbench_step_free(step);
 }
 
 static void NoRowsAreSolved(void) {
   lcpbench_step* step = MakeStep();
-  lcpbench_step_rows rows;
-  CHECK_OK(lcpbench_step_rows_init(&rows, sizeof rows));
+  const lcpbench_step_rows rows = {.size = sizeof rows};
   lcpbench_step_answer answer;
   CHECK_OK(lcpbench_step_solve(step, &rows, NULL, NULL, NULL, &answer, sizeof answer));
   CHECK(answer.status == LCPBENCH_SOLVED && answer.iterations == 0 && answer.rho == 0);
@@ -313,18 +319,16 @@ static void RhoIsNeverNan(void) {
       for (int c = 0; c < 6; ++c) arrays.J[6 * i + c] *= size;
       arrays.b[i] = loads[k / 18 % 7] * (i % 3 == 2 ? -0.5 : 1);
     }
-    lcpbench_step_options options;
-    CHECK_OK(lcpbench_step_options_init(&options, sizeof options));
+    lcpbench_step_options options = {.size = sizeof options};
     if (k >= 6 * 7 * 3) options.time_limit_s = 1e-12;
     lcpbench_step* step = NULL;
     CHECK_OK(lcpbench_step_create(&options, &step));
     double f[30];
     lcpbench_step_answer answer;
-    lcpbench_verdict verdict;
     CHECK_OK(lcpbench_step_solve(step, &rows, NULL, f, NULL, &answer, sizeof answer));
     CHECK(!isnan(answer.rho));
     lcpbench_problem* problem = ProblemOf(&rows);
-    CHECK_OK(lcpbench_verify(problem, f, n, answer.status, NULL, 1e-9, &verdict, sizeof verdict, NULL));
+    const lcpbench_verdict verdict = Judge(problem, f, n, answer.status, NULL);
     CHECK(!isnan(verdict.rho));
     const int is_below_double = size > 0 && size * size == 0; /* A: 0 in double, not so for the verifier */
     const int agrees = answer.rho == verdict.rho || fabs(answer.rho - verdict.rho) <= 1e-9 * (1 + verdict.rho);
@@ -356,35 +360,28 @@ static void WrongBatchesAreRefused(lcpbench_step* step, const lcpbench_step_rows
 
 static void WrongOptionsAreRefused(void) {
   lcpbench_step* other = NULL;
-  lcpbench_step_options options;
-  CHECK_REFUSED(lcpbench_step_options_init(NULL, sizeof options), "options is NULL");
-  CHECK_REFUSED(lcpbench_step_options_init(&options, 4), "size is 4");
-  CHECK_OK(lcpbench_step_options_init(&options, sizeof options));
-  CHECK(options.size == sizeof options && options.tolerance == 1e-9 && isinf(options.time_limit_s) &&
-        options.threads == 1);
+  const lcpbench_step_options right = {.size = sizeof right, .tolerance = 1e-6, .time_limit_s = 1, .threads = 2};
+  lcpbench_step_options options = right;
   CHECK_REFUSED(lcpbench_step_create(&options, NULL), "step is NULL");
-  options.tolerance = 1;
-  CHECK_REFUSED(lcpbench_step_create(&options, &other), "tolerance must be in (0, 1)");
-  options.tolerance = NAN;
-  CHECK_REFUSED(lcpbench_step_create(&options, &other), "tolerance must be in (0, 1)");
-  options.tolerance = 1e-6;
-  options.time_limit_s = 0;
-  CHECK_REFUSED(lcpbench_step_create(&options, &other), "time limit must be > 0");
-  options.time_limit_s = 1;
-  options.threads = 0;
-  CHECK_REFUSED(lcpbench_step_create(&options, &other), "threads must be from 1");
-  options.threads = 2;
-  options.reserved = 1;
-  CHECK_REFUSED(lcpbench_step_create(&options, &other), "reserved is 1, expected 0");
-  options.reserved = 0;
-  options.size = 0;
-  CHECK_REFUSED(lcpbench_step_create(&options, &other), "lcpbench_step_options_init");
+#define OPTION(member, value, words)                              \
+  do {                                                            \
+    options = right;                                              \
+    options.member = value;                                       \
+    CHECK_REFUSED(lcpbench_step_create(&options, &other), words); \
+  } while (0)
+  OPTION(tolerance, 1, "tolerance must be in (0, 1)");
+  OPTION(tolerance, -1, "tolerance must be in (0, 1)");
+  OPTION(tolerance, NAN, "tolerance must be in (0, 1)");
+  OPTION(time_limit_s, -1, "time limit must be > 0");
+  OPTION(time_limit_s, NAN, "time limit must be > 0");
+  OPTION(threads, -1, "threads must be from 1");
+  OPTION(reserved, 1, "reserved is 1, expected 0");
+  OPTION(size, 0, "size is 0, expected sizeof(lcpbench_step_options)");
+  OPTION(size, 4, "size is 4");
   CHECK(other == NULL);
-
-  lcpbench_problem* problem = NULL;
-  CHECK_REFUSED(lcpbench_problem_from_body_factors(0, 0, 5, 0, NULL, NULL, NULL, 0, NULL, NULL, NULL, &problem),
-                "columns_per_body is 5, expected 3");
-  CHECK(problem == NULL);
+  const lcpbench_step_options zeros = {.size = sizeof zeros};
+  CHECK_OK(lcpbench_step_create(&zeros, &other));
+  lcpbench_step_free(other);
 }
 
 /* What is wrong within the arrays: step_solver_test.cc. Nothing is written. */
@@ -406,7 +403,8 @@ static void MistakesAreRefused(void) {
     rows.member = value;           \
     CHECK_REFUSED(SOLVE(), words); \
   } while (0)
-  WITH(size, 8, "size is 8, expected sizeof(lcpbench_step_rows (call lcpbench_step_rows_init))");
+  WITH(size, 8, "size is 8, expected sizeof(lcpbench_step_rows), ");
+  WITH(columns_per_body, 5, "columns per body must be 3 or 6, found 5");
   WITH(rows, -1, "rows.rows is -1");
   WITH(rows, (int64_t)1 << 31, "rows.rows is 2147483648");
   WITH(bodies, -1, "rows.bodies is -1");
@@ -442,8 +440,6 @@ static void MistakesAreRefused(void) {
   int64_t fallbacks = 0;
   CHECK_REFUSED(lcpbench_step_fallbacks(NULL, &fallbacks), "step is NULL");
   CHECK_REFUSED(lcpbench_step_fallbacks(step, NULL), "fallbacks is NULL");
-  CHECK_REFUSED(lcpbench_step_rows_init(NULL, sizeof rows), "rows is NULL");
-  CHECK_REFUSED(lcpbench_step_rows_init(&rows, 12), "size is 12");
 
   rows = MakeRows(&arrays, 5, 3, 1, 0);
   ExpectSolved(step, &rows); /* none of these did harm */
@@ -508,8 +504,7 @@ static void LaterStructsAreUnderstood(void) {
   double f[2];
   lcpbench_step* step = MakeStep();
   memset(&rows, 0xff, sizeof rows);
-  CHECK_OK(lcpbench_step_rows_init(&rows.rows, sizeof rows));
-  CHECK(rows.rows.size == sizeof rows && rows.later == 0);
+  rows.later = 0;
   rows.rows = MakeRows(&arrays, 2, 6, 0, 0);
   rows.rows.size = sizeof rows;
   memset(answers, 0xff, sizeof answers);

@@ -47,10 +47,10 @@ TEST(StepFromC, AllocatesInReserveOnly) {
       std::vector<double> f(arrays.b.size());
       std::vector<double> w(arrays.b.size());
       const std::vector<double> start(arrays.b.size(), 0.25);
-      lcpbench_step_rows rows;
+      lcpbench_step_rows rows = {};
       lcpbench_step_answer answer;
       const long before = AllocationCount();
-      ASSERT_EQ(lcpbench_step_rows_init(&rows, sizeof rows), LCPBENCH_OK);
+      rows.size = sizeof rows;
       rows.rows = rows.bodies = n;
       rows.columns_per_body = p;
       rows.body = arrays.body.data();

@@ -6,9 +6,27 @@ import re
 import subprocess
 import sys
 import unittest
-from ctypes import POINTER, byref, c_char, c_char_p, c_double, c_int32, c_int64, c_size_t, c_void_p
+from ctypes import (POINTER, byref, c_char, c_char_p, c_double, c_int32, c_int64, c_size_t, c_uint8, c_uint32, c_void_p,
+                    sizeof)
 
 _LIBRARY, _HEADER = sys.argv[1:3]
+
+
+class Problem(ctypes.Structure):
+    _fields_ = [
+        ("size", c_size_t), ("form", c_int32), ("layout", c_int32), ("rows", c_int64), ("columns", c_int64),
+        ("columns_per_body", c_int32), ("facts", c_uint32), ("values", POINTER(c_double)), ("entries", c_int64),
+        ("starts", POINTER(c_int32)), ("indices", POINTER(c_int32)), ("inverse_mass", POINTER(c_double)),
+        ("b", POINTER(c_double)), ("kinds", POINTER(c_uint8)), ("friction", c_void_p), ("friction_count", c_int64),
+        ("bounded", c_void_p), ("bounded_count", c_int64)
+    ]
+
+
+class Answer(ctypes.Structure):
+    _fields_ = [
+        ("size", c_size_t), ("status", c_int32), ("relaxed", c_int32), ("n", c_int64), ("f", POINTER(c_double)),
+        ("ray", POINTER(c_double)), ("iterations", c_int64), ("nullity", c_int64), ("detail", c_char_p)
+    ]
 
 
 class Verdict(ctypes.Structure):
@@ -20,7 +38,10 @@ class Verdict(ctypes.Structure):
             "best_tier", "rho", "backward_error", "natural_residual", "primal_infeasibility", "dual_infeasibility",
             "complementarity", "gap", "energy_bound", "energy_shift", "answer_floor", "ray_b_dot_y",
             "ray_null_residual")]
-        + [("reason", c_char * 256), ("ray_reason", c_char * 256), ("ray_force_min", c_double)]
+        + [("reason", c_char * 256), ("ray_reason", c_char * 256)]
+        + [(name, c_double) for name in (
+            "ray_force_min", "penetration", "adhesion", "separation", "cone", "dissipation", "joints", "beyond_bounds",
+            "model_rho")]
     )
 
 
@@ -37,30 +58,27 @@ class SharedLibrary(unittest.TestCase):
         self.library.lcpbench_version.restype = c_char_p
         self.library.lcpbench_problem_free.argtypes = [c_void_p]
         self.library.lcpbench_solver_free.argtypes = [c_void_p]
-        self.library.lcpbench_result_free.argtypes = [c_void_p]
 
     def _call(self, function, *arguments):
         error = getattr(self.library, function)(*arguments)
         self.assertEqual(error, 0, self.library.lcpbench_last_error())
 
     def test_solves_and_judges(self):
-        problem, solver, result = c_void_p(), c_void_p(), c_void_p()
+        problem, solver, answer, verdict = c_void_p(), c_void_p(), Answer(), Verdict()
         starts, indices = (c_int32 * 4)(0, 2, 4, 5), (c_int32 * 5)(0, 1, 0, 1, 2)
-        values, b = (c_double * 5)(2, 1, 1, 2, 1), (c_double * 3)(-5, -6, 3)
-        self._call("lcpbench_problem_from_sparse", c_int64(3), c_int32(0), starts, indices, values, c_int64(5), b, None,
-                   ctypes.c_uint32(1), byref(problem))
+        values, b, w = (c_double * 5)(2, 1, 1, 2, 1), (c_double * 3)(-5, -6, 3), (c_double * 3)()
+        data = Problem(sizeof(Problem), form=2, rows=3, facts=1, values=values, entries=5, starts=starts,
+                       indices=indices, b=b)
+        answer.size = sizeof(answer)
+        self._call("lcpbench_problem_create", byref(data), byref(problem))
         self._call("lcpbench_solver_create", b"auto", None, c_size_t(0), byref(solver))
-        self._call("lcpbench_result_create", byref(result))
-        self._call("lcpbench_solve", solver, problem, None, result)
-        f, n, w, verdict = POINTER(c_double)(), c_int64(), (c_double * 3)(), Verdict()
-        self._call("lcpbench_result_f", result, byref(f), byref(n))
-        self._call("lcpbench_verify_result", problem, result, c_double(1e-9), byref(verdict),
-                   c_size_t(ctypes.sizeof(verdict)), w)
-        self.assertEqual(n.value, 3)
-        for found, expected in zip(f[:3] + w[:3], (4 / 3, 7 / 3, 0, 0, 0, 3)):
+        self._call("lcpbench_solve", solver, problem, None, byref(answer))
+        self._call("lcpbench_verify", problem, byref(answer), c_double(1e-9), byref(verdict), c_size_t(sizeof(verdict)),
+                   w)
+        self.assertEqual((answer.n, answer.status, answer.nullity, answer.detail), (3, 1, -1, b"tableau"))
+        for found, expected in zip(answer.f[:3] + w[:3], (4 / 3, 7 / 3, 0, 0, 0, 3)):
             self.assertAlmostEqual(found, expected, places=13)
         self.assertEqual((verdict.passes, verdict.best_tier, verdict.reason), (1, 1e-9, b""))
-        self.library.lcpbench_result_free(result)
         self.library.lcpbench_solver_free(solver)
         self.library.lcpbench_problem_free(problem)
 
