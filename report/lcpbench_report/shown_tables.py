@@ -8,7 +8,7 @@ from collections.abc import Callable
 import pandas as pd
 
 from . import choice, decision, formats, solver_facts
-from .formats import DASH, power, residual, seconds, share_of, size_class, times
+from .formats import DASH, power, residual, seconds, share_of, size_class, times, with_interval
 from .headline_table import Entry, Headline, Rival, headline, verdicts
 from .inputs import PATHOLOGICAL, Inputs
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_ASKED, VERIFIED, within_rounding
@@ -129,13 +129,6 @@ def cell(entry: Entry | None, problems: int) -> str:
         return f"✗ {verified}{sample}"
     time = f"**{seconds(entry.time_s)}**" if entry.best else seconds(entry.time_s)
     return time if entry.share == 1 and not sample else f"{time} · {verified}{sample}"
-
-
-def with_interval(value: float, low: float, high: float) -> str:
-    """0.60 (0.55–0.64)"""
-    if math.isnan(value):
-        return DASH
-    return times(value) + ("" if math.isnan(low) else f" ({times(low)}–{times(high)})")
 
 
 def _time(entry: Entry) -> str:

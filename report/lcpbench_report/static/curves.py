@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 
 from .. import studies
-from ..formats import seconds
 from ..inputs import Inputs
+from ..sentences import say
 from ..solver_facts import library
 from ..style import SolverStyle, solver_styles
 from . import canvas
@@ -29,45 +29,21 @@ class Figure:
     draw: Callable
 
 
+_TITLES = {studies.MASS_RATIO: "Residual against the ratio of masses, at equal time",
+           studies.REGULARIZATION: "The error that a regularization makes, against its speed",
+           studies.SWEEPS: "Sequential impulses: residual and penetration against sweeps",
+           studies.PRECISION: "Single against double precision"}
+
+
 def figures(inputs: Inputs) -> Iterator[Figure]:
     """Those whose files there are, in order."""
-    of = inputs.curves
-    if (table := of.get(studies.MASS_RATIO)) is not None:
-        budget = seconds(table["budget_s"].iloc[0])
-        yield Figure("curve-mass-ratio", "Residual against the ratio of masses, at equal time",
-                     f"The least ρ that a solver delivers within {budget} of any tolerance that it is asked for (1e-3 to "
-                     f"1e-12), at {_rows(table)} rows; median over those of {_scenes(table)} that it takes. Of every "
-                     "other library the key and setting that does best on these very problems, which flatters it; all are in "
-                     "tables/curve-mass-ratio.csv. 1 is what f = 0 has, and stands for no answer in time.", partial(mass_ratio, inputs))
-    if (table := of.get(studies.REGULARIZATION)) is not None:
-        yield Figure("curve-regularization", "The error that a regularization makes, against its speed",
-                     f"A mark per shift of the diagonal, as a share of it, from 1e-12 to 1e-2; median over {_scenes(table)} with "
-                     f"{_rows(table)} rows. Larger marks: without a shift, and MuJoCo's own. On the right: what is left of the penetrating acceleration, "
-                     "over the largest of b.", partial(regularization, inputs))
-    if (table := of.get(studies.SWEEPS)) is not None:
-        yield Figure("curve-sweeps", "Sequential impulses: residual and penetration against sweeps",
-                     f"Bullet's engine solver drives motions of {_rows(table)} rows from cold starts, without correction of "
-                     f"penetration; {int(table['steps'].max())} steps of {_steps(table)}. Dotted: the same with impulses of "
-                     "dantzig; 1e-12 m stands for less.", partial(sweeps, inputs))
-    if (table := of.get(studies.PRECISION)) is not None:
-        yield Figure("curve-precision", "Single against double precision",
-                     f"Projected Gauss–Seidel over velocities of bodies, the same code in both precisions (in single: J, masses, "
-                     "b, forces, velocities); and the tableau of StepSolver, of which single precision has J alone, sums being in "
-                     f"double. {_rows(table)} rows, judged in double against J as given.", partial(precision, inputs))
-
-
-def _rows(table: pd.DataFrame) -> str:
-    found = sorted(set(table["rows"]))
-    return f"{found[0]}" if len(found) == 1 else f"{found[0]} to {found[-1]}"
-
-
-def _scenes(table: pd.DataFrame) -> str:
-    return ", ".join(dict.fromkeys(table["scene"]))
-
-
-def _steps(table: pd.DataFrame) -> str:
-    found = sorted(set(table["step_s"]))
-    return seconds(found[0]) if len(found) == 1 else f"{seconds(found[0])} to {seconds(found[-1])}"
+    draw = {studies.MASS_RATIO: mass_ratio, studies.REGULARIZATION: regularization, studies.SWEEPS: sweeps,
+            studies.PRECISION: precision}
+    for name, title in _TITLES.items():
+        if (table := inputs.curves.get(name)) is not None:
+            rows = dict.fromkeys((table["rows"].min(), table["rows"].max()))
+            yield Figure(f"curve-{name}", title, say(f"{name.replace('-', '_')}_figure", table=table, rows=" to ".join(map(str, rows)),
+                                                     scenes=", ".join(table["scene"].unique())), partial(draw[name], inputs))
 
 
 def _shown(values) -> np.ndarray:

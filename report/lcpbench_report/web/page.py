@@ -4,10 +4,9 @@ import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from .. import choice, formats, markdown, peers, plotly_bundle, shown_tables, solver_facts, summary, table
+from .. import choice, formats, markdown, peers, plotly_bundle, sentences, shown_tables, solver_facts, summary, table
 from ..fairness import limitations
 from ..headline_table import headline
 from ..inputs import Inputs
@@ -22,9 +21,6 @@ _PEERS_SHOWN = 3  # besides our well-known ones, when the page opens
 
 def render(inputs: Inputs, pictures: Sequence[gallery.Picture] = ()) -> str:
     """The page as text; the same for the same results."""
-    environment = Environment(loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined,
-                              trim_blocks=True, lstrip_blocks=True)
-    environment.filters["html"] = table.html
     data = payload.build(inputs, shown(inputs))
     data["pictures"] = [picture.family for picture in pictures]
     has = {"cells": len(inputs.cells) > 0, "pathological": len(shown_tables.pathological(inputs)) > 0,
@@ -43,7 +39,7 @@ def render(inputs: Inputs, pictures: Sequence[gallery.Picture] = ()) -> str:
         "peers": peers.table(inputs).html(), "left_out": peers.left_out().html(), "curves": _drawn(curves.figures(inputs)),
         "pictures": [picture for picture in pictures if not (picture.friction and _has_friction(inputs))], "pictured": {picture.family for picture in pictures},
     }
-    return environment.get_template("page.html.j2").render(context)
+    return sentences.render("web/page.html.j2", **context)
 
 
 def shown(inputs: Inputs) -> list[str]:
@@ -73,13 +69,12 @@ def _friction(inputs: Inputs, pictures: Sequence[gallery.Picture]) -> dict | Non
     if not _has_friction(inputs):
         return None
     of = inputs.friction
-    return {"lead": summary.friction(inputs), "words": markdown.FRICTION_WORDS, "not_taking": shown_tables.not_taking_friction(inputs),
-            "class_words": markdown.FRICTION_CLASS_WORDS, "error_words": markdown.FRICTION_ERROR_WORDS, "motion_words": markdown.FRICTION_MOTION_WORDS,
+    return {"lead": summary.friction(inputs), "not_taking": shown_tables.not_taking_friction(inputs),
             "classes": _html(shown_tables.friction_classes(inputs)), "table": _html(shown_tables.friction(inputs)),
-            "sealed": _html(of and shown_tables.sealed(of)), "sealed_words": markdown.SEALED_WORDS,
-            "by_solver": _html(of and shown_tables.by_solver(headline(of)), "by-solver"), "errors": _html(shown_tables.friction_errors(inputs)),
-            "motions": shown_tables.motions(inputs.friction_motion, friction=True), "figures": _drawn(friction.figures(inputs)),
-            "pictures": [picture for picture in pictures if picture.friction]}
+            "sealed": _html(of and shown_tables.sealed(of)), "errors": _html(shown_tables.friction_errors(inputs)),
+            "by_solver": _html(of and shown_tables.by_solver(headline(of)), "by-solver"),
+            "motions": shown_tables.motions(inputs.friction_motion, friction=True),
+            "figures": _drawn(friction.figures(inputs)), "pictures": [of for of in pictures if of.friction]}
 
 
 def _headline(inputs: Inputs) -> dict:
@@ -91,11 +86,8 @@ def _headline(inputs: Inputs) -> dict:
         drawn = figure and gallery.address(canvas.svg(figure))
     return {"headline": shown_tables.classes(found).html(), "headline_words": summary.peers(found),
             "by_solver": shown_tables.by_solver(found).html("by-solver"), "front": _html(shown_tables.front(found)),
-            "front_figure": drawn,
-            "flags": _html(shown_tables.equal_flags(inputs)), "front_words": markdown.FRONT_WORDS,
-            "flag_words": markdown.FLAG_WORDS, "literature_words": markdown.LITERATURE_WORDS, "caption": markdown.caption(inputs, found),
-            "ablation_words": markdown.ABLATION_WORDS, "origin_words": markdown.ORIGIN_WORDS, "sealed_words": markdown.SEALED_WORDS,
-            "rank_words": summary.origins(inputs)}
+            "front_figure": drawn, "flags": _html(shown_tables.equal_flags(inputs)),
+            "caption": markdown.caption(inputs, found), "rank_words": summary.origins(inputs)}
 
 
 def _tables(inputs: Inputs) -> dict[str, Markup | None]:
