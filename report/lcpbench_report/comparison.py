@@ -9,7 +9,7 @@ from .statistics.cells import FALSE_SUCCESS
 from .statistics.changes import ALL, REACH, Changes, Part, cell_name
 from .statistics.groups import COUNTED
 from .statistics.intervals import MARGIN
-from .statistics.load import Campaign
+from .statistics.model import Campaign
 from .table import Table, code
 
 _SHOWN = 20  # rows of a table

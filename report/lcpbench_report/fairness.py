@@ -9,7 +9,7 @@ from .inputs import Inputs
 from .sentences import lines
 from .statistics.cells import CHANGED, NOT_ASKED, VERIFIED
 from .statistics.launches import KEY, TOGETHER
-from .statistics.load import ORIGINS, TASK_BUDGET
+from .statistics.model import ORIGINS, TASK_BUDGET
 
 # A solver is called out as built for looser tiers when it verifies less than this part of what it does at the loosest.
 _TIER_DROP = 0.75

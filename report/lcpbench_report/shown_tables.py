@@ -15,7 +15,7 @@ from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_ASKED, VERIFIED, wi
 from .statistics.class_times import ALL, RATIO
 from .statistics.friction import refusers
 from .statistics.groups import COUNTED
-from .statistics.load import ERROR_PARTS, ORIGINS
+from .statistics.model import ERROR_PARTS, ORIGINS
 from .statistics.rivals import FASTEST, FLAGS, PORTFOLIO
 from .statistics.weighted import weighted_median, weighted_share
 from .studies import DRIVER

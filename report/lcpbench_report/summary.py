@@ -9,7 +9,7 @@ from .inputs import Inputs
 from .sentences import say, told
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_RUN, VERIFIED, within_rounding
 from .statistics.class_times import RATIO
-from .statistics.load import ORIGINS
+from .statistics.model import ORIGINS
 from .statistics.rivals import DOMINATED, DOMINATES, FASTER, FASTEST, PORTFOLIO
 
 MOST_LINES = 13

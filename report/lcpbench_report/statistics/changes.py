@@ -35,7 +35,7 @@ from .class_times import ALL, by_solver, class_table, classes, ratio
 from .groups import COUNTED, GROUP, with_label
 from .intervals import Bootstrap, holm
 from .launches import Levels
-from .load import METRICS, TASK_BUDGET, Campaign
+from .model import METRICS, TASK_BUDGET, Campaign
 from .rivals import FASTEST, is_own, rival_table
 
 SLOWER, FASTER = "slower", "faster"

@@ -14,7 +14,7 @@ from .coverage import coverage_table
 from .friction import friction_table
 from .latency import deadline_table, latency_by_solver_table
 from .launches import Levels
-from .load import Campaign
+from .model import Campaign
 from .means import delivered_table, mean_table
 from .origins import origin_table, rank_table
 from .pairwise import pairwise_table
