@@ -3,7 +3,7 @@
 
     statistics                  reads a campaign, and the tables that `lcpbench analyse` writes
     inputs, studies             all that one report is made of
-    choice, decision            what is shown where not all can be; which solver to take, by one rule
+    choice                      what is shown where not all can be; which solver to take, by one rule
     headline_table, shown_tables, table   tables that people read, as Markdown, HTML and LaTeX
     summary, fairness           sentences made of the data
     web, static, markdown       the interactive page; figures and tables for papers; summary.md

@@ -2,9 +2,9 @@
 
 import math
 
-from . import choice, decision, shown_tables
+from . import choice, shown_tables
 from .choice import main_tier
-from .headline_table import Headline, headline, low, verdicts
+from .headline_table import Headline, headline, verdicts
 from .inputs import Inputs
 from .sentences import say, told
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_RUN, VERIFIED, within_rounding
@@ -69,7 +69,7 @@ def _fastest(inputs: Inputs) -> str:
 def _by_size(inputs: Inputs) -> str:
     cells = choice.main_cells(inputs)
     parts = [(size_class, ranked[0]) for size_class in choice.size_classes(inputs, cells)
-             if (ranked := decision.contenders(cells[cells["size_class"] == size_class], inputs.own))]
+             if (ranked := choice.contenders(cells[cells["size_class"] == size_class], inputs.own))]
     return say("by_size", parts=parts) if len(parts) > 1 else ""
 
 
@@ -94,7 +94,7 @@ def peers(found: Headline) -> str:
 def losses(found: Headline) -> str:
     """How many members of the front ours dominates; and to whom we lose, at how many rows and by how much: the rival,
     single peers of the front, the fastest of each problem."""
-    lost = [(_NAMES[rival], rival, [row for row in found.classes if rival in row.rivals and low(row, rival) > 1])
+    lost = [(_NAMES[rival], rival, [row for row in found.classes if rival in row.rivals and row.rivals[rival].ratio.low > 1])
             for rival in dict.fromkeys((found.rival, FASTEST))]
     front = [(row, of) for row in found.classes for of in row.rivals.values() if of.front and of.key != found.rival]
     singles = [(words, [f"`{of.key}` at {told(row, of.key, 'times its time')}" for row, of in front if of.relation == kind])
@@ -144,10 +144,10 @@ def _robustness(inputs: Inputs) -> str:
 
 
 def _sequences(inputs: Inputs) -> str:
-    rows = decision.passes(inputs, main_tier(inputs))
+    rows = choice.passes(inputs, main_tier(inputs))
     if rows.empty:
         return ""
-    enough = rows[rows["verified_share"] >= decision.SHARE * rows["verified_share"].max()].sort_values(["p99", "p50"])
+    enough = rows[rows["verified_share"] >= choice.SHARE * rows["verified_share"].max()].sort_values(["p99", "p50"])
     gains = enough[enough["warm_gain"].notna()].sort_values("warm_gain", ascending=False).to_dict("records")
     return say("sequences", best=enough.iloc[0], gain=gains[0] if gains else None,
                whole=inputs.in_order(rows.loc[rows["verified_share"] == 1, "solver"]))
@@ -172,7 +172,7 @@ def _scaling(inputs: Inputs) -> str:
     """Exponents over all sizes would praise what has a large overhead; what counts is who is fast at the end."""
     cells = choice.main_cells(inputs)
     top = cells["rows"].max()
-    ranked = decision.contenders(cells[cells["rows"] == top], inputs.own)
+    ranked = choice.contenders(cells[cells["rows"] == top], inputs.own)
     if not ranked or top <= 100:
         return ""
     rows = choice.table(inputs, "scaling", main_tier(inputs))

@@ -12,13 +12,12 @@ from .. import studies
 from ..inputs import Inputs
 from ..sentences import say
 from ..solver_facts import library
-from ..style import SolverStyle, solver_styles
+from ..style import OWN_COLOURS, PEER_COLOURS, SolverStyle, solver_styles
 from . import canvas
 
 _LEAST = 1e-17  # smaller residuals are rounding, and stand at the axis' end
 _SHALLOWEST = 1e-12  # m; exact impulses may leave nothing
 _MOST = 1.0  # of f = 0; larger ones, and none at all, stand there
-_SCENES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
 
 @dataclass(frozen=True)
@@ -96,8 +95,7 @@ def mass_ratio(inputs: Inputs):
 
 
 # There are more libraries than muted colours.
-_MANY = ("#332288", "#117733", "#882255", "#AA4499", "#999933", "#44AA99", "#CC6677", "#661100", "#6699CC", "#DD8800",
-         "#000000", "#777777")
+_MANY = (*PEER_COLOURS, "#DD8800", "#000000", "#777777")
 _MARKS = "os^DvPX*<>"
 
 
@@ -135,7 +133,7 @@ def sweeps(inputs: Inputs):
     """Median residual, and deepest penetration, of motions."""
     table = inputs.curves[studies.SWEEPS]
     scenes = list(dict.fromkeys(table["scene"]))
-    colours = dict(zip(scenes, _SCENES))
+    colours = dict(zip(scenes, OWN_COLOURS))
     figure, panes = canvas.panels(2, canvas.PAGE, 2.9)
     for pane, (column, least) in zip(panes, {"rho": _LEAST, "penetration": _SHALLOWEST}.items()):
         for scene in scenes:
@@ -157,7 +155,7 @@ def precision(inputs: Inputs):
     table = inputs.curves[studies.PRECISION]
     ratios = sorted(set(table["mass_ratio"]))
     scenes = list(dict.fromkeys(table["scene"]))
-    colours = dict(zip(scenes, _SCENES))
+    colours = dict(zip(scenes, OWN_COLOURS))
     figure, panes = canvas.panels(len(ratios), canvas.PAGE, 3.2, sharey=True)
     for pane, ratio in zip(panes, ratios):
         for (scene, method, kind), mine in table[table["mass_ratio"] == ratio].groupby(["scene", "method", "precision"]):

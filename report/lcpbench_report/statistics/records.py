@@ -25,7 +25,7 @@ import pandas as pd
 from ..errors import ReportError
 from ..formats import short
 from .cells import CHANGED, Measured
-from .fields import check_fields, check_tier, check_word
+from .fields import check_fields, check_run
 from .jsonl import read_lines
 from .launches import KEY, MEDIANS, OF_LAUNCH, TOGETHER
 from .model import ERROR_PARTS, FLAGS, Campaign, Task
@@ -109,18 +109,11 @@ def read_records(path: Path, campaign: Campaign, note: Callable[[str], None]) ->
     for number, line in read_lines(path, note):
         place = f"{path.name}:{number}"
         record = check_fields(place, line, _LINE)
-        check_word(place, record, "solver", solvers)
-        check_word(place, record, "size_class", sizes)
-        tier = check_tier(place, campaign.info["tiers"], record["tier"])
-        first, count = int(record["first"]), int(record["count"])
-        if not 1 <= count <= sizes[record["size_class"]] - first:
-            raise ReportError(place, f"keys 'first' and 'count' are {first} and {count}",
-                              f"some of the {sizes[record['size_class']]} problems of this size class")
-        key = (record["solver"], record["size_class"], tier, first)
-        if key in seen:
+        key, first, count = check_run(place, record, campaign.info["tiers"], solvers, sizes)
+        if (*key, first) in seen:
             raise ReportError(place, "these problems are there twice", "a line per solver, size class and tier")
-        seen.add(key)
-        tasks.append(Task(*key[:3], np.arange(first, first + count), _columns(place, record, count),
+        seen.add((*key, first))
+        tasks.append(Task(*key, np.arange(first, first + count), _columns(place, record, count),
                           [_launch(f"{place}: launches", row) for row in record["launches"]]))
     return tasks
 

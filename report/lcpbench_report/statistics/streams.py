@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import ReportError
-from .fields import check_fields, check_numbers, check_places, check_record, check_tier, check_word
+from .fields import check_fields, check_numbers, check_places, check_record, check_run, check_word
 from .jsonl import read_lines
 from .launches import launch_rows
 from .model import AGAIN, FLAGS, FRESH, JUDGE, JUDGED, KINDS, LAWS, OUT, PART_TIMES, PARTS, TASK_BUDGET, Campaign, Task
@@ -43,22 +43,17 @@ def read_streams(path: Path, campaign: Campaign, note: Callable[[str], None]) ->
 
     @throws ReportError for the first thing that does not fit
     """
-    solvers = {key: "" for key, solver in campaign.solvers.items() if solver["available"]}
+    solvers = [key for key, solver in campaign.solvers.items() if solver["available"]]
     classes = {key: [campaign.problems[name] for name in names] for key, names in campaign.classes.items()}
+    sizes = {key: len(problems) for key, problems in classes.items()}
     seen: dict[tuple, set[int]] = {}
     tasks: dict[tuple, dict[tuple[int, int], _Part]] = {}
     passes: list[tuple[str, dict, tuple, tuple[int, int]]] = []
     for number, line in read_lines(path, note):
         place = f"{path.name}:{number}"
         record = check_record(place, line, "line")
-        for field_, words in (("kind", KINDS), ("solver", solvers), ("size_class", classes)):
-            check_word(place, record, field_, words)
-        tier = check_tier(place, campaign.info["tiers"], record["tier"])
-        first, count = int(record["first"]), int(record["count"])
-        if not 1 <= count <= len(classes[record["size_class"]]) - first:
-            raise ReportError(place, f"keys 'first' and 'count' are {first} and {count}",
-                              f"some of the {len(classes[record['size_class']])} problems of this size class")
-        key = (record["solver"], record["size_class"], tier)
+        check_word(place, record, "kind", KINDS)
+        key, first, count = check_run(place, record, campaign.info["tiers"], solvers, sizes)
         if record["kind"] != JUDGE:
             passes.append((place, record, key, (first, count)))
             continue

@@ -15,11 +15,10 @@ from .friction import friction_table
 from .latency import deadline_table, latency_by_solver_table
 from .launches import Levels
 from .model import Campaign
-from .means import delivered_table, mean_table
+from .means import delivered_table, mean_table, scaling_table
 from .origins import origin_table, rank_table
 from .pairwise import pairwise_table
 from .rivals import flag_table, is_own, rival_table
-from .scaling import scaling_table
 
 FOLDER = "analysis"
 # Name -> function of the table of cells; and of it and of launches.

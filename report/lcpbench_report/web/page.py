@@ -10,7 +10,7 @@ from .. import choice, formats, markdown, peers, plotly_bundle, sentences, shown
 from ..fairness import limitations
 from ..headline_table import Headline, headline
 from ..inputs import Inputs
-from ..static import canvas, curves, friction, front
+from ..static import canvas, classes, curves, friction
 from . import gallery, payload
 
 _HERE = Path(__file__).resolve().parent
@@ -60,7 +60,7 @@ def _drawn(figures: Iterable[curves.Figure]) -> list[dict]:
 
 def _drawn_front(inputs: Inputs, found: Headline) -> str | None:
     with canvas.look():
-        figure = front.by_class(inputs, found)
+        figure = classes.front(inputs, found)
         return figure and gallery.address(canvas.svg(figure))
 
 
