@@ -80,7 +80,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _command(name: str, *wanted: tuple):
-    """@param wanted  the arguments, see _file and _word; the function's docstring is the help"""
+    """@param wanted  the arguments, see _word; the function's docstring is the help"""
     def register(act):
         _COMMANDS[name] = act, wanted
         return act
@@ -118,31 +118,20 @@ def _load(options: argparse.Namespace, *folders: Path) -> list:
     return campaigns
 
 
-def _changes(options: argparse.Namespace, old: Path, new: Path) -> tuple[str, bool]:
-    """What changed, as Markdown, and whether nothing regressed."""
+def _compared(options: argparse.Namespace, by: str, old: Path, new: Path, show: int | None = None) -> tuple[str, bool]:
+    """In words, and whether they agree: nothing regressed, no value moved, all results are the same."""
     from lcpbench_report import comparison
     from lcpbench_report.statistics import changes
 
     campaigns = _load(options, old, new)
+    if by == "moved":
+        table, alone = changes.moved_table(*campaigns)
+        return comparison.moved_text(table, alone, 40 if show is None else show), table["agrees"].all()
+    if by == "same":
+        parts = changes.same_results(*campaigns)
+        return comparison.same_text(parts, 10 if show is None else show), all(part.same for part in parts.values())
     found = changes.compare_campaigns(*campaigns)
     return comparison.changes_text(str(old), campaigns[0], str(new), campaigns[1], found), not found.regressed
-
-
-def _moved(options: argparse.Namespace, old: Path, new: Path) -> tuple[str, bool]:
-    from lcpbench_report import comparison
-    from lcpbench_report.statistics import changes
-
-    table, alone = changes.moved_table(*_load(options, old, new))
-    return comparison.moved_text(table, alone, 40 if options.show is None else options.show), table["agrees"].all()
-
-
-def _same(options: argparse.Namespace, old: Path, new: Path) -> tuple[str, bool]:
-    from lcpbench_report import comparison
-    from lcpbench_report.statistics import changes
-
-    parts = changes.same_results(*_load(options, old, new))
-    text = comparison.same_text(parts, 10 if options.show is None else options.show)
-    return text, all(part.same for part in parts.values())
 
 
 @_command("analyse", _file("campaign", help="folder of a campaign; tables go to DIR/analysis"))
@@ -153,19 +142,16 @@ def _analyse(options: argparse.Namespace) -> None:
     tables.write_tables(*_load(options, options.campaign), options.campaign / tables.FOLDER)
 
 
-_COMPARISONS = {"changes": _changes, "moved": _moved, "same": _same}
-
-
 @_command("compare", _file("old", metavar="OLD", help="folder of a campaign"),
           _file("new", metavar="NEW", help="folder of another one"),
-          _word("--by", choices=_COMPARISONS, default="changes",
+          _word("--by", choices=("changes", "moved", "same"), default="changes",
                 help="changes: what became slower, faster or wrong, of one plan; moved: how far medians and ratios moved, "
                 "which agree within 3 %% or their intervals; same: whether all results but times are the same [%(default)s]"),
           _word("--show", type=_whole(0), help="values that agree, or differences of a kind, that are listed [40, 10]"),
           _file("-o", "--output", metavar="FILE", help="instead of standard output"))
 def _compare(options: argparse.Namespace) -> int:
     """Compare two campaigns; exit status 1 for a regression, or for what does not agree."""
-    text, agrees = _COMPARISONS[options.by](options, options.old, options.new)
+    text, agrees = _compared(options, options.by, options.old, options.new, options.show)
     if options.output is None:
         print(text, end="")
     else:
@@ -198,7 +184,7 @@ def _report(options: argparse.Namespace) -> None:
     page = render(inputs, gallery.read(options.pictures) if options.pictures else [])
     write_text(options.output, page)
     # Read anew: a report counts fewer problems than a comparison.
-    changed, _ = _changes(options, options.previous, options.campaigns[0]) if options.previous else ("", False)
+    changed, _ = _compared(options, "changes", options.previous, options.campaigns[0]) if options.previous else ("", False)
     words = markdown.render(inputs, summary.summary_lines(inputs), changed)
     write_text(folder / "summary.md", words)
     write_static(inputs, folder)

@@ -27,7 +27,7 @@ def changes_text(old_name: str, old: Campaign, new_name: str, new: Campaign, cha
 def moved_text(table: pd.DataFrame, alone: list[str], most: int) -> str:
     """@param most  values that agree and are listed; all that do not are"""
     shown = table.index[~table["agrees"]].union(table.index[table["agrees"]][:most])
-    rows = [[formats.power(of.tier), formats.size_class(of.size_class), code(of.what), *(_value(of, side) for side in ("old", "new")),
+    rows = [[formats.power(of.tier), formats.size_class(of.size_class), code(of.what), _value(of, "old"), _value(of, "new"),
              f"{100 * of.moved:+.1f} %", "yes" if of.agrees else "**no**"] for of in table.loc[shown].itertuples()]
     near = table["moved"].abs() <= REACH
     return render("comparison.md.j2", "moved", values=len(table), near=near.sum(), inside=(table["agrees"] & ~near).sum(),

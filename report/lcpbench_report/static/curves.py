@@ -41,8 +41,9 @@ def figures(inputs: Inputs) -> Iterator[Figure]:
     for name, title in _TITLES.items():
         if (table := inputs.curves.get(name)) is not None:
             rows = dict.fromkeys((table["rows"].min(), table["rows"].max()))
-            yield Figure(f"curve-{name}", title, say(f"{name.replace('-', '_')}_figure", table=table, rows=" to ".join(map(str, rows)),
-                                                     scenes=", ".join(table["scene"].unique())), partial(draw[name], inputs))
+            words = say(f"{name.replace('-', '_')}_figure", table=table, rows=" to ".join(map(str, rows)),
+                        scenes=", ".join(table["scene"].unique()))
+            yield Figure(f"curve-{name}", title, words, partial(draw[name], inputs))
 
 
 def _shown(values) -> np.ndarray:

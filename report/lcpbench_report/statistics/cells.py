@@ -70,7 +70,8 @@ def measured(campaign: Campaign, of_ablations: bool = False) -> Measured:
     columns["time_s"] = np.where(columns["passes"], np.where(np.isnan(columns["fresh_s"]), columns["first_s"],
                                                              columns["fresh_s"]), math.inf)
     columns["oracle_ratio"] = columns["time_s"] / columns["oracle_s"]
-    launches = [dict(zip(KEY_OF_LAUNCHES, (task.solver, task.size_class, task.tier))) | row for task in tasks for row in task.launches]
+    launches = [dict(zip(KEY_OF_LAUNCHES, (task.solver, task.size_class, task.tier))) | row
+                for task in tasks for row in task.launches]
     return Measured(pd.DataFrame(columns, columns=COLUMNS), pd.DataFrame(launches, columns=LAUNCH_COLUMNS))
 
 

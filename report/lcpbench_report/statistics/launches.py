@@ -21,7 +21,7 @@ from scipy import stats
 
 from .intervals import CONFIDENCE, RESAMPLES
 from .model import PART_TIMES
-from .weighted import weighted_median, weighted_quantiles
+from .weighted import quantiles, weighted_median
 
 KEY = ["solver", "size_class", "tier"]
 TOGETHER = 0  # the number of the row of all launches together
@@ -50,21 +50,16 @@ def launch_rows(numbers: list[int], fresh: np.ndarray, disturbed: np.ndarray, pa
             solves = np.where(passes, of_launch, math.inf)
             bad = bool(bad_ones[known].any())
             level = weighted_median(np.log(of_launch[known] / times["fresh_s"][known]), weights[known])
-            rows.append({"launch": number, "level": level, "disturbed": bad} | _quantiles(solves, weights))
+            rows.append({"launch": number, "level": level, "disturbed": bad} | quantiles(solves, weights=weights, levels=_QUANTILES))
             calm.append((bad, solves))
     whole = [solves for bad, solves in calm if not bad] or [solves for _, solves in calm]
     whole = whole or [np.where(passes, math.nan, math.inf)]
     together = {"launch": TOGETHER, "level": 0.0, "disturbed": False}
-    together |= _quantiles(np.concatenate(whole), np.tile(weights, len(whole)))
+    together |= quantiles(np.concatenate(whole), weights=np.tile(weights, len(whole)), levels=_QUANTILES)
     for key in MEDIANS:
         known = passes & ~np.isnan(times[key])
         together[key] = weighted_median(times[key][known], weights[known])
     return [together, *rows]
-
-
-def _quantiles(solves: np.ndarray, weights: np.ndarray) -> dict[str, float]:
-    known = ~np.isnan(solves)
-    return dict(zip(_QUANTILES, weighted_quantiles(solves[known], weights[known], list(_QUANTILES.values()))))
 
 
 class Levels:
