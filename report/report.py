@@ -55,6 +55,9 @@ def main(arguments: list[str] | None = None) -> int:
         for words, settings in wanted:
             of_command.add_argument(*words, **settings)
     options = argparse.Namespace(command=parser.prog)
+    arguments = sys.argv[1:] if arguments is None else arguments
+    if arguments[:1] in (["moved"], ["same"]):  # as `lcpbench` and jobs call these comparisons
+        arguments = ["compare", "--by", *arguments]
     try:
         try:
             options = parser.parse_args(arguments)
@@ -77,7 +80,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _command(name: str, *wanted: tuple):
-    """@param wanted  the arguments, see _file and _word; the function's docstring is the help"""
+    """@param wanted  the arguments, see _word; the function's docstring is the help"""
     def register(act):
         _COMMANDS[name] = act, wanted
         return act
@@ -115,14 +118,20 @@ def _load(options: argparse.Namespace, *folders: Path) -> list:
     return campaigns
 
 
-def _compare(options: argparse.Namespace, old: Path, new: Path) -> tuple[str, bool]:
-    """What changed, as Markdown, and whether it is a regression."""
-    from lcpbench_report.statistics.changes import compare_campaigns
-    from lcpbench_report.changes_markdown import summary
+def _compared(options: argparse.Namespace, by: str, old: Path, new: Path, show: int | None = None) -> tuple[str, bool]:
+    """In words, and whether they agree: nothing regressed, no value moved, all results are the same."""
+    from lcpbench_report import comparison
+    from lcpbench_report.statistics import changes
 
     campaigns = _load(options, old, new)
-    changes = compare_campaigns(*campaigns)
-    return summary(str(old), campaigns[0], str(new), campaigns[1], changes), changes.regressed
+    if by == "moved":
+        table, alone = changes.moved_table(*campaigns)
+        return comparison.moved_text(table, alone, 40 if show is None else show), table["agrees"].all()
+    if by == "same":
+        parts = changes.same_results(*campaigns)
+        return comparison.same_text(parts, 10 if show is None else show), all(part.same for part in parts.values())
+    found = changes.compare_campaigns(*campaigns)
+    return comparison.changes_text(str(old), campaigns[0], str(new), campaigns[1], found), not found.regressed
 
 
 @_command("analyse", _file("campaign", help="folder of a campaign; tables go to DIR/analysis"))
@@ -134,29 +143,20 @@ def _analyse(options: argparse.Namespace) -> None:
 
 
 @_command("compare", _file("old", metavar="OLD", help="folder of a campaign"),
-          _file("new", metavar="NEW", help="folder of a later one"),
+          _file("new", metavar="NEW", help="folder of another one"),
+          _word("--by", choices=("changes", "moved", "same"), default="changes",
+                help="changes: what became slower, faster or wrong, of one plan; moved: how far medians and ratios moved, "
+                "which agree within 3 %% or their intervals; same: whether all results but times are the same [%(default)s]"),
+          _word("--show", type=_whole(0), help="values that agree, or differences of a kind, that are listed [40, 10]"),
           _file("-o", "--output", metavar="FILE", help="instead of standard output"))
-def _compare_two(options: argparse.Namespace) -> int:
-    """Tell what changed between two campaigns of one plan, as Markdown; exit status 1 for a regression."""
-    text, regressed = _compare(options, options.old, options.new)
+def _compare(options: argparse.Namespace) -> int:
+    """Compare two campaigns; exit status 1 for a regression, or for what does not agree."""
+    text, agrees = _compared(options, options.by, options.old, options.new, options.show)
     if options.output is None:
         print(text, end="")
     else:
         write_text(options.output, text)
-    return int(regressed)
-
-
-@_command("moved", _file("old", metavar="OLD", help="folder of a campaign"),
-          _file("new", metavar="NEW", help="folder of another run of the same solvers and classes"),
-          _word("--show", type=_whole(0), default=40, help="values that agree and are listed, those that moved most [%(default)s]"))
-def _moved(options: argparse.Namespace) -> int:
-    """Tell how far medians and ratios moved between two runs; exit status 1 unless all agree within 3 % or their intervals."""
-    from lcpbench_report.moved_markdown import lines
-    from lcpbench_report.statistics.moved import moved_table
-
-    table, alone = moved_table(*_load(options, options.old, options.new))
-    print("\n".join(lines(table, alone, options.show)))
-    return 0 if table["agrees"].all() else 1
+    return int(not agrees)
 
 
 @_command("report", _file("campaigns", nargs="+", metavar="FOLDER", help="written by `lcpbench run`"),
@@ -184,7 +184,7 @@ def _report(options: argparse.Namespace) -> None:
     page = render(inputs, gallery.read(options.pictures) if options.pictures else [])
     write_text(options.output, page)
     # Read anew: a report counts fewer problems than a comparison.
-    changed, _ = _compare(options, options.previous, options.campaigns[0]) if options.previous else ("", False)
+    changed, _ = _compared(options, "changes", options.previous, options.campaigns[0]) if options.previous else ("", False)
     words = markdown.render(inputs, summary.summary_lines(inputs), changed)
     write_text(folder / "summary.md", words)
     write_static(inputs, folder)
@@ -287,19 +287,6 @@ def _calibrate(options: argparse.Namespace) -> int:
     found = pairwise.calibration_table(*_load(options, options.campaign))
     print(found.to_string(index=False, float_format="%.4g"))
     return 0 if found["right"].all() else 1
-
-
-@_command("same", _file("a", metavar="A", help="folder of a campaign"),
-          _file("b", metavar="B", help="folder of another one"),
-          _word("--show", type=_whole(0), default=10, help="differences of a kind that are listed [%(default)s]"))
-def _same(options: argparse.Namespace) -> int:
-    """Tell whether two campaigns have the same results apart from times, such as a merged one and the whole."""
-    from lcpbench_report.statistics import same
-
-    parts = same.compare(*_load(options, options.a, options.b))
-    for what, part in parts.items():
-        print("\n".join(part.lines(what, options.show)))
-    return 0 if all(part.same for part in parts.values()) else 1
 
 
 if __name__ == "__main__":

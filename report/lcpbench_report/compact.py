@@ -17,7 +17,8 @@ from .files import replaced
 from .statistics import records
 from .statistics.cells import measured
 from .statistics.jsonl import is_there, packed, read_lines
-from .statistics.load import PROBLEMS_FILE, STREAMS_FILE, load_campaign
+from .statistics.load import load_campaign
+from .statistics.model import PROBLEMS_FILE, STREAMS_FILE
 from .statistics.steps import FILE as STEPS_FILE
 
 CAMPAIGN = "campaign.json"

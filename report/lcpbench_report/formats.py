@@ -1,6 +1,7 @@
 """Numbers as text."""
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -72,6 +73,13 @@ def times(value: float) -> str:
     return f"{value:.{max(2, 1 - math.floor(math.log10(value) + 1e-12))}f}"
 
 
+def with_interval(value: float, low: float, high: float) -> str:
+    """0.60 (0.55–0.64)"""
+    if math.isnan(value):
+        return DASH
+    return times(value) + ("" if math.isnan(low) else f" ({times(low)}–{times(high)})")
+
+
 def size_class(key: str) -> str:
     """4-6 -> 4–6, 1001-1e4 -> 1001–10⁴"""
     powers = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -82,8 +90,9 @@ def plural(count: int, word: str, words: str = "") -> str:
     return f"{count} {word if count == 1 else words or word + 's'}"
 
 
-def words(items: list[str]) -> str:
+def words(items: Iterable[str]) -> str:
     """'a, b and c'"""
+    items = list(items)
     return items[0] if len(items) == 1 else ", ".join(items[:-1]) + " and " + items[-1] if items else ""
 
 

@@ -5,7 +5,7 @@ The rival by whom a class is won or lost is the portfolio of peers; in campaigns
 problem.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -15,22 +15,6 @@ from . import choice
 from .inputs import Inputs
 from .statistics.class_times import ALL, RATIO
 from .statistics.rivals import FASTEST, PORTFOLIO, pareto_front
-
-
-@dataclass(frozen=True)
-class Entry:
-    """One solver on the problems of one size class."""
-
-    problems: int  # that had their turn within the solver's budget for the class, without those below
-    not_asked: int  # that it does not take as they are given
-    attempted: int  # the others were not given to the solver, by a rule that was declared before
-    share: float  # verified, by weight
-    time_s: float  # median of the weight; inf where half or more were not verified
-    p99_s: float  # NaN where there are few problems
-    n_eff: float  # what the weights of the problems are worth
-    launches: int
-    taken: float = 1.0  # the share, by weight, that it takes as it is given
-    best: bool = False  # on the front of all solvers: no other is both faster and right on as much
 
 
 class Ratio(NamedTuple):
@@ -66,8 +50,7 @@ class ClassRow:
     size_class: str
     problems: int
     n_eff: float
-    entries: dict[str, Entry]  # of every solver that was run on the class
-    own: str
+    entries: dict[str, tuple]  # of every solver that was run on the class, see _entries
     peers: int = 0  # that had a turn
     rivals: dict[str, Rival] = field(default_factory=dict)  # the front, the fastest first; PORTFOLIO and FASTEST, where there are
 
@@ -89,17 +72,9 @@ class Headline:
 
 def verdicts(found: Headline) -> tuple[list[ClassRow], list[ClassRow], list[ClassRow]]:
     """Size classes in which ours loses to the headline's rival, is not told apart from it, and wins."""
-    rows = [row for row in found.classes if found.rival in row.rivals]
-    lost, won = [row for row in rows if low(row, found.rival) > 1], [row for row in rows if high(row, found.rival) < 1]
-    return lost, [row for row in rows if row not in lost and row not in won], won
-
-
-def low(row: ClassRow, rival: str) -> float:
-    return row.rivals[rival].ratio.low
-
-
-def high(row: ClassRow, rival: str) -> float:
-    return row.rivals[rival].ratio.high
+    rows = [(row, row.rivals[found.rival].ratio) for row in found.classes if found.rival in row.rivals]
+    return ([row for row, ratio in rows if ratio.low > 1], [row for row, ratio in rows if not (ratio.low > 1 or ratio.high < 1)],
+            [row for row, ratio in rows if ratio.high < 1])
 
 
 @lru_cache(maxsize=2)
@@ -109,7 +84,7 @@ def headline(inputs: Inputs) -> Headline:
     tier, cells = choice.main_tier(inputs), choice.main_cells(inputs)
     rivals = choice.table(inputs, "rivals", tier)
     times = choice.table(inputs, "class_times", tier)
-    classes = [_row(inputs.ours, key, rows, rivals[rivals["size_class"] == key], cells[cells["size_class"] == key])
+    classes = [_row(key, rows, rivals[rivals["size_class"] == key], cells[cells["size_class"] == key])
                for key, rows in times.groupby("size_class", sort=False) if key != ALL]
     ran = [solver for solver in shown if any(solver in row.entries for row in classes)]
     return Headline(tier, classes, ran, [key for key in inputs.keys if key not in shown], inputs.ours, _no_peer(inputs))
@@ -122,18 +97,23 @@ def _no_peer(inputs: Inputs) -> str:
     return "no peer in this build: `make peers`" if missing else "no peer was run"
 
 
-def _row(own: str, size_class: str, times: pd.DataFrame, rivals: pd.DataFrame, cells: pd.DataFrame) -> ClassRow:
-    entries = {of.solver: Entry(of.problems - of.not_asked, of.not_asked, of.attempted, of.verified_share, of.median_s,
-                                of.p99_s, of.n_eff, of.launches, of.taken_share)
-               for of in times.itertuples()}
-    front = pareto_front({key: (entry.time_s, entry.share * entry.taken) for key, entry in entries.items()})
-    entries |= {key: replace(entries[key], best=True) for key in front}
-    largest = max(entries.values(), key=lambda entry: entry.problems)
-    row = ClassRow(size_class, cells["problem"].nunique(), largest.n_eff, entries, own)
-    found: dict[str, Rival] = {}
+def _entries(times: pd.DataFrame) -> dict[str, tuple]:
+    """Solver -> its row of class_times: `problems` that had their turn, without those that it does not take as they are
+    given; `share` verified and `taken`, by weight; `time_s`, the median of the weight; `best`: on the front of all solvers,
+    no other is both faster and right on as much."""
+    times = times.assign(problems=times["problems"] - times["not_asked"]).rename(
+        columns={"verified_share": "share", "taken_share": "taken", "median_s": "time_s"})
+    front = pareto_front(dict(zip(times["solver"], zip(times["time_s"], times["share"] * times["taken"]))))
+    return {of.solver: of for of in times.assign(best=times["solver"].isin(front)).itertuples(index=False)}
+
+
+def _row(size_class: str, times: pd.DataFrame, rivals: pd.DataFrame, cells: pd.DataFrame) -> ClassRow:
+    entries, found = _entries(times), {}
     for of in rivals.to_dict("records"):
         if of["origin"] == ALL:
             found[of["rival"]] = Rival(of["rival"], of["front"], of["launches"], of["rival_s"], of["rival_share"],
                                        of["own_share"], of["relation"], {})
         found[of["rival"]].ratios[of["origin"]] = Ratio(*(of[name] for name in RATIO))
-    return replace(row, peers=int(rivals["peers"].max()) if len(rivals) else 0, rivals=found)
+    largest = max(entries.values(), key=lambda entry: entry.problems)
+    return ClassRow(size_class, cells["problem"].nunique(), largest.n_eff, entries,
+                    int(rivals["peers"].max()) if len(rivals) else 0, found)

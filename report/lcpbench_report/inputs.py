@@ -13,7 +13,8 @@ from .statistics import tables
 from .statistics.cells import Measured, cell_table, measured
 from .statistics.class_times import ablation_table
 from .statistics.friction import refusers, with_friction
-from .statistics.load import INFEASIBLE, Campaign, load_campaign
+from .statistics.load import load_campaign
+from .statistics.model import INFEASIBLE, Campaign
 from .statistics.means import delivered_table
 from .statistics.rivals import is_own
 from .style import SolverStyle, solver_styles
@@ -138,11 +139,8 @@ def load_inputs(folders: list[Path], motion: Sequence[Path] = (), precision: Pat
     @throws ReportError for the first thing that does not fit
     """
     moved = _by_friction(studies.read_motion(*motion)) if motion else (None, None)
-    campaigns = [load_campaign(folder) for folder in folders]
-    for campaign in campaigns:
-        for about in campaign.problems.values():
-            # What is meant to break solvers is shown, but says nothing of what a motion is like.
-            about["counts"] = about["counts"] and about["set"] != PATHOLOGICAL
+    # What is meant to break solvers is shown, but says nothing of what a motion is like.
+    campaigns = [load_campaign(folder, PATHOLOGICAL) for folder in folders]
     seen: dict[str, str] = {}
     for folder, campaign in zip(folders, campaigns):
         for name in [*campaign.problems, *campaign.sequences]:

@@ -16,12 +16,11 @@ from . import formats, markdown, peers, shown_tables, summary
 from .errors import ReportError
 from .headline_table import Headline
 from .inputs import Inputs
+from .sentences import say
 from .statistics.rivals import PORTFOLIO
 from .table import Table
 
 BLOCK = re.compile(r"<!-- numbers:([a-z-]+) -->(.*?)<!-- end -->", re.DOTALL)
-_SINGLE_WORDS = ("Ours over the fastest of all single peers that are on the front (no other is both faster and right on as much); below, "
-                 "over the faster of ODE's and Bullet's Dantzig, both compiled for the same instruction set or ours for less:")
 FIGURE = Path("report/reference/headline.svg")  # below the repository
 _ALT = "Median fresh time against rows: own solvers, the best of each peer library, the oracle"
 
@@ -70,13 +69,13 @@ def _headline(page: Page) -> str:
     return "\n".join([markdown.short_caption(page.inputs, page.found), "", *([table.markdown()] if table else []),
                       f"![{_ALT}]({page.link(FIGURE)})", "",
                       summary.losses(page.found) if table else summary.peers(page.found),
-                      *(["", _SINGLE_WORDS, "", flags.markdown()] if flags else [])])
+                      *(["", say("single_words"), "", flags.markdown()] if flags else [])])
 
 
 def _streams(page: Page) -> str:
     """1000 problems up to 30 rows, 256 up to 100 rows"""
     largest = {of["stream"]: of["most"] for of in page.info["size_classes"] if of["stream"]}
-    return formats.words([f"{least} problems up to {rows} rows" for least, rows in largest.items()])
+    return say("streams", classes=list(largest.items()))
 
 
 def _limits(page: Page) -> str:
@@ -90,19 +89,15 @@ def _limits(page: Page) -> str:
 def _tuning(page: Page) -> str:
     """What data/tuned.json says of how settings were chosen."""
     tuned = page.data("tuned")
-    choices = tuned["solvers"]
-    tried = [len(choice["tried"]) for choice in choices]
-    sizes, solvers = tuned["problems"]["sizes"], {choice["solver"] for choice in choices}
-    changed = {}
-    for choice in choices:
-        if choice["chosen"]:
-            changed.setdefault(choice["solver"], []).append(choice["rows"])
-    where = [f"`{solver}`" + ("" if rows == sizes else f" (at {formats.words(list(map(str, rows)))} rows)")
+    changed: dict[str, list[int]] = {}
+    for of in tuned["solvers"]:
+        if of["chosen"]:
+            changed.setdefault(of["solver"], []).append(of["rows"])
+    where = [f"`{solver}`" + ("" if rows == tuned["problems"]["sizes"] else f" (at {formats.words(map(str, rows))} rows)")
              for solver, rows in changed.items()]
-    return (f"At most {tuned['budget']} configurations of each of {len(solvers)} solvers were tried ({min(tried)} to "
-            f"{max(tried)}), on {tuned['problems']['count']} problems with {formats.words(list(map(str, sizes)))} rows at "
-            f"tier {formats.power(tuned['tier'])}; {len(changed)} have chosen settings other than their default: "
-            f"{formats.words(where)}." + (f" The other {rest} keep it." if (rest := len(solvers) - len(changed)) else ""))
+    count = len({of["solver"] for of in tuned["solvers"]})
+    return say("tuning", tuned=tuned, tried=[len(of["tried"]) for of in tuned["solvers"]], solvers=count, where=where,
+               rest=count - len(changed))
 
 
 def _solvers(page: Page, origin: str) -> list[dict]:

@@ -7,15 +7,15 @@ from collections.abc import Callable
 
 import pandas as pd
 
-from . import choice, decision, formats, solver_facts
-from .formats import DASH, power, residual, seconds, share_of, size_class, times
-from .headline_table import Entry, Headline, Rival, headline, verdicts
+from . import choice, formats, solver_facts
+from .formats import DASH, power, residual, seconds, share_of, size_class, times, with_interval
+from .headline_table import Headline, Rival, headline, verdicts
 from .inputs import PATHOLOGICAL, Inputs
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_ASKED, VERIFIED, within_rounding
 from .statistics.class_times import ALL, RATIO
 from .statistics.friction import refusers
 from .statistics.groups import COUNTED
-from .statistics.load import ERROR_PARTS, ORIGINS
+from .statistics.model import ERROR_PARTS, ORIGINS
 from .statistics.rivals import FASTEST, FLAGS, PORTFOLIO
 from .statistics.weighted import weighted_median, weighted_share
 from .studies import DRIVER
@@ -120,25 +120,17 @@ def by_solver(found: Headline) -> Table:
                   for solver in found.solvers])
 
 
-def cell(entry: Entry | None, problems: int) -> str:
+def cell(entry: tuple | None, problems: int) -> str:
     if entry is None or not entry.attempted:
         return NOT_ASKED_MARK if entry and entry.not_asked else DASH
     verified = share_of(entry.share)
     sample = f" of {entry.problems}" if entry.problems < problems else ""
     if not math.isfinite(entry.time_s):
         return f"✗ {verified}{sample}"
-    time = f"**{seconds(entry.time_s)}**" if entry.best else seconds(entry.time_s)
-    return time if entry.share == 1 and not sample else f"{time} · {verified}{sample}"
+    return _time(entry) + (f" · {verified}{sample}" if entry.share < 1 or sample else "")
 
 
-def with_interval(value: float, low: float, high: float) -> str:
-    """0.60 (0.55–0.64)"""
-    if math.isnan(value):
-        return DASH
-    return times(value) + ("" if math.isnan(low) else f" ({times(low)}–{times(high)})")
-
-
-def _time(entry: Entry) -> str:
+def _time(entry: tuple) -> str:
     return f"**{seconds(entry.time_s)}**" if entry.best else seconds(entry.time_s)
 
 
@@ -171,13 +163,13 @@ def ablations(inputs: Inputs) -> pd.DataFrame:
 # ----- which backend
 
 def choices(inputs: Inputs, detailed: bool = False) -> Table | None:
-    """The rule of decision.py, by size and redundancy, a column per tier.
+    """The rule of choice.py, by size and redundancy, a column per tier.
 
     @param detailed  with numbers of problems and shares, and the peers that are faster
     """
     tiers = choice.shown_tiers(inputs)
     rows: dict[tuple, dict] = {}
-    for found in decision.by_class(inputs):
+    for found in choice.by_class(inputs):
         ranked = found.own or found.everyone
         best, peer = ranked[0], next((rival for rival in found.everyone if not rival.own), None)
         after = [f"next {key(ranked[1].solver)} {formats.ratio(ranked[1].mean / best.mean)}×"] if ranked[1:] else []
@@ -196,7 +188,7 @@ def choices(inputs: Inputs, detailed: bool = False) -> Table | None:
 
 def within_deadlines(inputs: Inputs) -> Table | None:
     """Per accuracy and size of sequences, and per deadline, the solver that misses the smallest share of steps."""
-    found = decision.by_deadline(inputs)
+    found = choice.by_deadline(inputs)
     if not found:
         return None
 
@@ -326,7 +318,7 @@ def friction_classes(inputs: Inputs) -> Table | None:
     rows = []
     for row in found.classes:
         cells = choice.main_cells(of)
-        best = decision.contenders(cells[(cells["size_class"] == row.size_class) & cells["solver"].isin(of.own)], of.own)
+        best = choice.contenders(cells[(cells["size_class"] == row.size_class) & cells["solver"].isin(of.own)], of.own)
         own = row.entries.get(found.own)
         rows.append([size_class(row.size_class), row.problems, f"**{key(best[0].solver)}**" if best else DASH,
                      _time(own) if own else DASH,
@@ -408,7 +400,7 @@ def sequences(inputs: Inputs, detailed: bool = False) -> Table | None:
 
     @param detailed  with the tier asked for and the interval of the gain, the largest gain first
     """
-    table = decision.passes(inputs, choice.main_tier(inputs))
+    table = choice.passes(inputs, choice.main_tier(inputs))
     rows = []
     if not table.empty:
         table = table.sort_values("warm_gain", ascending=False) if detailed else \

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from .solver_facts import KNOWN, LIBRARIES, MARKERS, VARIANTS, library, method
 
 # Okabe and Ito (2008), safe for the common kinds of colour blindness; yellow left out: too pale on white.
-_OWN = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+OWN_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 # Tol (2021), "muted", made for the same, without its palest.
-_PEERS = ("#332288", "#117733", "#882255", "#AA4499", "#999933", "#44AA99", "#CC6677", "#661100", "#6699CC")
+PEER_COLOURS = ("#332288", "#117733", "#882255", "#AA4499", "#999933", "#44AA99", "#CC6677", "#661100", "#6699CC")
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 _SOLID = "-"
 _DASHES = dict(zip(VARIANTS, ((0, (1.5, 2)), (0, (4, 2)), (0, (5, 1.5, 1, 1.5)))))
@@ -63,14 +63,14 @@ def solver_styles(solvers: list[dict]) -> dict[str, SolverStyle]:
         varied = _DASHES.get(key.rpartition("-")[2], _VARIANT)
         if solver["origin"] != "own":
             markers = libraries.setdefault(of, {})
-            colour = _PEERS[list(libraries).index(of) % len(_PEERS)]
+            colour = PEER_COLOURS[list(libraries).index(of) % len(PEER_COLOURS)]
             if base not in markers:
                 wanted = (MARKERS.get(base.removeprefix(of + "-")), *_MARKERS)
                 free = [marker for marker in wanted if marker and marker not in markers.values()]
                 markers[base] = free[0] if free else _MARKERS[len(markers) % len(_MARKERS)]
             styles[key] = SolverStyle(colour, markers[base], _SOLID if base == key else varied, False)
         elif key not in styles:
-            parent = styles.get(base) or SolverStyle(_OWN[0], _MARKERS[0], _SOLID, True)
+            parent = styles.get(base) or SolverStyle(OWN_COLOURS[0], _MARKERS[0], _SOLID, True)
             styles[key] = replace(parent, dash=varied)
     return {solver["key"]: styles[solver["key"]] for solver in solvers}
 
@@ -79,8 +79,8 @@ def _own_styles(keys: list[str]) -> dict[str, SolverStyle]:
     """Colours by turns; of a colour every solver has the next marker and dash."""
     styles = {}
     for index, key in enumerate([*KNOWN, *(key for key in keys if key not in KNOWN)]):
-        turn, colour = divmod(index, len(_OWN))
+        turn, colour = divmod(index, len(OWN_COLOURS))
         # Colour c begins with marker c, so that markers differ where colours do as well.
-        marker = _MARKERS[(colour + turn * (len(_MARKERS) - len(_OWN) + 1)) % len(_MARKERS)]
-        styles[key] = SolverStyle(_OWN[colour], marker, _OWN_DASHES[turn % len(_OWN_DASHES)], True)
+        marker = _MARKERS[(colour + turn * (len(_MARKERS) - len(OWN_COLOURS) + 1)) % len(_MARKERS)]
+        styles[key] = SolverStyle(OWN_COLOURS[colour], marker, _OWN_DASHES[turn % len(_OWN_DASHES)], True)
     return styles

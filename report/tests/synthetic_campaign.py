@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from lcpbench_report.statistics.load import LAWS
+from lcpbench_report.statistics.model import LAWS
 
 TIERS = (1e-3, 1e-6, 1e-9)
 SIZES = (10, 20, 50, 100, 200, 500)

@@ -10,7 +10,8 @@ import numpy as np
 from lcpbench_report.errors import ReportError
 from lcpbench_report.statistics import changes, pairwise
 from lcpbench_report.statistics.intervals import holm
-from lcpbench_report.statistics.load import Campaign, load_campaign
+from lcpbench_report.statistics.load import load_campaign
+from lcpbench_report.statistics.model import Campaign
 from .cases import FolderCase, edit_info, edit_lines, run
 from .synthetic_campaign import COPIES, FAMILIES, TIERS, Noise, exclude, fail, only, slower, write_campaign
 

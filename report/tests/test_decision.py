@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pandas as pd
 
-from lcpbench_report import decision, fairness, shown_tables, summary
+from lcpbench_report import choice, fairness, shown_tables, summary
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.statistics.launches import TOGETHER
@@ -20,7 +20,7 @@ INF = float("inf")
 class Contenders(unittest.TestCase):
     def ranked(self, times: dict[str, list[float]]) -> list[str]:
         table = pd.DataFrame(times, index=[f"p{i}" for i in range(len(next(iter(times.values()))))])
-        return [found.solver for found in decision.contenders(cells_of(table), list(times))]
+        return [found.solver for found in choice.contenders(cells_of(table), list(times))]
 
     def test_the_fastest_of_those_that_verify_all_and_nobody_wins_by_failing(self):
         self.assertEqual(self.ranked({"slow": [2e-3] * 10, "fast": [1e-3] * 10}), ["fast", "slow"])
@@ -35,7 +35,7 @@ class Contenders(unittest.TestCase):
     def test_problems_that_some_have_not_reached_do_not_count(self):
         # The campaign was stopped: `late` had its turn on the first problem only.
         times = {"early": [1e-3, 5.0, 5.0], "late": [2e-3, float("nan"), float("nan")]}
-        ranked = decision.contenders(cells_of(pd.DataFrame(times, index=["a", "b", "c"])), list(times))
+        ranked = choice.contenders(cells_of(pd.DataFrame(times, index=["a", "b", "c"])), list(times))
         self.assertEqual([(found.solver, found.problems) for found in ranked], [("early", 1), ("late", 1)])
 
 
@@ -44,26 +44,26 @@ class WholeReport(unittest.TestCase):
         self.inputs = whole_inputs()
 
     def test_every_class_names_the_fastest_of_ours(self):
-        choices = decision.by_class(self.inputs)
-        self.assertEqual({choice.tier for choice in choices}, set(self.inputs.tiers))
-        self.assertEqual({choice.own[0].solver for choice in choices}, {"auto"})
-        for choice in choices:
-            self.assertNotIn("ode-dantzig", [found.solver for found in choice.own])
+        choices = choice.by_class(self.inputs)
+        self.assertEqual({of.tier for of in choices}, set(self.inputs.tiers))
+        self.assertEqual({of.own[0].solver for of in choices}, {"auto"})
+        for of in choices:
+            self.assertNotIn("ode-dantzig", [found.solver for found in of.own])
 
     def test_the_peer_is_no_contender_where_it_was_refuted(self):
-        strictest = [c for c in decision.by_class(self.inputs) if c.tier < 1e-8 and c.size_class == "301-1000"]
+        strictest = [c for c in choice.by_class(self.inputs) if c.tier < 1e-8 and c.size_class == "301-1000"]
         self.assertEqual([found.solver for found in strictest[0].everyone], ["auto"])
 
     def test_of_equals_within_the_deadline_the_one_with_the_least_percentile(self):
-        found = decision.by_deadline(self.inputs)
+        found = choice.by_deadline(self.inputs)
         self.assertEqual([row["size"] for row in found][-3:], ["12", "40", "all"])
         for row in found:
-            for choice in row["choices"]:
-                self.assertEqual((choice["solver"], choice["missed"], choice["next"][2]), ("auto", 0, "pgs"))
-                self.assertAlmostEqual(choice["next"][0], 1 / STEPS)
+            for of in row["choices"]:
+                self.assertEqual((of["solver"], of["missed"], of["next"][2]), ("auto", 0, "pgs"))
+                self.assertAlmostEqual(of["next"][0], 1 / STEPS)
 
     def test_gains_of_warm_starts(self):
-        gains = {row["solver"]: row["warm_gain"] for row in decision.passes(self.inputs, 1e-6).to_dict("records")}
+        gains = {row["solver"]: row["warm_gain"] for row in choice.passes(self.inputs, 1e-6).to_dict("records")}
         self.assertAlmostEqual(gains["auto"], 2.0, places=6)
         self.assertAlmostEqual(gains["pgs"], 8 / 6, places=6)
 
@@ -124,7 +124,7 @@ class Parts(FolderCase):
         solver, version, rows, _, time, _, false = row
         self.assertEqual((solver, version, rows, false), ("auto", "without its own check", "all", "1, 0"))
         self.assertRegex(time, r"^0\.[45]\d \(0\.[45]\d–0\.[45]\d\)$")
-        self.assertNotIn("auto-unchecked", "".join(summary.summary_lines(inputs)) + str(decision.by_class(inputs)))
+        self.assertNotIn("auto-unchecked", "".join(summary.summary_lines(inputs)) + str(choice.by_class(inputs)))
 
     def test_a_problem_in_two_folders_is_told(self):
         (standard, sequences), (motion, _) = write_all(self.folder)

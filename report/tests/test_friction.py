@@ -12,7 +12,7 @@ from lcpbench_report.inputs import load_inputs
 from lcpbench_report.statistics.cells import EXCLUDED, VERIFIED
 from lcpbench_report.statistics.coverage import coverage_table
 from lcpbench_report.statistics.friction import friction_table, refusers
-from lcpbench_report.statistics.load import ERROR_PARTS
+from lcpbench_report.statistics.model import ERROR_PARTS
 from lcpbench_report.statistics.means import mean_table
 from lcpbench_report.web import page
 from .cases import SharedFolderCase

@@ -237,7 +237,7 @@ class Headline(SharedFolderCase):
         readme = self.path / "short.md"
         readme.write_text("<!-- numbers:headline -->\n<!-- end -->\n", encoding="utf-8")
         self.assertEqual(self.update(readme)[0], 0)
-        short, details = readme.read_text(encoding="utf-8"), markdown.details(self.inputs, self.found)
+        short, details = readme.read_text(encoding="utf-8"), markdown.full_headline(self.inputs, self.found, "details")
         self.assertIn(shown_tables.outcomes(self.found).markdown(), short)
         self.assertIn(summary.losses(self.found) + "\n\n<!-- end -->", short)  # it ends with where we lose
         self.assertNotIn(by_class, short)

@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from lcpbench_report.statistics.load import load_campaign
-from lcpbench_report.statistics.moved import REACH, moved_table
+from lcpbench_report.statistics.changes import REACH, moved_table
 from .cases import FolderCase, edit_lines, run
 from .synthetic_campaign import Noise, fail, only, slower, write_campaign
 
@@ -21,13 +21,13 @@ class Moved(FolderCase):
 
     def test_two_runs_agree_and_what_became_slower_does_not(self):
         old, new = self.write("old"), self.write("new", run=1)
-        status, text, error = run("moved", old, new)
+        status, text, error = run("compare", "--by", "moved", old, new)
         self.assertEqual((status, error), (0, ""))
         self.assertIn("0 are beyond both", text)
         for words in ("`auto / peer-portfolio`", "`auto / fastest`", "`ode-dantzig`", "101–300"):
             self.assertIn(words, text)
         slow = self.write("slow", run=1, change=only("auto", "-50-", lambda record: slower(record, 1.5)))
-        status, text, _ = run("moved", old, slow)
+        status, text, _ = run("compare", "--by", "moved", old, slow)
         self.assertEqual(status, 1)
         self.assertRegex(text, r"\| 31–100 \| `auto / peer-portfolio` \| .* \+\d\d\.\d % \| \*\*no\*\* \|")
 
@@ -65,4 +65,4 @@ class Moved(FolderCase):
         old, new = self.write("old"), self.write("new")
         edit_lines(new / "streams.jsonl", lambda line: None if line["solver"] != "pgs" else line)
         edit_lines(old / "streams.jsonl", lambda line: None if line["solver"] == "pgs" else line)
-        self.assert_refused("moved", old, new, told=("in common",))
+        self.assert_refused("compare", "--by", "moved", old, new, told=("in common",))

@@ -1,6 +1,6 @@
 """Are two campaigns called the same when, and only when, nothing but times differs?"""
 
-from lcpbench_report.statistics import same
+from lcpbench_report.statistics import changes
 from .cases import FolderCase, edit_info, edit_lines, run
 from .synthetic_campaign import METRICS, TIERS, fail, only, write_campaign
 
@@ -29,7 +29,7 @@ class SameResults(FolderCase):
             "at_floor", "false_success", "false_infeasible", "proved_infeasible", "infeasible_within_rounding"), True) | {
             "excluded": "rows > 100", "claim": "iteration_limit", "passes": False, "best_tier": None, "iterations": 8,
             "rho": TIERS[0] / 3 * (1 + 2**-52)}
-        self.assertEqual(set(values), set(same.CELL_FIELDS))
+        self.assertEqual(set(values), set(changes.CELL_FIELDS))
         for name, value in values.items():
             with self.subTest(field=name):
                 self._write_b(only("a", VICTIM, lambda c, name=name, value=value: c | {name: value}))
@@ -63,13 +63,13 @@ class SameResults(FolderCase):
     def test_mistakes_are_told_in_one_line(self):
         (self.b / "campaign.json").unlink()
         for folder in (self.b, self.b / "nowhere"):
-            self.assert_refused("same", self.a, folder)
+            self.assert_refused("compare", "--by", "same", self.a, folder)
 
     def _write_b(self, change) -> None:
         write_campaign(self.b, FACTORS, tiers=TIERS[:1], copies=1, run=1, change=change)
 
     def expect(self, status: int, *words: str, more: tuple = ()) -> None:
-        found, out, _ = run("same", self.a, self.b, *more)
+        found, out, _ = run("compare", "--by", "same", self.a, self.b, *more)
         self.assertEqual(found, status, out)
         for word in words:
             self.assertIn(word, out)

@@ -11,7 +11,7 @@ import xml.etree.ElementTree
 import pandas as pd
 
 from lcpbench_report.inputs import load_inputs
-from lcpbench_report.static import canvas, times, write
+from lcpbench_report.static import canvas, classes, write
 from lcpbench_report.static.write import write_static
 from lcpbench_report.table import Table, html, latex
 from .cases import SharedFolderCase
@@ -56,7 +56,7 @@ class Static(SharedFolderCase):
         inputs = load_inputs([self.path / "standard"])
         inputs.cells["rows"] = 0
         with canvas.look():
-            self.assertIn(b"svg", canvas.svg(times.by_size(inputs)))
+            self.assertIn(b"svg", canvas.svg(classes.by_size(inputs)))
 
     def test_svg_stands_on_white(self):
         text = (self.path / "out/figures/time-by-size.svg").read_text(encoding="utf-8")

@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 
 from lcpbench_report.statistics import intervals
-from lcpbench_report.statistics.cells import measured, median_of_passes
+from lcpbench_report.statistics.cells import measured
+from lcpbench_report.statistics.streams import median_of_passes
 from lcpbench_report.statistics.intervals import Bootstrap, interval_of, share_interval
 from lcpbench_report.statistics.launches import COLUMNS, Levels
 from lcpbench_report.statistics.load import load_campaign

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from lcpbench_report.statistics import means, scaling
+from lcpbench_report.statistics import means
 from lcpbench_report.statistics.cells import cell_table
 from lcpbench_report.statistics.load import load_campaign
 from lcpbench_report.statistics.tables import FOLDER, TABLES
@@ -214,7 +214,7 @@ class Exponents(unittest.TestCase):
         rows, held, seeds = np.repeat(SIZES, 3), 0, 300
         for seed in range(seeds):
             rng = np.random.default_rng([30, seed])
-            fit = scaling.fit_exponent(rows, 1e-7 * rows**2.5 * np.exp(rng.normal(0, 0.4, len(rows))))
+            fit = means.fit_exponent(rows, 1e-7 * rows**2.5 * np.exp(rng.normal(0, 0.4, len(rows))))
             held += fit["exponent_low"] <= 2.5 <= fit["exponent_high"]
         self.assertTrue(0.92 <= held / seeds <= 0.98, held / seeds)
 

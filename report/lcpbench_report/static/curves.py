@@ -9,16 +9,15 @@ import numpy as np
 import pandas as pd
 
 from .. import studies
-from ..formats import seconds
 from ..inputs import Inputs
+from ..sentences import say
 from ..solver_facts import library
-from ..style import SolverStyle, solver_styles
+from ..style import OWN_COLOURS, PEER_COLOURS, SolverStyle, solver_styles
 from . import canvas
 
 _LEAST = 1e-17  # smaller residuals are rounding, and stand at the axis' end
 _SHALLOWEST = 1e-12  # m; exact impulses may leave nothing
 _MOST = 1.0  # of f = 0; larger ones, and none at all, stand there
-_SCENES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
 
 @dataclass(frozen=True)
@@ -29,45 +28,22 @@ class Figure:
     draw: Callable
 
 
+_TITLES = {studies.MASS_RATIO: "Residual against the ratio of masses, at equal time",
+           studies.REGULARIZATION: "The error that a regularization makes, against its speed",
+           studies.SWEEPS: "Sequential impulses: residual and penetration against sweeps",
+           studies.PRECISION: "Single against double precision"}
+
+
 def figures(inputs: Inputs) -> Iterator[Figure]:
     """Those whose files there are, in order."""
-    of = inputs.curves
-    if (table := of.get(studies.MASS_RATIO)) is not None:
-        budget = seconds(table["budget_s"].iloc[0])
-        yield Figure("curve-mass-ratio", "Residual against the ratio of masses, at equal time",
-                     f"The least ρ that a solver delivers within {budget} of any tolerance that it is asked for (1e-3 to "
-                     f"1e-12), at {_rows(table)} rows; median over those of {_scenes(table)} that it takes. Of every "
-                     "other library the key and setting that does best on these very problems, which flatters it; all are in "
-                     "tables/curve-mass-ratio.csv. 1 is what f = 0 has, and stands for no answer in time.", partial(mass_ratio, inputs))
-    if (table := of.get(studies.REGULARIZATION)) is not None:
-        yield Figure("curve-regularization", "The error that a regularization makes, against its speed",
-                     f"A mark per shift of the diagonal, as a share of it, from 1e-12 to 1e-2; median over {_scenes(table)} with "
-                     f"{_rows(table)} rows. Larger marks: without a shift, and MuJoCo's own. On the right: what is left of the penetrating acceleration, "
-                     "over the largest of b.", partial(regularization, inputs))
-    if (table := of.get(studies.SWEEPS)) is not None:
-        yield Figure("curve-sweeps", "Sequential impulses: residual and penetration against sweeps",
-                     f"Bullet's engine solver drives motions of {_rows(table)} rows from cold starts, without correction of "
-                     f"penetration; {int(table['steps'].max())} steps of {_steps(table)}. Dotted: the same with impulses of "
-                     "dantzig; 1e-12 m stands for less.", partial(sweeps, inputs))
-    if (table := of.get(studies.PRECISION)) is not None:
-        yield Figure("curve-precision", "Single against double precision",
-                     f"Projected Gauss–Seidel over velocities of bodies, the same code in both precisions (in single: J, masses, "
-                     "b, forces, velocities); and the tableau of StepSolver, of which single precision has J alone, sums being in "
-                     f"double. {_rows(table)} rows, judged in double against J as given.", partial(precision, inputs))
-
-
-def _rows(table: pd.DataFrame) -> str:
-    found = sorted(set(table["rows"]))
-    return f"{found[0]}" if len(found) == 1 else f"{found[0]} to {found[-1]}"
-
-
-def _scenes(table: pd.DataFrame) -> str:
-    return ", ".join(dict.fromkeys(table["scene"]))
-
-
-def _steps(table: pd.DataFrame) -> str:
-    found = sorted(set(table["step_s"]))
-    return seconds(found[0]) if len(found) == 1 else f"{seconds(found[0])} to {seconds(found[-1])}"
+    draw = {studies.MASS_RATIO: mass_ratio, studies.REGULARIZATION: regularization, studies.SWEEPS: sweeps,
+            studies.PRECISION: precision}
+    for name, title in _TITLES.items():
+        if (table := inputs.curves.get(name)) is not None:
+            rows = dict.fromkeys((table["rows"].min(), table["rows"].max()))
+            words = say(f"{name.replace('-', '_')}_figure", table=table, rows=" to ".join(map(str, rows)),
+                        scenes=", ".join(table["scene"].unique()))
+            yield Figure(f"curve-{name}", title, words, partial(draw[name], inputs))
 
 
 def _shown(values) -> np.ndarray:
@@ -120,8 +96,7 @@ def mass_ratio(inputs: Inputs):
 
 
 # There are more libraries than muted colours.
-_MANY = ("#332288", "#117733", "#882255", "#AA4499", "#999933", "#44AA99", "#CC6677", "#661100", "#6699CC", "#DD8800",
-         "#000000", "#777777")
+_MANY = (*PEER_COLOURS, "#DD8800", "#000000", "#777777")
 _MARKS = "os^DvPX*<>"
 
 
@@ -159,7 +134,7 @@ def sweeps(inputs: Inputs):
     """Median residual, and deepest penetration, of motions."""
     table = inputs.curves[studies.SWEEPS]
     scenes = list(dict.fromkeys(table["scene"]))
-    colours = dict(zip(scenes, _SCENES))
+    colours = dict(zip(scenes, OWN_COLOURS))
     figure, panes = canvas.panels(2, canvas.PAGE, 2.9)
     for pane, (column, least) in zip(panes, {"rho": _LEAST, "penetration": _SHALLOWEST}.items()):
         for scene in scenes:
@@ -181,7 +156,7 @@ def precision(inputs: Inputs):
     table = inputs.curves[studies.PRECISION]
     ratios = sorted(set(table["mass_ratio"]))
     scenes = list(dict.fromkeys(table["scene"]))
-    colours = dict(zip(scenes, _SCENES))
+    colours = dict(zip(scenes, OWN_COLOURS))
     figure, panes = canvas.panels(len(ratios), canvas.PAGE, 3.2, sharey=True)
     for pane, ratio in zip(panes, ratios):
         for (scene, method, kind), mine in table[table["mass_ratio"] == ratio].groupby(["scene", "method", "precision"]):

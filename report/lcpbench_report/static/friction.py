@@ -9,6 +9,7 @@ import pandas as pd
 from .. import choice
 from ..formats import power
 from ..inputs import Inputs
+from ..sentences import say
 from ..statistics.groups import common, wide
 from ..studies import DRIVER
 from . import canvas
@@ -23,15 +24,11 @@ _COLOURS = ("#0072B2", "#CC79A7", "#009E73", "#56B4E9", "#E69F00", "#D55E00", "#
 def figures(inputs: Inputs) -> Iterator[Figure]:
     """Those that the inputs have something for."""
     if inputs.friction is not None:
-        yield Figure("friction-profiles", "Performance profiles with friction",
-                     "Share of the problems solved within a factor of the fastest verified solver of each, by their weights. "
-                     "Ours: the better setting of every method; of every other library the best.", partial(profiles, inputs.friction))
+        yield Figure("friction-profiles", "Performance profiles with friction", say("profiles_figure"),
+                     partial(profiles, inputs.friction))
     if inputs.friction_motion is not None:
         yield Figure("friction-motion", "What an error of friction does to motion",
-                     "Creep: the sum over the steps of the largest slip that friction could have held. Lost gap: in which a "
-                     f"contact bears force after a step. {_LEAST:.0e} stands for less, and for nothing. @10: solves end after "
-                     "10 sweeps; @cold: they start from 0, the others from the forces of the step before.",
-                     partial(motion, inputs.friction_motion))
+                     say("friction_motion_figure", least=_LEAST), partial(motion, inputs.friction_motion))
 
 
 def profiles(inputs: Inputs):

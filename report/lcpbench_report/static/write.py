@@ -9,7 +9,7 @@ from ..files import replaced, write_text
 from ..headline_table import headline
 from ..inputs import Inputs
 from ..statistics.tables import write_csv
-from . import canvas, curves, friction, front, times
+from . import canvas, classes, curves, friction
 
 _LARGE = 1_000_000  # bytes of a CSV file that is compressed
 _ABOVE_LATEX = ("written by LCPBench; needs \\usepackage{booktabs} and \\usepackage{textcomp}, and stands by \\input within "
@@ -24,7 +24,7 @@ def write_static(inputs: Inputs, folder: Path) -> list[Path]:
     """
     written = []
     with canvas.look():
-        drawn = {"time-by-size": times.by_size(inputs), "front": front.by_class(inputs, headline(inputs))} if len(inputs.cells) else {}
+        drawn = {"time-by-size": classes.by_size(inputs), "front": classes.front(inputs, headline(inputs))} if len(inputs.cells) else {}
         drawn |= {figure.name: figure.draw() for figures in (friction, curves) for figure in figures.figures(inputs)}
         for name, figure in drawn.items():
             if figure is not None:
@@ -48,7 +48,7 @@ def write_figure_of_times(inputs: Inputs, path: Path) -> None:
     """The one that README.md shows, where there are sizes enough."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with canvas.look():
-        if (figure := times.by_size(inputs)) is not None:
+        if (figure := classes.by_size(inputs)) is not None:
             with replaced(path) as beside:
                 beside.write_bytes(canvas.svg(figure))
 

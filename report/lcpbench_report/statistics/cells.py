@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from .launches import launch_table
-from .load import AGAIN, DEFAULT, FRESH, JUDGED, LAWS, METRICS, OUT, PART_TIMES, PARTS, TASK_BUDGET, Campaign, Task
+from .launches import COLUMNS as LAUNCH_COLUMNS
+from .launches import KEY as KEY_OF_LAUNCHES
+from .model import DEFAULT, FLAGS, JUDGED, LAWS, METRICS, PART_TIMES, Campaign, Task
 from .steps import NOT_ASKED, UNSUPPORTED
 
 VERIFIED = "verified"
@@ -27,12 +28,13 @@ KEY = ["problem", "solver", "tier"]
 
 _ABOUT = ("set", "counts", "base", "weight", "origin", "fill", "family", "problem", "rows", "friction", "bounded",
           "size_class", "reference", "reference_status")
-FLAGS = ("passes", "at_floor", "below_floor", "false_success", "false_infeasible", "proved_infeasible",
-          "infeasible_within_rounding")
 _TIMES = ("fresh_s", *PART_TIMES, "again_s")
 COLUMNS = [*_ABOUT, "solver", "tier", "verdict", "asked", "excluded", "claim", *FLAGS, "best_tier", "iterations",
            *METRICS, *LAWS, "timed", "disturbed", *_TIMES, "first_s", "factor_share", "time_s", "time_limit_s",
            "oracle_s", "oracle_ratio", "peak_bytes"]
+# Kind of array -> columns of tasks.
+_KINDS = {bool: (*FLAGS, "changed"), object: ("excluded", "claim"), int: ("timed", "disturbed"),
+          float: (*JUDGED, *LAWS, "peak_bytes", *_TIMES)}
 
 
 class Measured(NamedTuple):
@@ -51,25 +53,16 @@ def measured(campaign: Campaign, of_ablations: bool = False) -> Measured:
     Whole columns at a time: a campaign has a million cells."""
     solvers = campaign.solvers
     tasks = [task for task in campaign.tasks if bool(solvers[task.solver]["ablation"]) == of_ablations]
-    counts = [task.count for task in tasks]
-    ends = np.cumsum([0, *counts])
-    places = [slice(low, high) for low, high in zip(ends, ends[1:])]
+    counts = [len(task.at) for task in tasks]
     columns = _about(campaign, tasks)
     columns["solver"] = np.repeat(np.array([task.solver for task in tasks], dtype=object), counts)
     columns["tier"] = np.repeat(np.array([task.tier for task in tasks], dtype=float), counts)
     columns["asked"] = np.repeat([solvers[task.solver]["tolerance"] != DEFAULT for task in tasks], counts).astype(bool)
-    columns["peak_bytes"] = np.repeat(np.array([task.peak_bytes for task in tasks]), counts)
-    columns |= _judged(tasks, places, ends[-1])
-    fresh, disturbed = _passes(tasks, places, ends[-1], FRESH, "fresh_s")
-    columns |= _timed(tasks, places, fresh, disturbed)
     columns["time_limit_s"] = campaign.time_limit(columns["rows"])
-    lost = np.zeros(ends[-1], dtype=bool)
-    for task, place in zip(tasks, places):
-        for name, values in task.columns.items():
-            (lost if name == CHANGED else columns[name])[place] = values
-        for one in task.passes.get(FRESH, {}).values():
-            lost[place.start + np.array(one.failed, dtype=int)] = True
-    lost &= columns["passes"]
+    for kind, names in _KINDS.items():
+        columns |= {name: np.concatenate([np.empty(0, kind), *(task.columns.get(name, np.full(len(task.at), math.nan))
+                                                               for task in tasks)]) for name in names}
+    lost = columns.pop("changed") & columns["passes"]
     columns["passes"] &= ~lost
     columns["below_floor"] &= ~_passed_by_any(columns)
     columns["verdict"] = _verdicts(columns)
@@ -77,8 +70,9 @@ def measured(campaign: Campaign, of_ablations: bool = False) -> Measured:
     columns["time_s"] = np.where(columns["passes"], np.where(np.isnan(columns["fresh_s"]), columns["first_s"],
                                                              columns["fresh_s"]), math.inf)
     columns["oracle_ratio"] = columns["time_s"] / columns["oracle_s"]
-    columns["given"] = ~np.isin(columns["verdict"], NOT_RUN)
-    return Measured(pd.DataFrame(columns, columns=COLUMNS), launch_table(columns, fresh, disturbed, tasks, places))
+    launches = [dict(zip(KEY_OF_LAUNCHES, (task.solver, task.size_class, task.tier))) | row
+                for task in tasks for row in task.launches]
+    return Measured(pd.DataFrame(columns, columns=COLUMNS), pd.DataFrame(launches, columns=LAUNCH_COLUMNS))
 
 
 def _passed_by_any(columns: dict[str, np.ndarray]) -> np.ndarray:
@@ -91,7 +85,7 @@ def _about(campaign: Campaign, tasks: list[Task]) -> dict[str, np.ndarray]:
     """What is known of the problems, by row."""
     numbers = {name: index for index, name in enumerate(campaign.problems)}
     by_class = {key: np.array([numbers[name] for name in names], dtype=int) for key, names in campaign.classes.items()}
-    rows = [by_class[task.size_class][task.first:task.first + task.count] for task in tasks]
+    rows = [by_class[task.size_class][task.at] for task in tasks]
     order = np.concatenate(rows) if rows else np.empty(0, dtype=int)
     records = list(campaign.problems.values())
     columns = {}
@@ -101,56 +95,6 @@ def _about(campaign: Campaign, tasks: list[Task]) -> dict[str, np.ndarray]:
         columns[key] = np.array(values, dtype=object if texts else float if key == "weight" else None)[order]
     columns["oracle_s"] = np.array([record["oracle_s"] for record in records], dtype=float)[order]
     return columns
-
-
-def _judged(tasks: list[Task], places: list[slice], total: int) -> dict[str, np.ndarray]:
-    columns: dict[str, np.ndarray] = {key: np.full(total, math.nan) for key in (*JUDGED, *LAWS)}
-    columns |= {key: np.zeros(total, dtype=bool) for key in FLAGS}
-    columns |= {key: np.full(total, "", dtype=object) for key in ("excluded", "claim")}
-    for task, place in zip(tasks, places):
-        if task.columns:
-            continue
-        run = slice(place.start, place.start + task.attempted)
-        columns["excluded"][run.stop:place.stop] = task.excluded or TASK_BUDGET
-        columns["claim"][run] = "solved"
-        columns["passes"][run] = True
-        for key, values in task.judged.items():
-            columns[key][run] = values
-        out, other = ([one for one in task.exceptions if (one["claim"] == OUT) == is_out] for is_out in (True, False))
-        at = [place.start + one["at"] for one in other]
-        for key in ("claim", *FLAGS) if other else ():
-            columns[key][at] = [one.get(key, False) for one in other]
-        for one in out:
-            row = place.start + one["at"]
-            columns["excluded"][row], columns["claim"][row], columns["passes"][row] = one["reason"], "", False
-    return columns
-
-
-def _timed(tasks: list[Task], places: list[slice], fresh: np.ndarray, disturbed: np.ndarray) -> dict[str, np.ndarray]:
-    known = ~np.isnan(fresh)
-    columns = {"timed": known.sum(axis=0), "disturbed": (known & disturbed).sum(axis=0)}
-    # Launches that the machine disturbed are left out where there are others.
-    calm = known & ~disturbed
-    columns["fresh_s"] = median_of_passes(np.where(calm | ~calm.any(axis=0), fresh, math.nan))
-    total = fresh.shape[1]
-    for key in PART_TIMES:
-        columns[key] = median_of_passes(_passes(tasks, places, total, PARTS, key)[0])
-    columns["again_s"] = median_of_passes(_passes(tasks, places, total, AGAIN, "again_s")[0])
-    for task, place in zip(tasks, places):
-        for one in task.passes.get(AGAIN, {}).values():
-            columns["again_s"][place.start + np.array(one.failed, dtype=int)] = math.inf
-    return columns
-
-
-def _passes(tasks: list[Task], places: list[slice], total: int, kind: str, key: str) -> tuple[np.ndarray, np.ndarray]:
-    """Launches, by their numbers, x rows: times, and whether the machine disturbed the launch."""
-    numbers = {number: index for index, number in enumerate(sorted({n for task in tasks for n in task.passes.get(kind, ())}))}
-    times, disturbed = np.full((len(numbers), total), math.nan), np.zeros((len(numbers), total), dtype=bool)
-    for task, place in zip(tasks, places):
-        for number, one in task.passes.get(kind, {}).items():
-            times[numbers[number], place] = one.times[key]
-            disturbed[numbers[number], place] = one.disturbed
-    return times, disturbed
 
 
 def _verdicts(columns: dict[str, np.ndarray]) -> np.ndarray:
@@ -163,13 +107,3 @@ def _verdicts(columns: dict[str, np.ndarray]) -> np.ndarray:
 def within_rounding(cells: pd.DataFrame) -> pd.Series:
     """Called infeasible by a ray that holds within rounding only, and no solution is known."""
     return cells["infeasible_within_rounding"].astype(bool) & ~cells["false_infeasible"].astype(bool)
-
-
-def median_of_passes(times: np.ndarray) -> np.ndarray:
-    """@param times  passes x cells, NaN: none
-    @returns of every cell the median of what it has, NaN without any
-    """
-    if not len(times):
-        return np.full(times.shape[1], math.nan)
-    ordered, known, cells = np.sort(times, axis=0), (~np.isnan(times)).sum(axis=0), np.arange(times.shape[1])
-    return (ordered[np.maximum(known - 1, 0) // 2, cells] + ordered[np.minimum(known // 2, len(times) - 1), cells]) / 2

@@ -20,7 +20,7 @@ from .coverage import coverage
 from .groups import GROUP, Part, groups
 from .intervals import Bootstrap
 from .launches import MEDIANS, Levels
-from .load import TASK_BUDGET
+from .model import TASK_BUDGET
 from .weighted import weighted_median
 
 ALL = "all"  # the value of `size_class` for all problems

@@ -13,7 +13,7 @@ from .class_times import RATIO, by_solver, ratio
 from .groups import GROUP, groups
 from .intervals import Bootstrap
 from .launches import Levels
-from .load import ERROR_PARTS, INFEASIBLE
+from .model import ERROR_PARTS, INFEASIBLE
 from .weighted import weighted_median, weighted_share
 
 COLUMNS = [*GROUP, "solver", "problems", "taken", "solvable", "right", "right_share", "false_successes",

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from .load import ORIGIN_GROUPS
+from .model import ORIGIN_GROUPS
 from .weighted import effective_number, weighted_share
 
 CONFIDENCE = 0.95
@@ -24,7 +24,7 @@ _ROOM = 0.03  # of the weight, on either side of them
 
 
 class Bootstrap:
-    """Percentile bootstrap (Efron & Tibshirani 1993, chapter 13) of problems, in strata: own scenes and engines (load.
+    """Percentile bootstrap (Efron & Tibshirani 1993, chapter 13) of problems, in strata: own scenes and engines (model.
     ORIGIN_GROUPS) have as much weight in every resample as in the sample. In a stratum families are drawn with replacement,
     and within each family drawn its bases (Davison & Hinkley 1997, section 3.8). Problems of one base, which differ in
     one number, are drawn together; so are families, for another collection would have others. Above problems stand the

@@ -16,7 +16,7 @@ import pandas as pd
 from scipy import stats
 
 from .intervals import CONFIDENCE, RESAMPLES, SEED, share_interval
-from .load import Campaign
+from .model import Campaign
 from .steps import PassRuns, Round
 from .weighted import effective_number
 

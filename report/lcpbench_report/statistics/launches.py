@@ -20,8 +20,8 @@ import pandas as pd
 from scipy import stats
 
 from .intervals import CONFIDENCE, RESAMPLES
-from .load import PART_TIMES, Task
-from .weighted import weighted_median, weighted_quantiles
+from .model import PART_TIMES
+from .weighted import quantiles, weighted_median
 
 KEY = ["solver", "size_class", "tier"]
 TOGETHER = 0  # the number of the row of all launches together
@@ -33,55 +33,33 @@ COLUMNS = [*KEY, "launch", *OF_LAUNCH, *MEDIANS]
 _Z = float(stats.norm.ppf((1 + CONFIDENCE) / 2))
 
 
-def launch_table(columns: dict[str, np.ndarray], fresh: np.ndarray, disturbed: np.ndarray, tasks: list[Task],
-                 places: list[slice]) -> pd.DataFrame:
-    """A row per solver, size class, tier and launch, and one of all launches together (those that were not disturbed,
-    where there are any). Quantiles are of single solves by the problems' weight, what is not verified infinite, of what
-    the solver was given. Problems that count, or all of a class that has none.
+def launch_rows(numbers: list[int], fresh: np.ndarray, disturbed: np.ndarray, passes: np.ndarray, weights: np.ndarray,
+                times: dict[str, np.ndarray]) -> list[dict]:
+    """Of a solver, size class and tier a row per launch, after one of all launches together (those that were not
+    disturbed, where there are any). Quantiles are of single solves by the problems' weight, what is not verified infinite.
 
-    @param columns  of the table of cells
-    @param fresh, disturbed  launches x cells: times, NaN where there is none; whether the machine disturbed the launch
-    @param places   the cells of every task
+    @param numbers  of the launches
+    @param fresh, disturbed  launches x problems that the solver was given and that count (all of a class that has none):
+                             times, NaN where there is none; whether the machine disturbed the launch
+    @param times    columns of the table of cells: fresh_s and MEDIANS
     """
-    of_class: dict[tuple, list[tuple[Task, slice]]] = {}
-    for task, place in zip(tasks, places):
-        of_class.setdefault((task.solver, task.size_class, task.tier), []).append((task, place))
-    rows = []
-    for key, parts in of_class.items():
-        found = next((task.launches for task, _ in parts if task.launches), None)
-        if found is None:
-            at = np.concatenate([np.arange(place.start, place.stop) for _, place in parts])
-            found = _of_class(at, columns, fresh, disturbed)
-        rows += [dict(zip(KEY, key)) | row for row in found]
-    return pd.DataFrame(rows, columns=COLUMNS)
-
-
-def _of_class(at: np.ndarray, columns: dict[str, np.ndarray], fresh: np.ndarray, disturbed: np.ndarray) -> list[dict]:
-    at = at[columns["counts"][at]] if columns["counts"][at].any() else at
-    at = at[columns["given"][at]]
-    passes, weights, medians = columns["passes"][at], columns["weight"][at], columns["fresh_s"][at]
     rows, calm = [], []
-    for number, times in enumerate(fresh[:, at], start=TOGETHER + 1):
-        known = passes & ~np.isnan(times)
+    for number, of_launch, bad_ones in zip(numbers, fresh, disturbed):
+        known = passes & ~np.isnan(of_launch)
         if known.any():
-            solves = np.where(passes, times, math.inf)
-            bad = bool(disturbed[number - 1, at][known].any())
-            level = weighted_median(np.log(times[known] / medians[known]), weights[known])
-            rows.append({"launch": number, "level": level, "disturbed": bad} | _quantiles(solves, weights))
+            solves = np.where(passes, of_launch, math.inf)
+            bad = bool(bad_ones[known].any())
+            level = weighted_median(np.log(of_launch[known] / times["fresh_s"][known]), weights[known])
+            rows.append({"launch": number, "level": level, "disturbed": bad} | quantiles(solves, weights=weights, levels=_QUANTILES))
             calm.append((bad, solves))
     whole = [solves for bad, solves in calm if not bad] or [solves for _, solves in calm]
     whole = whole or [np.where(passes, math.nan, math.inf)]
     together = {"launch": TOGETHER, "level": 0.0, "disturbed": False}
-    together |= _quantiles(np.concatenate(whole), np.tile(weights, len(whole)))
+    together |= quantiles(np.concatenate(whole), weights=np.tile(weights, len(whole)), levels=_QUANTILES)
     for key in MEDIANS:
-        known = passes & ~np.isnan(columns[key][at])
-        together[key] = weighted_median(columns[key][at][known], weights[known])
+        known = passes & ~np.isnan(times[key])
+        together[key] = weighted_median(times[key][known], weights[known])
     return [together, *rows]
-
-
-def _quantiles(solves: np.ndarray, weights: np.ndarray) -> dict[str, float]:
-    known = ~np.isnan(solves)
-    return dict(zip(_QUANTILES, weighted_quantiles(solves[known], weights[known], list(_QUANTILES.values()))))
 
 
 class Levels:

@@ -7,16 +7,22 @@ Without the shift the easiest problems, which nobody waits for, would weigh as m
 large as the times makes a mean of shifts. It is the power of ten nearest to a tenth of the smallest median of a solver
 in the group. An answer that was not verified enters with the time limit of its problem; so does a cell that is excluded,
 or whose solver was not asked, for means over other problems would not compare.
+
+Scaling: how time grows with the number of rows, t ~ c rows^exponent. The median time of every number of rows, each base of
+it counting once, is a point: small problems come in hundreds. By least squares in log-log coordinates, with Student's
+interval of the slope. Only verified answers have a time: where a solver begins to fail with size, the exponent is that of
+what it still solves.
 """
 
 import math
 
 import numpy as np
 import pandas as pd
+from scipy import stats
 
 from .cells import NOT_RUN, VERIFIED
 from .groups import GROUP, common, groups, with_label
-from .intervals import Bootstrap
+from .intervals import CONFIDENCE, Bootstrap
 from .launches import Levels
 from .weighted import quantiles, weighted_median, weighted_share
 
@@ -24,6 +30,9 @@ COLUMNS = [*GROUP, "solver", "shift", "problems", "penalised", "mean", "mean_low
 DELIVERED = ("rho", "w_error")
 DELIVERED_COLUMNS = ["set", "solver", "tier", "problems", "verified_share", "shift", "mean_s", "answers",
                      *(name for metric in DELIVERED for name in quantiles([], f"{metric}_"))]
+LEAST_SIZES = 4
+_FIT = ["exponent", "exponent_low", "exponent_high"]
+SCALING_COLUMNS = [*GROUP, "solver", "family", "problems", "sizes", "rows_min", "rows_max", *_FIT]
 
 
 def shifted_geometric_mean(times, shift: float, weights=None) -> float:
@@ -88,3 +97,25 @@ def delivered_table(cells: pd.DataFrame) -> pd.DataFrame:
             row |= quantiles(own[metric], f"{metric}_", own["weight"])
         rows.append(row)
     return pd.DataFrame(rows, columns=DELIVERED_COLUMNS)
+
+
+def fit_exponent(rows, times) -> dict[str, float]:
+    """@param rows, times  > 0, at least three, and not all rows equal"""
+    x, y = np.log(np.asarray(rows, dtype=float)), np.log(np.asarray(times, dtype=float))
+    line = stats.linregress(x, y)
+    reach = stats.t.ppf((1 + CONFIDENCE) / 2, len(x) - 2) * line.stderr
+    return dict(zip(_FIT, map(float, (line.slope, line.slope - reach, line.slope + reach))))
+
+
+def scaling_table(cells: pd.DataFrame) -> pd.DataFrame:
+    """A row per group, solver and family with verified answers at LEAST_SIZES numbers of rows or more."""
+    found = []
+    for label, of_group in groups(cells[np.isfinite(cells["time_s"]) & (cells["rows"] > 0)]):
+        for (solver, family), own in of_group.groupby(["solver", "family"], sort=False):
+            points = own.groupby(["rows", "base"])["time_s"].median().groupby("rows").median()
+            if len(points) < LEAST_SIZES:
+                continue
+            found.append({**label, "solver": solver, "family": family, "problems": len(own), "sizes": len(points),
+                          "rows_min": own["rows"].min(), "rows_max": own["rows"].max(),
+                          **fit_exponent(points.index, points)})
+    return pd.DataFrame(found, columns=SCALING_COLUMNS)

@@ -19,7 +19,7 @@ from .cells import NOT_ASKED, VERIFIED
 from .groups import COUNTED, GROUP, groups
 from .intervals import Bootstrap, interval_of, share_with_interval
 from .launches import Levels
-from .load import LITERATURE, ORIGINS, TASK_BUDGET
+from .model import LITERATURE, ORIGINS, TASK_BUDGET
 from .weighted import weighted_median
 
 COLUMNS = [*GROUP, "origin", "solver", "problems", "weight", "verified_share", "verified_low", "verified_high", "ratio",

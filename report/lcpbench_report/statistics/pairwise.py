@@ -25,7 +25,7 @@ from .cells import NOT_RUN, measured
 from .groups import COUNTED, GROUP, groups, wide
 from .intervals import MARGIN, Bootstrap, holm
 from .launches import Levels
-from .load import Campaign
+from .model import Campaign
 from .weighted import weighted_median
 
 LEVEL = 0.05

@@ -24,11 +24,11 @@ import pandas as pd
 
 from ..errors import ReportError
 from ..formats import short
-from .cells import CHANGED, FLAGS, Measured
-from .fields import check_fields, check_tier, check_word
+from .cells import CHANGED, Measured
+from .fields import check_fields, check_run
 from .jsonl import read_lines
 from .launches import KEY, MEDIANS, OF_LAUNCH, TOGETHER
-from .load import ERROR_PARTS, Campaign, Task
+from .model import ERROR_PARTS, FLAGS, Campaign, Task
 
 FILE = "records.jsonl"
 _UNIT, _STEP = 1e-9, math.log(1.005)
@@ -109,27 +109,17 @@ def read_records(path: Path, campaign: Campaign, note: Callable[[str], None]) ->
     for number, line in read_lines(path, note):
         place = f"{path.name}:{number}"
         record = check_fields(place, line, _LINE)
-        check_word(place, record, "solver", solvers)
-        check_word(place, record, "size_class", sizes)
-        tier = check_tier(place, campaign.info["tiers"], record["tier"])
-        first, count = int(record["first"]), int(record["count"])
-        if not 1 <= count <= sizes[record["size_class"]] - first:
-            raise ReportError(place, f"keys 'first' and 'count' are {first} and {count}",
-                              f"some of the {sizes[record['size_class']]} problems of this size class")
-        task = Task(record["solver"], record["size_class"], tier, first, count)
-        key = (task.solver, task.size_class, tier, first)
-        if key in seen:
+        key, first, count = check_run(place, record, campaign.info["tiers"], solvers, sizes)
+        if (*key, first) in seen:
             raise ReportError(place, "these problems are there twice", "a line per solver, size class and tier")
-        seen.add(key)
-        task.columns = _columns(place, record, count)
-        task.peak_bytes = math.nan if record["peak_bytes"] is None else float(record["peak_bytes"])
-        task.launches = [_launch(f"{place}: launches", row) for row in record["launches"]]
-        tasks.append(task)
+        seen.add((*key, first))
+        tasks.append(Task(*key, np.arange(first, first + count), _columns(place, record, count),
+                          [_launch(f"{place}: launches", row) for row in record["launches"]]))
     return tasks
 
 
 def _columns(place: str, record: dict, count: int) -> dict[str, np.ndarray]:
-    """Columns of the table of cells, by name; CHANGED is whether the answer changed."""
+    """Columns of the table of cells, by name, and "changed"."""
     kinds = [check_fields(f"{place}: kinds", kind, {}) for kind in record["kinds"]]
     kinds = [check_fields(f"{place}: kinds", {name: kind.get(name, usual) for name, (usual, _) in _KIND.items()},
                           {name: of for name, (_, of) in _KIND.items()}) for kind in kinds]
@@ -138,7 +128,7 @@ def _columns(place: str, record: dict, count: int) -> dict[str, np.ndarray]:
         raise ReportError(place, f"key 'kind' is {record['kind'][:40]!r}", f"{count} characters, one of 'kinds' each")
     columns = {name: np.array([kind[name] for kind in kinds], dtype=object if of == "text" else None)[which]
                for name, (_, of) in _KIND.items()}
-    columns[CHANGED] = columns.pop("changed")
+    columns["peak_bytes"] = np.full(count, math.nan if record["peak_bytes"] is None else float(record["peak_bytes"]))
     steps, again, rho, w_error = (_numbers(place, record, key, count) for key in ("time", "again", "rho", "w_error"))
     timed = columns["passes"] & (columns["timed"] > 0)
     columns |= {"fresh_s": np.where(timed, _times(steps), math.nan), "first_s": np.where(timed, math.nan, _times(steps)),

@@ -23,7 +23,7 @@ from .class_times import ALL, RATIO, by_solver, classes, ratio
 from .groups import GROUP
 from .intervals import Bootstrap
 from .launches import Levels
-from .load import ORIGIN_GROUPS
+from .model import ORIGIN_GROUPS
 from .weighted import effective_number, weighted_median, weighted_share
 
 PORTFOLIO = "peer-portfolio"  # a careful user's choice: codes of others by turns, each answer checked

@@ -14,27 +14,19 @@ from .coverage import coverage_table
 from .friction import friction_table
 from .latency import deadline_table, latency_by_solver_table
 from .launches import Levels
-from .load import Campaign
-from .means import delivered_table, mean_table
+from .model import Campaign
+from .means import delivered_table, mean_table, scaling_table
 from .origins import origin_table, rank_table
 from .pairwise import pairwise_table
 from .rivals import flag_table, is_own, rival_table
-from .scaling import scaling_table
 
 FOLDER = "analysis"
-# Name -> function of the table of cells; and of it and of launches.
-_OF_CELLS: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
-    "cells": lambda cells: cells, "coverage": coverage_table, "scaling": scaling_table, "delivered": delivered_table,
-    "rank_correlation": rank_table,
-}
-_OF_BOTH: dict[str, Callable[[pd.DataFrame, Levels], pd.DataFrame]] = {
-    "class_times": class_table, "pairwise": pairwise_table, "means": mean_table, "origins": origin_table,
-}
 # Name -> function of a campaign that has passes over sequences.
 STEP_TABLES: dict[str, Callable[[Campaign], pd.DataFrame]] = {
     "latency_by_solver": latency_by_solver_table, "deadline": deadline_table,
 }
-TABLES = (*_OF_CELLS, *_OF_BOTH, "launches", "rivals", "friction", "equal_flags", "ablation")
+TABLES = ("cells", "coverage", "scaling", "delivered", "rank_correlation", "class_times", "pairwise", "means", "origins",
+          "launches", "rivals", "friction", "equal_flags", "ablation")
 MAIN = "auto"  # the solver of ours that users start with
 _DIGITS = "%.9g"
 
@@ -57,12 +49,13 @@ def makers_of(of_all: Measured, of_ablations: Measured, solvers: list[dict],
     """
     cells, own = of_all.cells, {entry["key"] for entry in solvers if is_own(entry)}
     levels = levels_of(of_all, of_ablations)
-    return {name: partial(table, cells) for name, table in _OF_CELLS.items()} | {
-        name: partial(table, cells, levels) for name, table in _OF_BOTH.items()} | {
-        "launches": lambda: of_all.launches, "rivals": partial(rival_table, cells, own, ours, levels),
-        "friction": partial(friction_table, cells, ours, levels),
-        "equal_flags": lambda: flag_table(pd.concat([cells, of_ablations.cells], ignore_index=True), levels),
-        "ablation": partial(ablation_table, cells, of_ablations.cells, solvers, levels)}
+    return dict(zip(TABLES, (
+        lambda: cells, partial(coverage_table, cells), partial(scaling_table, cells), partial(delivered_table, cells),
+        partial(rank_table, cells), partial(class_table, cells, levels), partial(pairwise_table, cells, levels),
+        partial(mean_table, cells, levels), partial(origin_table, cells, levels), lambda: of_all.launches,
+        partial(rival_table, cells, own, ours, levels), partial(friction_table, cells, ours, levels),
+        lambda: flag_table(pd.concat([cells, of_ablations.cells], ignore_index=True), levels),
+        partial(ablation_table, cells, of_ablations.cells, solvers, levels))))
 
 
 def levels_of(of_all: Measured, of_ablations: Measured) -> Levels:

@@ -53,10 +53,10 @@ def effective_number(weights, bases) -> float:
     return float(of_bases.sum() ** 2 / (of_bases ** 2).sum()) if of_bases.any() else 0.0
 
 
-def quantiles(values, prefix: str = "", weights=None) -> dict[str, float]:
-    """Smallest, quartiles, 90 and 99 per cent, largest of the values that are not NaN; NaN without any."""
+def quantiles(values, prefix: str = "", weights=None, levels: dict[str, float] | None = None) -> dict[str, float]:
+    """Of the values that are not NaN, NaN without any; by default smallest, quartiles, 90 and 99 per cent, largest."""
     values = np.asarray(values, dtype=float)
     weights = np.ones(len(values)) if weights is None else np.asarray(weights, dtype=float)
-    known = ~np.isnan(values)
-    return {prefix + name: found for name, found in
-            zip(_LEVELS, weighted_quantiles(values[known], weights[known], list(_LEVELS.values())))}
+    known, levels = ~np.isnan(values), levels or _LEVELS
+    found = weighted_quantiles(values[known], weights[known], list(levels.values()))
+    return {prefix + name: value for name, value in zip(levels, found)}

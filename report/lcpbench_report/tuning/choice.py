@@ -25,7 +25,7 @@ import pandas as pd
 from ..formats import short
 from ..statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, cell_table
 from ..statistics.intervals import MARGIN, Bootstrap, holm
-from ..statistics.load import Campaign
+from ..statistics.model import Campaign
 from ..statistics.means import penalised, shift_of, shifted_geometric_mean
 from ..statistics.pairwise import ABOUT, LEVEL, compare_two
 from .campaign import TIER, keys_of
@@ -155,7 +155,4 @@ def _choice(cells: pd.DataFrame, rows: int, space: Space, configurations: list[C
 
 def _spent(campaign: Campaign, keys: list[str]) -> float:
     """Seconds in solves, those of the problems that were judged and of the timed passes."""
-    return float(sum(np.nansum(times) for task in campaign.tasks if task.solver in keys
-                     for times in (task.judged.get("first_s", 0.0),
-                                   *(times for of_kind in task.passes.values() for one in of_kind.values()
-                                     for times in one.times.values()))))
+    return sum(task.spent_s for task in campaign.tasks if task.solver in keys)

@@ -4,14 +4,13 @@ import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from .. import choice, formats, markdown, peers, plotly_bundle, shown_tables, solver_facts, summary, table
+from .. import choice, formats, markdown, peers, plotly_bundle, sentences, shown_tables, solver_facts, summary
 from ..fairness import limitations
-from ..headline_table import headline
+from ..headline_table import Headline, headline
 from ..inputs import Inputs
-from ..static import canvas, curves, friction, front
+from ..static import canvas, classes, curves, friction
 from . import gallery, payload
 
 _HERE = Path(__file__).resolve().parent
@@ -22,28 +21,23 @@ _PEERS_SHOWN = 3  # besides our well-known ones, when the page opens
 
 def render(inputs: Inputs, pictures: Sequence[gallery.Picture] = ()) -> str:
     """The page as text; the same for the same results."""
-    environment = Environment(loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined,
-                              trim_blocks=True, lstrip_blocks=True)
-    environment.filters["html"] = table.html
-    data = payload.build(inputs, shown(inputs))
-    data["pictures"] = [picture.family for picture in pictures]
-    has = {"cells": len(inputs.cells) > 0, "pathological": len(shown_tables.pathological(inputs)) > 0,
-           "sequences": "latency_by_solver" in inputs.analysis, "motion": inputs.motion is not None,
-           "scaling": len(inputs.analysis.get("scaling", ())) > 0}
-    context = {
-        "css": Markup((_HERE / "style.css").read_text(encoding="utf-8")),
-        "plotly": Markup(plotly_bundle.minified()),
-        "script": Markup("\n".join((_HERE / name).read_text(encoding="utf-8") for name in _SCRIPTS)),
+    data = payload.build(inputs, shown(inputs)) | {"pictures": [picture.family for picture in pictures]}
+    friction_shown = inputs.friction_motion is not None or shown_tables.friction(inputs) is not None
+    found = None if inputs.cells.empty else headline(inputs)
+    found = found if found and found.classes else None  # none where no problem counts
+    return sentences.render(
+        "web/page.html.j2", inputs=inputs, found=found, shown=shown_tables, summary=summary, peers=peers,
+        css=Markup((_HERE / "style.css").read_text(encoding="utf-8")), plotly=Markup(plotly_bundle.minified()),
+        script=Markup("\n".join((_HERE / name).read_text(encoding="utf-8") for name in _SCRIPTS)),
         # JSON that may stand inside a <script>
-        "data": Markup(json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")),
-        "title": ", ".join(inputs.names), "summary": summary.summary_lines(inputs), "has": has,
-        "friction": _friction(inputs, pictures), "tables": _tables(inputs), "motions": shown_tables.motions(inputs.motion), "environments": _environments(inputs),
-        "commit": str(inputs.campaigns[0].info.get("environment", {}).get("git_commit", "unknown"))[:12],
-        "limitations": limitations(inputs), "notes": inputs.notes, **_headline(inputs),
-        "peers": peers.table(inputs).html(), "left_out": peers.left_out().html(), "curves": _drawn(curves.figures(inputs)),
-        "pictures": [picture for picture in pictures if not (picture.friction and _has_friction(inputs))], "pictured": {picture.family for picture in pictures},
-    }
-    return environment.get_template("page.html.j2").render(context)
+        data=Markup(json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")),
+        caption=found and markdown.caption(inputs, found), front_figure=found and _drawn_front(inputs, found),
+        with_friction=friction_shown, friction_figures=_drawn(friction.figures(inputs)) if friction_shown else [],
+        curves=_drawn(curves.figures(inputs)), environments=_environments(inputs), limitations=limitations(inputs),
+        commit=str(inputs.campaigns[0].info.get("environment", {}).get("git_commit", "unknown"))[:12],
+        pictures=[picture for picture in pictures if not (picture.friction and friction_shown)],
+        friction_pictures=[picture for picture in pictures if picture.friction],
+        pictured={picture.family for picture in pictures})
 
 
 def shown(inputs: Inputs) -> list[str]:
@@ -64,53 +58,10 @@ def _drawn(figures: Iterable[curves.Figure]) -> list[dict]:
                  "address": gallery.address(canvas.svg(figure.draw()))} for figure in figures]
 
 
-def _has_friction(inputs: Inputs) -> bool:
-    return inputs.friction_motion is not None or shown_tables.friction(inputs) is not None
-
-
-def _friction(inputs: Inputs, pictures: Sequence[gallery.Picture]) -> dict | None:
-    """What the section has; None where neither a problem nor a motion has friction."""
-    if not _has_friction(inputs):
-        return None
-    of = inputs.friction
-    return {"lead": summary.friction(inputs), "words": markdown.FRICTION_WORDS, "not_taking": shown_tables.not_taking_friction(inputs),
-            "class_words": markdown.FRICTION_CLASS_WORDS, "error_words": markdown.FRICTION_ERROR_WORDS, "motion_words": markdown.FRICTION_MOTION_WORDS,
-            "classes": _html(shown_tables.friction_classes(inputs)), "table": _html(shown_tables.friction(inputs)),
-            "sealed": _html(of and shown_tables.sealed(of)), "sealed_words": markdown.SEALED_WORDS,
-            "by_solver": _html(of and shown_tables.by_solver(headline(of)), "by-solver"), "errors": _html(shown_tables.friction_errors(inputs)),
-            "motions": shown_tables.motions(inputs.friction_motion, friction=True), "figures": _drawn(friction.figures(inputs)),
-            "pictures": [picture for picture in pictures if picture.friction]}
-
-
-def _headline(inputs: Inputs) -> dict:
-    found = None if inputs.cells.empty else headline(inputs)
-    if not found or not found.classes:  # none where no problem counts
-        return {"headline": None}
+def _drawn_front(inputs: Inputs, found: Headline) -> str | None:
     with canvas.look():
-        figure = front.by_class(inputs, found)
-        drawn = figure and gallery.address(canvas.svg(figure))
-    return {"headline": shown_tables.classes(found).html(), "headline_words": summary.peers(found),
-            "by_solver": shown_tables.by_solver(found).html("by-solver"), "front": _html(shown_tables.front(found)),
-            "front_figure": drawn,
-            "flags": _html(shown_tables.equal_flags(inputs)), "front_words": markdown.FRONT_WORDS,
-            "flag_words": markdown.FLAG_WORDS, "literature_words": markdown.LITERATURE_WORDS, "caption": markdown.caption(inputs, found),
-            "ablation_words": markdown.ABLATION_WORDS, "origin_words": markdown.ORIGIN_WORDS, "sealed_words": markdown.SEALED_WORDS,
-            "rank_words": summary.origins(inputs)}
-
-
-def _tables(inputs: Inputs) -> dict[str, Markup | None]:
-    found = {"choices": (shown_tables.choices(inputs, detailed=True), "choose by-size"),
-             "deadlines": (shown_tables.within_deadlines(inputs), "choose"),
-             "warm": (shown_tables.sequences(inputs, detailed=True), ""),
-             "ablation": (shown_tables.ablation(inputs), ""), "origins": (shown_tables.origins(inputs), ""),
-             "sealed": (shown_tables.sealed(inputs), ""),
-             "literature": (shown_tables.literature(inputs), ""),
-             "settings": (shown_tables.settings(inputs), "")}
-    return {name: _html(made, of_class) for name, (made, of_class) in found.items()}
-
-
-def _html(made: table.Table | None, of_class: str = "") -> Markup | None:
-    return made and made.html(of_class)
+        figure = classes.front(inputs, found)
+        return figure and gallery.address(canvas.svg(figure))
 
 
 def _listed(value: object) -> str:

@@ -14,7 +14,7 @@ import pandas as pd
 from ..formats import power, short, size_class
 from ..inputs import Inputs
 from ..statistics.cells import BELOW_TIER, CHANGED, EXCLUDED, FAILED, FALSE_SUCCESS, NOT_ASKED, VERIFIED
-from ..statistics.load import ORIGINS
+from ..statistics.model import ORIGINS
 from ..statistics.means import shift_of
 from ..studies import DRIVER
 from ..style import MARKER_PATHS

@@ -1,0 +1,76 @@
+"""A campaign in memory, whether its folder has streams or compact records: columns of the table of cells."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .steps import PassKey, PassRuns
+
+PROBLEMS_FILE, STREAMS_FILE = "problems.jsonl", "streams.jsonl"
+# What a solver takes for the tier: its method has no tolerance; the tier's is passed on; the library's own one.
+DEFAULT = "default"
+TOLERANCES = ("direct", "follows", DEFAULT)
+ABLATIONS = ("", "no-self-check", "checked", "baseline")
+KINDS = JUDGE, FRESH, PARTS, AGAIN = ("judge", "fresh", "parts", "again")
+TASK_BUDGET = "task budget"  # the rule that excludes what had no turn
+# Origins of problems -> in words.
+ORIGINS = {"placed": "own scenes", "motion": "own motions", "recorded": "engines", "literature": "literature"}
+# The parts of the headline, which every resample has as much of: where problems come from.
+ORIGIN_GROUPS = {"placed": "own scenes", "motion": "own scenes", "recorded": "engines", "literature": "literature"}
+LITERATURE = "literature"  # counts in nothing, also in campaigns that were stored when it did
+METRICS = ("rho", "backward_error", "w_error", "f_error")
+# Arrays of a judge line, a number for every problem that had its turn.
+JUDGED = (*METRICS, "best_tier", "iterations", "first_s", "factor_share")
+# Arrays that a judge line has only where problems have friction or bounded rows: parts of the error, and more.
+ERROR_PARTS = ("penetration", "adhesion", "separation", "cone", "dissipation", "joints", "beyond_bounds")
+LAWS = ("model_rho", *ERROR_PARTS, "friction_power", "created", "energy")
+INFEASIBLE = "infeasible"
+OUT = "excluded"  # the claim of a problem of a task that a rule excludes: its `reason`
+PART_TIMES = ("problem_s", "prepare_s", "convert_s", "solve_s")
+FLAGS = ("passes", "at_floor", "below_floor", "false_success", "false_infeasible", "proved_infeasible",
+         "infeasible_within_rounding")
+
+
+@dataclass
+class Task:
+    """A solver on problems of a size class at a tier. What columns lack is not known."""
+
+    solver: str
+    size_class: str
+    tier: float
+    at: np.ndarray  # of its problems the numbers within the class's order
+    columns: dict[str, np.ndarray] = field(default_factory=dict)  # of the table of cells, and "changed": in a launch
+    launches: list[dict] = field(default_factory=list)  # rows of launches.launch_rows, in one task of a class
+    spent_s: float = 0.0  # in all its solves
+
+
+@dataclass
+class Campaign:
+    """One campaign's folder, checked."""
+
+    info: dict  # campaign.json
+    problems: dict[str, dict]
+    tasks: list[Task]
+    notes: list[str]  # what was passed over
+    sequences: dict[str, dict] = field(default_factory=dict)  # of campaign.json, by name
+    passes: dict[PassKey, PassRuns] = field(default_factory=dict)  # over the sequences
+
+    @property
+    def solvers(self) -> dict[str, dict]:
+        return {solver["key"]: solver for solver in self.info["solvers"]}
+
+    @property
+    def classes(self) -> dict[str, list[str]]:
+        """Size class -> its problems, in the order that tasks refer to."""
+        found: dict[str, list[str]] = {of["key"]: [] for of in self.info["size_classes"]}
+        for name, about in self.problems.items():
+            found[about["size_class"]].append(name)
+        return found
+
+    def time_limit(self, rows):
+        """The limit of one solve of a problem with so many rows, or of an array of them [s]."""
+        limits = self.info["limits"]
+        if "launches" in self.info:  # of its size class, by the most rows of that
+            most = np.array([one["most"] or np.inf for one in self.info["size_classes"]])
+            rows = most[np.searchsorted(most, rows)]
+        return np.minimum(np.maximum(limits["time_per_row_s"] * rows, limits["least_s"]), limits["most_s"])
