@@ -357,24 +357,22 @@ StepRows ReadStepRows(const lcpbench_step_rows* given, lcpbench_step* step) {
   RequireSize(given->rows, "rows.rows");
   RequireSize(given->bodies, "rows.bodies");
   if (given->reserved != 0) Refuse("rows.reserved", given->reserved, "0");
-  ReadLaws(*given, &step->friction, &step->bounded);
-  StepRows rows = {.columns_per_body = OrDefault(given->columns_per_body, StepRows().columns_per_body),
-                   .rows = given->rows,
-                   .bodies = given->bodies,
-                   .friction = step->friction,
-                   .bounded = step->bounded};
-  if (given->rows == 0) return rows;
   if (given->J != nullptr && given->J_single != nullptr) {
     throw InputError("rows.J and rows.J_single are both given, expected one of them");
   }
+  ReadLaws(*given, &step->friction, &step->bounded);
   RequireKinds(given->kinds, given->rows, "rows.kinds");
-  rows.body = given->body;
-  rows.J = given->J;
-  rows.J_single = given->J_single;
-  rows.b = given->b;
-  rows.bilateral = given->kinds;
-  rows.inverse_mass = given->inverse_mass;
-  return rows;
+  return {.columns_per_body = OrDefault(given->columns_per_body, StepRows().columns_per_body),
+          .rows = given->rows,
+          .bodies = given->bodies,
+          .body = given->body,
+          .J = given->J,
+          .J_single = given->J_single,
+          .b = given->b,
+          .bilateral = given->kinds,
+          .inverse_mass = given->inverse_mass,
+          .friction = step->friction,
+          .bounded = step->bounded};
 }
 
 lcpbench_step_answer MakeStepAnswer(const StepAnswer& from) {
