@@ -172,7 +172,7 @@ core: command $(BASELINE) $(V3)
 	done; failed=0; for one in $$started; do wait $$one || failed=1; done; exit $$failed
 	@rm -rf $(CORE_RESULTS)
 	@$(BUILD)/lcpbench merge $(CORE_RESULTS)-1 $(CORE_RESULTS)-2 --output $(CORE_RESULTS)
-	@$(if $(AGAIN),$(BUILD)/lcpbench moved $(AGAIN) $(CORE_RESULTS))
+	@$(if $(AGAIN),$(BUILD)/lcpbench compare --by moved $(AGAIN) $(CORE_RESULTS))
 
 calibrate: command
 	@$(BUILD)/lcpbench run --resume $(CALIBRATION) --output $(CALIBRATION_RESULTS)
