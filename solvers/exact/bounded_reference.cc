@@ -411,53 +411,36 @@ class Refinement {
     if (!factor.dependent().empty()) return "some active rows depend on others";
     const double eigenvalue = factor.LeastEigenvalueBound();
     if (eigenvalue == 0) return "no bound > 0 of the least eigenvalue on the active rows";
-    // R = |S w_F|; |S^-1 (x - f_F)| <= R / eigenvalue and |x - f_F|_A <= R / eigenvalue^1/2.
+    // R = |S w_F|; |S^-1 (x - f_F)| <= R / eigenvalue and |x - f_F|_A <= R / eigenvalue^1/2. All of these squared.
     const std::vector<Index>& rows = factor.independent();
     const Eigen::VectorXd& scale = factor.factor().scale();
-    UpperBound squares(0.0);
+    Rational squares = 0, largest = 0;
+    for (size_t k = 0; k < rows.size(); ++k) squares += Squared(Gap(rows[k]) * Rational(scale[static_cast<Index>(k)]));
+    const Rational energy = squares / Rational(eigenvalue), distance = energy / Rational(eigenvalue);
     for (size_t k = 0; k < rows.size(); ++k) {
-      UpperBound square(w_[At(rows[k])] * w_[At(rows[k])], 2 * gap_bits());
-      square *= UpperBound(scale[static_cast<Index>(k)]);
-      square *= UpperBound(scale[static_cast<Index>(k)]);
-      squares += square;
-    }
-    UpperBound energy = squares;
-    energy.DivideBy(eigenvalue);
-    UpperBound distance = squares;
-    distance.TakeRoot();
-    distance.DivideBy(eigenvalue);
-    UpperBound w_bound = energy;
-    w_bound.TakeRoot();
-    double f_bound = 0;
-    for (size_t k = 0; k < rows.size(); ++k) {
-      UpperBound error = distance;
-      error *= UpperBound(scale[static_cast<Index>(k)]);
-      if (!problem_.is_bilateral(rows[k]) && !error.IsBelow(f_[At(rows[k])], scale_.force_bits)) {
+      const Rational error = distance * Squared(Rational(scale[static_cast<Index>(k)]));
+      const Rational force = Shifted(Rational(f_[At(rows[k])]), -scale_.force_bits);
+      if (!problem_.is_bilateral(rows[k]) && !(force > 0 && error < Squared(force))) {
         return "a force is too small to be told from 0";
       }
-      error *= RootOfExactDiagonal(rows[k]);
-      f_bound = std::max(f_bound, error.ToDouble());
+      largest = std::max<Rational>(largest, error * Diagonal(rows[k]));
     }
     for (Index i = 0; i < size(); ++i) {
       if (active_[At(i)] != 0 || (problem_.is_bilateral(i) && w_[At(i)] == 0)) continue;
       if (problem_.is_bilateral(i)) return "a joint that nothing moves";
-      UpperBound error = RootOfExactDiagonal(i);
-      error *= w_bound;
-      if (!error.IsBelow(w_[At(i)], gap_bits())) return "a gap is too small to be told from 0";
+      if (!(w_[At(i)] > 0 && Diagonal(i) * energy < Squared(Gap(i)))) return "a gap is too small to be told from 0";
     }
     reference_.proof = BoundedReference::Proof::kActiveRows;
-    reference_.energy_bound = energy.ToDouble();
-    reference_.w_bound = w_bound.ToDouble();
-    reference_.f_bound = f_bound;
+    reference_.energy_bound = RoundUp(energy);
+    reference_.w_bound = RootUp(energy);
+    reference_.f_bound = RootUp(largest);
     SetGaps([this](Index i) { return active_[At(i)] == 0; });
     return {};
   }
 
-  UpperBound RootOfExactDiagonal(Index i) const {
-    UpperBound root(lcp_.diagonal(i), lcp_.matrix_bits());
-    root.TakeRoot();
-    return root;
-  }
+  static Rational Squared(const Rational& value) { return value * value; }
+  Rational Gap(Index i) const { return Shifted(Rational(w_[At(i)]), -gap_bits()); }
+  Rational Diagonal(Index i) const { return Shifted(Rational(lcp_.diagonal(i)), -lcp_.matrix_bits()); }
 
   // With gaps on the active rows that are too small to count and not negative.
   bool ProveFeasible(const IndependentBlock& factor) {
@@ -483,10 +466,9 @@ class Refinement {
       return false;
     }
     reference_.proof = BoundedReference::Proof::kFeasiblePoint;
-    reference_.energy_bound = UpperBound(energy, scale_.force_bits + gap_bits()).ToDouble();
-    UpperBound root(reference_.energy_bound);
-    root.TakeRoot();
-    reference_.w_bound = root.ToDouble();
+    const double bound = RoundUp(Shifted(Rational(energy), -scale_.force_bits - gap_bits()));
+    reference_.energy_bound = bound;
+    reference_.w_bound = std::isfinite(bound) ? RootUp(Rational(bound)) : bound;
     SetGaps([](Index) { return true; });
     return true;
   }
@@ -512,7 +494,7 @@ class Refinement {
   void SetGaps(Predicate has_gap) {
     reference_.w.setZero(size());
     for (Index i = 0; i < size(); ++i) {
-      if (has_gap(i)) reference_.w[i] = RoundToNearest(Shifted(Rational(w_[At(i)]), -gap_bits()));
+      if (has_gap(i)) reference_.w[i] = RoundToNearest(Gap(i));
     }
   }
 

@@ -1,40 +1,37 @@
 #include "solvers/exact/dyadic_lcp.h"
 
+#include <mpfr.h>
+
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 
 namespace lcpbench {
 namespace {
 
-constexpr int kDigits = std::numeric_limits<double>::digits;
-
 constexpr int kMostRefinements = 60;
 // A refinement that gains less than a factor of this has come to its end.
 constexpr double kLeastGainOfStep = 2;
 
-// value = mantissa 2^exponent
-struct Parts {
-  std::int64_t mantissa;
-  int exponent;
-};
+// Quotients by diagonals, which are below 2^1024, and roots are rounded far below the digits of doubles.
+constexpr long kBitsOfNorm = 1200;
+constexpr mpfr_prec_t kBitsOfRoot = 100;
 
-Parts Split(double value) {
-  int exponent = 0;
-  const double fraction = std::frexp(value, &exponent);
-  return {static_cast<std::int64_t>(std::ldexp(fraction, kDigits)), exponent - kDigits};
+double RoundedUp(const Rational& value, bool takes_root) {
+  mpfr_t rounded;
+  mpfr_init2(rounded, kBitsOfRoot);
+  mpfr_set_q(rounded, value.backend().data(), MPFR_RNDU);
+  if (takes_root) mpfr_sqrt(rounded, rounded, MPFR_RNDU);
+  const double result = mpfr_get_d(rounded, MPFR_RNDU);
+  mpfr_clear(rounded);
+  return result;
 }
 
 // The bits behind the point that all of the numbers need, and the numbers times 2^bits.
 std::vector<BigInteger> AllScaled(const double* values, Index count, long* bits) {
   *bits = 0;
   for (Index i = 0; i < count; ++i) {
-    if (values[i] == 0) continue;
-    const Parts parts = Split(values[i]);
-    const int zeros = std::countr_zero(static_cast<std::uint64_t>(parts.mantissa));
-    *bits = std::max(*bits, -static_cast<long>(parts.exponent) - zeros);
+    *bits = std::max(*bits, static_cast<long>(msb(denominator(Rational(values[i])))));
   }
   std::vector<BigInteger> scaled(At(count));
   for (Index i = 0; i < count; ++i) scaled[At(i)] = Scaled(values[i], *bits);
@@ -44,15 +41,8 @@ std::vector<BigInteger> AllScaled(const double* values, Index count, long* bits)
 }  // namespace
 
 BigInteger Scaled(double value, long bits) {
-  const Parts parts = Split(value);
-  BigInteger scaled(parts.mantissa);
-  const long shift = bits + parts.exponent;
-  if (shift >= 0) {
-    mpz_mul_2exp(scaled.backend().data(), scaled.backend().data(), static_cast<mp_bitcnt_t>(shift));
-  } else {
-    mpz_tdiv_q_2exp(scaled.backend().data(), scaled.backend().data(), static_cast<mp_bitcnt_t>(-shift));
-  }
-  return scaled;
+  const Rational scaled = Shifted(Rational(value), bits);
+  return numerator(scaled) / denominator(scaled);
 }
 
 DyadicLcp::DyadicLcp(const LcpProblem& problem)
@@ -101,36 +91,20 @@ void DyadicLcp::ComputeGaps(const std::vector<BigInteger>& f, long force_bits, s
 
 double DyadicLcp::ScaledNorm(const std::vector<BigInteger>& d, long bits) const {
   const BigInteger one = Scaled(1, matrix_bits_);
-  UpperBound sum(0.0);
+  BigInteger sum = 0;  // of squares rounded up to units of 2^-sum_bits
+  const long sum_bits = 2 * bits + kBitsOfNorm;
   for (size_t i = 0; i < d.size(); ++i) {
     if (d[i] == 0) continue;
-    UpperBound square(d[i] * d[i], 2 * bits);
-    square.DivideBy(diagonal_[i] > 0 ? diagonal_[i] : one, matrix_bits_);
-    sum += square;
+    const BigInteger& diagonal = diagonal_[i] > 0 ? diagonal_[i] : one;
+    BigInteger square = d[i] * d[i];
+    square <<= static_cast<unsigned>(matrix_bits_ + kBitsOfNorm);
+    sum += (square + diagonal - 1) / diagonal;
   }
-  sum.TakeRoot();
-  return sum.ToDouble();
+  return RootUp(Shifted(Rational(sum), -sum_bits));
 }
 
-UpperBound::Float UpperBound::Converted(const BigInteger& number, long bits, mpfr_rnd_t rounding) {
-  Float converted;
-  mpfr_set_z_2exp(converted.backend().data(), number.backend().data(), -bits, rounding);
-  return converted;
-}
-UpperBound& UpperBound::operator+=(const UpperBound& other) {
-  mpfr_add(get(), get(), other.get(), MPFR_RNDU);
-  return *this;
-}
-UpperBound& UpperBound::operator*=(const UpperBound& other) {
-  mpfr_mul(get(), get(), other.get(), MPFR_RNDU);
-  return *this;
-}
-void UpperBound::DivideBy(const BigInteger& divisor, long bits) {
-  const Float below = Converted(divisor, bits, MPFR_RNDD);
-  mpfr_div(get(), get(), below.backend().data(), MPFR_RNDU);
-}
-void UpperBound::DivideBy(double divisor) { mpfr_div_d(get(), get(), divisor, MPFR_RNDU); }
-void UpperBound::TakeRoot() { mpfr_sqrt(get(), get(), MPFR_RNDU); }
+double RoundUp(const Rational& value) { return RoundedUp(value, false); }
+double RootUp(const Rational& square) { return RoundedUp(square, true); }
 
 double ToDouble(const BigInteger& number, long bits) {
   long exponent = 0;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <boost/multiprecision/mpfr.hpp>
 #include <vector>
 
 #include "solvers/exact/independent_block.h"
@@ -55,37 +54,10 @@ class DyadicLcp {
   long b_bits_ = 0;
 };
 
-/// A sum, product, quotient or root of numbers >= 0 that is never below the exact one: every operation rounds up.
-class UpperBound {
- public:
-  /// number 2^-bits, number >= 0.
-  UpperBound(const BigInteger& number, long bits) : value_(Converted(number, bits, MPFR_RNDU)) {}
-  explicit UpperBound(double number) : value_(number) {}
-
-  UpperBound& operator+=(const UpperBound& other);
-  UpperBound& operator*=(const UpperBound& other);
-  /// Divided by divisor 2^-bits > 0.
-  void DivideBy(const BigInteger& divisor, long bits);
-  void DivideBy(double divisor);
-  void TakeRoot();
-  /// Not below; infinite beyond the range of doubles.
-  double ToDouble() const { return mpfr_get_d(get(), MPFR_RNDU); }
-  /// Whether number 2^-bits is larger, for certain.
-  bool IsBelow(const BigInteger& number, long bits) const { return value_ < Converted(number, bits, MPFR_RNDD); }
-
- private:
-  // More digits than a double's: bounds shall not grow by their own rounding. MPFR's functions round in the wanted
-  // direction, Boost's operators do not.
-  using Float = boost::multiprecision::number<
-      boost::multiprecision::mpfr_float_backend<29, boost::multiprecision::allocate_stack>,
-      boost::multiprecision::et_off>;
-
-  static Float Converted(const BigInteger& number, long bits, mpfr_rnd_t rounding);
-  mpfr_ptr get() { return value_.backend().data(); }
-  mpfr_srcptr get() const { return value_.backend().data(); }
-
-  Float value_;
-};
+/// A double that is not below; infinite beyond the range of doubles.
+double RoundUp(const Rational& value);
+/// Not below the root of square >= 0.
+double RootUp(const Rational& square);
 
 /// The digits of forces and gaps, and what they are measured by. Internal to solvers/exact/.
 struct DyadicScale {

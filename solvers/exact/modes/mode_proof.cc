@@ -31,8 +31,6 @@ double Gamma(Index operations) {
   return part / (1 - part);
 }
 
-int SignOf(char mode) { return mode == '+' ? 1 : -1; }
-
 }  // namespace
 
 // K x = -w at x = 0, and what is around it.
@@ -182,41 +180,19 @@ ModeEnclosure RoundedModes::Enclose(const std::string& modes) const {
 void RoundedModes::JudgeSigns(const std::string& modes, const Equations& e, const Eigen::VectorXd& gaps,
                               const Eigen::VectorXd& gap_errors, ModeEnclosure* enclosure) const {
   bool strict = true, violated = false;
-  // A value that is off by `error`, and by the rounding of its terms of this size.
-  const auto require = [&](double value, double error, double terms) {
+  for (const LinearLaw<double>& law : LawsOf(friction_, bounded_, modes)) {
+    if (law.is_equation) continue;
+    // What the value is off by, and its terms, which are rounded.
+    double value = law.constant, error = 0, terms = std::abs(law.constant);
+    for (const auto& [row, is_gap, factor] : law.terms) {
+      const double term = factor * (is_gap ? gaps : e.forces)[row];
+      value += term;
+      terms += std::abs(term);
+      error += std::abs(factor) * (is_gap ? gap_errors[row] : e.error);
+    }
     const double most = kSlack * error + 16 * kUnitRoundoff * terms + kUnderflow;
     strict = strict && value > most;
     violated = violated || value < -most;
-  };
-  const auto require_gap = [&](Index i, int sign) { require(sign * gaps[i], gap_errors[i], 0); };
-  std::vector<char> is_plain(modes.size(), 1);
-  for (const FrictionRow& row : friction_) {
-    is_plain[At(row.row)] = 0;
-    const char mode = modes[At(row.row)];
-    if (mode == '+' || mode == '-') require_gap(row.row, SignOf(mode));
-    if (mode != 'S') continue;
-    const double most = row.mu * e.forces[row.normal], tangent = e.forces[row.row];
-    for (const double value : {most - tangent, most + tangent}) {
-      require(value, (row.mu + 1) * e.error, std::abs(most) + std::abs(tangent));
-    }
-  }
-  for (const BoundedRow& row : bounded_) {
-    is_plain[At(row.row)] = 0;
-    const char mode = modes[At(row.row)];
-    if (mode == '+' || mode == '-') require_gap(row.row, SignOf(mode));
-    if (mode != 'S') continue;
-    const double force = e.forces[row.row];
-    if (std::isfinite(row.lower)) require(force - row.lower, e.error, std::abs(force) + std::abs(row.lower));
-    if (std::isfinite(row.upper)) require(row.upper - force, e.error, std::abs(force) + std::abs(row.upper));
-  }
-  for (size_t i = 0; i < modes.size(); ++i) {
-    const auto row = static_cast<Index>(i);
-    if (is_plain[i] == 0 || bilateral_[i] != 0) continue;
-    if (modes[i] == 'O') {
-      require_gap(row, 1);
-    } else {
-      require(e.forces[row], e.error, 0);
-    }
   }
   if (strict) enclosure->signs = ModeEnclosure::Signs::kStrict;
   if (violated) enclosure->signs = ModeEnclosure::Signs::kViolated;
@@ -227,7 +203,7 @@ const char* ToString(ModeProof::Proof proof) { return proof == ModeProof::Proof:
 namespace {
 
 // Not below the exact value.
-double RoundUp(const Rational& value) {
+double NextAbove(const Rational& value) {
   return value == 0 ? 0 : std::nextafter(RoundToNearest(value), std::numeric_limits<double>::infinity());
 }
 
@@ -284,7 +260,7 @@ ModeProof ProveNearby(const LcpProblem& problem, const Eigen::VectorXd& start) {
     const Rational ratio = abs(Rational(tangent)) / Rational(normal), mu(row.mu);
     const bool slips = row.slip != 0 || ratio >= mu * Rational(1 - kBoundary);
     if (row.slip != 0 && row.slip * tangent > 0) proof.mu_shift = std::numeric_limits<double>::infinity();
-    if (slips || ratio > mu) proof.mu_shift = std::max(proof.mu_shift, RoundUp(abs(Rational(ratio - mu)) / mu));
+    if (slips || ratio > mu) proof.mu_shift = std::max(proof.mu_shift, NextAbove(abs(Rational(ratio - mu)) / mu));
     mode = row.slip != 0 ? 'k' : !slips ? 'S' : tangent < 0 ? '+' : '-';
     keep(row.row, row.slip != 0 || (slips && (tangent < 0 ? w[At(row.row)] >= 0 : w[At(row.row)] <= 0)));
   }

@@ -1,6 +1,7 @@
 #include "solvers/exact/modes/mode_system.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "solvers/friction/mode_equations.h"
@@ -8,49 +9,52 @@
 namespace lcpbench {
 namespace {
 
-// The laws of a unilateral or bilateral row.
-void AddPlainLaws(Index row, char mode, std::vector<Law>* laws) {
-  const bool is_closed = mode != 'O';
-  laws->push_back({{{row, is_closed, 1}}, 0, true});
-  if (mode != 'B') laws->push_back({{{row, !is_closed, 1}}, 0, false});
-}
+std::optional<Rational> FiniteBound(const std::optional<Rational>& bound) { return bound; }
+std::optional<double> FiniteBound(double bound) { return std::isinf(bound) ? std::nullopt : std::optional(bound); }
 
-void AddFrictionLaws(const ExactFrictionRow& row, char mode, std::vector<Law>* laws) {
-  const auto force = [&row](const Rational& factor) {
-    return std::vector<LawTerm>{{row.row, false, factor}, {row.normal, false, row.mu}};
+// Of rows as FrictionRow and BoundedRow, with Numbers.
+template <typename Number, typename FrictionRows, typename BoundedRows>
+std::vector<LinearLaw<Number>> LinearLawsOf(const FrictionRows& friction, const BoundedRows& bounded,
+                                            const std::string& modes) {
+  std::vector<LinearLaw<Number>> laws;
+  using Terms = std::vector<LinearTerm<Number>>;
+  const auto add = [&laws](Terms terms, bool is_equation, const Number& constant = Number(0)) {
+    laws.push_back({std::move(terms), constant, is_equation});
   };
-  const std::vector<LawTerm> gap_up = {{row.row, true, 1}}, gap_down = {{row.row, true, -1}};
-  switch (mode) {
-    case 'o':
-      laws->push_back({{{row.row, false, 1}}, 0, true});
-      return;
-    case 'S':
-      laws->push_back({gap_up, 0, true});
-      laws->push_back({force(1), 0, false});
-      laws->push_back({force(-1), 0, false});
-      return;
-    case 'k':
-      laws->push_back({force(row.slip), 0, true});
-      return;
-    default:
-      laws->push_back({force(mode == '+' ? 1 : -1), 0, true});
-      laws->push_back({mode == '+' ? gap_up : gap_down, 0, false});
+  const auto own = [](Index row, bool is_gap, int sign) { return Terms{{row, is_gap, Number(sign)}}; };
+  std::vector<char> is_plain(modes.size(), 1);
+  for (const auto& row : friction) {
+    const Index i = row.row;
+    const char mode = modes[At(i)];
+    is_plain[At(i)] = 0;
+    const auto side = [&](int sign) { return Terms{{i, false, Number(sign)}, {row.normal, false, Number(row.mu)}}; };
+    if (mode == 'o') add(own(i, false, 1), true);
+    if (mode == 'k') add(side(row.slip), true);
+    if (mode == 'S') {
+      add(own(i, true, 1), true);
+      add(side(1), false);
+      add(side(-1), false);
+    }
+    if (mode != '+' && mode != '-') continue;
+    add(side(mode == '+' ? 1 : -1), true);
+    add(own(i, true, mode == '+' ? 1 : -1), false);
   }
-}
-
-void AddBoundedLaws(const ExactBoundedRow& row, char mode, std::vector<Law>* laws) {
-  const auto limit = [&](bool lower, bool is_equation) {
-    const std::optional<Rational>& bound = lower ? row.lower : row.upper;
-    if (bound) laws->push_back({{{row.row, false, lower ? 1 : -1}}, lower ? -*bound : *bound, is_equation});
-  };
-  if (mode == 'S') {
-    laws->push_back({{{row.row, true, 1}}, 0, true});
-    limit(true, false);
-    limit(false, false);
-    return;
+  for (const auto& row : bounded) {
+    const Index i = row.row;
+    const char mode = modes[At(i)];
+    is_plain[At(i)] = 0;
+    const auto lower = FiniteBound(row.lower), upper = FiniteBound(row.upper);
+    add(own(i, true, mode == '-' ? -1 : 1), mode == 'S');
+    if (lower && mode != '-') add(own(i, false, 1), mode == '+', -*lower);
+    if (upper && mode != '+') add(own(i, false, -1), mode == '-', *upper);
   }
-  limit(mode == '+', true);
-  laws->push_back({{{row.row, true, mode == '+' ? 1 : -1}}, 0, false});
+  for (Index i = 0; i < static_cast<Index>(modes.size()); ++i) {
+    if (is_plain[At(i)] == 0) continue;
+    const bool is_closed = modes[At(i)] != 'O';
+    add(own(i, is_closed, 1), true);
+    if (modes[At(i)] != 'B') add(own(i, !is_closed, 1), false);
+  }
+  return laws;
 }
 
 }  // namespace
@@ -65,20 +69,11 @@ std::vector<RangeSide> SidesOf(const std::string& modes) {
 }
 
 std::vector<Law> LawsOf(const ExactLcp& problem, const std::string& modes) {
-  std::vector<Law> laws;
-  std::vector<char> is_plain(modes.size(), 1);
-  for (const ExactFrictionRow& row : problem.friction) {
-    is_plain[At(row.row)] = 0;
-    AddFrictionLaws(row, modes[At(row.row)], &laws);
-  }
-  for (const ExactBoundedRow& row : problem.bounded) {
-    is_plain[At(row.row)] = 0;
-    AddBoundedLaws(row, modes[At(row.row)], &laws);
-  }
-  for (Index i = 0; i < problem.size; ++i) {
-    if (is_plain[At(i)] != 0) AddPlainLaws(i, modes[At(i)], &laws);
-  }
-  return laws;
+  return LinearLawsOf<Rational>(problem.friction, problem.bounded, modes);
+}
+std::vector<LinearLaw<double>> LawsOf(const std::vector<FrictionRow>& friction, const std::vector<BoundedRow>& bounded,
+                                      const std::string& modes) {
+  return LinearLawsOf<double>(friction, bounded, modes);
 }
 
 Rational ValueOf(const Law& law, const RationalVector& f, const RationalVector& w, bool is_direction) {

@@ -12,23 +12,30 @@
 namespace lcpbench {
 
 /// factor.x + constant on forces x and gaps: sums of some f_i, w_i times factors. Internal to solvers/exact/modes/.
-struct LawTerm {
+/// @tparam Number  double, or a rational
+template <typename Number>
+struct LinearTerm {
   Index row;
   bool is_gap;  ///< w, not f
-  Rational factor;
+  Number factor;
 };
 /// The sum of the terms plus `constant` is 0, or >= 0.
-struct Law {
-  std::vector<LawTerm> terms;
-  Rational constant;
+template <typename Number>
+struct LinearLaw {
+  std::vector<LinearTerm<Number>> terms;
+  Number constant;
   bool is_equation;
 };
+using LawTerm = LinearTerm<Rational>;
+using Law = LinearLaw<Rational>;
 
 /// The side of every row: inside where w = 0, upper where the mode is `-`.
 std::vector<RangeSide> SidesOf(const std::string& modes);
 
 /// The linear laws of one mode string.
 std::vector<Law> LawsOf(const ExactLcp& problem, const std::string& modes);
+std::vector<LinearLaw<double>> LawsOf(const std::vector<FrictionRow>& friction, const std::vector<BoundedRow>& bounded,
+                                      const std::string& modes);
 
 /// The value of a law's sum.
 /// @param is_direction  the constant does not count

@@ -135,21 +135,37 @@ TEST(DyadicLcp, GapsAreExact) {
   }
 }
 
-TEST(UpperBound, NeverRoundsDown) {
+TEST(DyadicLcp, NeverRoundsBoundsDown) {
   std::mt19937_64 random(2);
   std::uniform_int_distribution<std::uint64_t> integers(1, ~0ULL);
   for (int k = 0; k < 1000; ++k) {
     const BigInteger x = integers(random), y = integers(random), z = integers(random);
-    UpperBound bound(x * y, 70);
-    bound += UpperBound(z, 3);
-    bound.DivideBy(y, 5);
-    const Rational exact = (Rational(x * y) / Rational(BigInteger(1) << 70) + Rational(z) / 8) * 32 / Rational(y);
-    EXPECT_GE(Rational(bound.ToDouble()), exact);
-    EXPECT_LE(Rational(bound.ToDouble()), exact * (1 + Rational(0x1p-51)));
-    bound.TakeRoot();
-    EXPECT_GE(Rational(bound.ToDouble()) * Rational(bound.ToDouble()), exact);
-    EXPECT_FALSE(UpperBound(x, 0).IsBelow(x, 0));
-    EXPECT_TRUE(UpperBound(x, 0).IsBelow(x + 1, 0));
+    const Rational exact = Rational(x * y) / Rational(z), slack = exact * Rational(0x1p-51);
+    const Rational above(RoundUp(exact)), root(RootUp(exact));
+    EXPECT_GE(above, exact);
+    EXPECT_LE(above, exact + slack);
+    EXPECT_GE(root * root, exact);
+    EXPECT_LE(root * root, exact + slack);
+  }
+  EXPECT_EQ(RoundUp(Rational(0.1)), 0.1);
+  EXPECT_EQ(RootUp(Rational(2.25)), 1.5);
+}
+
+// |D^-1/2 d|_2 with D = (1/3 as a double, 1, 1), the last for an A_ii of 0.
+TEST(DyadicLcp, BoundsTheScaledNorm) {
+  constexpr double kThird = 1.0 / 3;
+  const LcpProblem problem =
+      LcpProblem::FromDense("", Eigen::Vector3d(kThird, 1, 0).asDiagonal().toDenseMatrix(), Eigen::Vector3d(1, 1, 1));
+  const DyadicLcp lcp(problem);
+  std::mt19937_64 random(3);
+  std::uniform_int_distribution<int> integers(-1000, 1000);
+  for (int k = 0; k < 100; ++k) {
+    const std::vector<BigInteger> d = {integers(random), integers(random), integers(random)};
+    const BigInteger rest = d[1] * d[1] + d[2] * d[2];
+    const Rational exact = Shifted(Rational(d[0] * d[0]) / Rational(kThird) + Rational(rest), -200);
+    const Rational norm(lcp.ScaledNorm(d, 100));
+    EXPECT_GE(norm * norm, exact);
+    EXPECT_LE(norm * norm, exact * (1 + Rational(0x1p-51)));
   }
 }
 
