@@ -139,8 +139,8 @@ It passes tier T where f is finite, rho <= T and backward_error <= sqrt(T).)")
       .def_ro("reason", &Verdict::reason, "Why it does not pass.")
       .def("__repr__", [](const Verdict& v) {
         char text[128];
-        std::snprintf(text, sizeof text, "Verdict(passes=%s, rho=%.3g, backward_error=%.3g, tier=%g)", v.passes ? "True" : "False",
-                      v.metrics.rho, v.metrics.backward_error, v.best_tier);
+        std::snprintf(text, sizeof text, "Verdict(passes=%s, rho=%.3g, backward_error=%.3g, tier=%g)",
+                      v.passes ? "True" : "False", v.metrics.rho, v.metrics.backward_error, v.best_tier);
         return std::string(text);
       });
   module.def(
