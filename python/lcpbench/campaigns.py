@@ -196,8 +196,8 @@ def _reasons(campaign) -> pd.DataFrame:
     import pandas as pd
 
     classes = campaign.classes
-    found = [(classes[task.size_class][task.first + one["at"]], task.solver, task.tier, one.get("detail", ""))
-             for task in campaign.tasks for one in task.exceptions]
+    found = [(classes[task.size_class][task.at[row]], task.solver, task.tier, detail)
+             for task in campaign.tasks for row, detail in task.details.items()]
     return pd.DataFrame(found, columns=["problem", "solver", "tier", "detail"])
 
 

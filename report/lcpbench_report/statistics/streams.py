@@ -142,6 +142,7 @@ def _task(task: Task, parts: list[_Part], problems: list[dict]) -> Task:
                                 {key: columns[key][of] for key in ("fresh_s", "first_s", "again_s", *PART_TIMES)})
     task.spent_s = float(sum(np.nansum(times) for part in parts for times in (part.judged.get("first_s", 0.0), *(
         times for of_kind in part.passes.values() for one in of_kind.values() for times in one.times.values()))))
+    task.details = {place.start + one["at"]: one.get("detail", "") for part, place in placed for one in part.exceptions}
     task.columns = columns
     return task
 
