@@ -56,8 +56,6 @@ def main(arguments: list[str] | None = None) -> int:
             of_command.add_argument(*words, **settings)
     options = argparse.Namespace(command=parser.prog)
     arguments = sys.argv[1:] if arguments is None else arguments
-    if arguments[:1] in (["moved"], ["same"]):  # as `lcpbench` and jobs call these comparisons
-        arguments = ["compare", "--by", *arguments]
     try:
         try:
             options = parser.parse_args(arguments)

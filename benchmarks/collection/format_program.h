@@ -11,7 +11,7 @@ namespace lcpbench {
 // command, which is started for the first file and goes on until the command ends. Problems go both ways as JSON lines,
 // bit for bit. What the program does with hostile files: python/lcpbench/formats/program.py. Not for several threads.
 
-/// Of FCLib (.hdf5, .h5), Siconos (.dat), QPS or npz.
+/// Reads a file of FCLib (.hdf5, .h5), Siconos (.dat), QPS or npz.
 /// @throws InputError naming file, line or field, what was expected and what was found; also where the program cannot
 /// be started
 LcpProblem ReadWithPython(const std::string& path, const ReadingOptions& options);

@@ -17,7 +17,7 @@ struct ReadingOptions {
   std::string fclib_triplets;
   /// Friction rows are dropped, in all formats.
   bool without_friction = false;
-  /// Of FCLib's and Siconos' contacts in space both tangents are read, a friction row each: a square in the place of
+  /// Both tangents of FCLib's and Siconos' contacts in space are read, a friction row each: a square in the place of
   /// the disc.
   bool box_friction = false;
   /// A whose LcpProblem::Asymmetry() is not 0 and at most this becomes (A + A^T) / 2, dense or sparse as it was.

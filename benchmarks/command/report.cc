@@ -22,10 +22,9 @@ struct ReportCommand {
 constexpr ReportCommand kCommands[] = {
     {"report", "Makes a report of campaigns: an interactive page, figures, tables, a summary"},
     {"analyse", "Writes the statistics of a campaign's folder as CSV tables"},
-    {"compare", "What changed between two campaigns of one plan, as Markdown; exit status 1 for a regression"},
-    {"moved",
-     "How far times and ratios moved between two campaigns of the same launches; exit status 1 where one moved "
-     "by more than 3 % and left its interval"},
+    {"compare",
+     "What changed between two campaigns, how far times and ratios moved, or whether results are the same (--by), as "
+     "Markdown; exit status 1 for a regression or what does not agree"},
     {"tune", "Tunes all solvers with one budget, for lcpbench run --tuned"},
 };
 

@@ -71,7 +71,7 @@ constexpr Member<MutualAttraction> kAttraction[] = {
 constexpr Member<PairFriction> kPairFriction[] = {{"body1", &PairFriction::body1},
                                                   {"body2", &PairFriction::body2},
                                                   {"friction", &PairFriction::mu, kRequired, &kCoefficient}};
-// Of a body besides its name, shape and mass; the last three of fixed bodies only.
+// The members of a body besides name, shape and mass; the last three are for fixed bodies only.
 constexpr Member<Body> kSurface[] = {{"friction", &Body::friction, kOptional, &kCoefficient}};
 constexpr Member<Body> kState[] = {{"position", &Body::x, kOptional},
                                    {"angle", &Body::theta, kOptional},
@@ -80,7 +80,7 @@ constexpr Member<Body> kState[] = {{"position", &Body::x, kOptional},
 constexpr Member<Body> kPrescribed[] = {{"acceleration", &Body::acceleration, kOptional},
                                         {"angular_acceleration", &Body::alpha, kOptional},
                                         {"surface_speed", &Body::surface_speed, kOptional}};
-// Of a joint besides its ends, points or edges; the others by its type.
+// The members that all joints have besides ends, points or edges; others depend on the type.
 constexpr Member<Constraint> kJoint[] = {
     {"type", &Constraint::type}, {"body1", &Constraint::body1}, {"body2", &Constraint::body2}};
 constexpr Member<Constraint> kPin[] = {{"torque_limit", &Constraint::torque_limit, kOptional, &kNonNegative},

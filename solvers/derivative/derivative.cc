@@ -89,7 +89,7 @@ class Mode {
     lambda(of_.equation) = -solve_transposed_(y).cwiseQuotient(root_);
     return lambda;
   }
-  // Of plain problems: the least l with A_E l = f_E, and the part of x_E in the null space of A_E.
+  // For plain problems: the least l with A_E l = f_E, and the part of x_E in the null space of A_E.
   Vector Multipliers(const Vector& f) const { return Expand(solve_(f(of_.equation).cwiseQuotient(root_))); }
   Vector FreePart(const Vector& x) const { return Expand(x(of_.equation) - solve_(K_ * x(of_.equation))); }
 

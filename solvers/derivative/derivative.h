@@ -37,9 +37,9 @@ struct ProblemGradient {
   Eigen::MatrixXd left;   ///< n x 1, or n x 2: dL/dA_ij = (left right^T)_ij, each entry by itself
   Eigen::MatrixXd right;  ///< see left
 
-  /// Of the entries of A, n x n; of an A that stays symmetric its symmetric part says the same.
+  /// The derivative in the entries of A, n x n; where A stays symmetric, its symmetric part says the same.
   Eigen::MatrixXd A() const { return left * right.transpose(); }
-  /// Of the entries of J, n x pN: also of those that are 0.
+  /// The derivative in the entries of J, n x pN, also in those that are 0.
   Eigen::MatrixXd J(const LcpProblem& problem) const;
   /// pN.  O(nnz J)
   Eigen::VectorXd InverseMass(const LcpProblem& problem) const;

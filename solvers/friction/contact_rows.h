@@ -28,8 +28,9 @@ class ContactRows {
 
   /// O(nnz A); allocates.
   void Prepare(const LcpProblem& problem);
-  /// Of the rows `part` of a step, ascending, which share no moving body with others, under laws whose rows are counted
-  /// in the part. A is dense: for up to some hundred rows.  O(rows^2); allocates where it has met no part as large
+  /// The same for the rows `part` of a step, ascending, which share no moving body with other rows. The rows of the
+  /// laws are counted in the part. A is dense: for up to some hundred rows.  O(rows^2); allocates for a larger part
+  /// only
   void Prepare(const StepRows& step, std::span<const std::int32_t> part, std::span<const FrictionRow> friction,
                std::span<const BoundedRow> bounded);
   /// For parts of up to so many rows and bodies with a lesser number than that.

@@ -180,7 +180,7 @@ void Contacts<n>::ObeyLaws() {
   }
 }
 
-// Of f_; its gaps are those in omega_ then.
+// Judges f_, and leaves its gaps in omega_.
 template <int n>
 bool Contacts<n>::IsSurelyRight(double tolerance) {
   double forces = 0;

@@ -52,7 +52,7 @@ class RelaxedRows {
 
   const std::vector<Row>& rows() const { return rows_; }           ///< n or fewer
   Index size() const { return static_cast<Index>(rows_.size()); }  ///< of rows()
-  /// Of a row, from those of all rows.
+  /// The load of a row of the relaxation, from the loads of all rows.
   static double Load(const Row& row, const Eigen::VectorXd& b) {
     return row.tangent < 0 ? b[row.normal] : b[row.normal] + row.factor * b[row.tangent];
   }

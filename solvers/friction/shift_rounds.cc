@@ -9,7 +9,7 @@
 namespace lcpbench {
 namespace {
 
-// Of the time that is left: a relaxation that does not end leaves the rest to other methods.
+// A relaxation that does not end leaves the rest of the time to other methods.
 constexpr double kShareOfTime = 0.2;
 // What a relaxation need not be better than: Newton's method goes on from it. For the same reason this may be added to
 // its diagonal where the tableau fails at rows that depend on each other.

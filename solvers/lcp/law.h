@@ -187,7 +187,8 @@ class LawSums {
   Real norm() const { return std::sqrt(defects_); }
   /// rho (verify.h) of plain rows.
   Real rho() const { return std::sqrt(defects_ / (loads_ > 0 ? loads_ : 1)); }
-  /// Of plain rows. kRight: rho and what rounding hides of it are within the tolerance, and all rows meet their limit.
+  /// Judges plain rows. kRight: rho and what rounding hides of it are within the tolerance, and all rows meet their
+  /// limit.
   /// @param roundings  bound of the rounding of a gap in parts of its magnitude
   /// @param rho        written
   [[gnu::always_inline]] Known Judge(double tolerance, double roundings, double* rho) const {
@@ -198,7 +199,7 @@ class LawSums {
     if (!(found <= tolerance && meets_)) return Known::kWrong;
     return is_clear_ && found + rounding <= tolerance ? Known::kRight : Known::kUnclear;
   }
-  /// Of scaled rows: whether rho and all that rounding may hide of it are within the tolerance, and of each row.
+  /// Judges scaled rows: whether rho and all that rounding may hide of it are within the tolerance, and of each row.
   /// @param scale  S
   bool AreSurelyRight(double tolerance, double scale) const {
     return meets_ && norm() / scale + std::sqrt(magnitudes_) / scale <= tolerance;

@@ -69,7 +69,7 @@ LcpProblem Scaled(ProblemView given, const std::vector<int>& row) {
   return LcpProblem::FromArrays(given);
 }
 
-// Of f~ = t S^-1 f, with t = 2^unit.
+// The bounds of f~ = t S^-1 f, with t = 2^unit.
 RowBounds ScaledBounds(RowBounds bounds, const std::vector<int>& rows, int unit) {
   const auto at = [&rows](Index row) { return rows[At(row)]; };
   for (FrictionRow& row : bounds.friction) {

@@ -34,7 +34,7 @@ constexpr double kRoundingOfGaps = 1e-13;
 // Violations below this part of the tolerance, spread over all rows, are none.
 constexpr double kPartOfTolerance = 0.1;
 
-// Of BandPivoting: the relaxation of the two sweeps that guess the active set. With 1 obstacle problems of some hundred
+// The relaxation of BandPivoting's two sweeps, which guess the active set. With 1 obstacle problems of some hundred
 // rows take 10 % more time.
 constexpr double kRelaxation = 1.5;
 // Violations below this part of the sum of absolute values that they are the difference of are rounding.

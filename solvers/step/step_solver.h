@@ -17,9 +17,8 @@ struct StepOptions {
   double tolerance = 1e-9;                                        ///< requested bound on rho (verify.h), in (0, 1)
   double time_limit_s = std::numeric_limits<double>::infinity();  ///< of one Solve, wall clock [s], > 0
   InstructionSet instructions = InstructionSet::kBest;            ///< of kernels; refused where the machine lacks them
-  /// Of one SolveBatch, in [1, 1024], the caller's among them: they are started, and their results waited for, in each
-  /// call, as many as there are blocks of 512 problems, of 16 with friction or bounded rows. Results are the same with
-  /// any number.
+  /// Threads of one SolveBatch, in [1, 1024], the caller's among them. Each call starts one thread per block of 512
+  /// problems (16 with friction or bounded rows), at most so many. Results are the same with any number.
   int threads = 1;
 };
 

@@ -21,14 +21,14 @@ struct Certificate {
   std::int64_t steps = 0;  ///< exact solves; modes that were tried, or steps of Lemke's path
   std::string detail;
 
-  // Of plain problems.
+  // For plain problems only.
   RationalVector f_least_norm;
   std::optional<Index> rank;
   bool rank_is_proved = false;
   Index nullity_on_active = 0;
   std::vector<Index> degenerate;
 
-  // Of problems with friction or bounded rows.
+  // For problems with friction or bounded rows only.
   std::string modes;
   std::vector<ModePiece> pieces;
   Index components = 0;

@@ -33,8 +33,8 @@ struct ModeAnswer {
   std::vector<ModePiece> pieces;  ///< all solutions; no piece is contained in another
   Index components = 0;           ///< connected components of their union
   std::optional<bool> f_unique, w_unique;
-  /// Of an infeasible problem: y >= 0 on unilateral rows, free on bilateral ones, 0 on friction rows, on bounded rows
-  /// of the signs whose bound is infinite; A^T y = 0, b.y = -1. Empty: infeasible by modes only.
+  /// The ray of an infeasible problem: y >= 0 on unilateral rows, free on bilateral ones, 0 on friction rows, on
+  /// bounded rows of the signs whose bound is infinite; A^T y = 0, b.y = -1. Empty: infeasible by modes only.
   RationalVector ray;
   std::int64_t tried = 0;  ///< modes, or steps of the path
   std::string detail;      ///< why nothing is known

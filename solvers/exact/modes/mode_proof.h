@@ -72,8 +72,8 @@ struct ModeProof {
   Eigen::VectorXd f;  ///< n
   /// |D^1/2 (f - f*)|_inf <= f_bound, of kModes; f* is the solution in these modes.
   double f_bound = std::numeric_limits<double>::infinity();
-  /// Of kNearbyProblem, evaluated without rounding, then rounded up: |D^-1/2 (b~ - b)|_2, D = diag A with 1 where that
-  /// is 0, and the largest |mu~ - mu| / mu. Infinite where f has signs that no mu~ makes right.
+  /// The distances of kNearbyProblem, evaluated without rounding, then rounded up: |D^-1/2 (b~ - b)|_2, D = diag A with
+  /// 1 where that is 0, and the largest |mu~ - mu| / mu. Infinite where f has signs that no mu~ makes right.
   double b_shift = 0, mu_shift = 0;
 
   /// More is proved, or of a problem that is nearer.

@@ -12,7 +12,7 @@ namespace {
 std::optional<Rational> FiniteBound(const std::optional<Rational>& bound) { return bound; }
 std::optional<double> FiniteBound(double bound) { return std::isinf(bound) ? std::nullopt : std::optional(bound); }
 
-// Of rows as FrictionRow and BoundedRow, with Numbers.
+// The rows are like FrictionRow and BoundedRow, with Numbers.
 template <typename Number, typename FrictionRows, typename BoundedRows>
 std::vector<LinearLaw<Number>> LinearLawsOf(const FrictionRows& friction, const BoundedRows& bounded,
                                             const std::string& modes) {

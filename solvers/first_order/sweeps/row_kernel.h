@@ -143,7 +143,7 @@ struct RowWork {
 
   std::unique_ptr<RowKernel> of_problem_, in_plane_, in_space_;
   RowKernel* rows_ = nullptr;  // the same as `rows`
-  // Of Take, by body: its number; the colours of its rows, none between calls.
+  // Workspace of Take, by body: its number, and the colours of its rows (none between calls).
   std::vector<std::int32_t> all_bodies_;
   std::vector<ColourSet> on_body_;
 };
