@@ -4,6 +4,7 @@
 
 #ifdef LCPBENCH_WITH_SUITESPARSE
 #include <cholmod.h>
+#include <klu.h>
 #endif
 #ifdef LCPBENCH_WITH_IPOPT
 #include <IpoptConfig.h>
@@ -20,6 +21,8 @@ std::vector<std::pair<std::string, std::string>> LibraryVersions() {
 #ifdef LCPBENCH_WITH_SUITESPARSE
   versions.emplace_back("CHOLMOD", std::to_string(CHOLMOD_MAIN_VERSION) + "." + std::to_string(CHOLMOD_SUB_VERSION) +
                                        "." + std::to_string(CHOLMOD_SUBSUB_VERSION));
+  versions.emplace_back("KLU", std::to_string(KLU_MAIN_VERSION) + "." + std::to_string(KLU_SUB_VERSION) + "." +
+                                   std::to_string(KLU_SUBSUB_VERSION));
 #endif
 #ifdef LCPBENCH_WITH_IPOPT
   versions.emplace_back("Ipopt", IPOPT_VERSION);

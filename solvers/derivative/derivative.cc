@@ -126,10 +126,10 @@ class Mode {
       Take(std::make_shared<Eigen::PartialPivLU<Eigen::MatrixXd>>(Eigen::MatrixXd(K_)));
       if (IsRegular(rank_tolerance)) return;
     } else {
-      const auto factor = std::make_shared<SparseLu<Eigen::COLAMDOrdering<int>>>();
-      factor->compute(K_);
-      Take(factor);
-      if (factor->info() == Eigen::Success && IsRegular(rank_tolerance)) return;
+      const auto factor = std::make_shared<SparseLu>();
+      solve_ = [factor](const Vector& x) { return factor->Solve(x); };
+      solve_transposed_ = [factor](const Vector& x) { return factor->SolveTransposed(x); };
+      if (factor->Factorize(K_) && IsRegular(rank_tolerance)) return;
     }
     const auto factor = std::make_shared<Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>>();
     factor->setThreshold(rank_tolerance);

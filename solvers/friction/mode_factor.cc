@@ -8,8 +8,6 @@
 namespace lcpbench {
 namespace {
 
-// Diagonal pivots, which keep the order, are taken down to this part of the largest in their column.
-constexpr double kLeastPivot = 1e-3;
 // Below, too many digits are lost through the bodies.
 constexpr double kLeastEpsOnBodies = 1e-9;
 // Solves through the bodies are corrected until this part of the right-hand side is left: for solutions, and for
@@ -51,7 +49,7 @@ void ModeFactor::SolveFactor(const ContactRows& rows, double fine) {
   if (on_bodies_ != nullptr) {
     SolveOnBodies(rows, fine);
   } else if (m > kMostDense) {
-    y_.head(m) = lu_.solve(Eigen::VectorXd(y_.head(m)));
+    y_.head(m) = lu_.Solve(y_.head(m));
   } else {
     dense_.Solve(y_.data());
   }
@@ -142,10 +140,8 @@ bool ModeFactor::FactorizeOnBodies(const ContactRows& rows, double eps) {
   for (int k = 0; k < G.cols(); ++k) entries.emplace_back(k, k, eps);
   sparse_.resize(G.cols(), G.cols());
   sparse_.setFromTriplets(entries.begin(), entries.end());
-  lu_.setPivotThreshold(kLeastPivot);
-  lu_.compute(sparse_);
   eps_ = eps;
-  return lu_.info() == Eigen::Success;
+  return lu_.Factorize(sparse_);
 }
 
 void ModeFactor::SolveOnBodies(const ContactRows& rows, double fine) {
@@ -166,7 +162,7 @@ void ModeFactor::SolveOnBodies(const ContactRows& rows, double fine) {
   };
   for (int k = 0; k < kCorrections; ++k) {
     to_bodies(rest);
-    v = lu_.solve(v);
+    v = lu_.Solve(v);
     subtract(v, &rest);
     y += rest / eps_;
     to_bodies(y);
@@ -190,9 +186,7 @@ bool ModeFactor::FactorizeSparse(const ContactRows& rows, double eps) {
   }
   sparse_.resize(m, m);
   sparse_.setFromTriplets(entries.begin(), entries.end());
-  lu_.setPivotThreshold(kLeastPivot);
-  lu_.compute(sparse_);
-  return lu_.info() == Eigen::Success;
+  return lu_.Factorize(sparse_);
 }
 
 }  // namespace lcpbench

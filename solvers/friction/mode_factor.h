@@ -57,7 +57,7 @@ class ModeFactor {
   const SparseMatrix* on_bodies_ = nullptr;  // G of the rows, where lu_ is of the bodies; eps_ is what it was made with
   double eps_ = 0;
   Eigen::SparseMatrix<double> sparse_;
-  SparseLu<Eigen::AMDOrdering<int>> lu_;
+  SparseLu lu_;
 };
 
 }  // namespace lcpbench
