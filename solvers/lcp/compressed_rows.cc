@@ -87,6 +87,16 @@ std::string WhyNotStarts(std::span<const int> starts, std::int64_t end, const ch
 
 std::string WhyNotColumns(std::span<const int> starts, std::span<const int> indices, std::int64_t columns,
                           const char* name) {
+  // Signs of differences tell whether any is wrong, without a branch; which one, is asked only then.
+  std::int64_t signs = 0;
+  for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
+    std::int64_t last = -1;
+    for (auto k = static_cast<std::size_t>(starts[i]); k < static_cast<std::size_t>(starts[i + 1]); ++k) {
+      signs |= (indices[k] - last - 1) | (columns - 1 - indices[k]);
+      last = indices[k];
+    }
+  }
+  if (signs >= 0) return {};
   for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
     int last = -1;
     for (auto k = static_cast<std::size_t>(starts[i]); k < static_cast<std::size_t>(starts[i + 1]); ++k) {

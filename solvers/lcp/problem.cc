@@ -237,17 +237,25 @@ struct AllocatorWithRoom {
   std::byte** room;
 };
 
-// inverse_mass of kFactors, whose other arrays fit.
-Beyond RequireMasses(const ProblemView& given) {
+// J and inverse_mass of kFactors, which lie one behind the other, where the other arrays fit.
+Beyond RequireFactors(const ProblemView& given) {
   RequireShape(given.id, "inverse_mass", std::ssize(given.inverse_mass), 1, given.columns, 1);
   if (given.facts.columns_per_body != 3 && given.facts.columns_per_body != 6) {
     Reject(given.id, "columns_per_body is " + std::to_string(given.facts.columns_per_body) +
                          ", expected 3 (bodies in the plane) or 6 (in space)");
   }
   const double* const masses = given.inverse_mass.data();
-  const Beyond beyond = RequireFinite(given.id, "inverse_mass", kFactorRange, masses, given.columns);
+  const auto entries = std::ssize(given.value);
+  NumberRange looked(kFactorRange);
+  looked.Look(given.value.data(), entries + given.columns);
+  if (looked.has_large()) {  // which, and whether finite
+    RequireFinite(given.id, "J", kFactorRange, given.value.data(), entries);
+    RequireFinite(given.id, "inverse_mass", kFactorRange, masses, given.columns);
+  }
+  bool has_wrong = false;
+  for (Index k = 0; k < given.columns; ++k) has_wrong |= !(masses[k] >= 0);
+  if (!has_wrong) return {looked.has_small(), looked.has_large()};
   const double* const wrong = std::find_if(masses, masses + given.columns, [](double mass) { return !(mass >= 0); });
-  if (wrong == masses + given.columns) return beyond;
   Reject(given.id, "inverse_mass[" + std::to_string(wrong - masses) + "] is " + std::to_string(*wrong) +
                        ", expected a number >= 0");
 }
@@ -517,15 +525,10 @@ LcpProblem LcpProblem::Make(const ProblemView& from, Index side) {
     std::ranges::sort(bounded, {}, &BoundedRow::row);
     RequireRowKinds(given);
   }
-  Beyond beyond = RequireFinite(given.id, has_factors ? "J" : "A", has_factors ? kFactorRange : kEntryRange,
-                                given.value.data(), std::ssize(given.value), side);
-  if (has_factors) {
-    const Beyond of_masses = RequireMasses(given);
-    beyond.least |= of_masses.least;
-    beyond.most |= of_masses.most;
-    given.facts.symmetric = given.facts.positive_semidefinite = true;
-  }
-  matrix->LookForExtremes(beyond);
+  if (has_factors) given.facts.symmetric = given.facts.positive_semidefinite = true;
+  matrix->LookForExtremes(
+      has_factors ? RequireFactors(given)
+                  : RequireFinite(given.id, "A", kEntryRange, given.value.data(), std::ssize(given.value), side));
   given.is_checked = true;
   return LcpProblem(matrix, of_b.least || of_b.most);
 }
