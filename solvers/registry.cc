@@ -8,7 +8,6 @@
 #include <map>
 #include <utility>
 
-#include "solvers/active_set/active_set_solver.h"
 #include "solvers/active_set/bpp.h"
 #include "solvers/active_set/semismooth_newton.h"
 #include "solvers/auto/auto_rules.h"
@@ -168,7 +167,9 @@ std::vector<SolverEntry> ActiveSetSolvers() {
        .method = "primal-dual active set on an updated sparse factor, through the bodies",
        .source = "Portugal, Judice, Vicente 1994; Davis, Hager 2001",
        .why_not_guaranteed = &NoBoundOnBlocks,
-       .make = &Make<ActiveSetSolver>,
+       .make = [](const Settings& settings) -> std::unique_ptr<LcpSolver> {
+         return std::make_unique<BppSolver>(BppOptions::ActiveSetFromSettings(settings));
+       },
        .takes_bounded = true},
   };
 }

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "solvers/active_set/block_pivoting.h"
+#include "solvers/active_set/semismooth_newton.h"
 #include "solvers/linear_algebra/tableau_rules.h"
 #include "solvers/rows/fixed_size_bpp.h"
 
@@ -24,6 +25,30 @@ constexpr double kUsefulForces = 0.05;
 constexpr double kWeightRows = 1e4;
 constexpr std::int64_t kFactorizationsPerRow = 10;
 constexpr std::int64_t kExtraFactorizations = 200;
+
+BppOptions Read(const char* key, const Settings& settings, BppOptions options) {
+  SettingsReader reader(key, settings);
+  using Form = BppOptions::Form;
+  const std::string form = reader.Choice("form", "auto", {"auto", "dense", "sparse", "bodies"});
+  if (form == "dense") options.form = Form::kDense;
+  if (form == "sparse") options.form = Form::kSparse;
+  if (form == "bodies") options.form = Form::kBodies;
+  constexpr double kLeast = BlockPivoting::kLeastWeight;
+  options.proximal = reader.Number("proximal", options.proximal, kLeast, 1e-2);
+  options.largest_proximal = reader.Number("largest_proximal", options.largest_proximal, kLeast, 100);
+  options.patience = static_cast<int>(reader.Number("patience", options.patience, 1, 100));
+  options.end_when_singular = reader.YesOrNo("end_when_singular", options.end_when_singular);
+  options.end_when_cycling = reader.YesOrNo("end_when_cycling", options.end_when_cycling);
+  options.self_check = reader.SelfCheck();
+  options.max_dense_rows =
+      static_cast<Index>(reader.Number("max_dense_rows", static_cast<double>(options.max_dense_rows), 1, 1e5));
+  if (options.continuation_rows != BppOptions().continuation_rows) {
+    options.continuation_rows =
+        static_cast<Index>(reader.Number("continuation_rows", static_cast<double>(options.continuation_rows), 1, 1e9));
+  }
+  reader.Finish();
+  return options;
+}
 
 }  // namespace
 
@@ -43,10 +68,11 @@ class BppEngine final : public RowEngine {
  private:
   using End = BlockPivoting::End;
 
-  // Rows are solved with a dense block, unless the caller asks for another one.
+  // Rows are solved with a dense block and by blocks alone, unless the caller asks for something else.
   static Index MostRows(const BppOptions& options) {
     const bool may_be_dense = options.form != BppOptions::Form::kSparse && options.form != BppOptions::Form::kBodies;
-    return may_be_dense ? std::min(options.max_dense_rows, EnginesBySize<BppEngine>::kMostRows) : 0;
+    const Index most = std::min(EnginesBySize<BppEngine>::kMostRows, options.continuation_rows - 1);
+    return may_be_dense ? std::min(options.max_dense_rows, most) : 0;
   }
   bool SolveRows(const RowTask& task, LcpResult* result) override {
     return of_rows_.Find(task.rows.rows, options_).SolveFilledUp(task, result);
@@ -56,12 +82,14 @@ class BppEngine final : public RowEngine {
   bool SolveFewRows(const RowTask& task, LcpResult* result);
   void StartWarm(const Eigen::VectorXd& initial_f);
   End Run(const Eigen::VectorXd* initial_f, Index n);
+  void Continue(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
 
   const BppOptions options_;
   PivotingSetup setup_;
   Eigen::VectorXd f_, w_;  // of a warm start
   FixedSizeBpp few_;
   EnginesBySize<BppEngine> of_rows_;
+  std::optional<SemismoothNewtonSolver> newton_;  // once it has been asked
 };
 
 std::string BppEngine::WhyUnsupported(const LcpProblem& problem) const {
@@ -120,7 +148,7 @@ BlockPivoting::End BppEngine::Run(const Eigen::VectorXd* initial_f, Index n) {
     rules.end_when_singular = false;
   }
   // From all rows, where the start is not as good as it should be.
-  rules.end_when_cycling = options_.end_when_cycling;
+  rules.end_when_cycling = options_.end_when_cycling || n >= options_.continuation_rows;
   setup_.pivoting.StartCold();
   return setup_.pivoting.Run(rules);
 }
@@ -133,6 +161,29 @@ void BppEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
   if (!setup_.Begin(problem, options, limit, factors, /*conjugate=*/true, result)) return;
   setup_.Conclude(Run(options.initial_f, problem.size()), options.tolerance, result);
   TellSingleExchanges(result);
+  const bool continues = problem.size() >= options_.continuation_rows;
+  if (continues && result->status == LcpStatus::kNumericalFailure) Continue(problem, options, limit, result);
+}
+
+void BppEngine::Continue(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline,
+                         LcpResult* result) {
+  if (!newton_) {
+    newton_.emplace(
+        SemismoothNewtonOptions{.continuation_rows = options_.continuation_rows, .self_check = options_.self_check});
+  }
+  if (deadline == nullptr || !deadline->Expired()) newton_->Prepare(problem);
+  const std::int64_t done = result->iterations;
+  LcpOptions rest = options;
+  if (deadline != nullptr) rest.time_limit_s = deadline->Remaining();
+  if (options.max_iterations > 0) rest.max_iterations -= done;
+  if (options.max_iterations > 0 && rest.max_iterations <= 0) {
+    result->status = LcpStatus::kIterationLimit;
+  } else if (rest.time_limit_s <= 0) {
+    result->status = LcpStatus::kTimeLimit;
+  } else {
+    newton_->Solve(problem, rest, result);
+    result->iterations += done;
+  }
 }
 
 void BppEngine::PrepareRows(Index size) {
@@ -173,24 +224,10 @@ void BppEngine::TellSingleExchanges(LcpResult* result) const {
   }
 }
 
-BppOptions BppOptions::FromSettings(const Settings& settings, const char* key) {
-  SettingsReader reader(key, settings);
-  BppOptions options;
-  const std::string form = reader.Choice("form", "auto", {"auto", "dense", "sparse", "bodies"});
-  if (form == "dense") options.form = Form::kDense;
-  if (form == "sparse") options.form = Form::kSparse;
-  if (form == "bodies") options.form = Form::kBodies;
-  constexpr double kLeast = BlockPivoting::kLeastWeight;
-  options.proximal = reader.Number("proximal", options.proximal, kLeast, 1e-2);
-  options.largest_proximal = reader.Number("largest_proximal", options.largest_proximal, kLeast, 100);
-  options.patience = static_cast<int>(reader.Number("patience", options.patience, 1, 100));
-  options.end_when_singular = reader.YesOrNo("end_when_singular", options.end_when_singular);
-  options.end_when_cycling = reader.YesOrNo("end_when_cycling", options.end_when_cycling);
-  options.self_check = reader.SelfCheck();
-  options.max_dense_rows =
-      static_cast<Index>(reader.Number("max_dense_rows", static_cast<double>(options.max_dense_rows), 1, 1e5));
-  reader.Finish();
-  return options;
+BppOptions BppOptions::FromSettings(const Settings& settings) { return Read("bpp", settings, {}); }
+BppOptions BppOptions::ActiveSetFromSettings(const Settings& settings) {
+  return Read("active-set", settings,
+              {.form = Form::kAny, .continuation_rows = SemismoothNewtonOptions().continuation_rows});
 }
 
 double BppSolver::StepTime() const { return engine_->StepTime(); }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
@@ -12,7 +14,7 @@ struct BppOptions {
     kDense,
     kSparse,
     kBodies,  ///< through the bodies (BodyActiveBlock); as kAuto where the problem or the build does not allow it
-    kAny,     ///< any of these three, by predicted time: the default of ActiveSetSolver
+    kAny,     ///< any of these three, by predicted time: the default of `active-set`
   };
   Form form = Form::kAuto;  ///< see Form
 
@@ -37,6 +39,10 @@ struct BppOptions {
   /// Ends with kNumericalFailure where blocks cycle, instead of raising the weight.
   bool end_when_cycling = false;
 
+  /// From so many rows on, where blocks cycle, continuation (SemismoothNewtonSolver), which cannot cycle, goes on
+  /// within what is left of the limits, instead of the costly safeguards. By default never.
+  Index continuation_rows = std::numeric_limits<Index>::max();
+
   bool self_check = true;  ///< SettingsReader::SelfCheck; without it signs and active gaps in double decide
 
   /// Larger problems are refused as unsupported where the dense form is used: two n x n arrays besides DenseA(). In [1,
@@ -45,7 +51,10 @@ struct BppOptions {
 
   /// Keys `form` (auto, dense, sparse, bodies), `proximal`, `largest_proximal`, `patience`, `end_when_singular` (yes,
   /// no), `end_when_cycling` (yes, no), `self_check` and `max_dense_rows`. @throws InputError for others
-  static BppOptions FromSettings(const Settings& settings, const char* key = "bpp");
+  static BppOptions FromSettings(const Settings& settings);
+  /// Those of `active-set`: also `continuation_rows`, with the default of SemismoothNewtonOptions, and `form` = kAny
+  /// instead of kAuto. @throws InputError for others
+  static BppOptions ActiveSetFromSettings(const Settings& settings);
 };
 
 /// Block principal pivoting with a proximal outer loop (BlockPivoting). Measurements: docs/solvers/active_set.md.
@@ -67,6 +76,9 @@ struct BppOptions {
 /// Start: F = all rows. With initial_f whose rho is at most 5 % of the one at f = 0, F = {D f > w} and c = initial_f;
 /// of any other the set alone counts. A warm start whose first set leaves more than 10 % of the rows violated, or whose
 /// blocks cycle, is forgotten.
+///
+/// With continuation_rows (`active-set`), guarantees, warm start and ways of ending are those of the two methods, and
+/// iterations are factors asked for, new or updated, of both together.
 ///
 /// From arrays, up to 128 rows of at most two moving bodies each need no LcpProblem (RowEngine), with a dense block
 /// unless `form` asks for another one. Up to six, cold and with the default options, are solved in registers by the

@@ -368,8 +368,8 @@ bool SemismoothNewtonEngine::SolveFilledUp(const RowTask& task, LcpResult* resul
   return setup_.ConcludeRows(Run(Start(task.options.initial_f)), task, result);
 }
 
-SemismoothNewtonOptions SemismoothNewtonOptions::FromSettings(const Settings& settings, const char* key) {
-  SettingsReader reader(key, settings);
+SemismoothNewtonOptions SemismoothNewtonOptions::FromSettings(const Settings& settings) {
+  SettingsReader reader("semismooth-newton", settings);
   SemismoothNewtonOptions options;
   options.first_weight = reader.Number("first_weight", options.first_weight, kLeastAllowedWeight, 1);
   options.weight_factor = reader.Number("weight_factor", options.weight_factor, kLeastAllowedWeight, 1);

@@ -77,38 +77,29 @@ void HybridEngine::Solve(const LcpProblem& problem, const LcpOptions& options, L
   Eigen::VectorXd start;  // where the next method goes on
   std::int64_t done = 0;
   std::string detail;
-  // The limits that are left, at most `wanted` iterations (0: any number). False where none are.
-  const auto limit = [&](std::int64_t wanted) {
+  // Runs one of the methods for at most `wanted` iterations of those that are left (0: any number), from where the one
+  // before has stopped. True if there is nothing left to do, or no limit left to do it in.
+  const auto run = [&](LcpSolver* solver, const char* name, std::int64_t wanted) {
     rest.max_iterations = wanted;
+    rest.time_limit_s = deadline.Remaining();
     if (options.max_iterations > 0) {
       const std::int64_t left = options.max_iterations - done;
-      if (left <= 0) {
-        result->status = LcpStatus::kIterationLimit;
-        return false;
-      }
       rest.max_iterations = wanted > 0 ? std::min(wanted, left) : left;
     }
-    rest.time_limit_s = deadline.Remaining();
-    if (rest.time_limit_s > 0) return true;
-    result->status = LcpStatus::kTimeLimit;
-    return false;
-  };
-  // Runs one of the methods from where the one before has stopped. True if it is the last one.
-  const auto run = [&](LcpSolver* solver, const char* name) {
+    const bool iterations_are_left = options.max_iterations <= 0 || rest.max_iterations > 0;
+    if (!iterations_are_left || !(rest.time_limit_s > 0)) {
+      result->status = iterations_are_left ? LcpStatus::kTimeLimit : LcpStatus::kIterationLimit;
+      return true;
+    }
     solver->Solve(problem, rest, result);
     done += result->iterations;
     result->iterations = done;
     if (detail.find(name) == std::string::npos) detail += (detail.empty() ? "" : "; ") + std::string(name);
     result->detail = detail + (result->detail.empty() ? "" : ": " + result->detail);
-    if (result->status == LcpStatus::kSolved || result->status == LcpStatus::kInfeasible ||
-        result->status == LcpStatus::kTimeLimit) {
-      return true;
-    }
-    if (result->f.allFinite()) {
-      start = result->f;
-      rest.initial_f = &start;
-    }
-    return false;
+    if (result->f.allFinite()) start = result->f;
+    if (start.size() > 0) rest.initial_f = &start;
+    return result->status == LcpStatus::kSolved || result->status == LcpStatus::kInfeasible ||
+           result->status == LcpStatus::kTimeLimit;
   };
 
   if (sweeps_first_ && options.initial_f != nullptr) {
@@ -117,16 +108,12 @@ void HybridEngine::Solve(const LcpProblem& problem, const LcpOptions& options, L
     if (!(rho < kWorthTrying * start_test_.Rho(Eigen::VectorXd::Zero(problem.size())))) rest.initial_f = nullptr;
   }
   if (sweeps_per_factorization_ > 0 && rest.initial_f != nullptr && sweeps_per_factorization_ <= kCheapFactorization) {
-    if (!limit(static_cast<std::int64_t>(kGuessWork / sweeps_per_factorization_))) return;
     interior_.UseWarmStart(IpmSolver::WarmStart::kGuessOnly);
-    if (run(&interior_, "ipm")) return;
+    if (run(&interior_, "ipm", static_cast<std::int64_t>(kGuessWork / sweeps_per_factorization_))) return;
   }
-  if (sweeps_first_) {
-    if (!limit(std::max(options_.least_iterations, options_.most_iterations)) || run(&sweeps_, "nncg")) return;
-  }
-  if (!limit(0)) return;
+  if (sweeps_first_ && run(&sweeps_, "nncg", std::max(options_.least_iterations, options_.most_iterations))) return;
   interior_.UseWarmStart(sweeps_first_ ? IpmSolver::WarmStart::kAfterSweeps : IpmSolver::WarmStart::kFull);
-  run(&interior_, "ipm");
+  run(&interior_, "ipm", 0);
 }
 
 const IpmStatistics& HybridSolver::statistics() const { return engine_->statistics(); }

@@ -2,10 +2,21 @@
 
 #include <cstdint>
 
-#include "solvers/interior_point/ipm_run.h"
 #include "solvers/lcp/engine_solver.h"
+#include "solvers/linear_algebra/scaled_system.h"
 
 namespace lcpbench {
+
+/// What happened below an IpmSolver, for tests and tuning.
+struct IpmStatistics {
+  std::int64_t analyses = 0;        ///< symbolic, in the latest Prepare; 0 if those of the problem before serve
+  std::int64_t factorizations = 0;  ///< numeric, in the latest Solve
+  std::int64_t interior_steps = 0;  ///< of these, interior-point steps
+  std::int64_t pivots = 0;          ///< of these, active sets tried
+  bool body_space = false;          ///< the systems live on the bodies
+  double fill = 0;                  ///< entries of L
+  double factor_flops = 0;          ///< of one factorization
+};
 
 /// Options of IpmSolver.
 struct IpmOptions {

@@ -3,7 +3,7 @@
 // clock. What they share with the other direct solvers is in direct_solvers_test.cc, the contract of all solvers in
 // contract_test.cc.
 
-#include "solvers/active_set/active_set_solver.h"
+#include "solvers/active_set/bpp.h"
 
 #include <gtest/gtest.h>
 
@@ -28,21 +28,12 @@ LcpResult SolveWith(const BppOptions& method, const LcpProblem& problem, const L
   return SolveWith(&solver, problem, options);
 }
 
-LcpResult SolveWith(const ActiveSetOptions& method, const LcpProblem& problem, const LcpOptions& options = {}) {
-  ActiveSetSolver solver(method);
-  return SolveWith(&solver, problem, options);
-}
-
 LcpResult SolveWith(const SemismoothNewtonOptions& method, const LcpProblem& problem, const LcpOptions& options = {}) {
   SemismoothNewtonSolver solver(method);
   return SolveWith(&solver, problem, options);
 }
 
-ActiveSetOptions ByContinuation() {
-  ActiveSetOptions method;
-  method.newton.continuation_rows = 1;
-  return method;
-}
+BppOptions ByContinuation() { return BppOptions::ActiveSetFromSettings({{"continuation_rows", "1"}}); }
 
 // Blocks alone come back to a set F that they had before.
 LcpProblem CyclingProblem() {
