@@ -62,7 +62,7 @@ REFERENCE_OTHERS  := smoke pathological large sequences-qp friction
 # Of a report: folders besides that of its name, and studies.
 MORE_friction     := $(REFERENCE)/friction-pathological --motion $(REFERENCE)/friction-motion --pictures $(PICTURES)
 
-.PHONY: $(BASELINE) $(V3) core help deps peers configure command build test test-long python-test report run pictures ablation calibrate fresh-benchmark scene-benchmark solver-curves doc reference-report check format fuzz attack install clean
+.PHONY: $(BASELINE) $(V3) core help deps peers configure command build test test-long python-test report run pictures ablation calibrate benchmark solver-curves doc reference-report check format fuzz attack install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
@@ -73,8 +73,7 @@ help:
 	@echo "make core       the campaign behind the published numbers, on two processors (AGAIN=FOLDER compares with that one)"
 	@echo "make ablation   what our own checks, checks for peers, and instruction sets are worth: a build and a campaign (20 minutes)"
 	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
-	@echo "make fresh-benchmark      fresh times of our solvers, ODE and Bullet, by size class and origin (OPTIONS=--cpu 1)"
-	@echo "make scene-benchmark      time scene generation, contact detection and assembly at 10^3 to 10^5 rows"
+	@echo "make benchmark       fresh times of our solvers, ODE and Bullet, by size class and origin; of batches, derivatives and scenes (OPTIONS=--benchmark_filter=scene/)"
 	@echo "make solver-curves        residual against mass ratio, regularization, sweeps and precision, for the report (CURVES=sweeps; a minute or two)"
 	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, numbers in README.md and docs/"
 	@echo "make peers    install the libraries of the peer solvers (cmake/packages/) and reconfigure"
@@ -178,9 +177,9 @@ calibrate: command
 	@$(BUILD)/lcpbench run --resume $(CALIBRATION) --output $(CALIBRATION_RESULTS)
 	@$(PYTHON) report/report.py calibrate $(CALIBRATION_RESULTS)
 
-fresh-benchmark scene-benchmark: configure
-	@cmake --build --preset $(PRESET) -j $(JOBS) --target $(subst -,_,$@)
-	@$(BUILD)/$(subst -,_,$@) $(OPTIONS)
+benchmark: configure
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target lcpbench_benchmark
+	@$(BUILD)/lcpbench_benchmark $(OPTIONS)
 
 # Files of curves that are not named stay.
 solver-curves: configure

@@ -4,7 +4,6 @@
 #include "benchmarks/command/commands.h"
 #include "model/records/records.h"
 #include "model/records/replay.h"
-#include "model/records/replay_record.h"
 #include "support/input_error.h"
 
 namespace lcpbench {

@@ -8,7 +8,7 @@
 
 #include "benchmarks/collection/plan.h"
 #include "benchmarks/collection/problem_formats.h"
-#include "benchmarks/collection/recipes/motion_steps.h"
+#include "benchmarks/collection/recipes/recipe.h"
 #include "model/scenes/scene.h"
 #include "solvers/friction/relaxation.h"
 #include "solvers/registry.h"
@@ -31,38 +31,6 @@ std::size_t OriginOf(const ManifestEntry& entry) {
   return static_cast<std::size_t>(found - kOrigins.begin());
 }
 
-// Whether f = 0 is an answer: nothing touches.
-bool IsIdle(const LcpProblem& problem) {
-  for (Index row = 0; row < problem.size(); ++row) {
-    if (problem.b()[row] < 0) return false;
-  }
-  return std::all_of(problem.bilateral_rows().begin(), problem.bilateral_rows().end(),
-                     [&](auto row) { return problem.b()[row] == 0; });
-}
-
-template <typename Visit>
-void ForEachStart(const std::vector<std::string>& named, const FreshSources& sources, const CampaignPlan& plan,
-                  const Visit& visit) {
-  const auto is_left_out = [&](std::string_view family) { return plan.without_sealed && plan.sealed.Has(family); };
-  std::vector<std::string_view> families;
-  for (const std::string& name : named) {
-    if (name == "all" || name == "friction") {
-      for (const SceneFamily& family : name == "all" ? AllScenes() : FrictionScenes()) {
-        if (!is_left_out(family.key)) families.push_back(family.key);
-      }
-    } else if (is_left_out(name)) {
-      throw InputError("scene family '" + name + "' is for measuring only (data/sealed.json): --sealed takes it");
-    } else {
-      families.push_back(FindScene(name).key);
-    }
-  }
-  for (const std::string_view scene : families) {
-    for (const int rows : sources.sizes) {
-      for (const std::uint64_t seed : sources.seeds) visit(Recipe{std::string(scene), rows, seed, {}});
-    }
-  }
-}
-
 }  // namespace
 
 FreshProblems::FreshProblems(const FreshSources& sources, const CampaignPlan& plan) {
@@ -78,7 +46,6 @@ FreshProblems::FreshProblems(const FreshSources& sources, const CampaignPlan& pl
                     });
   }
   AddScenes(sources, plan);
-  AddMotions(sources, plan);
   for (const PlannedProblem& one : PlanProblems(plan, manifests_)) {
     if (manifests_[one.manifest].name == kNonsymmetricTier) continue;  // nobody need solve these
     const std::size_t origin = OriginOf(*one.entry);
@@ -107,22 +74,27 @@ void FreshProblems::Keep(const LcpProblem& problem, const char* origin, const st
 }
 
 void FreshProblems::AddScenes(const FreshSources& sources, const CampaignPlan& plan) {
-  ForEachStart(sources.scenes, sources, plan,
-               [this](const Recipe& recipe) { Keep(MakeInstance(recipe).problem, "placed", BaseOf(recipe)); });
-}
-
-void FreshProblems::AddMotions(const FreshSources& sources, const CampaignPlan& plan) {
-  const Index most_rows = plan.most_rows;
-  ForEachStart(sources.motions, sources, plan, [&](const Recipe& start) {
-    TakeSteps(start, sources.steps, [&](const MotionStep& step) {
-      const LcpProblem& problem = step.instance.problem;
-      if (problem.size() < 1 || (most_rows > 0 && problem.size() > most_rows) || IsIdle(problem)) return false;
-      Recipe recipe = start;
-      recipe.motion_step = step.number;
-      Keep(problem, "motion", BaseOf(recipe));
-      return true;
-    });
-  });
+  const auto is_left_out = [&](std::string_view family) { return plan.without_sealed && plan.sealed.Has(family); };
+  std::vector<std::string_view> families;
+  for (const std::string& name : sources.scenes) {
+    if (name == "all" || name == "friction") {
+      for (const SceneFamily& family : name == "all" ? AllScenes() : FrictionScenes()) {
+        if (!is_left_out(family.key)) families.push_back(family.key);
+      }
+    } else if (is_left_out(name)) {
+      throw InputError("scene family '" + name + "' is for measuring only (data/sealed.json): --sealed takes it");
+    } else {
+      families.push_back(FindScene(name).key);
+    }
+  }
+  for (const std::string_view scene : families) {
+    for (const int rows : sources.sizes) {
+      for (const std::uint64_t seed : sources.seeds) {
+        const Recipe recipe{std::string(scene), rows, seed, {}};
+        Keep(MakeInstance(recipe).problem, "placed", BaseOf(recipe));
+      }
+    }
+  }
 }
 
 std::vector<FreshStream*> FreshProblems::streams() {

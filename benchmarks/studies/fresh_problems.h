@@ -15,17 +15,15 @@
 
 namespace lcpbench {
 
-/// Where the problems of fresh_benchmark come from: everything that is named here together.
+/// Where the problems of lcpbench_benchmark come from: everything that is named here together.
 struct FreshSources {
   std::vector<std::string> manifests;  ///< paths
   std::vector<std::string> files;      ///< of problems, in any format that is read; JSON lines may be compressed
   /// Families, as they are placed; "all", "friction". The sealed ones (data/sealed.json) are in neither, and refused,
   /// where the plan leaves them out.
   std::vector<std::string> scenes;
-  std::vector<std::string> motions;  ///< families, steps of whose motions are taken (TakeSteps); as `scenes`
-  std::vector<int> sizes;            ///< rows of `scenes` and `motions`
-  std::vector<std::uint64_t> seeds;  ///< of both
-  int steps = 2;                     ///< of a motion
+  std::vector<int> sizes;            ///< rows of `scenes`
+  std::vector<std::uint64_t> seeds;  ///< of `scenes`
   bool relaxed = false;              ///< of each problem with friction its relaxation, too, as an origin of its own
   std::size_t most_problems = 0;     ///< of a stream; 0: all
 };
@@ -58,7 +56,6 @@ class FreshProblems {
 
  private:
   void AddScenes(const FreshSources& sources, const CampaignPlan& plan);
-  void AddMotions(const FreshSources& sources, const CampaignPlan& plan);
   void Keep(const LcpProblem& problem, const char* origin, const std::string& base);
 
   std::unique_ptr<LcpSolver> relaxing_;  // where relaxations are wanted: the solver, which knows what it takes

@@ -6,13 +6,106 @@
 #include <iomanip>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <tuple>
 #include <utility>
 
 #include "model/contact/assembly.h"
 #include "support/input_error.h"
+#include "support/json_field.h"
 
 namespace lcpbench {
 namespace {
+
+struct KindName {
+  const char* name;
+  RecordedKind kind;
+  // Which of the radii the kind has.
+  bool radius1;
+  bool radius2;
+};
+
+// In the order of RecordedKind.
+constexpr std::array kKinds = {
+    KindName{"vertex_straight", RecordedKind::kVertexStraight, false, false},
+    KindName{"vertex_curved", RecordedKind::kVertexCurved, false, true},
+    KindName{"straight_curved", RecordedKind::kStraightCurved, true, false},
+    KindName{"curved_curved", RecordedKind::kCurvedCurved, true, true},
+    KindName{"vertex_vertex", RecordedKind::kVertexVertex, false, true},
+    KindName{"joint", RecordedKind::kJoint, false, false},
+    KindName{"path_joint", RecordedKind::kPathJoint, false, false},
+    KindName{"rod", RecordedKind::kRod, false, true},
+    KindName{"rope", RecordedKind::kRope, false, true},
+};
+
+const KindName& ParseKind(const JsonField& field) {
+  const std::string name = field.String();
+  std::string expected;
+  for (const KindName& kind : kKinds) {
+    if (name == kind.name) return kind;
+    expected += (expected.empty() ? "one of " : ", ") + std::string(kind.name);
+  }
+  field.Mismatch(expected);
+}
+
+Body ParseReplayBody(const JsonField& field) {
+  Body body;
+  body.name = field["name"].String();
+  body.fixed = field["fixed"].Boolean();
+  body.x = {field["x"].Number(), field["y"].Number()};
+  body.theta = field["angle"].Number();
+  if (body.fixed) return body;
+  const auto positive = [&](const char* key) {
+    const double value = field[key].Number();
+    if (!(value > 0)) field[key].Mismatch("a number > 0");
+    return value;
+  };
+  body.mass = positive("m");
+  body.inertia = positive("I");
+  body.v = {field["vx"].Number(), field["vy"].Number()};
+  body.omega = field["omega"].Number();
+  body.force = body.mass * Vec2{field["ax"].Number(), field["ay"].Number()};
+  body.torque = body.inertia * field["alpha"].Number();
+  return body;
+}
+
+Vec2 ParseNormal(const JsonField& field) {
+  constexpr double kUnitTolerance = 1e-12;
+  const Vec2 n = field.Pair<Vec2>();
+  if (!(std::abs(Norm(n) - 1) <= kUnitTolerance)) field.Mismatch("a unit vector");
+  return n;
+}
+
+RecordedContact ParseContact(const JsonField& field, const std::vector<Body>& bodies) {
+  const KindName& kind = ParseKind(field["kind"]);
+  RecordedContact contact;
+  contact.kind = kind.kind;
+  contact.body1 = field["p"].IndexBelow(bodies.size());
+  contact.body2 = field["q"].IndexBelow(bodies.size());
+  if (contact.body1 == contact.body2) field["q"].Mismatch("another body than p");
+  contact.n = ParseNormal(field["n"]);
+  contact.fixed_normal = field["normalFixed"].Boolean();
+  contact.R1 = field["R1"].Pair<Vec2>();
+  contact.R2 = field["R2"].Pair<Vec2>();
+  contact.U1 = field["U1"].Pair<Vec2>();
+  contact.U2 = field["U2"].Pair<Vec2>();
+  const auto radius = [&](const char* key) {
+    const double value = field[key].Number();
+    if (value == 0) field[key].Mismatch("a radius other than 0");
+    return value;
+  };
+  if (kind.radius1) contact.radius1 = radius("radius1");
+  if (kind.radius2) contact.radius2 = radius("radius2");
+  const bool connector = kind.kind == RecordedKind::kRod || kind.kind == RecordedKind::kRope;
+  if (connector && contact.radius2 > 0) field["radius2"].Mismatch("minus the length of the rod or rope");
+  contact.distance = field["distance"].Number();
+  contact.vn = field["vn"].Number();
+  contact.extra = field["extra"].Number();
+  if (kind.kind == RecordedKind::kPathJoint) {
+    contact.normal_dt = field["normal_dt"].Pair<Vec2>();
+    if (!bodies[static_cast<size_t>(contact.body2)].fixed) field["q"].Mismatch("a fixed body, as paths are recorded");
+  }
+  return contact;
+}
 
 // The world-frame arm `r` in the frame of `body`.
 Vec2 ToBody(const Body& body, Vec2 r) {
@@ -36,19 +129,28 @@ std::string KindText(const RecordedContact& contact) {
   const bool concave = (contact.kind == RecordedKind::kVertexCurved && contact.radius2 < 0) ||
                        (contact.kind == RecordedKind::kCurvedCurved && (contact.radius1 < 0 || contact.radius2 < 0));
   const bool world = contact.kind == RecordedKind::kJoint && contact.fixed_normal;
-  return std::string(Name(contact.kind)) + (concave ? "_concave" : "") + (world ? "_world" : "");
+  return std::string(kKinds[static_cast<size_t>(contact.kind)].name) + (concave ? "_concave" : "") +
+         (world ? "_world" : "");
 }
+
+// For readers, by Correction.
+struct CorrectionText {
+  const char* key;
+  const char* formula;
+};
+constexpr std::array<CorrectionText, kCorrectionCount> kCorrectionTexts = {
+    {{"normal-derivative", "-vn^2/rho"},
+     {"vertex-above-edge", "-d (omega1 - omega2)^2"},
+     {"vertex-above-vertex", "2 omega1 vt"},
+     {"joint-axis", "-2 omega2 vt"},
+     {"rod-length", "vt^2 (1/L - 1/l)"},
+     {"path-gap", "kappa vt^2/(1 + kappa d) - n'.dv"}}};
+
+double ScaledDeviation(double x, double reference) { return std::abs(x - reference) / (1 + std::abs(reference)); }
 
 bool Agrees(double deviation) { return deviation <= kReplayTolerance; }
 // Not a number counts as the largest of all.
 bool Exceeds(double value, double largest) { return value > largest || std::isnan(value); }
-
-// Two digits: deviations are compared by magnitude only.
-std::string Short(double value) {
-  std::ostringstream text;
-  text << std::setprecision(2) << value;
-  return text.str();
-}
 
 // Sets the path, and returns what the software leaves out of the row of its joint.
 // @param vt, dv  of the arms' ends, as in Rebuild
@@ -64,6 +166,28 @@ double RebuildPath(const RecordedContact& contact, const Body& body1, const Body
 }
 
 }  // namespace
+
+ReplayRecord ParseReplayRecord(std::string_view line, const std::string& where) {
+  const nlohmann::json json = ParseJsonObject(line, where);
+  const JsonField field(json, where);
+  ReplayRecord record;
+  record.id = field["id"].String();
+  for (const JsonField& body : field["bodies"].Items()) record.bodies.push_back(ParseReplayBody(body));
+  for (const JsonField& contact : field["contacts"].Items()) {
+    record.contacts.push_back(ParseContact(contact, record.bodies));
+  }
+  const size_t n = record.contacts.size();
+  if (field["n"].Number() != static_cast<double>(n)) {
+    field["n"].Mismatch("the number of contacts, " + std::to_string(n));
+  }
+  const std::vector<double> b = field["b"].Numbers(n);
+  const std::vector<double> A = field["A"].Numbers(n * n);
+  const auto size = static_cast<Eigen::Index>(n);
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  record.b = Eigen::Map<const Eigen::VectorXd>(b.data(), size);
+  record.A = Eigen::Map<const RowMajor>(A.data(), size, size);
+  return record;
+}
 
 RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& bodies) {
   const Body& body1 = bodies[static_cast<size_t>(contact.body1)];
@@ -187,32 +311,25 @@ ReplayResult Replay(const ReplayRecord& record) {
   return result;
 }
 
-double ScaledDeviation(double x, double reference) { return std::abs(x - reference) / (1 + std::abs(reference)); }
-
-void ReplaySummary::Largest::Take(double value, const std::string& record_id) {
-  if (!Exceeds(value, deviation)) return;
-  deviation = value;
+void ReplaySummary::Tally::Take(double value, const std::string& record_id) {
+  ++count;
+  if (Agrees(value)) ++agree;
+  if (!Exceeds(value, largest)) return;
+  largest = value;
   id = record_id;
 }
 
 void ReplaySummary::Add(const ReplayRecord& record, const ReplayResult& result, const std::string& where) {
-  ++records_;
-  for (size_t i = 0; i < result.rows.size(); ++i) {
+  for (std::size_t i = 0; i < result.rows.size(); ++i) {
     const ReplayRow& row = result.rows[i];
-    const double before = ScaledDeviation(row.ours, row.recorded);
     const double after = ScaledDeviation(row.ours, row.corrected());
-    for (Tally* tally : {&kinds_[row.kind], &total_}) {
-      ++tally->rows;
-      if (Agrees(before)) ++tally->agree_before;
-      if (Agrees(after)) ++tally->agree_after;
-      tally->before.Take(before, record.id);
+    for (KindTally* tally : {&kinds_[row.kind], &total_}) {
+      tally->before.Take(ScaledDeviation(row.ours, row.recorded), record.id);
       tally->after.Take(after, record.id);
       tally->geometry.Take(row.geometry_deviation, record.id);
     }
-    for (size_t k = 0; k < kCorrectionCount; ++k) {
-      if (row.added[k] == 0) continue;
-      ++corrections_[k].rows;
-      corrections_[k].largest.Take(std::abs(row.added[k]), record.id);
+    for (std::size_t k = 0; k < kCorrectionCount; ++k) {
+      if (row.added[k] != 0) corrections_[k].Take(std::abs(row.added[k]), record.id);
     }
     if (!Agrees(after)) {
       left_over_.push_back(
@@ -225,49 +342,42 @@ void ReplaySummary::Add(const ReplayRecord& record, const ReplayResult& result, 
   for (Index i = 0; i < result.A.rows(); ++i) {
     for (Index j = 0; j < result.A.cols(); ++j) {
       const double deviation = ScaledDeviation(result.A(i, j), record.A(i, j));
-      A_.Take(deviation, record.id);
-      if (!Exceeds(deviation, worst)) continue;
-      worst = deviation;
-      row = i;
-      column = j;
+      if (Exceeds(deviation, worst)) std::tie(worst, row, column) = std::tuple(deviation, i, j);
     }
   }
-  if (Agrees(worst)) {
-    ++records_with_equal_A_;
-    return;
-  }
-  const auto kind = [&result](Index k) { return result.rows[static_cast<size_t>(k)].kind; };
+  A_.Take(worst, record.id);
+  if (Agrees(worst)) return;
+  const auto kind = [&result](Index k) { return result.rows[static_cast<std::size_t>(k)].kind; };
   const std::string what = "A[" + std::to_string(row) + "][" + std::to_string(column) + "]";
   left_over_.push_back({where, record.id, what + " (" + kind(row) + ", " + kind(column) + ")", record.A(row, column),
                         result.A(row, column)});
 }
 
 std::string ReplaySummary::Table() const {
-  constexpr size_t kMostLeftOver = 20;
+  constexpr std::size_t kMostLeftOver = 20;
   std::ostringstream out;
-  const auto line = [&](const std::string& kind, const Tally& tally) {
-    out << std::left << std::setw(24) << kind << std::right << std::setw(7) << tally.rows << std::setw(9)
-        << tally.agree_before << std::setw(9) << Short(tally.before.deviation) << std::setw(9) << tally.agree_after
-        << std::setw(9) << Short(tally.after.deviation) << std::setw(11) << Short(tally.geometry.deviation) << "\n";
-  };
-  out << records_ << " records, " << total_.rows << " rows; numbers agree within " << kReplayTolerance
-      << " (1 + |recorded|)\n\n"
-      << "A: " << records_with_equal_A_ << " of " << records_ << " records agree, largest deviation "
-      << Short(A_.deviation) << (A_.id.empty() ? "" : " in " + A_.id) << "\n\n"
+  out << std::setprecision(2) << records() << " records, " << total_.before.count << " rows; numbers agree within "
+      << kReplayTolerance << " (1 + |recorded|)\n\n"
+      << "A: " << A_.agree << " of " << records() << " records agree, largest deviation " << A_.largest
+      << (A_.id.empty() ? "" : " in " + A_.id) << "\n\n"
       << "b without the stabilisation term\n"
       << "                                     as recorded         corrected     n, d, d'\n"
       << "kind                       rows    agree  largest    agree  largest    largest\n";
+  const auto line = [&](const std::string& kind, const KindTally& of) {
+    out << std::left << std::setw(24) << kind << std::right << std::setw(7) << of.before.count << std::setw(9)
+        << of.before.agree << std::setw(9) << of.before.largest << std::setw(9) << of.after.agree << std::setw(9)
+        << of.after.largest << std::setw(11) << of.geometry.largest << "\n";
+  };
   for (const auto& [kind, tally] : kinds_) line(kind, tally);
   line("total", total_);
   out << "\ncorrections             rows     largest  in record   added to the recorded b\n";
-  for (size_t k = 0; k < kCorrectionCount; ++k) {
-    const CorrectionText& text = kCorrectionTexts[k];
-    out << std::left << std::setw(20) << text.key << std::right << std::setw(8) << corrections_[k].rows << std::setw(12)
-        << Short(corrections_[k].largest.deviation) << "  " << std::left << std::setw(12) << corrections_[k].largest.id
-        << text.formula << "\n";
+  for (std::size_t k = 0; k < kCorrectionCount; ++k) {
+    out << std::left << std::setw(20) << kCorrectionTexts[k].key << std::right << std::setw(8) << corrections_[k].count
+        << std::setw(12) << corrections_[k].largest << "  " << std::left << std::setw(12) << corrections_[k].id
+        << kCorrectionTexts[k].formula << "\n";
   }
   if (!left_over_.empty()) out << "\nleft over: " << left_over_.size() << "\n" << std::setprecision(17);
-  for (size_t i = 0; i < left_over_.size() && i < kMostLeftOver; ++i) {
+  for (std::size_t i = 0; i < left_over_.size() && i < kMostLeftOver; ++i) {
     const LeftOver& left = left_over_[i];
     out << left.where << ": " << left.id << ": " << left.what << ": corrected " << left.recorded << ", ours "
         << left.ours << "\n";
@@ -279,22 +389,21 @@ std::string ReplaySummary::Table() const {
 std::string ReplaySummary::Json() const {
   using Json = nlohmann::ordered_json;
   Json kinds = Json::array();
-  for (const auto& [kind, tally] : kinds_) {
+  for (const auto& [kind, of] : kinds_) {
     kinds.push_back({{"kind", kind},
-                     {"rows", tally.rows},
-                     {"agree_before", tally.agree_before},
-                     {"largest_before", tally.before.deviation},
-                     {"agree_after", tally.agree_after},
-                     {"largest_after", tally.after.deviation},
-                     {"largest_geometry", tally.geometry.deviation}});
+                     {"rows", of.before.count},
+                     {"agree_before", of.before.agree},
+                     {"largest_before", of.before.largest},
+                     {"agree_after", of.after.agree},
+                     {"largest_after", of.after.largest},
+                     {"largest_geometry", of.geometry.largest}});
   }
   Json corrections = Json::array();
-  for (size_t k = 0; k < kCorrectionCount; ++k) {
-    const CorrectionText& text = kCorrectionTexts[k];
-    corrections.push_back({{"key", text.key},
-                           {"formula", text.formula},
-                           {"rows", corrections_[k].rows},
-                           {"largest", corrections_[k].largest.deviation}});
+  for (std::size_t k = 0; k < kCorrectionCount; ++k) {
+    corrections.push_back({{"key", kCorrectionTexts[k].key},
+                           {"formula", kCorrectionTexts[k].formula},
+                           {"rows", corrections_[k].count},
+                           {"largest", corrections_[k].largest}});
   }
   Json left_over = Json::array();
   for (const LeftOver& left : left_over_) {
@@ -305,15 +414,14 @@ std::string ReplaySummary::Json() const {
                          {"ours", left.ours},
                          {"deviation", ScaledDeviation(left.ours, left.recorded)}});
   }
-  const Json out = {
-      {"records", records_},
-      {"rows", total_.rows},
-      {"tolerance", kReplayTolerance},
-      {"agrees", AllAgree()},
-      {"A", {{"records", records_}, {"agree", records_with_equal_A_}, {"largest", A_.deviation}, {"id", A_.id}}},
-      {"kinds", std::move(kinds)},
-      {"corrections", std::move(corrections)},
-      {"left_over", std::move(left_over)}};
+  const Json out = {{"records", records()},
+                    {"rows", total_.before.count},
+                    {"tolerance", kReplayTolerance},
+                    {"agrees", AllAgree()},
+                    {"A", {{"records", records()}, {"agree", A_.agree}, {"largest", A_.largest}, {"id", A_.id}}},
+                    {"kinds", std::move(kinds)},
+                    {"corrections", std::move(corrections)},
+                    {"left_over", std::move(left_over)}};
   // A name may hold any bytes.
   return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

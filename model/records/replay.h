@@ -5,12 +5,63 @@
 #include <cstddef>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "model/contact/system.h"
-#include "model/records/replay_record.h"
 
 namespace lcpbench {
+
+/// Contact problems recorded from the paper's own software (myPhysicsLab, engine2D): states, contacts, and the A and b
+/// that it computed from them.
+
+enum class RecordedKind {
+  kVertexStraight,
+  kVertexCurved,
+  kStraightCurved,
+  kCurvedCurved,
+  kVertexVertex,
+  kJoint,      ///< one axis of a pin: bilateral along n, which turns with body 2 or is fixed in the world
+  kPathJoint,  ///< a point of body 1 kept on a curve of body 2
+  kRod,
+  kRope,
+};
+
+/// One row as recorded, world frame, SI units. Body 1 gets +f n; n points from body 2 to body 1, but for rods and ropes
+/// from attachment 1 to attachment 2, which is the direction of their pull.
+struct RecordedContact {
+  RecordedKind kind = RecordedKind::kVertexStraight;
+  int body1 = 0;
+  int body2 = 1;
+  Vec2 n;
+  bool fixed_normal = false;  ///< n is constant in the world (joints)
+  Vec2 R1, R2;                ///< centres of mass to the impact point (joints, rods, ropes: to the attachments)
+  Vec2 U1, U2;                ///< centres of mass to the centres of curvature; R where there is none
+  /// Signed radii (concave < 0) with the gap already added: half of it to each of two curved edges, else all of it.
+  /// 0 where the kind has none. A rod's or rope's radius2 is minus the length that the software divides by.
+  double radius1 = 0;
+  double radius2 = 0;
+  double distance = 0;  ///< gap [m]
+  double vn = 0;        ///< n.(v1 - v2) [m/s]
+  double extra = 0;     ///< stabilisation term contained in b [m/s^2]
+  Vec2 normal_dt;       ///< n' of a path joint
+};
+
+/// A contact problem as the paper's software recorded it.
+struct ReplayRecord {
+  std::string id;
+  std::vector<Body> bodies;  ///< forces and torques are mass times the recorded accelerations
+  std::vector<RecordedContact> contacts;
+  Eigen::MatrixXd A;  ///< n x n as the software computed it
+  Eigen::VectorXd b;  ///< n, with the stabilisation terms
+};
+
+/// Reads one JSON line: id, n, bodies[] {name, fixed, m, I, x, y, angle, vx, vy, omega, ax, ay, alpha}, contacts[]
+/// {kind, p, q, n, normalFixed, R1, R2, U1, U2, radius1, radius2, distance, vn, extra, normal_dt}, A (flat, row-major)
+/// and b; everything else is ignored. A fixed body's velocity and acceleration are 0, whatever is recorded.
+/// @param where  "file:line", the start of every error text
+/// @throws InputError naming where, the field, what was expected and what was found
+ReplayRecord ParseReplayRecord(std::string_view line, const std::string& where);
 
 /// Agreement with the paper's own software: its recorded contact problems, assembled again by this model.
 ///
@@ -31,20 +82,7 @@ enum class Correction {
   kPathGap,            ///< n' of a path at distance d turns slower by 1 + kappa d:  kappa vt^2/(1 + kappa d) - n'.dv
 };
 
-inline constexpr size_t kCorrectionCount = 6;
-
-/// The corrections for readers, by Correction.
-struct CorrectionText {
-  const char* key;
-  const char* formula;
-};
-inline constexpr std::array<CorrectionText, kCorrectionCount> kCorrectionTexts = {
-    {{"normal-derivative", "-vn^2/rho"},
-     {"vertex-above-edge", "-d (omega1 - omega2)^2"},
-     {"vertex-above-vertex", "2 omega1 vt"},
-     {"joint-axis", "-2 omega2 vt"},
-     {"rod-length", "vt^2 (1/L - 1/l)"},
-     {"path-gap", "kappa vt^2/(1 + kappa d) - n'.dv"}}};
+inline constexpr std::size_t kCorrectionCount = 6;
 
 /// One recorded row against this model's.
 struct ReplayRow {
@@ -86,10 +124,7 @@ RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& 
 /// @throws InputError if the recorded geometry is not a contact system (AssembleContactLcp), naming body and feature
 ReplayResult Replay(const ReplayRecord& record);
 
-/// |x - reference| / (1 + |reference|): how deviations are measured here.
-double ScaledDeviation(double x, double reference);
-
-/// Two numbers agree when their ScaledDeviation is at most this.
+/// Two numbers agree when |x - reference| / (1 + |reference|) is at most this.
 inline constexpr double kReplayTolerance = 1e-9;
 
 /// What many replayed records amount to: agreement per contact kind and of A, the sizes of the corrections, and every
@@ -99,7 +134,7 @@ class ReplaySummary {
   /// @param where  "file:line", for the list of what is left over
   void Add(const ReplayRecord& record, const ReplayResult& result, const std::string& where);
 
-  size_t records() const { return records_; }
+  std::size_t records() const { return A_.count; }
   /// A agrees on every record, and b, corrected, on every row.
   bool AllAgree() const { return left_over_.empty(); }
 
@@ -111,22 +146,16 @@ class ReplaySummary {
   std::string Json() const;
 
  private:
-  struct Largest {
-    double deviation = 0;
-    std::string id;
+  /// Numbers that were compared, or corrections of one kind.
+  struct Tally {
+    std::size_t count = 0;
+    std::size_t agree = 0;
+    double largest = 0;
+    std::string id;  ///< of the record with the largest
     void Take(double value, const std::string& record_id);
   };
-  struct Tally {
-    size_t rows = 0;
-    size_t agree_before = 0;
-    size_t agree_after = 0;
-    Largest before;
-    Largest after;
-    Largest geometry;
-  };
-  struct Size {
-    size_t rows = 0;
-    Largest largest;  ///< [m/s^2], not scaled
+  struct KindTally {
+    Tally before, after, geometry;
   };
   struct LeftOver {
     std::string where;
@@ -136,12 +165,10 @@ class ReplaySummary {
     double ours = 0;
   };
 
-  size_t records_ = 0;
-  size_t records_with_equal_A_ = 0;
-  Largest A_;
-  std::map<std::string, Tally> kinds_;
-  Tally total_;
-  std::array<Size, kCorrectionCount> corrections_;
+  Tally A_;  ///< by record
+  std::map<std::string, KindTally> kinds_;
+  KindTally total_;
+  std::array<Tally, kCorrectionCount> corrections_;  ///< [m/s^2], not scaled
   std::vector<LeftOver> left_over_;
 };
 

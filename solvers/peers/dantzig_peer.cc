@@ -17,7 +17,7 @@ const unsigned char* DataOf(const std::vector<unsigned char>& bilateral) {
 
 }  // namespace
 
-// @param given  a problem, its arrays, or a step's rows
+// @param given  a problem, or its arrays
 template <typename Given>
 void DantzigPeer::Assemble(const Given& given, Index rows) {
   RequireDenseMatrices(rows, 2);  // and the code's own factor
@@ -71,11 +71,6 @@ bool DantzigPeer::DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& o
   Assemble(arrays, arrays.rows);
   Run(arrays.rows, arrays.b.data(), DataOf(arrays.bilateral), options, result);
   return true;
-}
-
-void DantzigPeer::SolveRows(const StepRows& rows, const LcpOptions& options, LcpResult* result) {
-  Assemble(rows, rows.rows);
-  Run(rows.rows, rows.b, rows.bilateral, options, result);
 }
 
 }  // namespace lcpbench

@@ -6,8 +6,6 @@
 
 #include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
-#include "solvers/lcp/step_rows.h"
-#include "solvers/peers/linked_peers.h"
 
 namespace lcpbench {
 
@@ -28,7 +26,7 @@ struct DantzigProblem {
 /// Adapter of such a code. Bilateral rows are boxes (-inf, inf). The codes have no tolerance, no limits and no way to
 /// stop: the host's time limit ends them. A is assembled into the memory that the code works on and destroys, as an
 /// engine does each step, and once more for every further solve of the same matrix. Dense: O(n^2) memory.
-class DantzigPeer : public LcpSolver, public SolverOfRows {
+class DantzigPeer : public LcpSolver {
  public:
   /// What the engines' users take, and enough to get through redundant rows.
   static constexpr double kEngineCfm = 1e-9;
@@ -48,8 +46,6 @@ class DantzigPeer : public LcpSolver, public SolverOfRows {
   /// makes redundant contacts nonsingular and forces slightly soft.
   DantzigPeer(std::string_view key, SettingsReader* reader, Code code)
       : cfm_(reader->Number("cfm", key.ends_with("-cfm") ? kEngineCfm : 0, 0, 1)), code_(code) {}
-
-  void SolveRows(const StepRows& rows, const LcpOptions& options, LcpResult* result) override;
 
  protected:
   void DoPrepare(const LcpProblem& problem) override;

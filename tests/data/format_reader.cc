@@ -18,7 +18,7 @@
 #include "benchmarks/collection/recording.h"
 #include "benchmarks/collection/references.h"
 #include "model/records/records.h"
-#include "model/records/replay_record.h"
+#include "model/records/replay.h"
 #include "model/scene_file/scene_file.h"
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "model/records/replay.h"
-#include "model/records/replay_record.h"
 #include "solvers/io/gzip_file.h"
 #include "support/input_error.h"
 #include "tests/benchmarks/command/command_fixture.h"

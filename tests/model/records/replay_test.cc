@@ -7,7 +7,6 @@
 #include <variant>
 #include <vector>
 
-#include "model/records/replay_record.h"
 #include "support/input_error.h"
 #include "tests/support/refusal.h"
 
