@@ -56,6 +56,25 @@ class SolverOfSteps final : public LcpSolver {
   std::vector<StepRows> rows_;  // views of steps_
 };
 
+// `auto` on an LcpProblem that is made of the arrays, on the clock.
+class SolverOfProblems final : public LcpSolver {
+ public:
+  bool TakesFriction() const override { return true; }
+
+ protected:
+  void DoPrepare(const LcpProblem& /*problem*/) override {}
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
+    solver_->Solve(problem, options, result);
+  }
+  bool DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) override {
+    DoSolve(LcpProblem::FromArrays(arrays), options, result);
+    return true;
+  }
+
+ private:
+  std::unique_ptr<LcpSolver> solver_ = MakeSolver("auto");
+};
+
 // A solver on a stream.
 class FreshBenchmark {
  public:
@@ -63,8 +82,8 @@ class FreshBenchmark {
       : plan_(plan),
         problems_(problems),
         stream_(stream),
-        is_of_steps_(solver == kStepSolver),
-        entry_(FindSolver(is_of_steps_ ? "auto" : solver)) {
+        solver_(solver),
+        entry_(FindSolver(solver == kStepSolver || solver == kFromProblem ? "auto" : solver)) {
     if (!entry_.available) throw InputError("solver '" + solver + "' is not in this build");
   }
 
@@ -129,7 +148,8 @@ class FreshBenchmark {
   // Own solvers in this process, peers in a worker that is started for it.
   PassReply Time(const PassRequest& request) const {
     const auto make = [&]() -> std::unique_ptr<LcpSolver> {
-      if (is_of_steps_) return std::make_unique<SolverOfSteps>(*stream_, request);
+      if (solver_ == kStepSolver) return std::make_unique<SolverOfSteps>(*stream_, request);
+      if (solver_ == kFromProblem) return std::make_unique<SolverOfProblems>();
       return entry_.make({});
     };
     if (entry_.origin == SolverOrigin::kOwn) return RunPass(make, stream_->arrays, request);
@@ -172,7 +192,7 @@ class FreshBenchmark {
   const CampaignPlan& plan_;
   FreshProblems* problems_;
   FreshStream* stream_;
-  bool is_of_steps_;
+  std::string solver_;
   SolverEntry entry_;
   std::vector<bool> right_;  // problems that it solves; empty before the first pass
   int passes_ = 0;

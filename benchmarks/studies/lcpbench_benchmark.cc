@@ -52,8 +52,9 @@ void Declare(CLI::App* app, Options* options) {
       ->capture_default_str();
   app->add_option("--problems", from.most_problems, "Of a size class and origin at most [default: all]")
       ->check(AtLeast(1));
-  app->add_option("--solvers", options->plan.solvers,
-                  "Of fresh: keys of lcpbench list solvers, and step-solver [default: those of ours, ODE and Bullet]")
+  app->add_option(
+         "--solvers", options->plan.solvers,
+         "Of fresh: keys of lcpbench list solvers, step-solver, auto-from-problem [default: ours, ODE, Bullet]")
       ->delimiter(',');
   app->add_option("--tier", options->tier, "Of fresh: the tolerance, asked for and judged at")
       ->check(Tolerance())

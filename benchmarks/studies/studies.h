@@ -13,9 +13,11 @@ namespace lcpbench {
 /// What a user pays from arrays to f for problems that the solver object has not seen: fresh/CLASS/ORIGIN/SOLVER for
 /// plan.solvers, at plan.tiers.front(). A repetition is one pass, as a campaign's launches run it (PassKind::kFresh),
 /// by a new solver object, of peers in their workers; its time is the weighted median over the problems, failures
-/// infinite. Counted is the share that is solved (`right`). The solver kStepSolver is StepSolver on an engine's arrays.
+/// infinite. Counted is the share that is solved (`right`). The solver kStepSolver is StepSolver on an engine's arrays,
+/// kFromProblem `auto` on an LcpProblem, which is made on the clock.
 void RegisterFresh(const CampaignPlan& plan, FreshProblems* problems);
 inline constexpr const char* kStepSolver = "step-solver";
+inline constexpr const char* kFromProblem = "auto-from-problem";
 
 /// StepSolver::SolveBatch on islands that are drawn from the plain problems of up to 64 rows, together larger than the
 /// caches: batch/CLASS/ORIGIN/SPACE/PRECISION/METHOD/threads:N, METHOD an instruction set or `floor`, which reads the
