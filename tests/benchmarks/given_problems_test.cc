@@ -1,16 +1,6 @@
 // Our direct solvers on problems as they are met: recorded from the paper's own software, the exact systems of the
 // oracle data at all three levels, and scenes whose bodies' masses differ by 10^8.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <fstream>
-#include <nlohmann/json.hpp>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "model/contact/assembly.h"
 #include "model/scenes/random.h"
 #include "model/scenes/scene.h"
@@ -18,6 +8,7 @@
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
+#include "tests/support/test.h"
 
 namespace lcpbench {
 namespace {

@@ -1,13 +1,10 @@
 // What lcpbench.h promises of lcpbench_step_solve: no allocation after lcpbench_step_reserve.
 
-#include <gtest/gtest.h>
 #include <lcpbench.h>
-
-#include <cstdint>
-#include <vector>
 
 #include "benchmarks/measure/allocation_count.h"
 #include "tests/solvers/test_problems.h"
+#include "tests/support/test.h"
 
 namespace lcpbench {
 namespace {

@@ -1,14 +1,6 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <random>
-#include <sstream>
-#include <string>
-#include <vector>
+#include "tests/support/refusal.h"
 
 namespace lcpbench {
 
@@ -22,11 +14,7 @@ inline std::vector<std::filesystem::path> CorpusFiles(const std::string& folder)
 
 inline std::vector<std::string> Corpus(const std::string& folder) {
   std::vector<std::string> contents;
-  for (const auto& path : CorpusFiles(folder)) {
-    std::stringstream bytes;
-    bytes << std::ifstream(path, std::ios::binary).rdbuf();
-    contents.push_back(bytes.str());
-  }
+  for (const auto& path : CorpusFiles(folder)) contents.push_back(ReadFile(path));
   return contents;
 }
 

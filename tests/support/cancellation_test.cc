@@ -1,10 +1,9 @@
 #include "support/cancellation.h"
 
-#include <gtest/gtest.h>
-
 #include <thread>
 
 #include "support/clock.h"
+#include "tests/support/test.h"
 
 namespace lcpbench {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cstdlib>
+#include "tests/support/test.h"
 
 namespace lcpbench {
 

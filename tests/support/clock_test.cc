@@ -1,9 +1,9 @@
 #include "support/clock.h"
 
-#include <gtest/gtest.h>
-
 #include <chrono>
 #include <thread>
+
+#include "tests/support/test.h"
 
 namespace lcpbench {
 namespace {

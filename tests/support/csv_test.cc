@@ -1,14 +1,6 @@
 #include "support/csv.h"
 
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <limits>
-#include <sstream>
-#include <stdexcept>
-
-#include "support/input_error.h"
+#include "tests/support/refusal.h"
 
 namespace lcpbench {
 namespace {
@@ -18,10 +10,8 @@ TEST(CsvWriter, QuotesWhatNeedsQuotesAndFlushesEveryRow) {
   CsvWriter writer(path, {"a", "b"});
   writer.Row({"x,y", "say \"no\""});
   writer.Row({"", CsvWriter::Cell(0.1)});
-  std::ifstream file(path);  // while the writer is still open
-  std::stringstream text;
-  text << file.rdbuf();
-  EXPECT_EQ(text.str(), "a,b\n\"x,y\",\"say \"\"no\"\"\"\n,0.1\n");
+  // While the writer is still open.
+  EXPECT_EQ(ReadFile(path), "a,b\n\"x,y\",\"say \"\"no\"\"\"\n,0.1\n");
   EXPECT_THROW(writer.Row({"one cell"}), std::logic_error);
   std::filesystem::remove(path);
 }

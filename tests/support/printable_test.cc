@@ -1,8 +1,6 @@
 #include "support/printable.h"
 
-#include <gtest/gtest.h>
-
-#include <string>
+#include "tests/support/test.h"
 
 namespace lcpbench {
 namespace {

@@ -1,16 +1,13 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <string>
-#include <vector>
-
 #include "support/input_error.h"
+#include "tests/support/test.h"
 
 namespace lcpbench {
+
+inline std::string ReadFile(const std::filesystem::path& path) {
+  return (std::stringstream() << std::ifstream(path, std::ios::binary).rdbuf()).str();
+}
 
 /// The text of the InputError that `act` throws; "" where it throws none.
 template <typename Act>
@@ -67,11 +64,7 @@ class FolderTest : public ::testing::Test {
   void Write(const std::string& name, const std::string& bytes) const {
     std::ofstream(Path(name), std::ios::binary) << bytes;
   }
-  std::string Bytes(const std::string& name) const {
-    std::stringstream text;
-    text << std::ifstream(Path(name), std::ios::binary).rdbuf();
-    return text.str();
-  }
+  std::string Bytes(const std::string& name) const { return ReadFile(folder_ / name); }
 
   const ::testing::TestInfo& test_ = *::testing::UnitTest::GetInstance()->current_test_info();
   std::filesystem::path folder_ =

@@ -1,16 +1,12 @@
 #include "support/subprocess.h"
 
-#include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
 #include <csignal>
-#include <limits>
-#include <stdexcept>
-#include <string>
 
 #include "support/clock.h"
+#include "tests/support/test.h"
 
 namespace lcpbench {
 namespace {

@@ -1,11 +1,5 @@
 #include "support/text_file.h"
 
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <iterator>
-#include <string>
-
 #include "support/output_error.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/refusal.h"

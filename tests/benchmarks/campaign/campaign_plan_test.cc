@@ -2,17 +2,9 @@
 
 #include "benchmarks/campaign/campaign_plan.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <map>
-#include <random>
-#include <set>
-#include <string>
-#include <vector>
-
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/plan.h"
+#include "tests/support/test.h"
 
 namespace lcpbench {
 namespace {

@@ -1,14 +1,5 @@
 // A campaign goes on whatever a solver's process does, and says what that was.
 
-#include <gtest/gtest.h>
-
-#include <cstdlib>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <set>
-#include <string>
-#include <vector>
-
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/collection/manifest.h"
 #include "solvers/lcp/verify.h"
@@ -18,8 +9,6 @@
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::json;
 
 class Campaign : public CommandTest {
  protected:

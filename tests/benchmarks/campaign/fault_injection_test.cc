@@ -1,18 +1,7 @@
 // What a campaign survives: one of its system calls, or of its allocations, fails, or it is killed there. Each of them
 // in turn; afterwards --resume gives what an undisturbed campaign gives.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <cerrno>
-#include <filesystem>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <random>
-#include <set>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "benchmarks/collection/build.h"
 #include "benchmarks/collection/manifest.h"
@@ -26,9 +15,6 @@
 
 namespace lcpbench {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 constexpr int kKilled = 0;  // instead of errno
 constexpr int kSigkill = 128 + 9;

@@ -1,27 +1,14 @@
 // What a campaign's folder survives: a full disk, files that were cut or changed, a second writer, workers that were
 // killed.
 
-#include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include <algorithm>
 #include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <functional>
-#include <nlohmann/json.hpp>
-#include <random>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "tests/benchmarks/command/command_fixture.h"
 
 namespace lcpbench {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 class KeptCampaign : public CommandTest {
  protected:

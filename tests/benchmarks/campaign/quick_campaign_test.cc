@@ -1,15 +1,6 @@
 // What `lcpbench run` does when it is asked for nothing else: a campaign of several manifests, with sequences.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <regex>
-#include <set>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "benchmarks/campaign/named_campaigns.h"
 #include "benchmarks/collection/manifest.h"
@@ -18,8 +9,6 @@
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::json;
 
 // By id.
 std::map<std::string, ManifestEntry> Problems(const std::string& set) {
@@ -154,7 +143,7 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
     EXPECT_NE(page.find("<section id=\"" + std::string(section) + "\">"), std::string::npos) << section;
   }
   for (const char* file : {"summary.md", "tables/coverage.tex", "tables/deadline.csv", "figures/time-by-size.svg"}) {
-    EXPECT_TRUE(std::filesystem::exists(folder_ / "report" / file)) << file;
+    EXPECT_TRUE(fs::exists(folder_ / "report" / file)) << file;
   }
 
   // It goes on where it is asked to.

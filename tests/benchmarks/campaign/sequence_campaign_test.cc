@@ -1,16 +1,5 @@
 // Campaigns on sequences: what a warm start is given, what a pass records, and what a campaign refuses.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <set>
-#include <string>
-#include <tuple>
-#include <vector>
-
 #include "benchmarks/campaign/campaign_plan.h"
 #include "benchmarks/campaign/sequence_file.h"
 #include "benchmarks/campaign/sequence_runner.h"
@@ -28,8 +17,6 @@
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::json;
 
 // Rows enter and leave in the first steps.
 const SequenceEntry& GearTrain() {
@@ -98,10 +85,10 @@ TEST_F(SequenceFile, AnotherHashOrDamageIsRefused) {
   SequenceEntry other = DiscsInV();
   other.sha256 = GearTrain().sha256;
   EXPECT_THROW(WriteSequenceFile(other, ".", path), InputError);
-  EXPECT_FALSE(std::filesystem::exists(path));
+  EXPECT_FALSE(fs::exists(path));
   WriteSequenceFile(DiscsInV(), ".", path);
   EXPECT_THROW(ReadSequenceFile(path, other.sha256), InputError);
-  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  fs::resize_file(path, fs::file_size(path) / 2);
   EXPECT_THROW(ReadSequenceFile(path, DiscsInV().sha256), InputError);
 }
 
@@ -333,8 +320,8 @@ TEST_F(SequenceCampaign, EveryPassHasALineInEveryRound) {
   // Two solvers; one size and all together; tiers: two cold, two warm, and of three deadlines the strictest alone; and
   // the header.
   EXPECT_EQ(Lines(ReadFile(folder_ / "c" / "analysis" / "latency_by_solver.csv")).size(), 2 * 2 * (2 + 2 + 3) + 1U);
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "c" / "analysis" / "deadline.csv"));
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "c" / "analysis" / "cells.csv"));
+  EXPECT_TRUE(fs::exists(folder_ / "c" / "analysis" / "deadline.csv"));
+  EXPECT_FALSE(fs::exists(folder_ / "c" / "analysis" / "cells.csv"));
 }
 
 // Short ones of several families, the least work first.
@@ -355,7 +342,7 @@ const std::vector<SequenceEntry>& ShortMotions() {
 TEST_F(SequenceCampaign, OnlyWhatIsSolvedIsMadeAndEachBeforeItsFirstSolve) {
   const auto made = [&](const std::string& folder) {
     std::set<std::string> names;
-    for (const auto& file : std::filesystem::directory_iterator(folder_ / folder / "sequences")) {
+    for (const auto& file : fs::directory_iterator(folder_ / folder / "sequences")) {
       names.insert(file.path().filename().string());
     }
     return names;
@@ -428,9 +415,9 @@ TEST_F(SequenceCampaign, KeptSequencesAreUsedAgainAndDamagedOnesMadeAnew) {
   EXPECT_EQ(Passes("c").size(), ShortMotions().size() * 2);  // of two rounds
 
   // What is done needs no sequence.
-  std::filesystem::remove_all(folder_ / "c/sequences");
+  fs::remove_all(folder_ / "c/sequences");
   Succeed(campaign + " --resume");
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "c/sequences"));
+  EXPECT_FALSE(fs::exists(folder_ / "c/sequences"));
 }
 
 // As the lines of streams.jsonl (kept_campaign_test.cc).
@@ -447,7 +434,7 @@ TEST_F(SequenceCampaign, ATornTailOfStepsIsMadeAgainAndWhatIsNotOfThePlanIsRefus
   const auto whole = plan();
   const std::string before = ReadFile(folder_ / "c/steps.jsonl");
   for (const std::size_t bytes : {before.size() - 1, before.size() / 2, std::size_t{7}}) {
-    std::filesystem::resize_file(folder_ / "c/steps.jsonl", bytes);
+    fs::resize_file(folder_ / "c/steps.jsonl", bytes);
     Succeed(Campaign("c", filter + " --resume"));
     EXPECT_EQ(plan(), whole);
   }

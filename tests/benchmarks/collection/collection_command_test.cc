@@ -1,12 +1,5 @@
 // The commands `collection` and `import`, as a user calls them.
 
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <string>
-
 #include "tests/benchmarks/command/command_fixture.h"
 
 namespace lcpbench {
@@ -34,7 +27,7 @@ TEST_F(CollectionCommand, BuildsATierAsItIsCommitted) {
 
 TEST_F(CollectionCommand, WritesProblemsThatAreImportedWithTheSameHashes) {
   const std::string manifest = LCPBENCH_SOURCE_DIR "/data/smoke.json";
-  std::filesystem::create_directories(folder_ / "set" / "deeper");
+  fs::create_directories(folder_ / "set" / "deeper");
   Succeed("collection write " + manifest + " rockers-n8-s11 rockers-n40-s11 -o " + Path("set/two.jsonl"));
   Succeed("collection write " + manifest + " gear-train-n8-s11 -o " + Path("gears.jsonl"));
   for (const char* file : {"gears.mtx", "fclib.hdf5"}) {
@@ -44,11 +37,11 @@ TEST_F(CollectionCommand, WritesProblemsThatAreImportedWithTheSameHashes) {
   const CommandOutcome check = Succeed("collection check " + Path("set/manifest.json"));
   EXPECT_NE(check.out.find("4 of 4"), std::string::npos) << check.out;
 
-  std::map<std::string, nlohmann::json> ours;
-  const auto committed = nlohmann::json::parse(ReadFile(manifest));
+  std::map<std::string, Json> ours;
+  const auto committed = Json::parse(ReadFile(manifest));
   for (const auto& problem : committed["problems"]) ours[problem["id"]] = problem;
   ours["gears"] = ours["gear-train-n8-s11"];  // of a Matrix Market file the id is its name; FCLib's files keep it
-  const auto imported = nlohmann::json::parse(ReadFile(folder_ / "set" / "manifest.json"));
+  const auto imported = Json::parse(ReadFile(folder_ / "set" / "manifest.json"));
   EXPECT_EQ(imported["name"], "set");
   EXPECT_EQ(imported["problems"].size(), 4U);
   for (const auto& theirs : imported["problems"]) {
@@ -62,7 +55,7 @@ TEST_F(CollectionCommand, WritesProblemsThatAreImportedWithTheSameHashes) {
 }
 
 TEST_F(CollectionCommand, ImportLeavesOutWhatCannotBeReadAndSaysSo) {
-  std::filesystem::create_directories(folder_ / "set");
+  fs::create_directories(folder_ / "set");
   Write("set/a.jsonl",
         "{\"id\":\"good\",\"A\":[[2,1],[1,2]],\"b\":[-1,1]}\n{\"id\":\"bad\",\"A\":[[1]],\"b\":[1,2]}\n");
   Write("set/b.mtx", "%%MatrixMarket matrix coordinate real general\n1 1 1\n1 1 nan\n");
@@ -70,14 +63,14 @@ TEST_F(CollectionCommand, ImportLeavesOutWhatCannotBeReadAndSaysSo) {
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.error.find("a.jsonl:2"), std::string::npos) << outcome.error;
   EXPECT_NE(outcome.error.find("b_b.mtx"), std::string::npos) << outcome.error;
-  const auto imported = nlohmann::json::parse(ReadFile(folder_ / "set" / "manifest.json"));
+  const auto imported = Json::parse(ReadFile(folder_ / "set" / "manifest.json"));
   ASSERT_EQ(imported["problems"].size(), 1U);
   EXPECT_EQ(imported["problems"][0]["id"], "good");
   EXPECT_EQ(imported["problems"][0]["file"]["line"], 1);
 }
 
 TEST_F(CollectionCommand, ProblemsWithoutRowsGoThroughEveryCommand) {
-  std::filesystem::create_directories(folder_ / "set");
+  fs::create_directories(folder_ / "set");
   const std::string reported = LCPBENCH_SOURCE_DIR "/tests/data/reports/no-rows.jsonl";
   std::string lines = ReadFile(reported) + "\n";
   for (const char* form :
@@ -90,15 +83,15 @@ TEST_F(CollectionCommand, ProblemsWithoutRowsGoThroughEveryCommand) {
   for (const char* format : {"mtx", "hdf5", "dat", "qps", "npz"}) {
     Succeed("convert " + reported + " -o " + Path(std::string("set/") + format + "." + format));
   }
-  std::filesystem::remove(folder_ / "set/hdf5.hdf5");  // which keeps the id, of the first line
+  fs::remove(folder_ / "set/hdf5.hdf5");  // which keeps the id, of the first line
   for (const char* file : {"set/lines.jsonl", "set/mtx.mtx", "set/dat.dat"}) {
     for (const char* arguments : {"solve --solver auto", "solve --solver pgs --floor", "certify"}) {
       const bool is_certify = arguments == std::string("certify");
       if (is_certify && file != std::string("set/lines.jsonl")) continue;
-      for (const nlohmann::json& answer : Records(Succeed(arguments + (" " + Path(file))).out)) {
+      for (const Json& answer : Answers(arguments + (" " + Path(file)))) {
         EXPECT_EQ(answer["status"], "solved") << answer;
         const bool has_rows = answer["id"] == "no-bodies";
-        EXPECT_EQ(answer["f"], has_rows ? nlohmann::json({0.0, 0.0}) : nlohmann::json::array()) << answer;
+        EXPECT_EQ(answer["f"], has_rows ? Json({0.0, 0.0}) : Json::array()) << answer;
         EXPECT_EQ(is_certify ? answer["certified"] : answer["verdict"]["passes"], true) << answer;
       }
     }
@@ -109,7 +102,7 @@ TEST_F(CollectionCommand, ProblemsWithoutRowsGoThroughEveryCommand) {
   EXPECT_NE(check.out.find("9 of 9"), std::string::npos) << check.out;
   EXPECT_EQ(Lines(Succeed("collection write " + manifest).out).size(), 9U);
   Succeed("run --suite " + manifest + " --solvers auto,dantzig --launches 1 -o " + Path("campaign"));
-  for (const nlohmann::json& cell : CellsOf(folder_ / "campaign")) EXPECT_EQ(cell["passes"], true) << cell;
+  for (const Json& cell : CellsOf(folder_ / "campaign")) EXPECT_EQ(cell["passes"], true) << cell;
   Succeed("analyse " + Path("campaign"));
 }
 
@@ -133,12 +126,6 @@ TEST_F(CollectionCommand, ARecorderOfAUsersOwnEngineGivesProblemsThatAreSolved) 
   const std::string dimension = "\"dimension\": 2";
   Write("wrong.jsonl", text.replace(text.find(dimension), dimension.size(), "\"dimension\": 4"));
   ExpectMistake("recording " + Path("wrong.jsonl"), "wrong.jsonl:1: /dimension: expected 2 or 3, found 4");
-  ExpectMistake("recording --level x " + Path("discs.jsonl"),
-                "--level: expected one of velocity,acceleration, found 'x'");
-}
-
-TEST_F(CollectionCommand, AProblemThatIsNotThereIsNamed) {
-  ExpectMistake("collection write " LCPBENCH_SOURCE_DIR "/data/smoke.json no-such-problem", "no-such-problem");
 }
 
 }  // namespace

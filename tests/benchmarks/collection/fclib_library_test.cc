@@ -3,13 +3,6 @@
 extern "C" {
 #include <fclib.h>
 }
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstdlib>
-#include <random>
-#include <string>
-#include <vector>
 
 #include "benchmarks/collection/problem_formats.h"
 #include "tests/solvers/lcp/same_problem.h"

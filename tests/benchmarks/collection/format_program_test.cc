@@ -3,13 +3,6 @@
 
 #include "benchmarks/collection/format_program.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "tests/solvers/lcp/same_problem.h"
 #include "tests/solvers/test_problems.h"
 #include "tests/support/refusal.h"

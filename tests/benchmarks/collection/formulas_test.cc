@@ -1,11 +1,6 @@
 #include "benchmarks/collection/recipes/formulas.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Eigenvalues>
-#include <cmath>
-#include <string>
-#include <vector>
 
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/collection/plan.h"
@@ -14,6 +9,7 @@
 #include "solvers/exact/sparse_rank.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
+#include "tests/support/test.h"
 
 namespace lcpbench {
 namespace {

@@ -1,18 +1,5 @@
 #include "benchmarks/collection/manifest.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <limits>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <set>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "benchmarks/collection/build.h"
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/collection/plan.h"

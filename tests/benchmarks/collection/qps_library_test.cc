@@ -1,10 +1,6 @@
 // Our QPS files and the reader of CoinUtils, which Clp has. Built where the library is.
 
-#include <gtest/gtest.h>
-
 #include <CoinMpsIO.hpp>
-#include <memory>
-#include <string>
 
 #include "benchmarks/collection/problem_formats.h"
 #include "tests/solvers/test_problems.h"

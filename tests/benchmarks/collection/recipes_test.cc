@@ -1,16 +1,6 @@
 // How problems are made: what changes leave as it was and what they change, on all families; what is said of hard
 // cases, exactly; steps of motions.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <string>
-#include <tuple>
-#include <utility>
-#include <vector>
-
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/collection/properties.h"
 #include "benchmarks/collection/recipes/hard_cases.h"

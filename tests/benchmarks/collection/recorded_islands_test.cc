@@ -2,17 +2,6 @@
 
 #include "benchmarks/collection/recorded_islands.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <numeric>
-#include <set>
-#include <string>
-#include <vector>
-
 #include "benchmarks/collection/content_hash.h"
 #include "support/text_file.h"
 #include "tests/model/shape/random_outlines.h"

@@ -1,11 +1,6 @@
 #include "benchmarks/collection/recording.h"
 
-#include <gtest/gtest.h>
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-#include <string>
-#include <vector>
 
 #include "tests/model/shape/random_outlines.h"
 #include "tests/support/refusal.h"

@@ -3,12 +3,8 @@
 #include <LinearComplementarityProblem.h>
 #include <MixedLinearComplementarityProblem.h>
 #include <NumericsMatrix.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cstdio>
-#include <cstdlib>
-#include <string>
 
 #include "benchmarks/collection/problem_formats.h"
 #include "tests/solvers/lcp/same_problem.h"

@@ -1,23 +1,13 @@
 // `lcpbench run` on manifests: whatever interrupts or divides a campaign, its results are the same but for times.
 
-#include <gtest/gtest.h>
 #include <sched.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <chrono>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <random>
-#include <set>
-#include <string>
 #include <thread>
-#include <tuple>
-#include <vector>
 
 #include "benchmarks/campaign/campaign_plan.h"
 #include "benchmarks/campaign/result_fields.h"
@@ -33,8 +23,6 @@
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::json;
 
 constexpr const char* kLong = "--launches 6 ";  // so many that signals come in the midst of them
 // No limit ends anything, however slow the machine or a sanitizer is.
@@ -58,7 +46,7 @@ class CampaignCommand : public CommandTest {
     manifest["sequences"] = nlohmann::ordered_json::parse(FormatManifest(motions))["sequences"];
     manifest_ = Path("mixed.json");
     Write("mixed.json", manifest.dump());
-    std::filesystem::copy(LCPBENCH_SOURCE_DIR "/data/references", folder_ / "references");
+    fs::copy(LCPBENCH_SOURCE_DIR "/data/references", folder_ / "references");
   }
   // Rows of a solver in the table of coverage.
   long AnalysedRows(const std::string& solver) {
@@ -154,7 +142,7 @@ TEST_F(CampaignCommand, ComparisonFindsAWrongAnswer) {
   // A campaign and itself: whatever the machine does meanwhile.
   const CommandOutcome same = Succeed("compare " + Path("c") + " " + Path("c"));
   EXPECT_NE(same.out.find("No regression"), std::string::npos) << same.out;
-  std::filesystem::copy(folder_ / "c", folder_ / "wrong");
+  fs::copy(folder_ / "c", folder_ / "wrong");
   std::vector<Json> lines = Streams();
   std::find_if(lines.begin(), lines.end(),
                [](const Json& line) { return line["kind"] == "judge" && line["exceptions"].empty(); })
@@ -202,7 +190,7 @@ TEST_F(CampaignCommand, KilledOrInterruptedAnywhereItGoesOnToTheSameResults) {
   const std::string arguments = Campaign("ended", std::string(kLong) + "--resume");
   std::mt19937 random(3);
   for (const std::string file : {"streams.jsonl", "steps.jsonl"}) {
-    const std::uintmax_t all = std::filesystem::file_size(folder_ / "whole" / file);
+    const std::uintmax_t all = fs::file_size(folder_ / "whole" / file);
     int ended = 0;
     for (int trial = 0; trial < 3; ++trial) {
       const int signal = std::array{SIGKILL, SIGTERM, SIGINT}.at(static_cast<std::size_t>(trial % 3));
@@ -327,7 +315,7 @@ TEST_F(CampaignCommand, GoogleBenchmarksFiltersWork) {
   const std::string campaign = std::string("run --suite ") + kManifest + " " + filter + " -o " + Path("c");
   const CommandOutcome list = Succeed(campaign + " --benchmark_list_tests");
   EXPECT_NE(list.out.find("solve/rockers-n8-s11/dantzig/1e-09\n"), std::string::npos) << list.out;
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "c"));
+  EXPECT_FALSE(fs::exists(folder_ / "c"));
   Succeed(campaign + " --benchmark_repetitions=4");
   // Four launches, judged at three tiers by one run.
   size_t times = 0;
@@ -489,7 +477,7 @@ TEST(WorkerProcess, RefusesWhatItDoesNotKnow) {
 // ----- fields
 
 TEST(ResultFields, CommittedFilesSayWhatTheTablesSay) {
-  const std::filesystem::path source = LCPBENCH_SOURCE_DIR;
+  const fs::path source = LCPBENCH_SOURCE_DIR;
   EXPECT_EQ(ReadFile(source / "benchmarks/FIELDS.md"), ResultSchemaMarkdown()) << "run lcpbench list fields";
   EXPECT_EQ(ReadFile(source / "docs/formats/campaign_lines.schema.json"), ResultJsonSchema().dump(1) + "\n")
       << "run lcpbench list fields --schema";
@@ -551,7 +539,7 @@ TEST(ResultFields, BelowTheFloorIsWhatTheJudgeFindsAtTheAnswerAndNotWhatASolverS
 }
 
 TEST_F(CampaignCommand, TheCommittedFactsOfPeersAreThoseOfTheTable) {
-  const std::filesystem::path source = LCPBENCH_SOURCE_DIR;
+  const fs::path source = LCPBENCH_SOURCE_DIR;
   EXPECT_EQ(ReadFile(source / "report/lcpbench_report/peers.json"), Succeed("list peers").out)
       << "run lcpbench list peers";
 }

@@ -1,35 +1,24 @@
 #pragma once
 
-#include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <sstream>
-#include <string>
 #include <thread>
-#include <vector>
 
 #include "tests/support/refusal.h"
 
 namespace lcpbench {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
 
 struct CommandOutcome {
   int status = -1;
   std::string out;
   std::string error;
 };
-
-inline std::string ReadFile(const std::filesystem::path& path) {
-  return (std::stringstream() << std::ifstream(path, std::ios::binary).rdbuf()).str();
-}
 
 inline std::vector<std::string> Split(const std::string& text, char separator) {
   std::vector<std::string> parts;
@@ -40,18 +29,17 @@ inline std::vector<std::string> Split(const std::string& text, char separator) {
 inline std::vector<std::string> Lines(const std::string& text) { return Split(text, '\n'); }
 
 /// A JSON value of each line.
-inline std::vector<nlohmann::json> Records(const std::string& text) {
-  std::vector<nlohmann::json> records;
-  for (const std::string& line : Lines(text)) records.push_back(nlohmann::json::parse(line));
+inline std::vector<Json> Records(const std::string& text) {
+  std::vector<Json> records;
+  for (const std::string& line : Lines(text)) records.push_back(Json::parse(line));
   return records;
 }
-inline std::vector<nlohmann::json> JsonLines(const std::filesystem::path& path) { return Records(ReadFile(path)); }
-inline nlohmann::json ReadJson(const std::filesystem::path& path) { return nlohmann::json::parse(ReadFile(path)); }
+inline std::vector<Json> JsonLines(const fs::path& path) { return Records(ReadFile(path)); }
+inline Json ReadJson(const fs::path& path) { return Json::parse(ReadFile(path)); }
 
 /// A campaign's folder problem by problem: an object per problem, solver and tier with what streams.jsonl says of it in
 /// arrays, in the order of the tasks, and its times `fresh_s` of all passes.
-inline std::vector<nlohmann::json> CellsOf(const std::filesystem::path& folder) {
-  using Json = nlohmann::json;
+inline std::vector<Json> CellsOf(const fs::path& folder) {
   std::map<std::string, std::vector<std::string>> problems;
   for (const Json& line : JsonLines(folder / "problems.jsonl")) problems[line["size_class"]].push_back(line["problem"]);
   std::vector<Json> cells;
@@ -112,6 +100,14 @@ class CommandTest : public FolderTest {
     return outcome;
   }
 
+  /// What a command that succeeds says: a JSON value, or one on each line.
+  Json Answer(const std::string& arguments, const std::string& input = "") {
+    return Json::parse(Succeed(arguments, input).out);
+  }
+  std::vector<Json> Answers(const std::string& arguments, const std::string& input = "") {
+    return Records(Succeed(arguments, input).out);
+  }
+
   /// Run, of a user's mistake: status 2, and one line that has the text.
   void ExpectMistake(const std::string& arguments, const std::string& text, const std::string& input = "") {
     const CommandOutcome outcome = Run(arguments, input);
@@ -132,7 +128,7 @@ class CommandTest : public FolderTest {
       std::string changed;
       for (const std::string& line : lines) changed += line + "\n";
       Write(file, changed);
-      ExpectMistake(resume, std::filesystem::path(file).filename().string() + ":2: ");
+      ExpectMistake(resume, fs::path(file).filename().string() + ":2: ");
       EXPECT_NE(ReadFile(folder_ / "stderr").find(words), std::string::npos) << ReadFile(folder_ / "stderr");
       EXPECT_EQ(ReadFile(folder_ / file), changed);
     }
@@ -148,10 +144,10 @@ class CommandTest : public FolderTest {
     // The size of the file, or of what is to take its place when it is complete (TextOutput).
     const auto size = [&] {
       std::error_code none;
-      const std::uintmax_t bytes = std::filesystem::file_size(folder_ / file, none);
+      const std::uintmax_t bytes = fs::file_size(folder_ / file, none);
       if (!none) return bytes;
       std::uintmax_t beside = 0;
-      for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+      for (const auto& entry : fs::directory_iterator(folder_)) {
         const bool is_beside = entry.path().filename().string().starts_with(".lcpbench-");
         const std::uintmax_t found = is_beside ? entry.file_size(none) : 0;
         if (!none) beside += found;

@@ -1,13 +1,6 @@
 // The lcpbench command as its users meet it: exit status, standard output, standard error.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <nlohmann/json.hpp>
 #include <regex>
-#include <string>
-#include <vector>
 
 #include "model/scenes/scene.h"
 #include "solvers/io/gzip_file.h"
@@ -20,10 +13,6 @@
 
 namespace lcpbench {
 namespace {
-
-namespace fs = std::filesystem;
-
-using Json = nlohmann::json;
 
 class Command : public CommandTest {};
 
@@ -60,12 +49,6 @@ TEST_F(Command, AnExternalProgramThatDoesNotStartIsAMistake) {
   ExpectMistake(
       "solve --solver s " + Path("p.jsonl") + " --external s='" LCPBENCH_COMMAND " serve auto' --set no-such-option=1",
       "no-such-option");
-}
-
-TEST_F(Command, ALoopOfLinksIsRefused) {
-  fs::create_symlink("loop.jsonl", Path("loop.jsonl"));
-  for (const char* use : {"solve --solver auto ", "certify ", "convert -o - "})
-    ExpectMistake(use + Path("loop.jsonl"), "loop.jsonl");
 }
 
 // A = I of so many rows, sparse: what takes n x n says so, and does not try.
@@ -135,10 +118,12 @@ TEST_F(Command, MistakesAreOneLineAndStatusTwo) {
   Write("short.dat", "2\n0\n2\n2\n2 2\n1 2\n3");
   for (const char* empty : {"empty.mtx", "empty_b.mtx"}) Write(empty, "");
   fs::create_directories(Path("empty"));
-  const std::regex folder("FOLDER");
+  fs::create_symlink("loop.jsonl", Path("loop.jsonl"));
+  const std::regex folder("FOLDER"), source("SOURCE");
   for (const auto& mistake : RefusalCases("commands")) {
     // Words in capitals may be the name of an argument.
-    const std::string arguments = std::regex_replace(mistake[0], folder, folder_.string());
+    const std::string in_source = std::regex_replace(mistake[0], source, LCPBENCH_SOURCE_DIR);
+    const std::string arguments = std::regex_replace(in_source, folder, folder_.string());
     ExpectMistake(arguments, mistake[1], mistake[2].empty() ? kProblem : mistake[2]);
   }
   ExpectMistake("solve --solver dantzig -", "empty", "");
@@ -207,9 +192,9 @@ TEST_F(Command, FormatsAreToldByEndingsWhateverTheirCaseAndTextMayBeCompressed) 
     const bool is_gzip =
         ending.ends_with("gz") || ending.ends_with("GZ") || ending.ends_with("Gz") || ending.ends_with("gZ");
     EXPECT_EQ(ReadFile(file).starts_with("\x1f\x8b"), is_gzip);
-    const Json back = Json::parse(Succeed("convert " + file).out);
+    const Json back = Answer("convert " + file);
     for (const char* field : {"n", "b", "bilateral"}) EXPECT_EQ(back[field], given[field]) << field;
-    EXPECT_EQ(Json::parse(Succeed("solve --solver auto " + file).out)["verdict"]["passes"], true);
+    EXPECT_EQ(Answer("solve --solver auto " + file)["verdict"]["passes"], true);
     fs::remove(file);
   }
   for (const auto& [ending, format] : {std::pair{"hdf5.gz", "hdf5"}, {"H5.GZ", "hdf5"}, {"npz.gz", "npz"}}) {
@@ -226,15 +211,11 @@ TEST_F(Command, FormatsAreToldByEndingsWhateverTheirCaseAndTextMayBeCompressed) 
 
 TEST_F(Command, ReportedFilesAreReadByTheirEndingsAndNumbers) {
   const std::string reports = std::string(LCPBENCH_SOURCE_DIR) + "/tests/data/reports/";
-  const Json answer = Json::parse(Succeed("solve --solver auto " + reports + "UP.MTX").out);
+  const Json answer = Answer("solve --solver auto " + reports + "UP.MTX");
   EXPECT_EQ(answer["id"], "UP");
   EXPECT_NEAR(answer["f"][0].get<double>(), 0.2, 1e-12);
   EXPECT_NEAR(answer["f"][1].get<double>(), 0.6, 1e-12);
-  EXPECT_EQ(Json::parse(Succeed("convert " + reports + "under.mtx").out)["A"]["val"], Json({0.0, 0.0, 0.0, 3.0}));
-  for (const char* command : {"solve --solver auto ", "convert ", "certify ", "recommend "}) {
-    ExpectMistake(command + reports + "bounds-ignored.jsonl",
-                  "bounds-ignored.jsonl:1: /lo: a problem has no such member");
-  }
+  EXPECT_EQ(Answer("convert " + reports + "under.mtx")["A"]["val"], Json({0.0, 0.0, 0.0, 3.0}));
 }
 
 TEST_F(Command, SolveJudgesEveryLineAndKeepsGoingAfterABadOne) {
@@ -258,8 +239,8 @@ TEST_F(Command, SolveJudgesEveryLineAndKeepsGoingAfterABadOne) {
 TEST_F(Command, SolveJudgesByTheToleranceAloneUnlessAskedForTheFloor) {
   Write("heavy.jsonl", FormatLcpRecord(MakeStackedColumn(200, 1e6).problem) + "\n");
   const std::string arguments = "solve --solver dantzig --tolerance 1e-9 " + Path("heavy.jsonl");
-  const Json by_tolerance = Json::parse(Succeed(arguments).out);
-  const Json by_floor = Json::parse(Succeed(arguments + " --floor").out);
+  const Json by_tolerance = Answer(arguments);
+  const Json by_floor = Answer(arguments + " --floor");
   // The floor of the answer is told either way.
   EXPECT_GT(by_tolerance["metrics"]["answer_floor"].get<double>(), 1e-9);
   EXPECT_TRUE(by_tolerance["metrics"]["floor"].is_null());
@@ -282,7 +263,7 @@ TEST_F(Command, EverySolverSolvesWhatGenerateWrites) {
     EXPECT_NE(problem, Run(generate + "4").out);
     if (scene.key != "disc-pile") continue;
     for (const SolverEntry& entry : OwnSolversAndAPeerOfEachLibrary()) {
-      const Json record = Json::parse(Succeed("solve --solver " + entry.key + " --tolerance 1e-3 -", problem).out);
+      const Json record = Answer("solve --solver " + entry.key + " --tolerance 1e-3 -", problem);
       EXPECT_EQ(record["f"].size(), 12u);
       EXPECT_FALSE(entry.origin == SolverOrigin::kOwn && record["verdict"]["false_success"].get<bool>());
     }
@@ -318,14 +299,14 @@ TEST_F(Command, CertifyProvesModesOfFriction) {
   const std::string block =
       R"({"id":"p","A":[[1,0],[0,1]],"b":[-2,3],"friction":{"row":[1],"normal":[0],"mu":["1/2"]}})";
   const std::string same = R"({"id":"p","A":[[1,0],[0,1]],"b":[-2,3],"friction":{"row":[1],"normal":[0],"mu":[0.5]}})";
-  const Json all = Json::parse(Succeed("certify -", block).out);
+  const Json all = Answer("certify -", block);
   EXPECT_EQ(all["complete"], true);
   EXPECT_EQ(all["pieces"][0]["vertices"][0], Json({"2", "-1"}));
   EXPECT_EQ(all["f_unique"], true);
-  const Json one = Json::parse(Succeed("certify --modes-up-to 0 -", block).out);
+  const Json one = Answer("certify --modes-up-to 0 -", block);
   EXPECT_EQ(one["complete"], false);
   EXPECT_EQ(one["tried"], 0);
-  const Json bounded = Json::parse(Succeed("certify --exact-up-to 0 -", same).out);
+  const Json bounded = Answer("certify --exact-up-to 0 -", same);
   EXPECT_EQ(bounded["status"], "bounded");
   EXPECT_LT(bounded["f_bound"], 1e-12);
   for (const Json& answer : {all, one, bounded}) {
@@ -335,10 +316,8 @@ TEST_F(Command, CertifyProvesModesOfFriction) {
     EXPECT_NEAR(answer["f"][1], -1, 1e-12);
   }
   // Two rows that carry the same load: doubles prove a problem nearby only.
-  const Json nearby =
-      Json::parse(Succeed("certify --exact-up-to 0 -", R"({"id":"p","J":[[1],[1],[0]],"invM":[1],"b":[-2,-2,0],)"
-                                                       R"("friction":{"row":[2],"normal":[0],"mu":[0.5]}})")
-                      .out);
+  const Json nearby = Answer("certify --exact-up-to 0 -", R"({"id":"p","J":[[1],[1],[0]],"invM":[1],"b":[-2,-2,0],)"
+                                                          R"("friction":{"row":[2],"normal":[0],"mu":[0.5]}})");
   EXPECT_EQ(nearby["certified"], false);
   EXPECT_EQ(nearby["proof"], "nearby problem");
   EXPECT_LT(nearby["b_shift"], 1e-12);
@@ -346,11 +325,11 @@ TEST_F(Command, CertifyProvesModesOfFriction) {
 
 TEST_F(Command, CertifyTakesEveryFormatThatSolveDoes) {
   const std::string problem = Run("generate disc-pile --size 12 --seed 3").out;
-  const Json expected = Json::parse(Succeed("certify -", problem).out);
+  const Json expected = Answer("certify -", problem);
   EXPECT_EQ(expected["certified"], true);
   for (const char* name : {"p.mtx", "p.hdf5", "p.h5", "p.dat", "p.jsonl"}) {
     Succeed("convert - -o " + Path(name), problem);
-    const Json answer = Json::parse(Succeed("certify " + Path(name)).out);
+    const Json answer = Answer("certify " + Path(name));
     EXPECT_EQ(answer["certified"], true) << name;
     // Some formats hold A, which is rounded, in place of J and the masses.
     ASSERT_EQ(answer["w"].size(), 12u);
@@ -365,16 +344,15 @@ TEST_F(Command, CertifyTakesEveryFormatThatSolveDoes) {
 TEST_F(Command, SolveTellsWhetherForcesAreUniqueAndFindsTheLeast) {
   const std::string plank =
       R"({"id":"plank","J":[[0,1,-1.5],[0,1,-0.5],[0,1,0.5],[0,1,1.5]],"invM":[0.1,0.1,0.25],"b":[-9.81,-9.81,-9.81,-9.81]})";
-  const Json any = Json::parse(Succeed("solve --solver auto -", plank).out);
+  const Json any = Answer("solve --solver auto -", plank);
   EXPECT_EQ(any["f_unique"], false);
   EXPECT_FALSE(any.contains("least_norm"));
-  const Json least = Json::parse(Succeed("solve --solver auto --least-norm -", plank).out);
+  const Json least = Answer("solve --solver auto --least-norm -", plank);
   EXPECT_EQ(least["least_norm"]["nullity"], 2);
   EXPECT_GT(least["least_norm"]["rank_tolerance"], 0);
   EXPECT_TRUE(least["verdict"]["passes"].get<bool>());
   for (const Json& force : least["f"]) EXPECT_NEAR(force.get<double>(), 98.1 / 4, 1e-9);
-  const Json single =
-      Json::parse(Succeed("solve --solver auto -", R"({"id":"s","J":[[0,1,0]],"invM":[1,1,1],"b":[-1]})").out);
+  const Json single = Answer("solve --solver auto -", R"({"id":"s","J":[[0,1,0]],"invM":[1,1,1],"b":[-1]})");
   EXPECT_EQ(single["f_unique"], true);
 }
 
@@ -446,7 +424,7 @@ TEST_F(Command, SymmetrizeMakesSymmetricWhatNearlyIsAndNotesTheAmount) {
 TEST_F(Command, ConvertWritesAndReadsQuadraticPrograms) {
   for (const char* name : {"p.qps", "p.mps", "p.npz"}) {
     Succeed("convert - -o " + Path(name), kProblem);
-    const Json back = Json::parse(Succeed("convert " + Path(name)).out);
+    const Json back = Answer("convert " + Path(name));
     EXPECT_EQ(back["b"], Json({-5.0, -4.0})) << name;
     EXPECT_EQ(back["A"], Json::parse(Run("convert -", kProblem).out)["A"]) << name;
   }
@@ -528,7 +506,7 @@ TEST_F(Command, SymmetrizeIsForProgramsToo) {
         "NAME p\nROWS\n N c\nCOLUMNS\n x1 c -1\n x2 c -2\nRHS\nQMATRIX\n x1 x1 4\n x1 x2 1.0000000000000002\n"
         " x2 x1 1\n x2 x2 3\nENDATA\n");
   ExpectMistake("solve --solver auto " + Path("p.qps"), "symmetri");
-  const nlohmann::json f = Records(Succeed("solve --symmetrize 1e-9 --solver auto " + Path("p.qps")).out).at(0).at("f");
+  const Json f = Answers("solve --symmetrize 1e-9 --solver auto " + Path("p.qps")).at(0).at("f");
   EXPECT_NEAR(f.at(0).get<double>(), 1.0 / 11, 1e-12);
   EXPECT_NEAR(f.at(1).get<double>(), 7.0 / 11, 1e-12);
   ExpectMistake("solve --symmetrize 1e-17 --solver auto " + Path("p.qps"), "symmetri");
@@ -542,11 +520,11 @@ TEST_F(Command, PythonProgramsDoNotTakeTheCallersPython) {
   const std::string command = program_;
   for (const char* variable : {"PYTHONPATH", "PYTHONHOME"}) {
     program_ = variable + ("=" + folder_.string()) + " " + command;
-    EXPECT_EQ(Records(Succeed("solve --solver auto " + Path("p.qps")).out).at(0).at("f").at(0), 0.5) << variable;
+    EXPECT_EQ(Answers("solve --solver auto " + Path("p.qps")).at(0).at("f").at(0), 0.5) << variable;
     ExpectMistake("report " + Path("none"), "none");
   }
   Write("python.sh", "#!/bin/sh\necho modules loaded\nexec /usr/bin/python3 \"$@\"\n");
-  std::filesystem::permissions(Path("python.sh"), std::filesystem::perms::owner_all);
+  fs::permissions(Path("python.sh"), fs::perms::owner_all);
   program_ = "LCPBENCH_PYTHON=" + Path("python.sh") + " " + command;
   ExpectMistake("solve --solver auto " + Path("p.qps"), "answers is not understood");
 }

@@ -1,21 +1,10 @@
 // Problems with friction, sliding and bounded rows through the command: a set of them, a campaign, its report.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <filesystem>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
-
 #include "solvers/registry.h"
 #include "tests/benchmarks/command/command_fixture.h"
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::json;
 
 constexpr const char* kOracle = LCPBENCH_SOURCE_DIR "/tests/data/oracle/friction.jsonl";
 
@@ -23,8 +12,8 @@ class FrictionCommand : public CommandTest {
  protected:
   // A set of the oracle's problems, whose records are `oracle_`, and of a plain one.
   void Import() {
-    std::filesystem::create_directories(folder_ / "set");
-    std::filesystem::copy_file(kOracle, folder_ / "set/friction.jsonl");
+    fs::create_directories(folder_ / "set");
+    fs::copy_file(kOracle, folder_ / "set/friction.jsonl");
     Write("set/plain.jsonl", R"({"id": "plain", "A": [[2, 1], [1, 2]], "b": [-1, 3]})");
     Succeed("import " + Path("set") + " --provenance oracle --licence Apache-2.0");
     for (const Json& record : JsonLines(kOracle)) oracle_[record["id"]] = record;
@@ -126,7 +115,7 @@ TEST_F(FrictionCommand, ACampaignCountsByTheRulesAndReportsThemApart) {
 TEST_F(FrictionCommand, SolveNamesWhatIsRefusedAndJudgesARelaxedAnswerTwice) {
   std::map<std::string, int> refused, judged;
   for (const char* key : {"dantzig", "relaxation"}) {
-    for (const Json& answer : Records(Succeed(std::string("solve --solver ") + key + " " + kOracle).out)) {
+    for (const Json& answer : Answers(std::string("solve --solver ") + key + " " + kOracle)) {
       if (answer["status"] == "unsupported") {
         ++refused[answer["detail"]];
       } else if (answer["status"] == "solved") {
@@ -142,7 +131,7 @@ TEST_F(FrictionCommand, SolveNamesWhatIsRefusedAndJudgesARelaxedAnswerTwice) {
 
 TEST_F(FrictionCommand, OnlyWhoTakesTheRowsRaces) {
   Write("first.jsonl", Lines(ReadFile(kOracle)).front());
-  const Json race = Json::parse(Succeed("recommend --json --rounds 1 --budget 60 " + Path("first.jsonl")).out);
+  const Json race = Answer("recommend --json --rounds 1 --budget 60 " + Path("first.jsonl"));
   for (const Json& ranked : race["ranked"]) EXPECT_TRUE(FindSolver(ranked["solver"].get<std::string>()).takes_friction);
   EXPECT_FALSE(race["ranked"].empty());
   for (const Json& left : race["not_tried"]) {

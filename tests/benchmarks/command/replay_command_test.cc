@@ -1,18 +1,5 @@
 // lcpbench replay and compressed input, as users meet them; and the public recordings.
 
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <filesystem>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <set>
-#include <string>
-#include <variant>
-#include <vector>
-
 #include "model/records/replay.h"
 #include "solvers/io/gzip_file.h"
 #include "support/input_error.h"
@@ -21,11 +8,7 @@
 namespace lcpbench {
 namespace {
 
-namespace fs = std::filesystem;
-
 const fs::path kRecordings = LCPBENCH_SOURCE_DIR "/tests/data/myphysicslab/contact_problems.jsonl.gz";
-
-using Json = nlohmann::json;
 
 std::string Unzip(const fs::path& path) {
   LineReader lines(path.string());
@@ -64,7 +47,7 @@ TEST_F(ReplayCommand, AgreesAfterTheCorrectionAndSaysHowLargeItIs) {
   EXPECT_EQ(table.error, "");
   EXPECT_NE(table.out.find("curved_curved"), std::string::npos);
   EXPECT_NE(table.out.find("normal-derivative"), std::string::npos);
-  const Json json = Json::parse(Succeed("replay --json " + Path("record.jsonl")).out);
+  const Json json = Answer("replay --json " + Path("record.jsonl"));
   EXPECT_TRUE(json["agrees"].get<bool>());
   EXPECT_EQ(json["kinds"][0]["agree_before"], 0);
   EXPECT_EQ(json["kinds"][0]["agree_after"], 1);

@@ -1,11 +1,5 @@
 // What SECURITY.md says of files that others have made.
 
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <nlohmann/json.hpp>
-#include <string>
-
 #include "solvers/io/gzip_file.h"
 #include "solvers/registry.h"
 #include "support/subprocess.h"
@@ -13,9 +7,6 @@
 
 namespace lcpbench {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 class Security : public CommandTest {
  protected:

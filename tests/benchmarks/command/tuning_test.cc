@@ -1,12 +1,5 @@
 // Settings that are tuned: the declared space is the registry's, and what was chosen runs beside the defaults.
 
-#include <gtest/gtest.h>
-
-#include <map>
-#include <nlohmann/json.hpp>
-#include <set>
-#include <string>
-
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
 #include "tests/benchmarks/command/command_fixture.h"
@@ -14,8 +7,6 @@
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::json;
 
 constexpr const char* kTunedManifest = LCPBENCH_SOURCE_DIR "/data/smoke.json";
 
@@ -146,7 +137,7 @@ TEST_F(TunedSettings, WhatIsNoTunedFileIsRefusedByOneLine) {
   for (const auto& refused : RefusalCases("tuned")) {
     Write("wrong.json", refused[0]);
     ExpectMistake(Campaign("c", "--solvers pgs --tuned " + Path("wrong.json")), refused[1]);
-    EXPECT_FALSE(std::filesystem::exists(folder_ / "c"));
+    EXPECT_FALSE(fs::exists(folder_ / "c"));
   }
   ExpectMistake(Campaign("c", "--solvers pgs --tuned " + Path("none.json")), "none.json");
 }

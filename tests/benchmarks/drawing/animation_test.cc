@@ -1,15 +1,7 @@
 #include "benchmarks/drawing/animation.h"
 
-#include <gtest/gtest.h>
 #include <openssl/evp.h>
 #include <zlib.h>
-
-#include <cmath>
-#include <cstdint>
-#include <cstdlib>
-#include <nlohmann/json.hpp>
-#include <sstream>
-#include <vector>
 
 #include "support/input_error.h"
 #include "tests/benchmarks/command/command_fixture.h"
@@ -259,7 +251,7 @@ class AnimationInBrowser : public CommandTest {
 
   /// What animation_selftest.js finds at a window size; whatever else is on the console is an error. Not by --dump-dom,
   /// which does not wait for animation frames: the browser runs until the self-test has spoken.
-  nlohmann::json SelfTest(std::string page, const std::string& size) const {
+  Json SelfTest(std::string page, const std::string& size) const {
     page.insert(page.rfind("})();"), ReadFile(LCPBENCH_SOURCE_DIR "/tests/benchmarks/drawing/animation_selftest.js"));
     Write("page.html", page);
     Write("log", "");  // that of the page before would be found while the browser starts
@@ -269,7 +261,7 @@ class AnimationInBrowser : public CommandTest {
                                 " 2>&1 & browser=$!; for i in $(seq 900); do grep -q '\"selftest ' " + Path("log") +
                                 " && break; sleep 0.1; done; kill $browser; wait $browser; true";
     EXPECT_EQ(std::system(command.c_str()), 0);
-    nlohmann::json found = {{"errors", nlohmann::json::array()}};
+    Json found = {{"errors", Json::array()}};
     std::istringstream lines(ReadFile(Path("log")));
     for (std::string line; std::getline(lines, line);) {
       const std::size_t at = line.find("CONSOLE");
@@ -277,7 +269,7 @@ class AnimationInBrowser : public CommandTest {
       const std::size_t begin = line.find('"', at) + 1;
       const std::string text = line.substr(begin, line.rfind("\", source:") - begin);
       if (text.starts_with("selftest ")) {
-        const auto said = nlohmann::json::parse(text.substr(9));
+        const auto said = Json::parse(text.substr(9));
         found["poses"] = said["poses"];
         for (const auto& error : said["errors"]) found["errors"].push_back(error);
       } else {
@@ -296,10 +288,10 @@ TEST_F(AnimationInBrowser, PlaysPausesScrubsAndListensToKeysWithoutErrors) {
   const Animation crowd = Crowd(1000, 60);
   for (const auto& [animation, size] :
        {std::pair{&exhibition, "1280,900"}, {&exhibition, "500,800"}, {&crowd, "1280,900"}}) {
-    const nlohmann::json found = SelfTest(RenderAnimationPage(*animation), size);
-    ASSERT_EQ(found["errors"], nlohmann::json::array()) << size;
+    const Json found = SelfTest(RenderAnimationPage(*animation), size);
+    ASSERT_EQ(found["errors"], Json::array()) << size;
     // The page's own reading of the frames against the motion.
-    const nlohmann::json& poses = found["poses"];
+    const Json& poses = found["poses"];
     const std::size_t last = animation->frames.size() - 1;
     for (std::size_t s = 0; s < 3; ++s) {
       const AnimationFrame& frame = animation->frames[s * last / 2];

@@ -1,17 +1,12 @@
 #pragma once
 
-#include <cmath>
-#include <memory>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "model/contact/loads.h"
 #include "model/contact/world.h"
 #include "model/motion/motion.h"
 #include "model/scenes/parts.h"
 #include "model/shape/shapes.h"
 #include "solvers/registry.h"
+#include "tests/support/test.h"
 
 namespace lcpbench {
 

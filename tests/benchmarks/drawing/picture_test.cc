@@ -1,15 +1,8 @@
 #include "benchmarks/drawing/picture.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
-#include <cmath>
 #include <regex>
-#include <sstream>
-#include <string>
-#include <vector>
 
 #include "benchmarks/drawing/drawn_scene.h"
 #include "benchmarks/drawing/svg.h"
@@ -41,6 +34,13 @@ int Count(const std::string& text, const std::string& part) {
   int count = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
   return count;
+}
+
+void ExpectWellFormed(const std::string& svg) {
+  std::istringstream text(svg);
+  boost::property_tree::ptree tree;
+  EXPECT_NO_THROW(boost::property_tree::read_xml(text, tree));
+  for (const char* bad : {"nan", "inf"}) EXPECT_EQ(svg.find(bad), std::string::npos);
 }
 
 std::string Drawn(const ContactSystem& system, const PictureExtras& extras = {}) {
@@ -152,10 +152,8 @@ TEST(RenderSvg, ShowsConesAndWhatSlides) {
     const Eigen::VectorXd f = Eigen::VectorXd::Ones(lcp.problem.size());
     const Eigen::VectorXd w = Eigen::VectorXd::Zero(lcp.problem.size());
     const std::string svg = RenderSvg(system, lcp, &f, &w);
-    std::istringstream text(svg);
-    boost::property_tree::ptree tree;
-    EXPECT_NO_THROW(boost::property_tree::read_xml(text, tree)) << family.key;
-    for (const char* bad : {"nan", "inf"}) EXPECT_EQ(svg.find(bad), std::string::npos) << family.key;
+    SCOPED_TRACE(family.key);
+    ExpectWellFormed(svg);
     EXPECT_NE(svg.find(">friction cone<"), std::string::npos) << family.key;
   }
 }
@@ -199,10 +197,8 @@ TEST(RenderSvg, DrawsEveryBodyOfEveryFamilyInWellFormedSvg) {
       const Eigen::VectorXd w = Eigen::VectorXd::Zero(rows);
       for (const bool solved : {false, true}) {
         const std::string svg = RenderSvg(system, lcp, solved ? &f : nullptr, solved ? &w : nullptr);
-        std::istringstream text(svg);
-        boost::property_tree::ptree tree;
-        EXPECT_NO_THROW(boost::property_tree::read_xml(text, tree)) << family.key;
-        for (const char* bad : {"nan", "inf"}) EXPECT_EQ(svg.find(bad), std::string::npos);
+        SCOPED_TRACE(family.key);
+        ExpectWellFormed(svg);
         for (const Body& body : system.bodies) {
           EXPECT_NE(svg.find("<title>" + body.name + ","), std::string::npos) << body.name;
         }

@@ -1,14 +1,12 @@
 #include "benchmarks/measure/oracle.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
-#include <random>
 
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
+#include "tests/support/test.h"
 
 namespace lcpbench {
 namespace {

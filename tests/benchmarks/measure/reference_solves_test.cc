@@ -1,11 +1,10 @@
 #include "benchmarks/measure/reference_solves.h"
 
-#include <gtest/gtest.h>
-
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
 #include "tests/solvers/solve_with.h"
 #include "tests/solvers/test_problems.h"
+#include "tests/support/test.h"
 
 namespace lcpbench {
 namespace {

@@ -1,14 +1,7 @@
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <map>
-#include <sstream>
-#include <string>
-#include <vector>
-
 #include "benchmarks/motions/motion_study.h"
 #include "model/scenes/parts.h"
 #include "support/input_error.h"
+#include "tests/support/test.h"
 
 namespace lcpbench {
 namespace {

@@ -1,15 +1,6 @@
 #include "benchmarks/motions/scene_source.h"
 
-#include <gtest/gtest.h>
 #include <unistd.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <memory>
-#include <ostream>
-#include <string>
-#include <vector>
 
 #include "model/scenes/scene.h"
 #include "solvers/io/json_lines.h"

@@ -1,21 +1,7 @@
 // lcpbench recommend: the race, how measurements are ranked, and the command from files, scenes and sequences to C++
 // that compiles.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <boost/algorithm/string/replace.hpp>
-#include <cmath>
-#include <limits>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <optional>
-#include <random>
-#include <set>
-#include <string>
-#include <tuple>
-#include <utility>
-#include <vector>
 
 #include "benchmarks/campaign/sequence_runner.h"
 #include "benchmarks/measure/quantile.h"
@@ -28,8 +14,6 @@
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::json;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -273,41 +257,31 @@ class EmbeddingCodeTest : public CommandTest {
 };
 
 TEST_F(EmbeddingCodeTest, CompilesInEveryFormUnlessAMemberIsWrong) {
+  const auto expect = [&](const std::string& code, const std::vector<std::pair<const char*, bool>>& parts) {
+    const CommandOutcome compiled = Compile(code);
+    EXPECT_EQ(compiled.status, 0) << code << compiled.error;
+    EXPECT_EQ(code.find('@'), std::string::npos) << code;
+    for (const auto& [part, is_there] : parts) {
+      EXPECT_EQ(code.find(part) != std::string::npos, is_there) << part << " in " << code;
+    }
+  };
   for (const bool warm : {false, true}) {
     for (const std::optional<double> deadline : {std::optional<double>(), std::optional<double>(1e-4)}) {
-      const std::string code = EmbeddingCode("bpp", warm, {1e-6, deadline, true});
-      const CommandOutcome compiled = Compile(code);
-      EXPECT_EQ(compiled.status, 0) << code << compiled.error;
-      EXPECT_EQ(code.find('@'), std::string::npos) << code;
-      EXPECT_EQ(code.find("initial_f") != std::string::npos, warm);
-      EXPECT_EQ(code.find("time_limit_s = 1e-04;") != std::string::npos, deadline.has_value()) << code;
+      const bool late = deadline.has_value();
+      expect(EmbeddingCode("bpp", warm, {1e-6, deadline, true}),
+             {{"initial_f", warm}, {"time_limit_s = 1e-04;", late}});
+      const int p = warm == late ? 3 : 6;
+      expect(StepEmbeddingCode({.rows = 77, .bodies = 33, .columns_per_body = p}, warm, {1e-6, deadline, true}),
+             {{"StepOptions{.tolerance = 1e-06", true},
+              {", .time_limit_s = 1e-04", late},
+              {"forces_before", warm},
+              {"most_rows = 77, lcpbench::Index most_bodies = 33", true},
+              {"rows.columns_per_body = 6", p == 6}});
     }
   }
-  EXPECT_NE(
-      Compile(boost::algorithm::replace_first_copy(EmbeddingCode("bpp", false, {}), "tolerance", "toleranse")).status,
-      0);
-}
-
-TEST_F(EmbeddingCodeTest, OfStepsCompilesInEveryFormUnlessAMemberIsWrong) {
-  for (const bool warm : {false, true}) {
-    for (const std::optional<double> deadline : {std::optional<double>(), std::optional<double>(1e-4)}) {
-      const int p = warm == deadline.has_value() ? 3 : 6;
-      const std::string code =
-          StepEmbeddingCode({.rows = 77, .bodies = 33, .columns_per_body = p}, warm, {1e-6, deadline, true});
-      const CommandOutcome compiled = Compile(code);
-      EXPECT_EQ(compiled.status, 0) << code << compiled.error;
-      for (const auto& [part, is_there] : {std::pair{"@", false},
-                                           {"StepOptions{.tolerance = 1e-06", true},
-                                           {", .time_limit_s = 1e-04", deadline.has_value()},
-                                           {"forces_before", warm},
-                                           {"most_rows = 77, lcpbench::Index most_bodies = 33", true},
-                                           {"rows.columns_per_body = 6", p == 6}}) {
-        EXPECT_EQ(code.find(part) != std::string::npos, is_there) << part << " in " << code;
-      }
-    }
-  }
-  EXPECT_NE(Compile(boost::algorithm::replace_first_copy(StepEmbeddingCode({}, false, {}), ".status", ".state")).status,
-            0);
+  using boost::algorithm::replace_first_copy;
+  EXPECT_NE(Compile(replace_first_copy(EmbeddingCode("bpp", false, {}), "tolerance", "toleranse")).status, 0);
+  EXPECT_NE(Compile(replace_first_copy(StepEmbeddingCode({}, false, {}), ".status", ".state")).status, 0);
 }
 
 TEST(StepSizes, AreKnownWhereTheStepSolverTakesAllProblems) {
@@ -418,7 +392,7 @@ TEST_F(RecommendCommand, FeaturesAreThoseOfManifestsAndOfIslands) {
 {"id":"ones","A":[[1,1],[1,1]],"b":[-1,-1],"bilateral":[1]}
 {"id":"none","A":[],"b":[]}
 )");
-  const std::vector<Json> lines = Records(Succeed("recommend --features " + Path("two.jsonl")).out);
+  const std::vector<Json> lines = Answers("recommend --features " + Path("two.jsonl"));
   ASSERT_EQ(lines.size(), 3U);
   for (const auto& [line, expected] :
        {std::pair{0, Json{{"problem", "diagonal"}, {"rows", 3}, {"islands", 3}, {"diagonal_spread", 4}, {"rank", 3}}},
@@ -493,7 +467,7 @@ TEST_F(RecommendCommand, WhereAIsNotSymmetricThoseThatTakeItAreTriedAndNamed) {
 
 TEST_F(RecommendCommand, ReadersHaveTheirOptions) {
   Write("friction.dat", "2 2 0 4 4 4 4  4 9 1 9  9 9 9 9  1 9 3 9  9 9 9 9  -1 8 -2 8  0 0.5\n");
-  EXPECT_EQ(Json::parse(Succeed("convert " + Path("friction.dat")).out)["friction"]["mu"], Json({0.5}));
+  EXPECT_EQ(Answer("convert " + Path("friction.dat"))["friction"]["mu"], Json({0.5}));
   EXPECT_EQ(Recommend(Path("friction.dat") + " --without-friction")["rows"], Json({2.0, 2.0}));
   Write("nearly.jsonl", R"({"id":"p","A":[[4,1.0625],[1,4]],"b":[-1,2]})");
   EXPECT_TRUE(Recommend(Path("nearly.jsonl") + " --symmetrize 0.1")["note"].is_null());

@@ -1,15 +1,6 @@
 #include "model/contact/closest_points.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <boost/multiprecision/cpp_bin_float.hpp>
-#include <cmath>
-#include <limits>
-#include <optional>
-#include <string>
-#include <variant>
-#include <vector>
 
 #include "support/input_error.h"
 #include "tests/model/contact/random_contacts.h"
@@ -20,11 +11,6 @@ namespace {
 constexpr int kCases = 500;
 constexpr int kGeneralCases = 60;  // of each of the many kinds with a general curve
 constexpr double kRoundingOfPoints = 1e-13;
-constexpr double kPi = 3.14159265358979323846;
-
-const double kInfinity = std::numeric_limits<double>::infinity();
-const double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 // The world point of an edge's parameter, by the definition in feature.h.
 Vec2 PointAt(const Feature& feature, const Body& body, std::optional<double> s) {
   EXPECT_EQ(s.has_value(), !std::holds_alternative<Vertex>(feature)) << "every edge has a parameter, a vertex none";
@@ -127,8 +113,7 @@ TEST_P(EveryPair, LosesNothingFarFromTheWorldsOrigin) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(Geometry, EveryPair, ::testing::ValuesIn(AllPairKinds()),
-                         [](const auto& kind) { return kind.param.name; });
+INSTANTIATE_TEST_SUITE_P(Geometry, EveryPair, ::testing::ValuesIn(AllPairKinds()), ::testing::PrintToStringParamName());
 
 struct RefusedPair {
   const char* condition;  // what the error has to name
@@ -182,13 +167,8 @@ TEST(ClosestPoints, RefuseSingularAndInvalidPairsNamingConditionAndFeature) {
                                  error.find(Describe(pair.feature2)) != std::string::npos;
     EXPECT_TRUE(names_a_feature) << error;
     EXPECT_EQ(error.find('\n'), std::string::npos);
-  }
-}
-
-TEST(ClosestPoints, SingularPairsAreRefusedAsPathJointsToo) {
-  for (const RefusedPair& pair : RefusedPairs()) {
     if (std::string(pair.condition) == "no local minimum") continue;
-    EXPECT_NE(RefusalOf(pair.feature1, pair.feature2, {}, Regularity::kNonzeroD), "") << pair.condition;
+    EXPECT_NE(RefusalOf(pair.feature1, pair.feature2, {}, Regularity::kNonzeroD), "") << "as a path joint";
   }
 }
 

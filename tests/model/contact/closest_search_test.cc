@@ -1,15 +1,5 @@
 #include "model/contact/closest_points.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <optional>
-#include <string>
-#include <variant>
-#include <vector>
-
 #include "support/input_error.h"
 #include "tests/model/contact/random_contacts.h"
 
@@ -18,7 +8,6 @@ namespace {
 
 constexpr int kSearches = 25;
 constexpr double kRoundingOfSearch = 1e-13;
-constexpr double kHalfTurn = 3.14159265358979323846;
 
 std::vector<PairKind> GeneralPairKinds() {
   return PairKindsWhere([](const PairKind& kind) { return kind.is_general(); });
@@ -63,7 +52,7 @@ TEST_P(EverySearch, DoesNotDependOnWhereItStartsNearby) {
     EXPECT_NEAR(p.curvature2.s, q.curvature2.s, 1e-14 * std::abs(p.curvature2.s));
     // Its own result is a start, too, whatever multiple of a turn was added to it.
     const auto turned = [&](const Feature& feature, std::optional<double> s) {
-      return s && !std::holds_alternative<BezierEdge>(feature) ? std::optional<double>(*s + 4 * kHalfTurn) : s;
+      return s && !std::holds_alternative<BezierEdge>(feature) ? std::optional<double>(*s + 4 * kPi) : s;
     };
     const ClosestPoints r = c.Closest({turned(c.feature1, p.s1), turned(c.feature2, p.s2), 0});
     EXPECT_NEAR(p.d, r.d, 1e-16);
@@ -104,12 +93,12 @@ TEST(Search, SmallestGapOfOvalsThatLieApartIsTheirDistance) {
     const Feature first = oval();
     const Feature second = oval();
     const Vec2 x2 = {random.Uniform(5, 9), random.Uniform(-3, 3)};
-    double least = std::numeric_limits<double>::infinity();
+    double least = kInfinity;
     constexpr int kPoints = 600;
     std::vector<Vec2> outline2;
-    for (int k = 0; k < kPoints; ++k) outline2.push_back(x2 + EvaluateEdge(second, 2 * kHalfTurn * k / kPoints).c);
+    for (int k = 0; k < kPoints; ++k) outline2.push_back(x2 + EvaluateEdge(second, 2 * kPi * k / kPoints).c);
     for (int k = 0; k < kPoints; ++k) {
-      const Vec2 p = EvaluateEdge(first, 2 * kHalfTurn * k / kPoints).c;
+      const Vec2 p = EvaluateEdge(first, 2 * kPi * k / kPoints).c;
       for (const Vec2 q : outline2) least = std::min(least, Norm(p - q));
     }
     const double d = FindClosestPoints({first, {0, 0}, {}}, {second, x2, {}}, {{}, {}, least}).d;
@@ -179,7 +168,7 @@ const SuperellipseEdge kOval{{0, 0}, 2, 1, 4, 0, Side::kConvex};
 TEST(Search, RefusesMatchingCurvaturesAndCentersOfCurvatureNamingBothFeatures) {
   // The centre of curvature of the tip (2, 0), of radius 1/2, and of the side (0, 1), of radius 4.
   ExpectRefusal("centre of curvature", Vertex{{1.5, 0}}, kEllipse, {{}, 0.0, 0});
-  ExpectRefusal("centre of curvature", Vertex{{0, -3}}, kEllipse, {{}, kHalfTurn / 2, 0}, Regularity::kNonzeroD);
+  ExpectRefusal("centre of curvature", Vertex{{0, -3}}, kEllipse, {{}, kPi / 2, 0}, Regularity::kNonzeroD);
   ExpectRefusal("curvature match", ArcEdge{{1.5, 0}, 0.5, Side::kConcave}, kEllipse, {{}, 0.0, 0});
   EllipseEdge hole = kEllipse;
   hole.side = Side::kConcave;
@@ -201,12 +190,12 @@ TEST(Search, RefusesStationaryPointsThatAreNoContacts) {
 TEST(Search, RefusesTheFlatSideOfASuperellipseOnAStraightEdgeButNotOnAVertexOrArc) {
   const StraightEdge floor{{1, -1}, {-1, -1}};
   const StraightEdge wall{{-2, 1}, {-2, -1}};
-  for (const double s : {-kHalfTurn / 2, -1.57, -1.5, -1.0}) {
+  for (const double s : {-kPi / 2, -1.57, -1.5, -1.0}) {
     EXPECT_NE(RefusalOf(kOval, floor, {s, {}, 0}), "") << s;
   }
   EXPECT_NE(RefusalOf(kOval, floor), "");
   EXPECT_NE(RefusalOf(wall, kOval), "");
-  ExpectRefusal("curvature match", kOval, StraightEdge{{1, -1}, {-1, -1}}, {-kHalfTurn / 2, {}, 0});
+  ExpectRefusal("curvature match", kOval, StraightEdge{{1, -1}, {-1, -1}}, {-kPi / 2, {}, 0});
   const ClosestPoints vertex = FindClosestPoints({Vertex{{0, -1.25}}, {0, 0}, {}}, {kOval, {0, 0}, {}}, {{}, -1.6, 0});
   EXPECT_EQ(vertex.d, 0.25);
   EXPECT_NEAR(vertex.curvature2.s, 0, 1e-25);
@@ -231,9 +220,8 @@ TEST(Search, RefusesPointsBeyondTheEndsOfABezierCurve) {
 }
 
 TEST(Search, RefusesStartsThatAreNotFiniteAndSearchesThatDoNotConverge) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  ExpectRefusal("not finite", Vertex{{3, 0}}, kEllipse, {{}, nan, 0});
-  ExpectRefusal("not finite", kOval, kEllipse, {std::numeric_limits<double>::infinity(), 1, 0});
+  ExpectRefusal("not finite", Vertex{{3, 0}}, kEllipse, {{}, kNaN, 0});
+  ExpectRefusal("not finite", kOval, kEllipse, {kInfinity, 1, 0});
   // No tangent of this curve is vertical.
   const BezierEdge curve{{Vec2{0, 0}, Vec2{1, 0}, Vec2{2, 0.5}, Vec2{3, 1}}};
   ExpectRefusal("does not converge", StraightEdge{{0, 0}, {0, 1}}, curve, {{}, 0.5, 0});

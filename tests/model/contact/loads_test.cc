@@ -1,11 +1,5 @@
 #include "model/contact/loads.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <type_traits>
-#include <vector>
-
 #include "model/scenes/random.h"
 #include "tests/model/contact/momenta.h"
 #include "tests/support/refusal.h"

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <span>
-
 #include "model/contact/body.h"
 #include "model/contact/loads.h"
+#include "tests/support/test.h"
 
 namespace lcpbench {
 

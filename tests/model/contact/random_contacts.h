@@ -1,28 +1,59 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <optional>
-#include <ostream>
-#include <random>
-#include <string>
-#include <utility>
-#include <variant>
-#include <vector>
-
 #include "model/contact/assembly.h"
 #include "model/contact/body.h"
 #include "model/contact/closest_points.h"
 #include "model/contact/system.h"
-#include "model/geometry/feature.h"
+#include "model/geometry/smooth_curve.h"
 #include "support/input_error.h"
-#include "tests/model/contact/edge_point.h"
 #include "tests/support/refusal.h"
 
 namespace lcpbench::testing {
+
+inline constexpr double kPi = std::numbers::pi;
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// An edge at one parameter: everything that contact needs of it, in the body frame.
+struct EdgePoint {
+  Vec2 c;            ///< c(s) [m]
+  Vec2 d1;           ///< c'(s), by the edge's own parameter (feature.h)
+  Vec2 d2;           ///< c''(s)
+  Vec2 N;            ///< outward unit normal, away from the material
+  double kappa = 0;  ///< signed curvature [1/m]: > 0 convex, 0 straight, < 0 concave
+};
+
+/// An edge at s: the model's evaluation of general curves (SmoothCurve) in 32 digits, and closed forms of the others.
+///   N = (c'_y, -c'_x)/|c'|,  kappa = (c' x c'')/|c'|^3  for material on the left, as of straight edges, Bezier curves
+///   and convex ovals; both change sign for concave ones.   [docs/model.md section 1]
+/// @param edge  any feature but a vertex, valid (RequireValid)
+/// @param s     finite; beyond the ends of a straight edge or Bezier curve: of the line, of the polynomials
+inline EdgePoint EvaluateEdge(const Feature& edge, double s) {
+  if (const auto* straight = std::get_if<StraightEdge>(&edge)) {
+    const Vec2 along = straight->Direction(s);
+    return {straight->Point(s), along, {0, 0}, -Perp(Unit(along)), 0};
+  }
+  if (const auto* arc = std::get_if<ArcEdge>(&edge)) {
+    const Vec2 radial = LiftRotation<double>(SinCos(s));
+    const double sign = SignOf(arc->side);
+    return {arc->center + arc->radius * radial, arc->radius * Perp(radial), -arc->radius * radial, sign * radial,
+            sign / arc->radius};
+  }
+  const SmoothCurve curve({edge, {}, {}});
+  const CurvePlace<DoubleDouble> place = curve.FromParameter(s);
+  CurveJet<DoubleDouble> jet = curve.At(place);
+  if (const auto* oval = std::get_if<SuperellipseEdge>(&edge)) {
+    // From derivatives by tau to derivatives by the polar angle s:
+    // tan tau = (a/b) tan s, dtau/ds = (a/b) cos^2 tau + (b/a) sin^2 tau.
+    const DoubleDouble a = oval->a;
+    const DoubleDouble b = oval->b;
+    const DoubleDouble rate = (a / b) * place.x * place.x + (b / a) * place.y * place.y;
+    const DoubleDouble rate_by_tau = DoubleDouble(2) * (b / a - a / b) * place.x * place.y;
+    jet.d2 = (rate * rate) * jet.d2 + (rate * rate_by_tau) * jet.d1;
+    jet.d1 = rate * jet.d1;
+  }
+  return {ToVec2(jet.c), ToVec2(jet.d1), ToVec2(jet.d2), ToVec2(jet.N), ToDouble(jet.kappa)};
+}
 
 /// What touches what: body 1's feature, then body 2's; `swapped` exchanges the bodies, so that every kind is met with
 /// either body owning the normal.
@@ -305,6 +336,21 @@ void OverRandomContacts(const PairKind& kind, int cases, unsigned seed, const Ch
     check(c, &random);
     if (::testing::Test::HasFailure()) return;
   }
+}
+
+/// |x - y| / (1 + |y|) <= tolerance, as the reference data are scaled.
+inline void ExpectClose(double x, double y, double tolerance, const std::string& what) {
+  EXPECT_LE(std::abs(x - y), tolerance * (1 + std::abs(y))) << what << ": " << x << " against " << y;
+}
+
+/// J times velocities or accelerations, linear and angular, of bodies 1 and 2.
+inline double RowTimes(const std::array<double, 6>& J, Vec2 v1, double omega1, Vec2 v2, double omega2) {
+  return J[0] * v1.x + J[1] * v1.y + J[2] * omega1 + J[3] * v2.x + J[4] * v2.y + J[5] * omega2;
+}
+
+/// J of the bodies exchanged, bit by bit.
+inline void ExpectExchanged(const std::array<double, 6>& J, const std::array<double, 6>& other) {
+  for (size_t k = 0; k < 6; ++k) EXPECT_EQ(J[k], other[(k + 3) % 6]);
 }
 
 /// What assembly says of `system`; "" where it takes it.

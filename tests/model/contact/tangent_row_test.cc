@@ -1,15 +1,4 @@
 // Tangent rows of contacts: docs/model.md section 7.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstddef>
-#include <fstream>
-#include <limits>
-#include <nlohmann/json.hpp>
-#include <string>
-#include <utility>
-#include <variant>
-#include <vector>
 
 #include "model/contact/assembly.h"
 #include "model/contact/contact_row.h"
@@ -25,11 +14,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int kCases = 200;
-
-void ExpectNear(double found, double expected, double tolerance, const std::string& what) {
-  EXPECT_LE(std::abs(found - expected), tolerance * (1 + std::abs(expected)))
-      << what << " " << found << " " << expected;
-}
 
 TangentRow TangentOf(const ContactCase& c) {
   const ClosestPoints closest = c.Closest();
@@ -60,14 +44,8 @@ TEST_P(TangentRows, GiveTheDerivativeOfTheSlipAlongAnyMotion) {
     const double expected =
         (8 * (slip_after(h) - slip_after(-h)) - (slip_after(2 * h) - slip_after(-2 * h))) / (12 * h);
     const TangentRow row = TangentOf(c);
-    const double found = row.J[0] * a1.x + row.J[1] * a1.y + row.J[2] * alpha1 + row.J[3] * a2.x + row.J[4] * a2.y +
-                         row.J[5] * alpha2 + row.gamma;
-    ExpectNear(found, expected, 1e-6, "u'");
-    const Body& b1 = c.body1;
-    const Body& b2 = c.body2;
-    const double u = row.J[0] * b1.v.x + row.J[1] * b1.v.y + row.J[2] * b1.omega + row.J[3] * b2.v.x +
-                     row.J[4] * b2.v.y + row.J[5] * b2.omega;
-    ExpectNear(row.slip, u, 1e-12, "u");
+    ExpectClose(RowTimes(row.J, a1, alpha1, a2, alpha2) + row.gamma, expected, 1e-6, "u'");
+    ExpectClose(row.slip, RowTimes(row.J, c.body1.v, c.body1.omega, c.body2.v, c.body2.omega), 1e-12, "u");
   });
 }
 
@@ -77,50 +55,11 @@ TEST_P(TangentRows, AreTheSameBitsForSwappedBodies) {
     const TangentRow other = TangentOf(c.Swapped());
     EXPECT_EQ(row.slip, other.slip);
     EXPECT_EQ(row.gamma, other.gamma);
-    for (std::size_t k = 0; k < 6; ++k) EXPECT_EQ(row.J[k], other.J[(k + 3) % 6]);
+    ExpectExchanged(row.J, other.J);
   });
 }
 
-Vec2 Mirrored(Vec2 p) { return {-p.x, p.y}; }
-
-Feature Mirrored(const Feature& feature) {
-  if (const auto* vertex = std::get_if<Vertex>(&feature)) return Vertex{Mirrored(vertex->p)};
-  if (const auto* edge = std::get_if<StraightEdge>(&feature)) return StraightEdge{Mirrored(edge->b), Mirrored(edge->a)};
-  const ArcEdge& arc = std::get<ArcEdge>(feature);
-  return ArcEdge{Mirrored(arc.center), arc.radius, arc.side};
-}
-
-Body Mirrored(Body body) {
-  body.x = Mirrored(body.x);
-  body.v = Mirrored(body.v);
-  body.theta = -body.theta;
-  body.omega = -body.omega;
-  return body;
-}
-
-TEST(TangentRow, ChangesItsSignInTheMirror) {
-  for (const PairKind& kind : ClosedPairKinds()) {
-    OverRandomContacts(kind, kCases, 3, [](const ContactCase& c, Random*) {
-      ContactCase mirror = c;
-      mirror.body1 = Mirrored(c.body1);
-      mirror.body2 = Mirrored(c.body2);
-      mirror.feature1 = Mirrored(c.feature1);
-      mirror.feature2 = Mirrored(c.feature2);
-      const TangentRow row = TangentOf(c);
-      const TangentRow other = TangentOf(mirror);
-      ExpectNear(other.slip, -row.slip, 1e-11, "u");
-      ExpectNear(other.gamma, -row.gamma, 1e-10, "gamma_t");
-      for (const std::size_t k : {0U, 3U}) {
-        ExpectNear(other.J[k], row.J[k], 1e-11, "J_t");
-        ExpectNear(other.J[k + 1], -row.J[k + 1], 1e-11, "J_t");
-        ExpectNear(other.J[k + 2], row.J[k + 2], 1e-11, "J_t");
-      }
-    });
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(Law, TangentRows, ::testing::ValuesIn(AllPairKinds()),
-                         [](const auto& kind) { return kind.param.name; });
+INSTANTIATE_TEST_SUITE_P(Law, TangentRows, ::testing::ValuesIn(AllPairKinds()), ::testing::PrintToStringParamName());
 
 // Calls check(system, expected tangent rows, A of all rows, indices of normal rows and tangent rows) for every record.
 template <class Check>
@@ -150,14 +89,14 @@ TEST(TangentRow, IsThatOfTheOracleForEveryKindOfContact) {
         EXPECT_EQ(row.axis, 't');
         EXPECT_EQ(lcp.problem.friction_rows(), std::vector<FrictionRow>({{1, 0, 0.5}}));
         for (std::size_t k = 0; k < 6; ++k) {
-          ExpectNear(lcp.problem.J().coeff(1, static_cast<Index>(k)), expect["Jt"][k], kOracleTolerance, "Jt");
+          ExpectClose(lcp.problem.J().coeff(1, static_cast<Index>(k)), expect["Jt"][k], kOracleTolerance, "Jt");
         }
-        ExpectNear(row.d_dot, expect["slip"], kOracleTolerance, "slip");
-        ExpectNear(row.gamma, expect["gamma_t"], kOracleTolerance, "gamma_t");
-        ExpectNear(row.n.x, expect["t"][0], kOracleTolerance, "t");
-        ExpectNear(lcp.problem.b()[1], expect["b_t"], kOracleTolerance, "b_t");
-        ExpectNear(lcp.problem.DenseA()(0, 1), expect["A_nt"], kOracleTolerance, "A_nt");
-        ExpectNear(lcp.problem.DenseA()(1, 1), expect["A_tt"], kOracleTolerance, "A_tt");
+        ExpectClose(row.d_dot, expect["slip"], kOracleTolerance, "slip");
+        ExpectClose(row.gamma, expect["gamma_t"], kOracleTolerance, "gamma_t");
+        ExpectClose(row.n.x, expect["t"][0], kOracleTolerance, "t");
+        ExpectClose(lcp.problem.b()[1], expect["b_t"], kOracleTolerance, "b_t");
+        ExpectClose(lcp.problem.DenseA()(0, 1), expect["A_nt"], kOracleTolerance, "A_nt");
+        ExpectClose(lcp.problem.DenseA()(1, 1), expect["A_tt"], kOracleTolerance, "A_tt");
       });
   EXPECT_EQ(count, 248);
 }
@@ -187,11 +126,11 @@ TEST(TangentRow, CouplesToOthersAsTheOracleSays) {
         ASSERT_EQ(tangents.size(), contacts);
         const Eigen::MatrixXd& A = lcp.problem.DenseA();
         for (const auto& [i, k] : tangents) {
-          ExpectNear(lcp.problem.b()[i], tangent["b_t"][k], kOracleTolerance, "b_t");
-          ExpectNear(lcp.rows[static_cast<std::size_t>(i)].gamma, tangent["gamma_t"][k], kOracleTolerance, "gamma_t");
-          for (const auto& [j, l] : tangents) ExpectNear(A(i, j), tangent["A_tt"][k][l], kOracleTolerance, "A_tt");
+          ExpectClose(lcp.problem.b()[i], tangent["b_t"][k], kOracleTolerance, "b_t");
+          ExpectClose(lcp.rows[static_cast<std::size_t>(i)].gamma, tangent["gamma_t"][k], kOracleTolerance, "gamma_t");
+          for (const auto& [j, l] : tangents) ExpectClose(A(i, j), tangent["A_tt"][k][l], kOracleTolerance, "A_tt");
           for (std::size_t r = 0; r < others.size(); ++r) {
-            ExpectNear(A(others[r], i), tangent["A_nt"][r][k], kOracleTolerance, "A_nt");
+            ExpectClose(A(others[r], i), tangent["A_nt"][r][k], kOracleTolerance, "A_nt");
           }
         }
       });
@@ -246,7 +185,7 @@ TEST(TangentRow, StandsAfterTheNormalRowOfItsContact) {
 }
 
 TEST(TangentRow, RefusesFrictionThatIsNone) {
-  for (const double mu : {-0.1, 2e6, std::numeric_limits<double>::quiet_NaN()}) {
+  for (const double mu : {-0.1, 2e6, kNaN}) {
     const ContactSystem system = WithFriction(GenerateScene("disc-pile", 4, 1), mu);
     EXPECT_THROW(AssembleContactLcp(system, Friction::kRows), InputError) << mu;
     World world = WorldOf(GenerateScene("disc-pile", 4, 1));
@@ -286,8 +225,8 @@ TEST(StepLcp, IsTheTimeStepOfAnInstant) {
       const AssembledLcp step = AssembleStepLcp(system, h);
       const Eigen::VectorXd v = FreeVelocity(system.bodies, h);
       const Eigen::VectorXd u = step.problem.J() * v;
-      ExpectNear(step.problem.b()[0], u[0] + std::max(step.rows[0].d, 0.0) / h, 1e-12, "b_n");
-      ExpectNear(step.problem.b()[1], u[1], 1e-12, "b_t");
+      ExpectClose(step.problem.b()[0], u[0] + std::max(step.rows[0].d, 0.0) / h, 1e-12, "b_n");
+      ExpectClose(step.problem.b()[1], u[1], 1e-12, "b_t");
     });
   }
 }

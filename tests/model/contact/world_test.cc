@@ -1,11 +1,5 @@
 #include "model/contact/world.h"
 
-#include <gtest/gtest.h>
-
-#include <functional>
-#include <limits>
-#include <string>
-
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
 #include "tests/support/refusal.h"

@@ -1,15 +1,5 @@
 #include "model/detection/detection.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <initializer_list>
-#include <string>
-#include <variant>
-#include <vector>
-
 #include "model/contact/assembly.h"
 #include "model/detection/narrow_phase.h"
 #include "model/shape/shapes.h"
@@ -19,7 +9,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using testing::kPi;
 
 struct Placed {
   Outline outline;
@@ -61,10 +51,6 @@ class Workshop {
 
 Placed Floor() { return {{"floor", {{{StraightEdge{{5, 0}, {-5, 0}}, 0, 1}}}}, {}, 0, true}; }
 
-bool HasFootAt(const std::vector<RowInfo>& rows, Vec2 p) {
-  return std::any_of(rows.begin(), rows.end(), [&](const RowInfo& row) { return Norm(row.p1 - p) < 1e-6; });
-}
-
 TEST(Detection, EqualFlushBoxesInOneStackTouchAtTwoCorners) {
   for (const double theta : {0.0, 0.3, -1.1, 2.0}) {
     Workshop shop({});
@@ -72,22 +58,6 @@ TEST(Detection, EqualFlushBoxesInOneStackTouchAtTwoCorners) {
     for (int k = 0; k < 5; ++k) shop.Add({Box(2, 1), Rotate(r, {0, static_cast<double>(k)}), theta});
     EXPECT_EQ(shop.Rows().size(), 8u) << theta;
   }
-}
-
-// The normal at (a cos s, -b sin s) meets the ellipse's axis x = 0 at the height c^2 sin s / b, c^2 = a^2 - b^2, at the
-// distance sqrt(a^2 + (a/b)^2 c^2 sin^2 s): the radius of the bowl that touches there, about that centre.
-TEST(Detection, AnEllipseInABowlTouchesItAtTwoPoints) {
-  const double a = 0.9;
-  const double b = 0.5;
-  const Rotation at = SinCos(0.7);
-  const double c2 = a * a - b * b;
-  const double radius = std::sqrt(a * a + a * a * c2 / (b * b) * at.sin * at.sin);
-  const auto rows =
-      Workshop({{Bowl(1.5 * radius, radius, 1), {}, 0, true}, {Ellipse(a, b), {0, -c2 * at.sin / b}}}).Rows();
-  ASSERT_EQ(rows.size(), 2u);
-  const double y = -b * at.sin - c2 * at.sin / b;
-  EXPECT_TRUE(HasFootAt(rows, {a * at.cos, y}));
-  EXPECT_TRUE(HasFootAt(rows, {-a * at.cos, y}));
 }
 
 TEST(Detection, ABodyInAHoleOfItsOwnShapeIsRefusedNamingBothEdges) {

@@ -1,15 +1,6 @@
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <numbers>
-#include <optional>
-#include <vector>
-
 #include "model/shape/outline.h"
-#include "tests/model/contact/edge_point.h"
 #include "tests/model/shape/random_outlines.h"
 
 namespace lcpbench::testing {

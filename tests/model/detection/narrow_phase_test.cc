@@ -1,11 +1,5 @@
 #include "model/detection/narrow_phase.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <string>
-#include <tuple>
-
 #include "model/shape/shapes.h"
 #include "support/input_error.h"
 #include "tests/model/contact/random_contacts.h"

@@ -1,12 +1,5 @@
 #include "model/geometry/broad_phase.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <utility>
-#include <vector>
-
 #include "support/input_error.h"
 #include "tests/model/shape/random_outlines.h"
 
@@ -84,8 +77,6 @@ TEST(BroadPhase, ManyBoxesOnAFloorAreNoMoreThanTheirPairs) {
 }
 
 TEST(BroadPhase, RefusesBoxesThatAreNone) {
-  const double kNaN = std::numeric_limits<double>::quiet_NaN();
-  const double kInfinity = std::numeric_limits<double>::infinity();
   for (const BoundingBox& bad : {BoundingBox{{0, kNaN}, {1, 1}}, BoundingBox{{0, 0}, {kInfinity, 1}},
                                  BoundingBox{{0, 2}, {1, 1}}, BoundingBox{{2, 0}, {1, 1}}}) {
     const std::vector<BoundingBox> boxes = {BoxAt({0, 0}, 1, 1), bad};

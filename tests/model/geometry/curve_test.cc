@@ -1,14 +1,7 @@
 #include "model/geometry/smooth_curve.h"
 
-#include <gtest/gtest.h>
-
 #include <boost/math/constants/constants.hpp>
 #include <boost/multiprecision/cpp_bin_float.hpp>
-#include <cmath>
-#include <limits>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "tests/model/contact/random_contacts.h"
 
@@ -17,12 +10,8 @@ namespace {
 
 using Exact = boost::multiprecision::cpp_bin_float_100;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kCases = 200;
 constexpr int kFirstGeneral = static_cast<int>(Shape::kConvexEllipse);
-
-const double kInfinity = std::numeric_limits<double>::infinity();
-const double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // The point, its derivatives by central differences (60 digits are left), N and kappa by their definitions.
 EdgePoint Reference(const Feature& feature, double s) {

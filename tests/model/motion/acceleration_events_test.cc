@@ -1,17 +1,9 @@
 // Motion at the acceleration level at its events: impacts, rest, contacts that begin and end, walls that move.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include "model/contact/loads.h"
 #include "model/scenes/random.h"
 #include "model/shape/shapes.h"
-#include "tests/model/motion/acceleration_mover.h"
+#include "tests/model/motion/mover.h"
 
 namespace lcpbench {
 namespace {
@@ -26,7 +18,7 @@ std::vector<Body> Cradle(int count, double gap) {
 }
 
 TEST(AccelerationMotion, InACradleWithSmallGapsTheLastBallLeavesWithTheFirstOnesVelocity) {
-  Mover mover(WorldWith("cradle in a line", Cradle(5, 1e-4), {}), Elastic());
+  Mover mover(WorldWith("cradle in a line", Cradle(5, 1e-4), {}), WithRestitution(1));
   ExpectConserved(&mover, KineticEnergy(mover->world().bodies), 1);
   for (std::size_t k = 0; k < 5; ++k) EXPECT_NEAR(mover.body(k).v.x, k == 4 ? 1 : 0, 1e-12) << k;
   EXPECT_EQ(mover->statistics().impacts, 4);
@@ -34,7 +26,7 @@ TEST(AccelerationMotion, InACradleWithSmallGapsTheLastBallLeavesWithTheFirstOnes
 
 TEST(AccelerationMotion, TouchingBallsUnderOneRestitutionShareTheImpact) {
   for (const ImpactLaw law : {ImpactLaw::kNewton, ImpactLaw::kPoisson}) {
-    AccelerationOptions options = Elastic();
+    AccelerationOptions options = WithRestitution(1);
     options.impact.law = law;
     Mover mover(WorldWith("touching cradle", Cradle(3, 0), {}), options);
     mover->Advance(1);
@@ -49,10 +41,7 @@ TEST(AccelerationMotion, ABouncingBallKeepsItsTimetable) {
   const double r = 0.1;
   const double drop = 0.5;
   const double e = 0.6;
-  AccelerationOptions options;
-  options.impact.restitution = e;
-  const World world = WorldWith("bouncing ball", {Floor(), Movable(Disc(r), {0, r + drop})});
-  Mover mover(world, options);
+  Mover mover(WorldWith("bouncing ball", {Floor(), Movable(Disc(r), {0, r + drop})}), WithRestitution(e));
   // Falls for t0, then flights of 2 e^k t0.
   const double t0 = std::sqrt(2 * drop / kG);
   const double v0 = kG * t0;
@@ -77,8 +66,7 @@ TEST(AccelerationMotion, ABouncingBallKeepsItsTimetable) {
 }
 
 TEST(AccelerationMotion, WithoutARestingSpeedBouncingStalls) {
-  AccelerationOptions options;
-  options.impact.restitution = 0.5;
+  AccelerationOptions options = WithRestitution(0.5);
   options.impact.resting_speed = 0;
   options.impact.velocity_tolerance = 1e-12;
   options.max_events = 10;
@@ -144,10 +132,7 @@ TEST(AccelerationMotion, ADiscLandsOnATurningWheelOfShortCurves) {
 
 TEST(AccelerationMotion, ABoxThatFallsOnACornerComesToLieFlat) {
   for (const double tilt : {0.3, -0.7, 1e-4}) {
-    const World world = WorldWith("falling box", {Floor(), Movable(Box(0.4, 0.2), {0, 0.6}, tilt)});
-    AccelerationOptions options;
-    options.impact.restitution = 0.4;
-    Mover mover(world, options);
+    Mover mover(WorldWith("falling box", {Floor(), Movable(Box(0.4, 0.2), {0, 0.6}, tilt)}), WithRestitution(0.4));
     mover->Advance(5);
     EXPECT_EQ(mover->status(), MotionStatus::kMoving) << mover->detail();
     EXPECT_NEAR(mover.body(1).theta, 0, 1e-5) << tilt;
@@ -162,7 +147,7 @@ TEST(AccelerationMotion, AKinematicTableCarriesADisc) {
   table.v = {0.5, 0.2};
   table.acceleration = {-0.3, 0.8};
   const double r = 0.25;
-  Mover mover(WorldWith("lift", {table, Movable(Disc(r), {0, 0.1 + r})}), {});
+  Mover mover(WorldWith("lift", {table, Movable(Disc(r), {0, 0.1 + r})}));
   // Meets the disc with 0.2 m/s: e = 0 makes that the disc's, too.
   mover->Advance(1.25);
   const double t = mover->time();
@@ -174,19 +159,15 @@ TEST(AccelerationMotion, AKinematicTableCarriesADisc) {
 }
 
 TEST(AccelerationMotion, ASpinningRoundDrumLeavesADiscAloneAndAnOvalOneThrowsIt) {
-  const Outline round{"drum", {{{ArcEdge{{}, 1, Side::kConcave}, 2 * kPi, 0}}}};
-  const Outline oval{"drum", {{{EllipseEdge{{}, 1, 0.8, 0, Side::kConcave}, 2 * kPi, 0}}}};
-  const std::array<Outline, 2> drums = {round, oval};
-  for (const Outline& outline : drums) {
-    Body drum = Fixed(outline);
+  for (const bool is_round : {true, false}) {
+    OutlineCurve wall = EllipseEdge{{}, 1, 0.8, 0, Side::kConcave};
+    if (is_round) wall = ArcEdge{{}, 1, Side::kConcave};
+    Body drum = Fixed({"drum", {{{wall, 2 * kPi, 0}}}});
     drum.omega = 3;
-    const World world =
-        WorldWith(&outline == &drums[0] ? "round drum" : "oval drum", {drum, Movable(Disc(0.2), {0, -0.6})});
-    Mover mover(world);
+    Mover mover(WorldWith("drum", {drum, Movable(Disc(0.2), {0, -0.6})}));
     mover->Advance(2);
     EXPECT_EQ(mover->status(), MotionStatus::kMoving) << mover->detail();
     EXPECT_DOUBLE_EQ(mover.body(0).theta, 6);
-    const bool is_round = &outline == drums.data();
     EXPECT_EQ(std::abs(mover.body(1).x.x) < 1e-9, is_round);
     EXPECT_LE(mover->statistics().worst_penetration, 1e-6);
   }
@@ -206,7 +187,7 @@ TEST(AccelerationMotion, ARopeGetsTautAndThenHoldsADiscOnACircle) {
   EXPECT_NEAR(Norm(mover.body(1).x), length, 1e-8);
   EXPECT_NEAR(Energy(mover->world()), disc.mass * (along * along / 2 - kG * 0.64), 1e-9);
   // Elastic: back the way it came along the rope.
-  Mover bouncing(world, Elastic());
+  Mover bouncing(world, WithRestitution(1));
   ExpectConserved(&bouncing, disc.mass * kG * 0.64, 5);
   EXPECT_LE(Norm(bouncing.body(1).x), length + 1e-6);
 }
@@ -218,7 +199,7 @@ TEST(AccelerationMotion, ABulletDoesNotPassThroughAThinWall) {
     Body bullet =
         Movable(k % 2 == 0 ? Disc(0.01) : Box(0.02, 0.015), {-1, random.Uniform(-0.4, 0.4)}, random.Uniform(0, 6));
     bullet.v = {speed, 0};
-    Mover mover(WorldWith("bullet", {Fixed(Box(0.002, 1)), bullet}, {}), Elastic());
+    Mover mover(WorldWith("bullet", {Fixed(Box(0.002, 1)), bullet}, {}), WithRestitution(1));
     mover->Advance(2 / speed);
     EXPECT_GE(mover->statistics().impacts, 1) << k;
     EXPECT_LT(mover.body(1).x.x, 0) << k;
@@ -235,7 +216,7 @@ TEST(AccelerationMotion, ADiscThatGrazesACornerBetweenTwoStepsIsSeen) {
                         {{{StraightEdge{{0, 0}, {1, 1}}, 0, 1},
                           {StraightEdge{{1, 1}, {-1, 1}}, 0, 1},
                           {StraightEdge{{-1, 1}, {0, 0}}, 0, 1}}}});
-    Mover mover(WorldWith("graze", {wedge, disc}, {}), Elastic());
+    Mover mover(WorldWith("graze", {wedge, disc}, {}), WithRestitution(1));
     mover->Advance(1);
     EXPECT_EQ(mover->statistics().impacts, overlap > 0 ? 1 : 0) << k;
   }

@@ -1,20 +1,12 @@
 // What motion at the acceleration level promises its callers: the same bits, the problems that observers see, any
 // solver, also one that fails, and refusals.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstdint>
-#include <limits>
-#include <string>
-#include <vector>
-
 #include "model/contact/assembly.h"
 #include "model/scenes/random.h"
 #include "model/shape/shapes.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
-#include "tests/model/motion/acceleration_mover.h"
+#include "tests/model/motion/mover.h"
 #include "tests/solvers/solvers_under_test.h"
 
 namespace lcpbench {
@@ -28,10 +20,8 @@ TEST(AccelerationMotion, TheSameStartGivesTheSameBits) {
     bodies.push_back(Movable(outline, {-0.4 + 0.4 * (k % 3), -0.6 + 0.45 * std::floor(k / 3.0)}, random.Uniform(0, 6)));
   }
   const World world = WorldWith("bowl", bodies);
-  AccelerationOptions options;
-  options.impact.restitution = 0.3;
-  Mover first(world, options);
-  Mover second(world, options);
+  Mover first(world, WithRestitution(0.3));
+  Mover second(world, WithRestitution(0.3));
   first->Advance(1);
   second->Advance(1);
   EXPECT_EQ(first->status(), MotionStatus::kMoving) << first->detail();
@@ -119,7 +109,7 @@ TEST(AccelerationMotion, EverySolverDrivesIt) {
   reference->Advance(kTime);
   for (const SolverEntry& entry : OwnSolversAndAPeerOfEachLibrary()) {
     if (entry.key == "band-pivoting") continue;  // RefusedProblemsEndAMotion
-    Mover mover(world, {}, entry.key);
+    Mover mover(world, AccelerationOptions{}, entry.key);
     mover->Advance(kTime);
     if (entry.origin != SolverOrigin::kOwn) {
       // A peer may get impacts wrong and stall for it: that is said, and the numbers stay finite.
@@ -136,7 +126,7 @@ TEST(AccelerationMotion, EverySolverDrivesIt) {
 
 TEST(AccelerationMotion, RefusedProblemsEndAMotion) {
   const World world = WorldWith("resting", {Floor(), Movable(Disc(0.1), {0, 0.1})});
-  Mover mover(world, {}, "band-pivoting");  // takes A given as a matrix
+  Mover mover(world, AccelerationOptions{}, "band-pivoting");  // takes A given as a matrix
   mover->Advance(0.1);
   EXPECT_EQ(mover->status(), MotionStatus::kSolverFailed);
   EXPECT_NE(mover->detail().find("does not take problem"), std::string::npos) << mover->detail();

@@ -1,20 +1,13 @@
 // Motion at the acceleration level against exact periods and conserved quantities.
 
-#include <gtest/gtest.h>
-
-#include <array>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/math/special_functions/ellint_1.hpp>
-#include <cmath>
-#include <functional>
-#include <string>
-#include <vector>
 
 #include "model/contact/loads.h"
 #include "model/scenes/random.h"
 #include "model/shape/shapes.h"
 #include "tests/model/contact/momenta.h"
-#include "tests/model/motion/acceleration_mover.h"
+#include "tests/model/motion/mover.h"
 
 namespace lcpbench {
 namespace {
@@ -149,7 +142,7 @@ TEST(AccelerationMotion, BilliardsKeepTheirEnergy) {
     disc.v = 2 * random.InUnitDisc();
     bodies.push_back(disc);
   }
-  Mover mover(WorldWith("billiards, 9 discs", bodies, {}), Elastic());
+  Mover mover(WorldWith("billiards, 9 discs", bodies, {}), WithRestitution(1));
   ExpectConserved(&mover, KineticEnergy(bodies));
   EXPECT_GT(mover->statistics().impacts, 50);
 }
@@ -168,7 +161,7 @@ TEST(AccelerationMotion, FreeBodiesKeepMomentumAndAngularMomentum) {
   }
   World world = WorldWith("free bodies", bodies, {});
   world.loads.attraction = MutualAttraction{.strength = 0.5, .softening = 0.3};
-  Mover mover(world, Elastic());
+  Mover mover(world, WithRestitution(1));
   const Vec2 momentum = Momentum(bodies);
   const double angular = AngularMomentum(bodies);
   const double scale = KineticEnergy(bodies) - PotentialEnergy(world.loads, bodies);
@@ -236,7 +229,7 @@ TEST(AccelerationMotion, ASwingingCradleKeepsItsEnergy) {
     world.joints.push_back(Joint(ConstraintType::kRod, k + 1, {}, 0, {x, 0}, length));
   }
   world.bodies = bodies;
-  Mover mover(world, Elastic());
+  Mover mover(world, WithRestitution(1));
   ExpectConserved(&mover, bodies[1].mass * kG * length * (1 - std::cos(0.8)));
   EXPECT_GE(mover->statistics().impacts, 40);
 }
@@ -288,7 +281,7 @@ TEST(AccelerationMotion, ARoundedBoxTumblesElasticallyWithoutLosingEnergy) {
   Body box = Movable(RoundedBox(0.3, 0.5, 0.12), {0, 0.25});
   box.omega = 1.5;
   const World world = WorldWith("tumbling rounded box", {Floor(), box});
-  Mover mover(world, Elastic());
+  Mover mover(world, WithRestitution(1));
   ExpectConserved(&mover, KineticEnergy(world.bodies), 5);
 }
 

@@ -1,31 +1,13 @@
 // Motions that cannot advance end and say why, and a check ends those that take too long, at both levels.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <memory>
-#include <string>
-#include <vector>
-
-#include "model/motion/make_motion.h"
 #include "model/scenes/random.h"
 #include "model/shape/shapes.h"
-#include "solvers/registry.h"
 #include "support/input_error.h"
 #include "support/process_watch.h"
-#include "tests/model/motion/acceleration_mover.h"
+#include "tests/model/motion/mover.h"
 
 namespace lcpbench {
 namespace {
-
-constexpr MotionLevel kLevels[] = {MotionLevel::kVelocity, MotionLevel::kAcceleration};
-
-struct Started {
-  explicit Started(MotionLevel level, const World& world, const MotionOptions& options = {})
-      : solver(MakeSolver("dantzig")), motion(MakeMotion(level, world, options, *solver)) {}
-  std::unique_ptr<LcpSolver> solver;
-  std::unique_ptr<Motion> motion;
-};
 
 World WithOneBody(Vec2 x, Vec2 v) {
   Body body = Movable(Disc(0.5), x);
@@ -33,24 +15,24 @@ World WithOneBody(Vec2 x, Vec2 v) {
   return WorldWith("one", {Floor(), body}, {});
 }
 
-void ExpectStalled(const Started& started, const std::string& why) {
-  EXPECT_EQ(started.motion->status(), MotionStatus::kStalled);
-  EXPECT_NE(started.motion->detail().find(why), std::string::npos) << started.motion->detail();
+void ExpectStalled(const Mover& mover, const std::string& why) {
+  EXPECT_EQ(mover->status(), MotionStatus::kStalled);
+  EXPECT_NE(mover->detail().find(why), std::string::npos) << mover->detail();
 }
 
 TEST(Advance, ABodyWhoseWayIsBelowTheSpacingOfDoublesEndsTheMotion) {
-  for (const MotionLevel level : kLevels) {
+  for (const MotionLevel level : kBothLevels) {
     for (double far = 1e17; far < 1e31; far *= 1e5) {
       SCOPED_TRACE(far);
-      Started started(level, WithOneBody({1, far}, {0, 1}));
-      started.motion->Advance(0.1);
-      ExpectStalled(started, "below the spacing of doubles at its place");
+      Mover mover(level, WithOneBody({1, far}, {0, 1}));
+      mover->Advance(0.1);
+      ExpectStalled(mover, "below the spacing of doubles at its place");
     }
     // At rest it has nowhere to go, and nearer there is a way.
     for (const World& world : {WithOneBody({1, 1e29}, {}), WithOneBody({1, 1e6}, {0, 1})}) {
-      Started started(level, world);
-      started.motion->Advance(0.1);
-      EXPECT_EQ(started.motion->status(), MotionStatus::kMoving) << started.motion->detail();
+      Mover mover(level, world);
+      mover->Advance(0.1);
+      EXPECT_EQ(mover->status(), MotionStatus::kMoving) << mover->detail();
     }
   }
 }
@@ -59,14 +41,14 @@ TEST(Advance, StepsBelowTheSpacingOfDoublesEndTheMotion) {
   for (const double step : {1e-300, 1e-30, 1e-18}) {
     MotionOptions options;
     options.velocity.step = step;
-    Started started(MotionLevel::kVelocity, WithOneBody({0, 3}, {0, 1}), options);
-    started.motion->Advance(0.05);
-    ExpectStalled(started, "do not advance the time t = 0.05 s");
-    EXPECT_EQ(started.motion->statistics().steps, 0);
+    Mover mover(MotionLevel::kVelocity, WithOneBody({0, 3}, {0, 1}), options);
+    mover->Advance(0.05);
+    ExpectStalled(mover, "do not advance the time t = 0.05 s");
+    EXPECT_EQ(mover->statistics().steps, 0);
   }
-  Started started(MotionLevel::kAcceleration, WithOneBody({0, 3}, {0, 1}));
-  started.motion->Advance(1e25);
-  ExpectStalled(started, "do not advance the time t = 1e+25 s");
+  Mover mover(MotionLevel::kAcceleration, WithOneBody({0, 3}, {0, 1}));
+  mover->Advance(1e25);
+  ExpectStalled(mover, "do not advance the time t = 1e+25 s");
 }
 
 // Past each other at a speed that allows steps of 1e-14 s at most.
@@ -75,10 +57,10 @@ TEST(Advance, SpeedsThatLeaveNoStepEndTheMotion) {
     MotionOptions options;
     options.acceleration.max_events = 200;
     World world = WithOneBody({0, 3}, {speed, 0});
-    Started started(MotionLevel::kAcceleration, world, options);
-    started.motion->Advance(0.05);
-    ExpectStalled(started, "more than 200 events or steps within 1e-04 s");
-    EXPECT_LE(started.motion->statistics().steps, 201);
+    Mover mover(MotionLevel::kAcceleration, world, options);
+    mover->Advance(0.05);
+    ExpectStalled(mover, "more than 200 events or steps within 1e-04 s");
+    EXPECT_LE(mover->statistics().steps, 201);
   }
 }
 
@@ -91,22 +73,22 @@ TEST(Advance, TheSameBodiesThatMeetForASecondEndTheMotion) {
   const World world = WorldWith("zeno", {Floor(), Movable(Disc(0.1), {0, 0.1 + 1e-5})}, {0, -1000});
   constexpr int kLong = 300;
   for (const double seconds : {0.2, 1.1}) {
-    Started started(MotionLevel::kAcceleration, world, options);
-    const MotionStatistics& statistics = started.motion->statistics();
+    Mover mover(MotionLevel::kAcceleration, world, options);
+    const MotionStatistics& statistics = mover->statistics();
     bool waited = false;
-    started.motion->set_check([&] {
+    mover->set_check([&] {
       if (waited || statistics.impacts < kLong) return;
       waited = true;
       for (const double until = ThreadTime() + seconds; ThreadTime() < until;) {
       }
     });
-    started.motion->Advance(1e-3);
+    mover->Advance(1e-3);
     EXPECT_TRUE(waited);
     if (seconds < 1) {
-      EXPECT_EQ(started.motion->status(), MotionStatus::kMoving) << started.motion->detail();
+      EXPECT_EQ(mover->status(), MotionStatus::kMoving) << mover->detail();
     } else {
-      ExpectStalled(started, " events or steps within 1e-04 s and 1 s of processor time at t = 0.0004");
-      ExpectStalled(started, "the last to meet or part: 'floor' (edge 0) and 'disc' (edge 0)");
+      ExpectStalled(mover, " events or steps within 1e-04 s and 1 s of processor time at t = 0.0004");
+      ExpectStalled(mover, "the last to meet or part: 'floor' (edge 0) and 'disc' (edge 0)");
       EXPECT_LE(statistics.impacts, kLong + 1);
     }
   }
@@ -134,14 +116,14 @@ TEST(Advance, ExtremeWorldsComeToAnEnd) {
     World world = WorldWith("extreme", bodies, {0, -std::abs(number(kG))});
     if (k % 3 == 0) world.loads.springs.push_back({{1, {}}, {2, {0.1, 0}}, std::abs(number(100)), 1});
     if (k % 4 == 0) world.joints.push_back(Joint(ConstraintType::kRope, 1, {}, 3, {}, std::abs(number(2))));
-    for (const MotionLevel level : kLevels) {
+    for (const MotionLevel level : kBothLevels) {
       MotionOptions options;
       options.acceleration.max_events = 20;
       options.acceleration.lcp.time_limit_s = options.velocity.lcp.time_limit_s = 1;
       try {
-        Started started(level, world, options);
-        started.motion->Advance(1e-2);
-        EXPECT_EQ(started.motion->status() == MotionStatus::kMoving, started.motion->detail().empty());
+        Mover mover(level, world, options);
+        mover->Advance(1e-2);
+        EXPECT_EQ(mover->status() == MotionStatus::kMoving, mover->detail().empty());
         ++ended;
       } catch (const InputError&) {  // geometry that is singular there
       }
@@ -156,16 +138,16 @@ TEST(Advance, ACheckEndsAMotionWithinAStep) {
   GearShape gear;
   gear.teeth = 60;
   World gears = WorldWith("gears", {Movable(Gear(gear), {}), Movable(Gear(gear), {1.5, 1.5})}, {});
-  for (const MotionLevel level : kLevels) {
+  for (const MotionLevel level : kBothLevels) {
     for (const World& world : {WithOneBody({0, 3}, {1, 0}), gears}) {
       int left = 0;
       for (const int calls : {0, 1, 2}) {
-        Started started(level, world);
+        Mover mover(level, world);
         left = calls;
-        started.motion->set_check([&left] {
+        mover->set_check([&left] {
           if (left-- == 0) throw Over();
         });
-        EXPECT_THROW(started.motion->Advance(0.1), Over) << calls;
+        EXPECT_THROW(mover->Advance(0.1), Over) << calls;
       }
     }
   }

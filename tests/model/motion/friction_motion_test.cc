@@ -1,13 +1,4 @@
 // Motion with friction at the velocity level: docs/friction.md section 9.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <memory>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "model/motion/acceleration_motion.h"
 #include "model/motion/velocity_motion.h"
@@ -18,36 +9,30 @@
 #include "model/scenes/scene.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
+#include "tests/model/motion/mover.h"
 
 namespace lcpbench {
 namespace {
 
-struct Driven {
-  Driven(const World& world, double step, std::string_view key, VelocityOptions options = {})
-      : solver(MakeSolver(key)) {
-    options.step = step;
-    options.lcp.tolerance = 1e-12;
-    options.lcp.max_iterations = key == "pgs" ? 100'000 : 0;
-    motion = MakeVelocityMotion(world, options, *solver);
-  }
-  const Body& body(std::size_t i) const { return motion->world().bodies[i]; }
-
-  std::unique_ptr<LcpSolver> solver;
-  std::unique_ptr<Motion> motion;
-};
+Mover Drive(const World& world, double step, std::string_view key, VelocityOptions options = {}) {
+  options.step = step;
+  options.lcp.tolerance = 1e-12;
+  options.lcp.max_iterations = key == "pgs" ? 100'000 : 0;
+  return {world, options, key};
+}
 
 // x = g sin(slope) t^2 / 3, the step's error t h / 3 g sin(slope) included.
 TEST(FrictionMotion, RollsADiscToTheOrderOfTheStep) {
   const double slope = 0.3;
   for (const int steps : {25, 50, 100}) {
     const double h = 1.0 / steps;
-    Driven driven(WorldOf(DiscsOnSlope(1, slope, 0.3, 0)), h, "pgs");
+    const Mover driven = Drive(WorldOf(DiscsOnSlope(1, slope, 0.3, 0)), h, "pgs");
     const Vec2 from = driven.body(1).x;
-    driven.motion->Advance(1);
+    driven->Advance(1);
     const double way = Norm(driven.body(1).x - from);
     EXPECT_NEAR(way, kGravity * std::sin(slope) / 3 * (1 + h), 1e-9);
     EXPECT_NEAR(driven.body(1).theta, -slope - way / 0.5, 1e-9);
-    EXPECT_LT(driven.motion->statistics().worst_penetration, 1e-12);
+    EXPECT_LT(driven->statistics().worst_penetration, 1e-12);
   }
 }
 
@@ -59,7 +44,7 @@ TEST(FrictionMotion, KeepsTheEnergyLawInEveryStep) {
        {"slope-stacks", "rolling-discs", "ladders", "wheel-step", "ovals-rocking", "three-discs", "pyramids",
         "card-house", "drum", "capstan", "pulled-chain", "gears-friction", "cam-lock", "wedge-jam", "voussoir-arch"}) {
     SCOPED_TRACE(key);
-    Driven driven(StartScene(key, 24, 5), kStep, "auto");
+    const Mover driven = Drive(StartScene(key, 24, 5), kStep, "auto");
     int steps = 0;
     double before = 0;  // T(v^) of the step that was met last
     double expected = 0;
@@ -73,7 +58,7 @@ TEST(FrictionMotion, KeepsTheEnergyLawInEveryStep) {
       }
       return sum;
     };
-    driven.motion->set_observer([&](const MotionProblem& met) {
+    driven->set_observer([&](const MotionProblem& met) {
       const LcpProblem& problem = met.problem;
       const Eigen::VectorXd& f = met.result.f;
       if (met.result.status != LcpStatus::kSolved) return;
@@ -98,10 +83,10 @@ TEST(FrictionMotion, KeepsTheEnergyLawInEveryStep) {
     });
     for (int k = 0; k < 20; ++k) {
       const int met = steps;
-      driven.motion->Advance(kStep);
-      ASSERT_EQ(driven.motion->status(), MotionStatus::kMoving) << driven.motion->detail();
+      driven->Advance(kStep);
+      ASSERT_EQ(driven->status(), MotionStatus::kMoving) << driven->detail();
       if (steps == met) continue;
-      const std::vector<Body>& bodies = driven.motion->world().bodies;
+      const std::vector<Body>& bodies = driven->world().bodies;
       EXPECT_NEAR(energy(bodies, FreeVelocity(bodies, 0)) - before, expected, 1e-8 * (scale + 1e-6)) << k;
     }
     in_all += steps;
@@ -117,9 +102,9 @@ TEST(FrictionMotion, KeepsWhatRestsWhereItIs) {
                                      WorldOf(Ladders(2, 1.2, 0.5)),
                                      WorldOf(LockedCams(1, 0.3, 3, 0.6))};
   for (const World& world : scenes) {
-    Driven driven(world, 1.0 / 60, "auto");
-    driven.motion->Advance(2);
-    ASSERT_EQ(driven.motion->status(), MotionStatus::kMoving) << driven.motion->detail();
+    const Mover driven = Drive(world, 1.0 / 60, "auto");
+    driven->Advance(2);
+    ASSERT_EQ(driven->status(), MotionStatus::kMoving) << driven->detail();
     double creep = 0;
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
       creep = std::max(creep, Norm(driven.body(i).x - world.bodies[i].x));
@@ -131,10 +116,10 @@ TEST(FrictionMotion, KeepsWhatRestsWhereItIs) {
 // Under weights alone and at constant speed: no body gets so fast that a step takes it through the wall.
 TEST(FrictionMotion, KeepsBodiesInATurningDrumAtItsOwnStep) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    Driven driven(StartScene("drum", 20, seed), FindScene("drum").step, "auto");
+    const Mover driven = Drive(StartScene("drum", 20, seed), FindScene("drum").step, "auto");
     const double omega = driven.body(0).omega;
-    driven.motion->Advance(2);
-    EXPECT_EQ(driven.motion->status(), MotionStatus::kMoving) << seed << " " << driven.motion->detail();
+    driven->Advance(2);
+    EXPECT_EQ(driven->status(), MotionStatus::kMoving) << seed << " " << driven->detail();
     EXPECT_EQ(driven.body(0).omega, omega);
   }
 }
@@ -144,18 +129,18 @@ TEST(FrictionMotion, StopsASlidingBoxWhereFrictionHasTakenItsEnergy) {
   World world = WorldOf(SlopeStacks(1, 1, 0, mu, 2, 1));
   world.bodies[1].v = {3, 0};
   const double h = 0.001;
-  Driven driven(world, h, "pgs");
-  driven.motion->Advance(2);
+  const Mover driven = Drive(world, h, "pgs");
+  driven->Advance(2);
   EXPECT_NEAR(driven.body(1).x.x, 9 / (2 * mu * kGravity), 3 * h);
   EXPECT_NEAR(driven.body(1).v.x, 0, 1e-12);
   EXPECT_NEAR(driven.body(1).x.y, 0.5, 1e-12);
 }
 
 TEST(FrictionMotion, EndsWhereTheSolverTakesNoFriction) {
-  Driven driven(WorldOf(Ladders(1, 1.2, 0.5)), 0.01, "dantzig");
-  driven.motion->Advance(0.1);
-  EXPECT_EQ(driven.motion->status(), MotionStatus::kSolverFailed);
-  EXPECT_NE(driven.motion->detail().find("friction rows"), std::string::npos) << driven.motion->detail();
+  const Mover driven = Drive(WorldOf(Ladders(1, 1.2, 0.5)), 0.01, "dantzig");
+  driven->Advance(0.1);
+  EXPECT_EQ(driven->status(), MotionStatus::kSolverFailed);
+  EXPECT_NE(driven->detail().find("friction rows"), std::string::npos) << driven->detail();
   const std::unique_ptr<LcpSolver> solver = MakeSolver("dantzig");
   EXPECT_THROW(MakeAccelerationMotion(WorldOf(Ladders(1, 1.2, 0.5)), {}, *solver), InputError);
 }
@@ -165,13 +150,13 @@ TEST(FrictionMotion, StartsFromTheTangentialForcesOfTheStepBefore) {
   for (const bool warm : {true, false}) {
     VelocityOptions options;
     options.warm_start = warm;
-    Driven driven(WorldOf(SlopeStacks(2, 3, 0.3, 0.6, 4, 0.5)), 0.01, "pgs", options);
+    const Mover driven = Drive(WorldOf(SlopeStacks(2, 3, 0.3, 0.6, 4, 0.5)), 0.01, "pgs", options);
     sweeps.push_back(0);
     int step = 0;
-    driven.motion->set_observer([&](const MotionProblem& met) {
+    driven->set_observer([&](const MotionProblem& met) {
       if (++step > 1) sweeps.back() += met.result.iterations;
     });
-    driven.motion->Advance(0.2);
+    driven->Advance(0.2);
   }
   EXPECT_LT(10 * sweeps[0], sweeps[1]);
 }
@@ -184,13 +169,13 @@ TEST(FrictionMotion, RepeatsAStepThatDepthMakesUnsolvable) {
                   MakeDisc({}, 0.5, 10)};
   for (Body& body : world.bodies) body.friction = 0.5;
   world.loads.gravity = {0, -kGravity};
-  Driven driven(world, 0.01, "relaxation");
+  const Mover driven = Drive(world, 0.01, "relaxation");
   std::vector<std::string> ids;
-  driven.motion->set_observer([&](const MotionProblem& met) { ids.push_back(met.problem.id()); });
-  driven.motion->Advance(0.01);
+  driven->set_observer([&](const MotionProblem& met) { ids.push_back(met.problem.id()); });
+  driven->Advance(0.01);
   ASSERT_EQ(ids.size(), 2u);
   EXPECT_EQ(ids[1], "squeezed-step0-without-depth");
-  EXPECT_EQ(driven.motion->status(), MotionStatus::kMoving);
+  EXPECT_EQ(driven->status(), MotionStatus::kMoving);
 }
 
 }  // namespace

@@ -1,17 +1,9 @@
 // Pairs of involute gears, which keep a constant ratio of speeds: one gear turns, the other follows. While two pairs of
 // teeth bear, their contacts meet, part and pass on at speeds of the flanks' fit, far below eps_v.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <utility>
-#include <vector>
-
 #include "model/contact/world.h"
 #include "model/scenes/parts.h"
-#include "tests/model/motion/acceleration_mover.h"
+#include "tests/model/motion/mover.h"
 
 namespace lcpbench {
 namespace {

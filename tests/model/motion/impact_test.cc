@@ -1,11 +1,5 @@
 #include "model/motion/impact.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <memory>
-#include <vector>
-
 #include "model/contact/loads.h"
 #include "model/scenes/parts.h"
 #include "model/scenes/random.h"

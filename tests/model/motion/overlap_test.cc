@@ -1,21 +1,11 @@
 // Bodies that overlap: how deep, by their outlines alone, and what motions of either level make of it.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "model/motion/contact_finder.h"
 #include "model/motion/make_motion.h"
 #include "model/shape/shapes.h"
 #include "solvers/registry.h"
 #include "tests/model/contact/random_contacts.h"
-#include "tests/model/motion/acceleration_mover.h"
+#include "tests/model/motion/mover.h"
 #include "tests/model/shape/random_outlines.h"
 #include "tests/support/refusal.h"
 
@@ -41,12 +31,11 @@ std::optional<BodyOverlap> DeepestOverlap(const World& world, double limit) {
 
 // What a motion says of its start; "" where it takes it.
 std::string RefusalAt(MotionLevel level, const World& world) {
-  const auto solver = MakeSolver("dantzig");
-  return RefusalOf([&] { MakeMotion(level, world, {}, *solver); });
+  return RefusalOf([&] { Mover(level, world); });
 }
 
 void ExpectRefusedAtBothLevels(const World& world) {
-  for (const MotionLevel level : {MotionLevel::kAcceleration, MotionLevel::kVelocity}) {
+  for (const MotionLevel level : kBothLevels) {
     const std::string refusal = RefusalAt(level, world);
     EXPECT_NE(refusal.find("overlap by"), std::string::npos) << ToString(level) << ": " << refusal;
     EXPECT_NE(refusal.find("(edge "), std::string::npos) << refusal;
@@ -117,9 +106,8 @@ TEST_P(PairsThatOverlap, AreToldByTheirDepthAndTreatedOrRefused) {
     EXPECT_EQ(refusal != "", depth > 1e-5) << refusal;
     EXPECT_EQ(RefusalAt(MotionLevel::kVelocity, world), "");
     // What is taken is told as deep as it is.
-    const auto solver = MakeSolver("dantzig");
     world.loads.gravity = {};
-    const auto motion = MakeMotion(MotionLevel::kVelocity, world, {}, *solver);
+    const Mover motion(MotionLevel::kVelocity, world);
     motion->Advance(1e-3);
     EXPECT_EQ(motion->status(), MotionStatus::kMoving) << motion->detail();
     EXPECT_NEAR(motion->statistics().worst_penetration, depth, 1e-5 * depth + 1e-14);
@@ -127,7 +115,7 @@ TEST_P(PairsThatOverlap, AreToldByTheirDepthAndTreatedOrRefused) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, PairsThatOverlap, ::testing::ValuesIn(AllPairKinds()),
-                         [](const auto& of) { return of.param.name; });
+                         ::testing::PrintToStringParamName());
 
 std::vector<Outline> Shapes(Random* random) {
   std::vector<Outline> shapes = {Disc(0.3),          Box(0.7, 0.4),     RoundedBox(0.6, 0.4, 0.1),
@@ -307,14 +295,13 @@ TEST(Overlap, OfABodyBetweenWallsThatCloseEndsTheMotion) {
   left.v = {0.1, 0};
   right.v = {-0.1, 0};
   const World world = WorldWith("press", {left, right, Movable(Disc(0.1), {})}, {});
-  const auto solver = MakeSolver("dantzig");
-  const auto motion = MakeMotion(MotionLevel::kVelocity, world, {}, *solver);
+  const Mover motion(MotionLevel::kVelocity, world);
   motion->Advance(1);
   EXPECT_EQ(motion->status(), MotionStatus::kOverlap) << motion->detail();
   EXPECT_NEAR(motion->time(), 0.6, 0.05);
   EXPECT_NEAR(motion->statistics().worst_penetration, 0.05, 0.005);
   // The acceleration level never gets there.
-  const auto stuck = MakeMotion(MotionLevel::kAcceleration, world, {}, *solver);
+  const Mover stuck(world);
   stuck->Advance(1);
   EXPECT_NE(stuck->status(), MotionStatus::kMoving);
 }
@@ -333,11 +320,9 @@ TEST(Overlap, OfAFewTolerancesIsHeldWithoutAGainOfEnergy) {
 TEST(Overlap, OfUpToAQuarterWidthIsProjectedOutAtTheVelocityLevel) {
   for (const double part : {1e-9, 1e-4, 0.01, 0.1, 0.24}) {
     const double depth = part * 0.2;
-    const auto solver = MakeSolver("dantzig");
-    World world = WorldWith("parts", {Floor(), Movable(Disc(0.1), {0, 0.1 - depth})}, {});
-    const auto motion = MakeMotion(MotionLevel::kVelocity, world, {}, *solver);
+    const Mover motion(MotionLevel::kVelocity, WorldWith("parts", {Floor(), Movable(Disc(0.1), {0, 0.1 - depth})}, {}));
     motion->Advance(0.1);
-    EXPECT_GE(motion->world().bodies[1].x.y, 0.1 - 1e-12) << part;
+    EXPECT_GE(motion.body(1).x.y, 0.1 - 1e-12) << part;
     EXPECT_NEAR(motion->statistics().worst_penetration, depth, 1e-9 * depth + 1e-15);
   }
   World world = WorldWith("deep", {Floor(), Movable(Disc(0.1), {0, 0.1 - 0.26 * 0.2})}, {});

@@ -1,30 +1,17 @@
 // Beads on paths with ends, at both levels: without loads a bead keeps its speed, so that it is at the end of a path
 // after the path's length over that speed; at joins it goes on, at kinks the motion ends.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <memory>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "model/contact/path.h"
-#include "model/motion/make_motion.h"
 #include "model/scene_file/scene_file.h"
 #include "model/scenes/random.h"
 #include "model/shape/shapes.h"
-#include "solvers/registry.h"
 #include "support/input_error.h"
-#include "tests/model/motion/acceleration_mover.h"
+#include "tests/model/motion/mover.h"
 #include "tests/support/refusal.h"
 
 namespace lcpbench {
 namespace {
 
-constexpr MotionLevel kBothLevels[] = {MotionLevel::kVelocity, MotionLevel::kAcceleration};
 constexpr double kStep = 1e-3;  // of the velocity level
 
 using Path = std::vector<OutlineEdge>;
@@ -100,16 +87,6 @@ World WorldOf(const Bead& bead, Random* random, Vec2 gravity = {}) {
   return world;
 }
 
-struct Ride {
-  Ride(MotionLevel level, const World& world) : solver(MakeSolver("dantzig")) {
-    MotionOptions options;
-    options.velocity.step = kStep;
-    motion = MakeMotion(level, world, options, *solver);
-  }
-  std::unique_ptr<LcpSolver> solver;
-  std::unique_ptr<Motion> motion;
-};
-
 /// The bead comes to its end at its time and place, at either level, and no further.
 void ExpectEnd(const Bead& bead, const std::string& word, Random* random) {
   const World world = WorldOf(bead, random);
@@ -117,22 +94,22 @@ void ExpectEnd(const Bead& bead, const std::string& word, Random* random) {
   const double due = WayToEnd(bead) / speed;
   for (const MotionLevel level : kBothLevels) {
     SCOPED_TRACE(ToString(level));
-    Ride ride(level, world);
-    ride.motion->Advance(due + 1);
-    EXPECT_EQ(ride.motion->status(), MotionStatus::kPathEnd);
-    EXPECT_NE(ride.motion->detail().find(word), std::string::npos) << ride.motion->detail();
-    const World& end = ride.motion->world();
+    Mover ride(level, world);
+    ride->Advance(due + 1);
+    EXPECT_EQ(ride->status(), MotionStatus::kPathEnd);
+    EXPECT_NE(ride->detail().find(word), std::string::npos) << ride->detail();
+    const World& end = ride->world();
     const Vec2 place = WorldPoint(end.bodies[0], EndOf(bead));
     const bool exact = level == MotionLevel::kAcceleration;
     // Stepping in time loses speed on curves, and stops within the step before.
     const double late = exact ? 1e-7 * due + 1e-8 : kStep + 0.01 * due;
-    EXPECT_NEAR(ride.motion->time(), due, late);
+    EXPECT_NEAR(ride->time(), due, late);
     EXPECT_LE(Norm(end.bodies[1].x - place), exact ? 1e-6 : 1.5 * kStep * speed + 1e-4);
     EXPECT_NEAR(Norm(end.bodies[1].v - end.bodies[0].v), speed, (exact ? 1e-8 : 0.02) * speed);
     // It stays ended.
-    const double time = ride.motion->time();
-    ride.motion->Advance(0.1);
-    EXPECT_EQ(ride.motion->time(), time);
+    const double time = ride->time();
+    ride->Advance(0.1);
+    EXPECT_EQ(ride->time(), time);
   }
 }
 
@@ -229,18 +206,18 @@ TEST(PathEnds, BeadsOnSmoothChainsKeepTheirEnergyUnderGravity) {
     bead.piece = 2;
     bead.speed = random.Uniform(-1, 1);
     const World world = WorldOf(bead, &random, {0, -kG});
-    Ride ride(MotionLevel::kAcceleration, world);
+    Mover ride(MotionLevel::kAcceleration, world);
     std::size_t piece = bead.piece;
     const double energy = Energy(world);
-    for (int frame = 0; frame < 60 && ride.motion->status() == MotionStatus::kMoving; ++frame) {
-      ride.motion->Advance(0.02);
-      const World& now = ride.motion->world();
+    for (int frame = 0; frame < 60 && ride->status() == MotionStatus::kMoving; ++frame) {
+      ride->Advance(0.02);
+      const World& now = ride->world();
       EXPECT_NEAR(Energy(now), energy, 1e-8 * world.bodies[1].mass * kG);
       passages += now.joints[0].piece == piece ? 0 : 1;
       piece = now.joints[0].piece;
     }
-    EXPECT_NE(ride.motion->status(), MotionStatus::kStalled) << ride.motion->detail();
-    EXPECT_LE(ride.motion->statistics().worst_joint_error, 1e-6);
+    EXPECT_NE(ride->status(), MotionStatus::kStalled) << ride->detail();
+    EXPECT_LE(ride->statistics().worst_joint_error, 1e-6);
   }
   EXPECT_GE(passages, 20);
 }
@@ -282,17 +259,16 @@ TEST(PathEnds, ABeadRunsRoundAndRoundInASlot) {
     const World world = WorldOf(bead, &random);
     for (const MotionLevel level : kBothLevels) {
       SCOPED_TRACE(ToString(level));
-      Ride ride(level, world);
+      Mover ride(level, world);
       const double speed = std::abs(bead.speed);
       for (int frame = 1; frame <= 10; ++frame) {
-        ride.motion->Advance(0.25 * around / speed);
-        ASSERT_EQ(ride.motion->status(), MotionStatus::kMoving) << ride.motion->detail();
-        const double way = std::fmod(bead.share * length + bead.speed * ride.motion->time() + 3 * around, around);
+        ride->Advance(0.25 * around / speed);
+        ASSERT_EQ(ride->status(), MotionStatus::kMoving) << ride->detail();
+        const double way = std::fmod(bead.share * length + bead.speed * ride->time() + 3 * around, around);
         const Vec2 place = WorldPoint(world.bodies[0], PlaceInSlot(bead.path, way));
         const double tolerance =
             level == MotionLevel::kVelocity ? 0.05 * frame * around * kStep * speed / radius : 1e-6;
-        EXPECT_LE(Norm(ride.motion->world().bodies[1].x - place),
-                  tolerance + (level == MotionLevel::kVelocity ? 1e-2 : 0));
+        EXPECT_LE(Norm(ride.body(1).x - place), tolerance + (level == MotionLevel::kVelocity ? 1e-2 : 0));
       }
     }
   }
@@ -315,87 +291,81 @@ TEST(PathEnds, AKinkEndsTheMotionAndATurnBelowItDoesNot) {
     const World world = WorldOf(bead, &random);
     for (const MotionLevel level : kBothLevels) {
       SCOPED_TRACE(ToString(level));
-      Ride ride(level, world);
-      ride.motion->Advance(2);
-      EXPECT_EQ(ride.motion->status(), MotionStatus::kPathEnd);
-      EXPECT_NE(ride.motion->detail().find("comes to a kink of "), std::string::npos) << ride.motion->detail();
-      EXPECT_NEAR(ride.motion->time(), due, level == MotionLevel::kVelocity ? 1.5 * kStep : 1e-7);
-      EXPECT_LE(Norm(ride.motion->world().bodies[1].x - world.bodies[0].x), 2 * kStep);
+      Mover ride(level, world);
+      ride->Advance(2);
+      EXPECT_EQ(ride->status(), MotionStatus::kPathEnd);
+      EXPECT_NE(ride->detail().find("comes to a kink of "), std::string::npos) << ride->detail();
+      EXPECT_NEAR(ride->time(), due, level == MotionLevel::kVelocity ? 1.5 * kStep : 1e-7);
+      EXPECT_LE(Norm(ride.body(1).x - world.bodies[0].x), 2 * kStep);
     }
     const Rotation slight = SinCos(1e-7);
     bead.path[1] = {StraightEdge{{0, 0}, {slight.cos, slight.sin}}, 0, 1};
-    Ride ride(MotionLevel::kAcceleration, WorldOf(bead, &random));
-    ride.motion->Advance(0.9);
-    EXPECT_EQ(ride.motion->status(), MotionStatus::kMoving) << ride.motion->detail();
-    EXPECT_NE(ride.motion->world().joints[0].piece, bead.piece);
+    Mover ride(MotionLevel::kAcceleration, WorldOf(bead, &random));
+    ride->Advance(0.9);
+    EXPECT_EQ(ride->status(), MotionStatus::kMoving) << ride->detail();
+    EXPECT_NE(ride->world().joints[0].piece, bead.piece);
   }
 }
+
+/// A bead at x on a path joint to an edge of an anchor, with the path or without one.
+World OnEdge(const Feature& edge, const Path& path, Vec2 x = {}, Vec2 gravity = {}) {
+  World world = WorldWith("on an edge", {Anchor(), Movable(Disc(0.05), x)}, gravity);
+  world.joints = {Joint(ConstraintType::kPathJoint, 1, {}, 0, {})};
+  world.joints[0].feature2 = edge;
+  world.joints[0].path = path;
+  return world;
+}
+
+const StraightEdge kUpwards{{0, -1}, {0, 1}};
 
 // Thrown up a slope, a bead turns a little before the end or a little behind it; a step may span both passages.
 TEST(PathEnds, ABeadThatTurnsBehindTheEndDoesNotComeBack) {
   for (const double height : {-1e-2, -1e-4, -1e-6, 1e-6, 1e-4, 1e-2}) {
     SCOPED_TRACE(height);
-    World world = WorldWith("thrown", {Anchor(), Movable(Disc(0.05), {0, 0})});
-    Constraint joint = Joint(ConstraintType::kPathJoint, 1, {}, 0, {});
-    joint.path = {{StraightEdge{{0, -1}, {0, 1}}, 0, 1}};
-    joint.feature2 = StraightEdge{{0, -1}, {0, 1}};
-    world.joints = {joint};
+    World world = OnEdge(kUpwards, {{kUpwards, 0, 1}}, {}, {0, -kG});
     const double speed = std::sqrt(2 * kG * (1 + height));
     world.bodies[1].v = {0, speed};
-    Ride ride(MotionLevel::kAcceleration, world);
-    ride.motion->Advance(2 * speed / kG);
+    Mover ride(MotionLevel::kAcceleration, world);
+    ride->Advance(2 * speed / kG);
     if (height > 0) {
-      EXPECT_EQ(ride.motion->status(), MotionStatus::kPathEnd);
-      EXPECT_NEAR(ride.motion->world().bodies[1].x.y, 1, 1e-8);
+      EXPECT_EQ(ride->status(), MotionStatus::kPathEnd);
+      EXPECT_NEAR(ride.body(1).x.y, 1, 1e-8);
     } else {
-      EXPECT_EQ(ride.motion->status(), MotionStatus::kMoving) << ride.motion->detail();
-      EXPECT_NEAR(ride.motion->world().bodies[1].x.y, 0, 1e-9);
+      EXPECT_EQ(ride->status(), MotionStatus::kMoving) << ride->detail();
+      EXPECT_NEAR(ride.body(1).x.y, 0, 1e-9);
     }
   }
 }
 
 TEST(PathEnds, ABezierCurveWithoutAPathHasItsOwnEnds) {
   const BezierEdge bezier{{{{0, 0}, {1, 0}, {2, 1}, {3, 1}}}};
-  World world = WorldWith("bezier", {Anchor(), Movable(Disc(0.05), {0, 0})}, {});
-  Constraint joint = Joint(ConstraintType::kPathJoint, 1, {}, 0, {});
-  joint.feature2 = bezier;
-  world.joints = {joint};
-  world.bodies[1].x = bezier.Point(0.5);
+  World world = OnEdge(bezier, {}, bezier.Point(0.5));
   world.bodies[1].v = 2 * Unit(bezier.Direction(0.5));
   const double due = LengthOf({bezier, 0, 1}, 0.5, 1) / 2;
   for (const MotionLevel level : kBothLevels) {
-    Ride ride(level, world);
-    ride.motion->Advance(2 * due);
-    EXPECT_EQ(ride.motion->status(), MotionStatus::kPathEnd);
-    EXPECT_NEAR(ride.motion->time(), due, level == MotionLevel::kVelocity ? 0.01 : 1e-7);
+    Mover ride(level, world);
+    ride->Advance(2 * due);
+    EXPECT_EQ(ride->status(), MotionStatus::kPathEnd);
+    EXPECT_NEAR(ride->time(), due, level == MotionLevel::kVelocity ? 0.01 : 1e-7);
   }
 }
 
 TEST(PathEnds, AStartBeyondAnEndIsRefused) {
-  World world = WorldWith("beyond", {Anchor(), Movable(Disc(0.05), {0, 2})}, {});
-  Constraint joint = Joint(ConstraintType::kPathJoint, 1, {}, 0, {});
-  joint.path = {{StraightEdge{{0, -1}, {0, 1}}, 0, 1}};
-  joint.feature2 = StraightEdge{{0, -1}, {0, 1}};
-  world.joints = {joint};
-  for (const MotionLevel level : kBothLevels) EXPECT_THROW(Ride(level, world), InputError);
+  World world = OnEdge(kUpwards, {{kUpwards, 0, 1}}, {0, 2});
+  for (const MotionLevel level : kBothLevels) EXPECT_THROW(Mover(level, world), InputError);
   // At the very end it may start.
   world.bodies[1].x = {0, 1};
   world.bodies[1].v = {0, -1};
   for (const MotionLevel level : kBothLevels) {
-    Ride ride(level, world);
-    ride.motion->Advance(1);
-    EXPECT_EQ(ride.motion->status(), MotionStatus::kMoving);
-    EXPECT_NEAR(ride.motion->world().bodies[1].x.y, 0, 1e-9);
+    Mover ride(level, world);
+    ride->Advance(1);
+    EXPECT_EQ(ride->status(), MotionStatus::kMoving);
+    EXPECT_NEAR(ride.body(1).x.y, 0, 1e-9);
   }
 }
 
 TEST(PathEnds, InvalidPathsAreRefused) {
-  World world = WorldWith("invalid", {Anchor(), Movable(Disc(0.05), {0, 0})}, {});
-  Constraint joint = Joint(ConstraintType::kPathJoint, 1, {}, 0, {});
-  const StraightEdge edge{{0, -1}, {0, 1}};
-  joint.feature2 = edge;
-  joint.path = {{edge, 0, 1}, {StraightEdge{{0, 1}, {1, 1}}, 0, 1}};
-  world.joints = {joint};
+  const World world = OnEdge(kUpwards, {{kUpwards, 0, 1}, {StraightEdge{{0, 1}, {1, 1}}, 0, 1}});
   EXPECT_NO_THROW(RequireValid(world));
   const std::vector<std::pair<std::string, std::function<void(Constraint*)>>> changes = {
       {"only a path joint", [](Constraint* c) { c->type = ConstraintType::kRod; }},

@@ -1,20 +1,10 @@
 #include "model/motion/contact_finder.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <memory>
-#include <variant>
-#include <vector>
-
 #include "model/geometry/feature.h"
-#include "model/motion/make_motion.h"
 #include "model/scenes/parts.h"
 #include "model/scenes/random.h"
 #include "model/scenes/scene.h"
-#include "solvers/registry.h"
+#include "tests/model/motion/mover.h"
 
 namespace lcpbench {
 namespace {
@@ -77,11 +67,10 @@ TEST(PathJoints, AreFoundWhereNoStartIsGivenAndOthersAreLeftAlone) {
 
 // A train moves by a good part of its track: both levels give back a world whose joints say where they are.
 TEST(PathJoints, KeepTheirPlaceInMotionAtBothLevels) {
-  for (const MotionLevel level : {MotionLevel::kVelocity, MotionLevel::kAcceleration}) {
+  for (const MotionLevel level : kBothLevels) {
     for (const std::uint64_t seed : {1ULL, 2ULL}) {
       const World world = StartScene("oval-train", 5, seed);
-      const auto solver = MakeSolver("dantzig");
-      const std::unique_ptr<Motion> motion = MakeMotion(level, world, {}, *solver);
+      const Mover motion(level, world);
       motion->Advance(0.3);
       ASSERT_EQ(motion->status(), MotionStatus::kMoving) << motion->detail();
       int joints = 0;

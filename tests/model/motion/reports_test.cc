@@ -1,14 +1,7 @@
 // Scenes that were right when people asked about their like elsewhere, and must stay so.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <string>
-
-#include "model/motion/make_motion.h"
 #include "model/scene_file/scene_file.h"
-#include "model/scenes/parts.h"
-#include "solvers/registry.h"
+#include "tests/model/motion/mover.h"
 
 namespace lcpbench {
 namespace {
@@ -19,8 +12,7 @@ World Report(const std::string& name) {
 
 // A disc passes from a slope into an arc: the curvature of its way, and with it the force, jumps.
 TEST(Reports, TheForceJumpsWhereASlopeJoinsAnArc) {
-  const auto solver = MakeSolver("dantzig");
-  const auto motion = MakeMotion(MotionLevel::kAcceleration, Report("slope-jump"), {}, *solver);
+  const Mover motion(Report("slope-jump"));
   double greatest = 0;
   double before = 0;
   double after = 0;
@@ -41,15 +33,14 @@ TEST(Reports, TheForceJumpsWhereASlopeJoinsAnArc) {
 
 // The box slides over a convex break of the ground: it leaves it, and meets nothing before it falls down behind.
 TEST(Reports, ABreakInTheGroundStopsNothing) {
-  const auto solver = MakeSolver("dantzig");
-  const auto motion = MakeMotion(MotionLevel::kAcceleration, Report("ghost-break"), {}, *solver);
+  const Mover motion(Report("ghost-break"));
   motion->Advance(1);
-  EXPECT_NEAR(motion->world().bodies[1].x.x, 0, 1e-9);
-  EXPECT_NEAR(motion->world().bodies[1].v.x, 1, 1e-9);
-  EXPECT_NEAR(motion->world().bodies[1].x.y, 0.2, 1e-9);
+  EXPECT_NEAR(motion.body(1).x.x, 0, 1e-9);
+  EXPECT_NEAR(motion.body(1).v.x, 1, 1e-9);
+  EXPECT_NEAR(motion.body(1).x.y, 0.2, 1e-9);
   motion->Advance(0.1);
   EXPECT_EQ(motion->statistics().impacts, 0);
-  EXPECT_GE(motion->world().bodies[1].v.x, 1 - 1e-9);
+  EXPECT_GE(motion.body(1).v.x, 1 - 1e-9);
 }
 
 }  // namespace

@@ -1,42 +1,29 @@
 // A rope whose ends coincide has no direction, and needs none: it is slack.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "model/contact/contact_row.h"
-#include "model/motion/make_motion.h"
 #include "model/scene_file/scene_file.h"
 #include "model/scenes/random.h"
 #include "model/shape/shapes.h"
-#include "solvers/registry.h"
 #include "support/input_error.h"
-#include "tests/model/motion/acceleration_mover.h"
+#include "tests/model/motion/mover.h"
 
 namespace lcpbench {
 namespace {
 
-constexpr MotionLevel kLevelsOfRopes[] = {MotionLevel::kVelocity, MotionLevel::kAcceleration};
-
 TEST(Ropes, ABallThatStartsAtItsHookFallsFreelyAndIsCaught) {
   const World world = ReadSceneFile(LCPBENCH_SOURCE_DIR "/tests/data/reports/rope-of-no-length.json").world;
   const double fall = std::sqrt(2 / kG);
-  for (const MotionLevel level : kLevelsOfRopes) {
+  for (const MotionLevel level : kBothLevels) {
     SCOPED_TRACE(ToString(level));
-    const auto solver = MakeSolver("dantzig");
-    const auto motion = MakeMotion(level, world, {}, *solver);
+    const Mover motion(level, world);
     const double tolerance = level == MotionLevel::kVelocity ? 1e-2 : 1e-6;
     motion->Advance(0.9 * fall);
-    EXPECT_NEAR(motion->world().bodies[1].x.y, 5 - 0.81, tolerance);
-    EXPECT_NEAR(motion->world().bodies[1].v.y, -0.9 * kG * fall, tolerance);
+    EXPECT_NEAR(motion.body(1).x.y, 5 - 0.81, tolerance);
+    EXPECT_NEAR(motion.body(1).v.y, -0.9 * kG * fall, tolerance);
     motion->Advance(0.6 * fall);
     EXPECT_EQ(motion->status(), MotionStatus::kMoving) << motion->detail();
-    EXPECT_NEAR(motion->world().bodies[1].x.y, 4, 1e-5);
-    EXPECT_NEAR(motion->world().bodies[1].v.y, 0, 1e-6);
+    EXPECT_NEAR(motion.body(1).x.y, 4, 1e-5);
+    EXPECT_NEAR(motion.body(1).v.y, 0, 1e-6);
     EXPECT_LE(motion->statistics().worst_penetration, 1e-5);
   }
 }
@@ -60,10 +47,9 @@ TEST(Ropes, EndsThatPartAreCaughtAtTheRopesLength) {
     second.v = first.v + speed * Vec2{u.cos, u.sin};
     World world = WorldWith("parting", {first, second}, {});
     world.joints = {Joint(ConstraintType::kRope, 0, {}, 1, {}, length)};
-    for (const MotionLevel level : kLevelsOfRopes) {
+    for (const MotionLevel level : kBothLevels) {
       SCOPED_TRACE(ToString(level));
-      const auto solver = MakeSolver("dantzig");
-      const auto motion = MakeMotion(level, world, {}, *solver);
+      const Mover motion(level, world);
       motion->Advance(0.5 * length / speed);
       const double step_way = level == MotionLevel::kVelocity ? 1e-3 * speed : 0;
       EXPECT_NEAR(DistanceOfEnds(world.joints[0], motion->world().bodies), std::min(0.5 * length, length),
@@ -89,9 +75,8 @@ TEST(Ropes, HaveNoRowWhereTheirEndsCoincideAndRodsAreRefused) {
     EXPECT_NEAR(lcp.problem.DiagonalA()[0], 1 / world.bodies[2].mass, 1e-12);
     world.joints[0].type = ConstraintType::kRod;
     EXPECT_THROW(AssembleContactLcp(InstantOf(world, {})), InputError);
-    for (const MotionLevel level : kLevelsOfRopes) {
-      const auto solver = MakeSolver("dantzig");
-      EXPECT_THROW(MakeMotion(level, world, {}, *solver)->Advance(0.1), InputError);
+    for (const MotionLevel level : kBothLevels) {
+      EXPECT_THROW(Mover(level, world)->Advance(0.1), InputError);
     }
   }
 }

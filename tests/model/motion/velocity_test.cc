@@ -1,14 +1,3 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <functional>
-#include <limits>
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "model/motion/contact_finder.h"
 #include "model/motion/velocity_motion.h"
 #include "model/scenes/parts.h"
@@ -19,7 +8,7 @@
 #include "solvers/registry.h"
 #include "support/input_error.h"
 #include "tests/model/contact/momenta.h"
-#include "tests/model/motion/acceleration_mover.h"
+#include "tests/model/motion/mover.h"
 #include "tests/solvers/solvers_under_test.h"
 
 namespace lcpbench {
@@ -55,45 +44,37 @@ World FallingDiscs(int count, std::uint64_t seed) {
   return WorldWith("test", std::move(bodies), {0, -kG});
 }
 
-struct Driven {
-  explicit Driven(const World& world, const VelocityOptions& options = {}, std::string_view key = "dantzig")
-      : solver(MakeSolver(key)), owned(MakeVelocityMotion(world, options, *solver)), motion(*owned) {}
-  std::unique_ptr<LcpSolver> solver;
-  std::unique_ptr<Motion> owned;
-  Motion& motion;
-};
-
 TEST(VelocityMotion, FallsFreelyByTheSumOfItsSteps) {
   VelocityOptions options;
   options.step = 1.0 / 128;  // exact sums
-  Driven driven(WorldWith("test", {DiscBody(0.1, {0, 5}, {1, 2}, 3)}, {0, -8}), options);
+  Mover driven(WorldWith("test", {DiscBody(0.1, {0, 5}, {1, 2}, 3)}, {0, -8}), options);
   const int n = 100;
-  driven.motion.Advance(n * options.step);
-  const Body& body = driven.motion.world().bodies[0];
+  driven->Advance(n * options.step);
+  const Body& body = driven.body(0);
   const double h = options.step;
   EXPECT_NEAR(body.x.x, n * h, 1e-14);
   EXPECT_NEAR(body.x.y, 5 + 2 * n * h - 8 * h * h * n * (n + 1) / 2, 1e-12);
   EXPECT_NEAR(body.v.y, 2 - 8 * n * h, 1e-13);
   EXPECT_EQ(body.theta, 3 * n * h);
-  EXPECT_EQ(driven.motion.statistics().steps, n);
-  EXPECT_EQ(driven.motion.time(), n * h);
+  EXPECT_EQ(driven->statistics().steps, n);
+  EXPECT_EQ(driven->time(), n * h);
 }
 
 TEST(VelocityMotion, HoldsARestingBodyByItsWeight) {
   const std::vector<Body> bodies{DiscBody(0.3, {0, 0.3}), At(MakeBody(Box(0.8, 0.4), 10), {0, 0.2})};
   for (const Body& body : bodies) {
-    Driven driven(WorldWith("test", {Walls({{5, 0}, {-5, 0}}), body}, {0, -kG}));
+    Mover driven(MotionLevel::kVelocity, WorldWith("test", {Walls({{5, 0}, {-5, 0}}), body}, {0, -kG}));
     int steps = 0;
-    driven.motion.set_observer([&](const MotionProblem& met) {
+    driven->set_observer([&](const MotionProblem& met) {
       EXPECT_EQ(met.kind, MotionProblemKind::kTimeStep);
       EXPECT_GE(met.problem.size(), 1);
       EXPECT_NEAR(met.result.f.sum(), body.mass * kG * 1e-3, 1e-9 * body.mass * kG * 1e-3);
       ++steps;
     });
-    driven.motion.Advance(0.2);
+    driven->Advance(0.2);
     EXPECT_EQ(steps, 200);
-    EXPECT_LT(driven.motion.statistics().worst_penetration, 1e-12);
-    const Body& after = driven.motion.world().bodies[1];
+    EXPECT_LT(driven->statistics().worst_penetration, 1e-12);
+    const Body& after = driven.body(1);
     EXPECT_NEAR(after.x.y, body.x.y, 1e-12);
     EXPECT_NEAR(after.v.y, 0, 1e-12);
     EXPECT_NEAR(after.omega, 0, 1e-12);
@@ -102,13 +83,13 @@ TEST(VelocityMotion, HoldsARestingBodyByItsWeight) {
 
 // E+ - E = -|v+ - v|_M^2 / 2 - p.c for constant forces, c = b - J v^: the law that the header states.
 void ExpectEnergyLaw(const World& world, const VelocityOptions& options, int steps) {
-  Driven driven(world, options);
+  Mover driven(world, options);
   double expected = 0;
   double depth_gain = 0;
   std::vector<Body> before;
   Eigen::VectorXd p;
   Eigen::VectorXd c;
-  driven.motion.set_observer([&](const MotionProblem& met) {
+  driven->set_observer([&](const MotionProblem& met) {
     before = met.system.bodies;
     Eigen::VectorXd v(3 * static_cast<Index>(before.size()));
     for (std::size_t i = 0; i < before.size(); ++i) {
@@ -122,9 +103,9 @@ void ExpectEnergyLaw(const World& world, const VelocityOptions& options, int ste
   });
   double scale = 0;
   for (int k = 0; k < steps; ++k) {
-    const double energy = Energy(driven.motion.world());
-    driven.motion.Advance(options.step);
-    const std::vector<Body>& after = driven.motion.world().bodies;
+    const double energy = Energy(driven->world());
+    driven->Advance(options.step);
+    const std::vector<Body>& after = driven->world().bodies;
     expected = -p.dot(c);
     depth_gain = -p.dot(c.cwiseMin(0.0));
     for (std::size_t i = 0; i < after.size(); ++i) {
@@ -133,12 +114,12 @@ void ExpectEnergyLaw(const World& world, const VelocityOptions& options, int ste
       const double domega = after[i].omega - before[i].omega;
       expected -= (after[i].mass * Dot(dv, dv) + after[i].inertia * domega * domega) / 2;
     }
-    const double change = Energy(driven.motion.world()) - energy;
+    const double change = Energy(driven->world()) - energy;
     scale = std::max({scale, std::abs(energy), KineticEnergy(after)});
     ASSERT_NEAR(change, expected, 1e-10 * scale) << "step " << k;
     ASSERT_LE(change, depth_gain + 1e-10 * scale) << "step " << k;
   }
-  EXPECT_EQ(driven.motion.statistics().failed_solves, 0);
+  EXPECT_EQ(driven->statistics().failed_solves, 0);
 }
 
 TEST(VelocityMotion, ChangesEnergyByTheLawOfTheScheme) {
@@ -158,14 +139,14 @@ TEST(VelocityMotion, PilesComeToRest) {
   VelocityOptions options;
   options.step = 4e-3;
   const World world = FallingDiscs(15, 7);
-  Driven driven(world, options);
-  driven.motion.set_observer([&](const MotionProblem& met) {
+  Mover driven(world, options);
+  driven->set_observer([&](const MotionProblem& met) {
     EXPECT_EQ(met.result.status, LcpStatus::kSolved)
         << "t = " << met.time << ", n = " << met.problem.size() << ": " << met.result.detail;
   });
   const double fallen = PotentialEnergy(world.loads, world.bodies);
-  driven.motion.Advance(12);
-  const auto& bodies = driven.motion.world().bodies;
+  driven->Advance(12);
+  const auto& bodies = driven->world().bodies;
   EXPECT_LT(KineticEnergy(bodies), 1e-9 * fallen);
   for (std::size_t i = 1; i < bodies.size(); ++i) {
     EXPECT_LT(std::abs(bodies[i].x.x), 0.5);
@@ -173,8 +154,8 @@ TEST(VelocityMotion, PilesComeToRest) {
     EXPECT_LT(bodies[i].x.y, 1.5);
   }
   // Impacts move surfaces by V h along curves of radius r: depths of (V h)^2 / r, here 6 m/s * 4 ms on 0.07 m.
-  EXPECT_LT(driven.motion.statistics().worst_penetration, 0.01);
-  EXPECT_EQ(driven.motion.statistics().failed_solves, 0);
+  EXPECT_LT(driven->statistics().worst_penetration, 0.01);
+  EXPECT_EQ(driven->statistics().failed_solves, 0);
 }
 
 TEST(VelocityMotion, ConservesMomentumAndAngularMomentumWithoutLoads) {
@@ -190,11 +171,11 @@ TEST(VelocityMotion, ConservesMomentumAndAngularMomentumWithoutLoads) {
     const World world = WorldWith("test", bodies, {});
     VelocityOptions options;
     options.restitution = e;
-    Driven driven(world, options);
+    Mover driven(world, options);
     double impulse = 0;
-    driven.motion.set_observer([&](const MotionProblem& met) { impulse += met.result.f.sum(); });
-    driven.motion.Advance(1);
-    const auto& after = driven.motion.world().bodies;
+    driven->set_observer([&](const MotionProblem& met) { impulse += met.result.f.sum(); });
+    driven->Advance(1);
+    const auto& after = driven->world().bodies;
     EXPECT_GT(impulse, 1);  // they did meet
     const double scale = impulse + 1;
     EXPECT_NEAR(Momentum(after).x, Momentum(bodies).x, 1e-12 * scale);
@@ -222,14 +203,14 @@ TEST(VelocityMotion, SlidesInAConcaveTrackWithAnErrorOfOrderOne) {
   for (const int steps : {200, 400, 800}) {
     VelocityOptions options;
     options.step = quarter / steps;
-    Driven driven(world, options);
-    driven.motion.Advance(quarter);
-    EXPECT_EQ(driven.motion.statistics().steps, steps);
-    const Body& disc = driven.motion.world().bodies[1];
+    Mover driven(world, options);
+    driven->Advance(quarter);
+    EXPECT_EQ(driven->statistics().steps, steps);
+    const Body& disc = driven.body(1);
     place_errors.push_back(Norm(disc.x - Vec2{0, -length}));
     speed_errors.push_back(std::abs(Norm(disc.v) - speed));
     // One step moves the disc by V h along a circle: (V h)^2 / 2 (1/r - 1/R), r for the disc's centre's path.
-    EXPECT_LT(driven.motion.statistics().worst_penetration, 2 * speed * speed * options.step * options.step / length);
+    EXPECT_LT(driven->statistics().worst_penetration, 2 * speed * speed * options.step * options.step / length);
   }
   for (std::size_t k = 0; k + 1 < place_errors.size(); ++k) {
     EXPECT_NEAR(place_errors[k] / place_errors[k + 1], 2, 0.05) << place_errors[k];
@@ -254,13 +235,13 @@ TEST(VelocityMotion, KeepsAChainOfPinsTogetherToTheSquareOfTheStep) {
   for (const double h : {2e-3, 1e-3, 5e-4}) {
     VelocityOptions options;
     options.step = h;
-    Driven driven(world, options);
+    Mover driven(world, options);
     double spin = 0;
     for (int k = 0; k < 50; ++k) {
-      driven.motion.Advance(0.02);
-      for (const Body& body : driven.motion.world().bodies) spin = std::max(spin, std::abs(body.omega));
+      driven->Advance(0.02);
+      for (const Body& body : driven->world().bodies) spin = std::max(spin, std::abs(body.omega));
     }
-    const MotionStatistics& statistics = driven.motion.statistics();
+    const MotionStatistics& statistics = driven->statistics();
     EXPECT_GT(spin, 1);
     // A step turns each arm by omega h: its end leaves its tangent by (omega h)^2 half / 2, for both bodies of a pin.
     EXPECT_LT(statistics.worst_joint_error, 1.5 * spin * spin * h * h * half);
@@ -274,14 +255,14 @@ TEST(VelocityMotion, CarriesBodiesOnALiftWithAPrescribedAcceleration) {
   Body lift = Walls({{1, 0}, {-1, 0}});
   lift.v = {0.5, -0.25};
   lift.acceleration = {0, 2};
-  Driven driven(WorldWith("test", {lift, DiscBody(0.1, {0, 0.1}, {0, -0.25})}, {0, -kG}));
-  driven.motion.Advance(1);
-  const Body& moved = driven.motion.world().bodies[0];
+  Mover driven(MotionLevel::kVelocity, WorldWith("test", {lift, DiscBody(0.1, {0, 0.1}, {0, -0.25})}, {0, -kG}));
+  driven->Advance(1);
+  const Body& moved = driven.body(0);
   EXPECT_NEAR(moved.x.x, 0.5, 1e-12);
   EXPECT_NEAR(moved.x.y, -0.25 + 1, 1e-12);
   EXPECT_NEAR(moved.v.y, 1.75, 1e-12);
-  EXPECT_NEAR(driven.motion.world().bodies[1].x.y - moved.x.y, 0.1, 1e-9);
-  EXPECT_LT(driven.motion.statistics().worst_penetration, 1e-9);
+  EXPECT_NEAR(driven.body(1).x.y - moved.x.y, 0.1, 1e-9);
+  EXPECT_LT(driven->statistics().worst_penetration, 1e-9);
 }
 
 TEST(VelocityMotion, ReportsTheRayOfWallsThatCloseOnADiscAndGoesOn) {
@@ -292,37 +273,37 @@ TEST(VelocityMotion, ReportsTheRayOfWallsThatCloseOnADiscAndGoesOn) {
   left.v = {0.1, 0};
   right.x = {0.11, 0};
   right.v = {-0.1, 0};
-  Driven driven(WorldWith("test", {left, right, DiscBody(0.1, {0, 0})}, {}));
+  Mover driven(MotionLevel::kVelocity, WorldWith("test", {left, right, DiscBody(0.1, {0, 0})}, {}));
   int rays = 0;
   int solved = 0;
-  driven.motion.set_observer([&](const MotionProblem& met) {
+  driven->set_observer([&](const MotionProblem& met) {
     if (met.result.status == LcpStatus::kSolved) ++solved;
     if (met.result.status != LcpStatus::kInfeasible) return;
     ASSERT_TRUE(met.result.farkas_ray.has_value());
     EXPECT_TRUE(VerifyFarkasRay(met.problem, *met.result.farkas_ray).accepted);
     ++rays;
   });
-  driven.motion.Advance(0.11);  // the walls touch the disc after 0.1 s
-  EXPECT_EQ(driven.motion.status(), MotionStatus::kMoving);
+  driven->Advance(0.11);  // the walls touch the disc after 0.1 s
+  EXPECT_EQ(driven->status(), MotionStatus::kMoving);
   EXPECT_GE(rays, 9);
-  EXPECT_EQ(driven.motion.statistics().unsolvable, rays);
-  EXPECT_EQ(driven.motion.statistics().steps, solved);
-  EXPECT_NEAR(driven.motion.time(), 0.11, 1e-12);
-  EXPECT_NEAR(driven.motion.world().bodies[2].x.x, 0, 1e-9);
-  EXPECT_NEAR(driven.motion.world().bodies[0].x.x, -0.099, 1e-12);
-  EXPECT_GT(driven.motion.statistics().worst_penetration, 5e-4);
+  EXPECT_EQ(driven->statistics().unsolvable, rays);
+  EXPECT_EQ(driven->statistics().steps, solved);
+  EXPECT_NEAR(driven->time(), 0.11, 1e-12);
+  EXPECT_NEAR(driven.body(2).x.x, 0, 1e-9);
+  EXPECT_NEAR(driven.body(0).x.x, -0.099, 1e-12);
+  EXPECT_GT(driven->statistics().worst_penetration, 5e-4);
 }
 
 TEST(VelocityMotion, LeavesADiscInPeaceThatIsWiderThanItsSlot) {
   const Body slot = Walls({{0.0999, 1}, {0.0999, -1}, {-0.0999, -1}, {-0.0999, 1}});
-  Driven driven(WorldWith("test", {slot, DiscBody(0.1, {0, 0})}, {0, -kG}));
-  driven.motion.Advance(0.1);
-  const MotionStatistics& statistics = driven.motion.statistics();
+  Mover driven(MotionLevel::kVelocity, WorldWith("test", {slot, DiscBody(0.1, {0, 0})}, {0, -kG}));
+  driven->Advance(0.1);
+  const MotionStatistics& statistics = driven->statistics();
   EXPECT_EQ(statistics.unsolvable, 100);
   EXPECT_EQ(statistics.solves, 200);
   // Relaxed steps only keep it from sinking deeper: it falls through the slot.
-  EXPECT_NEAR(driven.motion.world().bodies[1].x.x, 0, 1e-12);
-  EXPECT_NEAR(driven.motion.world().bodies[1].v.y, -kG * 0.1, 1e-9);
+  EXPECT_NEAR(driven.body(1).x.x, 0, 1e-12);
+  EXPECT_NEAR(driven.body(1).v.y, -kG * 0.1, 1e-9);
 }
 
 TEST(VelocityMotion, DoesNotPushACornerOutThroughTheFaceAroundTheNextCorner) {
@@ -333,19 +314,19 @@ TEST(VelocityMotion, DoesNotPushACornerOutThroughTheFaceAroundTheNextCorner) {
   Body prop = At(MakeBody(Box(0.2, 0.2), 100), {1.2, 0.1 - 1e-6});
   lower.fixed = prop.fixed = true;
   const World world = WorldWith("test", {floor, lower, prop, upper}, {0, -kG});
-  Driven driven(world);
-  driven.motion.set_observer([&](const MotionProblem& met) {
+  Mover driven(MotionLevel::kVelocity, world);
+  driven->set_observer([&](const MotionProblem& met) {
     for (const RowInfo& row : met.rows) EXPECT_GT(row.d, -1e-5);
   });
-  driven.motion.Advance(0.1);
-  EXPECT_EQ(driven.motion.world().bodies[3].x.x, 0.99);
-  EXPECT_NEAR(driven.motion.world().bodies[3].x.y, 0.3, 1e-5);
+  driven->Advance(0.1);
+  EXPECT_EQ(driven.body(3).x.x, 0.99);
+  EXPECT_NEAR(driven.body(3).x.y, 0.3, 1e-5);
 
   VelocityOptions credulous;
   credulous.doubtful_depth = 0.25;  // the deepest that is treated
-  Driven pushed(world, credulous);
-  pushed.motion.Advance(0.1);
-  EXPECT_GT(pushed.motion.world().bodies[3].x.x, 0.995);
+  Mover pushed(world, credulous);
+  pushed->Advance(0.1);
+  EXPECT_GT(pushed.body(3).x.x, 0.995);
 }
 
 TEST(VelocityMotion, LetsNothingThroughAtTenDiametersAStep) {
@@ -353,10 +334,10 @@ TEST(VelocityMotion, LetsNothingThroughAtTenDiametersAStep) {
   options.step = 1e-2;
   for (const double e : {0.0, 1.0}) {
     options.restitution = e;
-    Driven driven(WorldWith("test", {Walls({{50, 0}, {-50, 0}}), DiscBody(0.1, {0, 7.3}, {30, -200})}, {}), options);
+    Mover driven(WorldWith("test", {Walls({{50, 0}, {-50, 0}}), DiscBody(0.1, {0, 7.3}, {30, -200})}, {}), options);
     for (int k = 0; k < 20; ++k) {
-      driven.motion.Advance(0.01);
-      EXPECT_GT(driven.motion.world().bodies[1].x.y, 0.1 - 1e-12);
+      driven->Advance(0.01);
+      EXPECT_GT(driven.body(1).x.y, 0.1 - 1e-12);
     }
   }
 }
@@ -371,21 +352,21 @@ TEST_P(VelocityMotionSolvers, DriveASmallPileWithVerifiedAnswers) {
   options.lcp.tolerance = 1e-6;
   if (GetParam().key == "band-pivoting") return;  // takes A given as a matrix
   const World world = FallingDiscs(6, 5);
-  Driven driven(world, options, GetParam().key);
-  Driven reference(world, options);
+  Mover driven(world, options, GetParam().key);
+  Mover reference(world, options);
   int judged = 0;
-  driven.motion.set_observer([&](const MotionProblem& met) {
+  driven->set_observer([&](const MotionProblem& met) {
     ++judged;
     if (GetParam().origin != SolverOrigin::kOwn) return;
     const Verdict verdict = Verify(met.problem, met.result, options.lcp.tolerance);
     EXPECT_TRUE(verdict.passes) << "t = " << met.time << ": " << met.result.status << ", " << met.result.detail << ", "
                                 << verdict.reason;
   });
-  driven.motion.Advance(0.4);
-  reference.motion.Advance(0.4);
+  driven->Advance(0.4);
+  reference->Advance(0.4);
   EXPECT_EQ(judged, 100);
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-    const double distance = Norm(driven.motion.world().bodies[i].x - reference.motion.world().bodies[i].x);
+    const double distance = Norm(driven.body(i).x - reference.body(i).x);
     EXPECT_LT(distance, GetParam().origin == SolverOrigin::kOwn ? 1e-3 : 1e3);
   }
 }
@@ -399,9 +380,9 @@ TEST(VelocityMotion, StartsFromTheImpulsesOfTheStepBefore) {
   std::int64_t sweeps[2] = {0, 0};
   for (const bool warm : {false, true}) {
     options.warm_start = warm;
-    Driven driven(FallingDiscs(10, 3), options, "pgs");
-    driven.motion.set_observer([&](const MotionProblem& met) { sweeps[warm] += met.result.iterations; });
-    driven.motion.Advance(2);
+    Mover driven(FallingDiscs(10, 3), options, "pgs");
+    driven->set_observer([&](const MotionProblem& met) { sweeps[warm] += met.result.iterations; });
+    driven->Advance(2);
   }
   EXPECT_LT(sweeps[1], sweeps[0] / 2);
 }
@@ -463,16 +444,16 @@ TEST(RowMatching, TellsPlacesOfOnePairOfFeaturesApartByTheirNormals) {
 TEST(VelocityMotion, TakesSpeedsBeyondAllDigitsForZero) {
   World world = WorldWith("test", {Walls({{0, 10}, {0, -10}}), DiscBody(0.1, {0, 0}, {3e-310, 0})}, {0, -kG});
   world.joints = {{ConstraintType::kPathJoint, 1, 0, Vertex{}, StraightEdge{{0, 10}, {0, -10}}}};
-  Driven driven(world);
+  Mover driven(MotionLevel::kVelocity, world);
   int steps = 0;
-  driven.motion.set_observer([&](const MotionProblem& met) {
+  driven->set_observer([&](const MotionProblem& met) {
     ASSERT_EQ(met.problem.size(), 1);
     EXPECT_EQ(met.problem.b()[0], 0);
     ++steps;
   });
-  driven.motion.Advance(0.01);
+  driven->Advance(0.01);
   EXPECT_EQ(steps, 10);
-  EXPECT_NEAR(driven.motion.world().bodies[1].v.y, -0.01 * kG, 1e-12);
+  EXPECT_NEAR(driven.body(1).v.y, -0.01 * kG, 1e-12);
 }
 
 }  // namespace

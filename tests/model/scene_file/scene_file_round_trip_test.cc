@@ -1,19 +1,6 @@
 // World -> file -> world, for generated worlds, the examples, and worlds of every kind of edge, joint and load; and
 // files with mistakes.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <bit>
-#include <cstdint>
-#include <filesystem>
-#include <initializer_list>
-#include <random>
-#include <string>
-#include <utility>
-#include <variant>
-#include <vector>
-
 #include "model/contact/assembly.h"
 #include "model/contact/path.h"
 #include "model/motion/contact_finder.h"

@@ -1,14 +1,5 @@
 #include "model/scene_file/scene_file.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <fstream>
-#include <sstream>
-#include <string>
-#include <variant>
-#include <vector>
-
 #include "model/detection/detection.h"
 #include "model/shape/shapes.h"
 #include "tests/support/refusal.h"
@@ -270,9 +261,7 @@ TEST(SceneFile, AWorldWithoutANameTakesThatOfItsFile) {
 }
 
 TEST(SceneFile, TheExampleOfTheDocumentationIsAScene) {
-  std::ostringstream page;
-  page << std::ifstream(LCPBENCH_SOURCE_DIR "/docs/scenes.md").rdbuf();
-  const std::string text = page.str();
+  const std::string text = ReadFile(LCPBENCH_SOURCE_DIR "/docs/scenes.md");
   const std::size_t begin = text.find("{\n      \"lcpbench_scene\": 1");
   ASSERT_NE(begin, std::string::npos);
   const std::string end = "\n    }\n";

@@ -1,20 +1,6 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <map>
-#include <numbers>
-#include <ostream>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <variant>
-#include <vector>
 
 #include "model/contact/assembly.h"
 #include "model/contact/system.h"
@@ -25,6 +11,7 @@
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/verify.h"
+#include "tests/support/test.h"
 
 namespace lcpbench {
 

@@ -1,18 +1,7 @@
 // What holds of the families of mechanisms beyond what scenes_test.cc asks of all families: joints, their worlds in
 // motion, and each family's own geometry.
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <cstdint>
-#include <set>
-#include <string>
-#include <utility>
-#include <variant>
-#include <vector>
 
 #include "model/contact/assembly.h"
 #include "model/motion/contact_finder.h"

@@ -1,14 +1,4 @@
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <map>
-#include <set>
-#include <utility>
-#include <variant>
-#include <vector>
 
 #include "model/contact/assembly.h"
 #include "model/contact/closest_points.h"

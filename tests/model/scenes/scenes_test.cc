@@ -1,17 +1,6 @@
 #include "model/scenes/scene.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <ostream>
-#include <set>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include "model/contact/assembly.h"
 #include "model/contact/world.h"

@@ -1,11 +1,3 @@
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <vector>
-
 #include "model/shape/shapes.h"
 #include "support/input_error.h"
 #include "tests/model/shape/random_outlines.h"
@@ -13,7 +5,6 @@
 namespace lcpbench::testing {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kExact = 1e-14;
 constexpr double kAccurate = 1e-13;
 
@@ -289,8 +280,7 @@ TEST(MassProperties, CenteredOutlineHasItsCentreOfMassAtTheOrigin) {
 }
 
 TEST(MassProperties, RefuseADensityThatIsNotPositiveAndFinite) {
-  for (const double density :
-       {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (const double density : {0.0, -1.0, kNaN, kInfinity}) {
     EXPECT_THROW(ComputeMassProperties(Disc(1), density), InputError);
   }
   EXPECT_THROW(ComputeMassProperties(Outline{"none", {}}, 1), InputError);

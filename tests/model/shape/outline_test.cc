@@ -1,22 +1,10 @@
 #include "model/shape/outline.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <string>
-#include <vector>
-
 #include "model/shape/shapes.h"
 #include "tests/model/shape/random_outlines.h"
 
 namespace lcpbench::testing {
 namespace {
-
-constexpr double kHalfTurn = std::numbers::pi;
-const double kNaN = std::numeric_limits<double>::quiet_NaN();
-const double kInfinity = std::numeric_limits<double>::infinity();
 
 // One line that names the outline and holds every one of the texts.
 void Refuses(const Outline& outline, const std::vector<std::string>& texts) {
@@ -26,7 +14,7 @@ void Refuses(const Outline& outline, const std::vector<std::string>& texts) {
 }
 
 Outline WithHole(Outline outline, Vec2 center, double radius) {
-  outline.loops.push_back({Arc(center, radius, 2 * kHalfTurn, 0)});
+  outline.loops.push_back({Arc(center, radius, 2 * kPi, 0)});
   return outline;
 }
 
@@ -144,13 +132,12 @@ TEST(OutlineChecks, RefuseSelfIntersections) {
   Refuses(Polygon({{0, 0}, {1, 0}, {2, 0}, {2, 1}, {1, 0}, {0, 1}}), {"self-intersecting"});
   Refuses(Polygon({{0, 0}, {2, 0}, {2, 2}, {2, 3}, {2, 2}, {0, 2}}), {"self-intersecting"});
   // A line through an arc; an arc bulging through the opposite side.
-  Refuses({"cut", {{Arc({}, 1, 0, kHalfTurn), Line({-1, 0}, {0, 2}), Line({0, 2}, {1, 0})}}}, {"self-intersecting"});
+  Refuses({"cut", {{Arc({}, 1, 0, kPi), Line({-1, 0}, {0, 2}), Line({0, 2}, {1, 0})}}}, {"self-intersecting"});
   const double R = 1.02;
   const double h = std::sqrt(R * R - 1);
   Outline bulge{"bulge",
                 {{Line({-1, -0.1}, {1, -0.1}), Line({1, -0.1}, {1, 0}),
-                  Arc({0, h}, R, 2 * kHalfTurn - std::atan2(h, 1.0), kHalfTurn + std::atan2(h, 1.0)),
-                  Line({-1, 0}, {-1, -0.1})}}};
+                  Arc({0, h}, R, 2 * kPi - std::atan2(h, 1.0), kPi + std::atan2(h, 1.0)), Line({-1, 0}, {-1, -0.1})}}};
   Refuses(bulge, {"self-intersecting", "edge 0", "edge 2"});
   // One Bezier edge with a loop.
   Refuses({"loop",
@@ -163,16 +150,16 @@ TEST(OutlineChecks, RefuseSelfIntersections) {
 
 TEST(OutlineChecks, RefuseCuspsOfZeroAngle) {
   // A crescent of two circles that touch from inside.
-  Refuses({"crescent", {{Arc({}, 1, 0, 2 * kHalfTurn), Arc({0.5, 0}, 0.5, 2 * kHalfTurn, 0)}}}, {"self-intersecting"});
+  Refuses({"crescent", {{Arc({}, 1, 0, 2 * kPi), Arc({0.5, 0}, 0.5, 2 * kPi, 0)}}}, {"self-intersecting"});
   // A small angle is allowed.
   EXPECT_NO_THROW(RequireValid(Polygon({{0, 0}, {1, -1e-4}, {1, 1e-4}})));
 }
 
 TEST(OutlineChecks, RefuseTheWrongSenseOfTravel) {
   Refuses(Polygon({{0, 0}, {0, 1}, {1, 1}, {1, 0}}), {"outer boundary", "edge 0", "clockwise"});
-  Refuses({"inside out", {{Arc({}, 1, 2 * kHalfTurn, 0)}}}, {"outer boundary", "clockwise"});
+  Refuses({"inside out", {{Arc({}, 1, 2 * kPi, 0)}}}, {"outer boundary", "clockwise"});
   Outline ring = Disc(2);
-  ring.loops.push_back({Arc({}, 1, 0, 2 * kHalfTurn)});
+  ring.loops.push_back({Arc({}, 1, 0, 2 * kPi)});
   Refuses(ring, {"hole 1", "counter-clockwise"});
 }
 
@@ -191,8 +178,8 @@ TEST(OutlineChecks, AcceptThinGapsAndNearlyStraightArcs) {
     const double alpha = std::asin(1 / R);
     const double drop = std::sqrt((R - 1) * (R + 1));
     for (const bool convex : {true, false}) {
-      const OutlinePiece top = convex ? Arc({0, -drop}, R, kHalfTurn / 2 - alpha, kHalfTurn / 2 + alpha)
-                                      : Arc({0, drop}, R, -kHalfTurn / 2 + alpha, -kHalfTurn / 2 - alpha);
+      const OutlinePiece top = convex ? Arc({0, -drop}, R, kPi / 2 - alpha, kPi / 2 + alpha)
+                                      : Arc({0, drop}, R, -kPi / 2 + alpha, -kPi / 2 - alpha);
       EXPECT_NO_THROW(
           RequireValid({"box", {{Line({-1, -3}, {1, -3}), Line({1, -3}, {1, 0}), top, Line({-1, 0}, {-1, -3})}}}))
           << R;
@@ -213,7 +200,7 @@ TEST(OutlineChecks, TakeLittleTimeForManyHolesOrTooMuchAtOnePlace) {
   std::vector<Vec2> corners;
   constexpr int kSpikes = 40'000;
   for (int k = 0; k < kSpikes; ++k) {
-    const Rotation u = SinCos(2 * kHalfTurn * k / kSpikes);
+    const Rotation u = SinCos(2 * kPi * k / kSpikes);
     corners.push_back((k % 2 == 0 ? 1 : 1e-2) * Vec2{u.cos, u.sin});
   }
   Refuses(Polygon(corners), {"too much lies at one place"});

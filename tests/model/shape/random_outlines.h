@@ -1,8 +1,5 @@
 #pragma once
 
-#include <numbers>
-#include <vector>
-
 #include "model/geometry/feature.h"
 #include "model/shape/outline.h"
 #include "tests/model/contact/random_contacts.h"

@@ -1,20 +1,11 @@
 #include "model/shape/shapes.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <functional>
-#include <limits>
-#include <numbers>
-#include <vector>
-
 #include "support/input_error.h"
 #include "tests/model/shape/random_outlines.h"
 
 namespace lcpbench::testing {
 namespace {
 
-constexpr double kPiOfShapes = std::numbers::pi;
 constexpr int kShapes = 12;
 
 // Every shape with random parameters.
@@ -73,7 +64,7 @@ TEST(Shapes, BowlIsARingSectorWithRoundLips) {
     const double R = 2;
     const double r = 1.6;
     const double lip = (R - r) / 2;
-    const double area = (kPiOfShapes - opening) * (R * R - r * r) + kPiOfShapes * lip * lip;
+    const double area = (kPi - opening) * (R * R - r * r) + kPi * lip * lip;
     const MassProperties p = ComputeMassProperties(Bowl(R, r, opening), 1);
     EXPECT_NEAR(p.area / area, 1, 1e-13);
     EXPECT_NEAR(p.center.x, 0, 1e-13);
@@ -87,7 +78,7 @@ TEST(Shapes, CamHasTheAreaOfTwoSectorsAndTwoTrapezia) {
   const double d = 1.5;
   const double angle = std::acos((R - r) / d);
   const double tangent = d * std::sin(angle);
-  const double area = R * R * (kPiOfShapes - angle) + r * r * angle + tangent * (R + r);
+  const double area = R * R * (kPi - angle) + r * r * angle + tangent * (R + r);
   EXPECT_NEAR(ComputeMassProperties(Cam(R, r, d), 1).area / area, 1, 1e-13);
 }
 
@@ -103,9 +94,9 @@ TEST(Shapes, GearLiesBetweenItsCirclesAndRepeatsByTooth) {
   const Outline gear = Gear(shape);
   EXPECT_EQ(gear.loops[0].size(), 4U * 12U);
   const double area = ComputeMassProperties(gear, 1).area;
-  EXPECT_GT(area, kPiOfShapes * shape.root_radius * shape.root_radius);
-  EXPECT_LT(area, kPiOfShapes * shape.tip_radius * shape.tip_radius);
-  const double pitch = 2 * kPiOfShapes / shape.teeth;
+  EXPECT_GT(area, kPi * shape.root_radius * shape.root_radius);
+  EXPECT_LT(area, kPi * shape.tip_radius * shape.tip_radius);
+  const double pitch = 2 * kPi / shape.teeth;
   for (std::size_t k = 0; k + 4 < gear.loops[0].size(); ++k) {
     const OutlinePiece& piece = gear.loops[0][k];
     const OutlinePiece& next = gear.loops[0][k + 4];
@@ -157,8 +148,7 @@ TEST(Shapes, RefuseParametersOutsideTheirRanges) {
                                                        [&] { return Gear(tight); },
                                                        [&] { return Gear(wide); }};
   for (std::size_t k = 0; k < wrong.size(); ++k) EXPECT_THROW(wrong[k](), InputError) << k;
-  for (const double bad :
-       {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e200, 1e-200}) {
+  for (const double bad : {0.0, -1.0, kNaN, kInfinity, 1e200, 1e-200}) {
     const std::vector<std::function<Outline()>> shapes = {
         [&] { return Disc(bad); },       [&] { return Box(bad, 1); },      [&] { return Box(1, bad); },
         [&] { return Capsule(1, bad); }, [&] { return HalfDisc(bad); },    [&] { return DShape(1, bad); },

@@ -1,16 +1,6 @@
 // Families with friction: the fact of each, on both sides of its threshold. docs/friction.md section 8.
-#include <gtest/gtest.h>
 
 #include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <memory>
-#include <set>
-#include <string>
-#include <tuple>
-#include <utility>
-#include <vector>
 
 #include "model/contact/assembly.h"
 #include "model/motion/contact_finder.h"
@@ -23,6 +13,7 @@
 #include "solvers/exact/modes/mode_search.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
+#include "tests/model/scenes/scene_checks.h"
 
 namespace lcpbench {
 namespace {
@@ -433,11 +424,7 @@ TEST_P(FrictionFamilies, ShowTheirContactsToDetection) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Each, FrictionFamilies, ::testing::ValuesIn(FrictionScenes().begin(), FrictionScenes().end()),
-                         [](const auto& family) {
-                           std::string name(family.param.key);
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+                         [](const auto& of) { return testing::TestNameOf(of.param.key); });
 
 }  // namespace
 }  // namespace lcpbench

@@ -1,10 +1,4 @@
-#include "tests/model/motion/acceleration_mover.h"
-
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <utility>
+#include "tests/model/motion/mover.h"
 
 #include "model/contact/loads.h"
 #include "model/shape/shapes.h"
@@ -54,14 +48,20 @@ World WorldWith(std::string name, std::vector<Body> bodies, Vec2 gravity) {
 
 double Energy(const World& world) { return KineticEnergy(world.bodies) + PotentialEnergy(world.loads, world.bodies); }
 
-AccelerationOptions Elastic() {
+AccelerationOptions WithRestitution(double e) {
   AccelerationOptions options;
-  options.impact.restitution = 1;
+  options.impact.restitution = e;
   return options;
 }
 
+Mover::Mover(MotionLevel level, const World& world, const MotionOptions& options, std::string_view solver)
+    : solver_(MakeSolver(solver)), motion_(MakeMotion(level, world, options, *solver_)) {}
+
 Mover::Mover(const World& world, const AccelerationOptions& options, std::string_view solver)
-    : solver_(MakeSolver(solver)), motion_(MakeAccelerationMotion(world, options, *solver_)) {}
+    : Mover(MotionLevel::kAcceleration, world, {.acceleration = options, .velocity = {}}, solver) {}
+
+Mover::Mover(const World& world, const VelocityOptions& options, std::string_view solver)
+    : Mover(MotionLevel::kVelocity, world, {.acceleration = {}, .velocity = options}, solver) {}
 
 void ExpectConserved(Mover* mover, double scale, double seconds, double tolerance) {
   constexpr double kFrame = 0.1;

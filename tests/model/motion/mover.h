@@ -1,19 +1,15 @@
 #pragma once
 
-#include <memory>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "model/contact/world.h"
-#include "model/motion/acceleration_motion.h"
+#include "model/motion/make_motion.h"
 #include "model/scenes/parts.h"
 #include "model/shape/outline.h"
 #include "solvers/lcp/solver.h"
+#include "tests/support/test.h"
 
 namespace lcpbench {
 
-// Worlds of a few bodies, and motion at the acceleration level in them, for its tests.
+// Worlds of a few bodies, and motion in them, for its tests.
 
 inline constexpr double kG = 9.81;
 
@@ -36,14 +32,17 @@ World WorldWith(std::string name, std::vector<Body> bodies, Vec2 gravity = {0, -
 
 double Energy(const World& world);
 
-/// Restitution 1.
-AccelerationOptions Elastic();
+AccelerationOptions WithRestitution(double e);
+
+inline constexpr MotionLevel kBothLevels[] = {MotionLevel::kAcceleration, MotionLevel::kVelocity};
 
 /// A solver and a motion under it.
 class Mover {
  public:
+  Mover(MotionLevel level, const World& world, const MotionOptions& options = {}, std::string_view solver = "dantzig");
   explicit Mover(const World& world, const AccelerationOptions& options = {}, std::string_view solver = "dantzig");
-  Motion* operator->() { return motion_.get(); }
+  Mover(const World& world, const VelocityOptions& options, std::string_view solver = "dantzig");
+  Motion* operator->() const { return motion_.get(); }
   const Body& body(std::size_t i) const { return motion_->world().bodies[i]; }
 
  private:
