@@ -161,23 +161,21 @@ class ExactSolve {
     for (Index i = 0; i < n; ++i) {
       if (answer_.w[At(i)] == 0) active.push_back(i);
     }
-    SolutionSet set{Block(A_, active, active), Block(b_, active, {0}), {}, {}};
+    SolutionSet set{Block(A_, active, active), Block(b_, active, {0}), {}, {}, {}};
     for (const Index i : active) {
       set.bilateral.push_back(problem_.bilateral[At(i)]);
       set.f.push_back(answer_.f[At(i)] / force_unit);
     }
     const auto rows = static_cast<Index>(active.size());
-    answer_.nullity_on_active = rows - static_cast<Index>(IndependentRows(set.A, AllRows(rows)).size());
-    std::optional<LeastNorm> least;
+    set.independent = IndependentRows(set.A, AllRows(rows));
+    answer_.nullity_on_active = rows - static_cast<Index>(set.independent.size());
     if (answer_.nullity_on_active == 0) {
       answer_.f_least_norm = answer_.f;
       answer_.f_unique = true;
     } else {
-      least = FindLeastNorm(set, GuessPositive(set), deadline_);
-      if (!least.has_value() && rows <= options_.most_rows_of_proofs) least = ProjectOnSet(set, deadline_);
+      const std::optional<LeastNorm> least = FindLeastNorm(set, deadline_);
       if (!least.has_value()) {
-        answer_.detail = deadline_.Expired() ? "out of time for the f of least norm"
-                                             : "the active set of the least-norm f did not settle";
+        answer_.detail = "out of time for the f of least norm";
         return;
       }
       answer_.f_least_norm.assign(At(n), 0);
