@@ -12,9 +12,8 @@
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/measure/reference_solves.h"
 #include "solvers/exact/bounded_reference.h"
-#include "solvers/exact/modes/certificate.h"
-#include "solvers/exact/modes/enumeration.h"
 #include "solvers/exact/modes/mode_proof.h"
+#include "solvers/exact/modes/mode_search.h"
 #include "solvers/io/gzip_file.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
@@ -103,16 +102,16 @@ std::optional<Eigen::VectorXd> Solve(const LcpProblem& problem, const ExamineOpt
 // True where an answer is proved; then it is written into `examined`. With friction or bounded rows, w counts as that
 // of every solution only where all modes say so.
 bool CertifyInto(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
-  CertifyOptions certify = FromSolvers(problem, options.time_limit_s);
-  certify.modes.guesses = [&] {
+  ExactOptions certify = FromSolvers(problem, options.time_limit_s);
+  certify.guessed_modes = [&] {
     const std::optional<Eigen::VectorXd> f = Solve(problem, options);
     if (!f) return std::vector<std::string>();
     return std::vector{ProveModes(problem, *f).modes, ModesOf(problem, *f)};
   };
-  certify.modes.follows_path = problem.size() <= options.path_up_to;
+  certify.follows_path = problem.size() <= options.path_up_to;
   ExactLcp exact = ExactFrom(problem);
   exact.has_factors = exact.has_factors || problem.facts().positive_semidefinite;  // as a formula's problem has it
-  const Certificate answer = Certify(exact, certify);
+  const ExactAnswer answer = Certify(exact, certify);
   const bool is_plain = problem.is_plain(), is_infeasible = !answer.is_solved(), has_ray = !answer.ray.empty();
   ReferenceSummary& reference = examined->entry.reference;
   if (!answer.certified) {
@@ -170,21 +169,15 @@ void Enumerate(const LcpProblem& problem, const ExamineOptions& options, Examine
     MakeSolver(key)->Solve(problem, lcp, &result);
     guesses.push_back(std::move(result.f));
   }
-  const ModeAnswer answer = SolveByEnumeration(problem, guesses);
+  const ExactAnswer answer = SolveByEnumeration(problem, guesses);
   ReferenceSummary& reference = examined->entry.reference;
-  switch (answer.status) {
-    case LcpReference::Status::kSolved: {
-      const std::optional<bool> unique = problem.facts().f_unique ? problem.facts().f_unique : answer.f_unique;
-      WriteProved(problem, answer.f, answer.w, unique, options, examined);
-      return;
-    }
-    case LcpReference::Status::kInfeasible:
-      WriteInfeasible(problem, {}, examined);
-      reference.detail = answer.detail;
-      return;
-    case LcpReference::Status::kUnknown:
-      reference.detail = answer.detail;
+  if (answer.is_solved()) {
+    const std::optional<bool> unique = problem.facts().f_unique ? problem.facts().f_unique : answer.f_unique;
+    WriteProved(problem, answer.f, answer.w, unique, options, examined);
+    return;
   }
+  if (answer.status == ExactAnswer::Status::kInfeasible) WriteInfeasible(problem, {}, examined);
+  reference.detail = answer.detail;
 }
 
 // ----- solved and bounded answers

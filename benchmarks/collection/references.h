@@ -37,7 +37,7 @@ struct Examined {
 /// Solves, proves or bounds, and measures one problem. Everything is judged here; solvers only help to find the answer.
 /// A problem without a solution, as its doubles say it, for which a solution of a problem nearby is known, with b
 /// another by kRounding at most, counts as solved: its rows contradict each other by roundings.
-/// Where A is not positive semidefinite, only answers that enumeration.h proves are known.
+/// Where A is not positive semidefinite, only answers that SolveByEnumeration proves are known.
 /// @param known_f  an answer that is said to be exact, which is checked
 /// @throws InputError where it is not
 Examined Examine(const LcpProblem& problem, const ExamineOptions& options,

@@ -10,7 +10,7 @@
 #include "benchmarks/measure/reference_solves.h"
 #include "solvers/exact/bounded_reference.h"
 #include "solvers/exact/exact_solver.h"
-#include "solvers/exact/modes/certificate.h"
+#include "solvers/exact/modes/mode_search.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/solver.h"
 #include "support/input_error.h"
@@ -29,7 +29,7 @@ struct CertifyFiles {
   double time_limit_s = 3600;
   Index most_rows_of_proofs = ExactOptions{}.most_rows_of_proofs;
   Index most_exact_rows = 400;
-  std::int64_t most_modes = ModeOptions{}.most_modes;
+  std::int64_t most_modes = ExactOptions{}.most_modes;
   bool rounded = false;
   std::vector<std::string> files;
   ReadingOptions reading;
@@ -72,14 +72,15 @@ struct CertifyFiles {
 
  private:
   Json Solve(const ExactLcp& problem, const LcpProblem& rounded_problem) const {
-    CertifyOptions options = FromSolvers(rounded_problem, time_limit_s);
-    options.plain.most_rows_of_proofs = most_rows_of_proofs;
-    options.modes.most_modes = most_modes;
+    ExactOptions options = FromSolvers(rounded_problem, time_limit_s);
+    options.most_rows_of_proofs = most_rows_of_proofs;
+    options.most_modes = most_modes;
     const double start = SteadyNow();
-    const Certificate answer = Certify(problem, options);
+    const ExactAnswer answer = Certify(problem, options);
     const double time_s = SteadyNow() - start;
     const bool is_plain = problem.is_plain();
-    Json record = {{"id", problem.id}, {"n", problem.size}, {"status", answer.status}, {"certified", answer.certified}};
+    Json record = {
+        {"id", problem.id}, {"n", problem.size}, {"status", ToString(answer.status)}, {"certified", answer.certified}};
     if (!is_plain) record["complete"] = answer.complete;
     if (!answer.fault.empty()) record["fault"] = answer.fault;
     if (is_plain) record.update({{"rank_A", *answer.rank}, {"rank_is_proved", answer.rank_is_proved}});
@@ -108,7 +109,7 @@ struct CertifyFiles {
     return record;
   }
 
-  static Json PiecesOf(const Certificate& answer) {
+  static Json PiecesOf(const ExactAnswer& answer) {
     Json pieces = Json::array();
     for (const ModePiece& piece : answer.pieces) {
       pieces.push_back({{"modes", piece.modes},

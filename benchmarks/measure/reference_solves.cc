@@ -6,7 +6,6 @@
 #include <string_view>
 #include <utility>
 
-#include "solvers/exact/modes/mode_answer.h"
 #include "solvers/exact/unique_forces.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/pivoting/least_norm.h"
@@ -68,11 +67,9 @@ ModeGuess GuessModes(const LcpProblem& problem) {
   return guess;
 }
 
-CertifyOptions FromSolvers(const LcpProblem& problem, double time_limit_s) {
-  CertifyOptions options;
-  options.plain.guess = GuessBySolvers;
-  options.modes.guesses = [&problem] { return GuessModes(problem).modes; };
-  options.plain.time_limit_s = options.modes.time_limit_s = time_limit_s;
+ExactOptions FromSolvers(const LcpProblem& problem, double time_limit_s) {
+  ExactOptions options{.time_limit_s = time_limit_s, .guess = GuessBySolvers};
+  options.guessed_modes = [&problem] { return GuessModes(problem).modes; };
   return options;
 }
 

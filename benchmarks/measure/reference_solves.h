@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "solvers/exact/exact_lcp.h"
-#include "solvers/exact/modes/certificate.h"
 #include "solvers/exact/modes/mode_proof.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
@@ -29,7 +28,7 @@ ModeGuess GuessModes(const LcpProblem& problem);
 
 /// Options of Certify that start from both guesses.
 /// @param problem  not owned; must outlive the options
-CertifyOptions FromSolvers(const LcpProblem& problem, double time_limit_s);
+ExactOptions FromSolvers(const LcpProblem& problem, double time_limit_s);
 
 /// Whether f, which passes `tolerance`, is the only solution: by ranks (unique_forces.h); where those leave it open, a
 /// solution of least norm that is clearly another one says no, up to 300 rows.

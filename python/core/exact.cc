@@ -12,14 +12,14 @@
 #include "python/core/long_work.h"
 #include "python/core/pickle.h"
 #include "python/core/problem.h"
-#include "solvers/exact/modes/certificate.h"
+#include "solvers/exact/modes/mode_search.h"
 #include "support/number_text.h"
 
 namespace lcpbench::python {
 namespace {
 
 // In this namespace, as pickle.h finds Parts by the type.
-struct Certificate : lcpbench::Certificate {};
+struct Certificate : ExactAnswer {};
 
 template <typename Io>
 void Parts(Io& io, Certificate& c) {
@@ -42,7 +42,7 @@ Certificate CertifyProblem(const LcpProblem& given, nb::handle time_limit, nb::h
 }
 
 // A list of fractions.Fraction; None where there is nothing.
-template <RationalVector lcpbench::Certificate::*member>
+template <RationalVector ExactAnswer::*member>
 nb::object Fractions(const Certificate& certificate) {
   if ((certificate.*member).empty()) return nb::none();
   const nb::object fraction = nb::module_::import_("fractions").attr("Fraction");
@@ -56,7 +56,9 @@ nb::object Fractions(const Certificate& certificate) {
 void BindExact(nb::module_& module) {
   nb::class_<Certificate>(module, "Certificate", "An answer in rational numbers, with what is proved of it.")
 
-      .def_ro("status", &Certificate::status, "'solved', 'infeasible', 'not semidefinite', 'time limit' or 'unknown'.")
+      .def_prop_ro(
+          "status", [](const Certificate& c) { return ToString(c.status); },
+          "'solved', 'infeasible', 'not positive semidefinite', 'time limit' or 'unknown'.")
       .def_ro("certified", &Certificate::certified, "Checked in exact arithmetic from the definitions.")
       .def_ro("complete", &Certificate::complete, "Whether all solutions were looked at.")
       .def_prop_ro("f", &Fractions<&Certificate::f>, nb::sig("def f(self) -> list[fractions.Fraction] | None"),
@@ -78,7 +80,8 @@ void BindExact(nb::module_& module) {
           "detail", [](const Certificate& c) { return c.fault.empty() ? c.detail : c.fault; },
           "What is not known, and why.")
       .def("__repr__", [](const Certificate& c) {
-        return "Certificate(status='" + c.status + "', certified=" + (c.certified ? "True)" : "False)");
+        return "Certificate(status='" + std::string(ToString(c.status)) +
+               "', certified=" + (c.certified ? "True)" : "False)");
       });
   MakePicklable<Certificate>(module.attr("Certificate"), [] { return Certificate(); });
   module.def("certify", &CertifyProblem, nb::arg("problem"), nb::kw_only(), nb::arg("time_limit") = nb::none(),

@@ -32,12 +32,12 @@ void TryExact(const LcpProblem& problem, const LcpOptions& options, const Deadli
   exact.status = LcpStatus::kUnsupported;
   if (problem.is_plain()) ExactSolver(true).Solve(problem, rest, &exact);
   if (exact.status == LcpStatus::kUnsupported && has_few) {
-    ModeOptions modes{.most_modes = kMostModes, .time_limit_s = rest.time_limit_s, .now = options.now};
-    modes.guesses = [&] { return std::vector{ModesOf(problem, result->f)}; };
-    const ModeAnswer answer = SolveByModes(ExactFrom(problem), modes);
-    if (answer.status == LcpReference::Status::kSolved) exact.status = LcpStatus::kSolved;
-    if (answer.status == LcpReference::Status::kInfeasible) exact.status = LcpStatus::kInfeasible;
-    exact.iterations = answer.tried;
+    ExactOptions modes{.time_limit_s = rest.time_limit_s, .now = options.now, .most_modes = kMostModes};
+    modes.guessed_modes = [&] { return std::vector{ModesOf(problem, result->f)}; };
+    const ExactAnswer answer = SolveByModes(ExactFrom(problem), modes);
+    if (answer.is_solved()) exact.status = LcpStatus::kSolved;
+    if (answer.status == ExactAnswer::Status::kInfeasible) exact.status = LcpStatus::kInfeasible;
+    exact.iterations = answer.steps;
     exact.detail = answer.detail;
     exact.f = Rounded(answer.f);
     exact.farkas_ray = Rounded(answer.ray);

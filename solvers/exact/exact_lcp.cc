@@ -10,6 +10,7 @@
 #include "solvers/exact/flint_matrix.h"
 #include "solvers/exact/least_norm.h"
 #include "solvers/exact/lemke_path.h"
+#include "solvers/exact/mode_system.h"
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {
@@ -39,6 +40,7 @@ class ExactSolve {
 
   ExactAnswer Run() {
     const Index n = problem_.size;
+    answer_.rank = 0;
     if (!problem_.has_factors && !deadline_.Expired() &&
         (n > options_.most_rows_of_proofs || !IsPositiveSemidefinite(A_))) {
       answer_.status = ExactAnswer::Status::kNotSemidefinite;
@@ -54,10 +56,11 @@ class ExactSolve {
     Guess(&start, &support);
     ExactPivoting pivoting(A_, b_, problem_.bilateral);
     const ExactPivoting::End end = Pivot(start, support, &pivoting);
-    answer_.pivots = pivoting.solves();
+    answer_.steps = pivoting.solves();
     switch (end) {
       case ExactPivoting::End::kSolved:
         answer_.status = ExactAnswer::Status::kSolved;
+        answer_.w_unique = true;
         SetForces(pivoting);
         if (!options_.answer_only) Describe();
         break;
@@ -70,7 +73,8 @@ class ExactSolve {
         break;
       case ExactPivoting::End::kTimeLimit:
       case ExactPivoting::End::kSolveLimit:
-        answer_.detail = "out of time after " + std::to_string(answer_.pivots) + " exact solves";
+        answer_.status = ExactAnswer::Status::kTimeLimit;
+        answer_.detail = "out of time after " + std::to_string(answer_.steps) + " exact solves";
         break;
     }
     return answer_;
@@ -135,7 +139,7 @@ class ExactSolve {
     mark(guess.ray, support);
   }
 
-  void SetRay(std::vector<Rational> y) {
+  void SetRay(RationalVector y) {
     Rational b_dot_y = 0;
     for (Index i = 0; i < problem_.size; ++i) b_dot_y += problem_.b[At(i)] * y[At(i)];
     for (Rational& value : y) value /= -b_dot_y;
@@ -161,23 +165,21 @@ class ExactSolve {
     for (Index i = 0; i < n; ++i) {
       if (answer_.w[At(i)] == 0) active.push_back(i);
     }
-    SolutionSet set{Block(A_, active, active), Block(b_, active, {0}), {}, {}};
+    SolutionSet set{Block(A_, active, active), Block(b_, active, {0}), {}, {}, {}};
     for (const Index i : active) {
       set.bilateral.push_back(problem_.bilateral[At(i)]);
       set.f.push_back(answer_.f[At(i)] / force_unit);
     }
     const auto rows = static_cast<Index>(active.size());
-    answer_.nullity_on_active = rows - static_cast<Index>(IndependentRows(set.A, AllRows(rows)).size());
-    std::optional<LeastNorm> least;
+    set.independent = IndependentRows(set.A, AllRows(rows));
+    answer_.nullity_on_active = rows - static_cast<Index>(set.independent.size());
     if (answer_.nullity_on_active == 0) {
       answer_.f_least_norm = answer_.f;
       answer_.f_unique = true;
     } else {
-      least = FindLeastNorm(set, GuessPositive(set), deadline_);
-      if (!least.has_value() && rows <= options_.most_rows_of_proofs) least = ProjectOnSet(set, deadline_);
+      const std::optional<LeastNorm> least = FindLeastNorm(set, deadline_);
       if (!least.has_value()) {
-        answer_.detail = deadline_.Expired() ? "out of time for the f of least norm"
-                                             : "the active set of the least-norm f did not settle";
+        answer_.detail = "out of time for the f of least norm";
         return;
       }
       answer_.f_least_norm.assign(At(n), 0);
@@ -210,37 +212,22 @@ class ExactSolve {
   ExactAnswer answer_;
 };
 
-// A x in common denominators: sums of rationals would reduce every one of them.
-std::vector<Rational> Product(const ExactLcp& problem, const std::vector<Rational>& x) {
-  const BigInteger a = CommonDenominator(problem.A), d = CommonDenominator(x);
-  const IntegerMatrix scaled = Product(Scaled(problem.A, problem.size, a), Scaled(x, problem.size, d));
-  std::vector<Rational> product;
-  for (Index i = 0; i < problem.size; ++i) product.push_back(ToRational(scaled.at(i, 0)) / Rational(a * d));
-  return product;
-}
-
 std::string AtRow(const char* what, Index i) { return what + std::string(" at row ") + std::to_string(i); }
 
-std::string FaultOfForces(const ExactLcp& problem, const std::vector<Rational>& f, const std::vector<Rational>& w) {
-  if (f.size() != At(problem.size) || w.size() != At(problem.size)) return "f or w has another size than the problem";
-  const std::vector<Rational> product = Product(problem, f);
-  for (Index i = 0; i < problem.size; ++i) {
-    if (product[At(i)] + problem.b[At(i)] != w[At(i)]) return AtRow("w is not A f + b", i);
-    if (problem.bilateral[At(i)] != 0) {
-      if (w[At(i)] != 0) return AtRow("w is not 0", i);
-      continue;
-    }
-    if (w[At(i)] < 0) return AtRow("w < 0", i);
-    if (f[At(i)] < 0) return AtRow("f < 0", i);
-    if (w[At(i)] != 0 && f[At(i)] != 0) return AtRow("f w is not 0", i);
+// The modes of an answer to a plain problem.
+std::string ModesOf(const ExactLcp& problem, const RationalVector& f) {
+  std::string modes(f.size(), 'O');
+  for (size_t i = 0; i < std::min(f.size(), problem.bilateral.size()); ++i) {
+    if (f[i] != 0) modes[i] = 'C';
+    if (problem.bilateral[i] != 0) modes[i] = 'B';
   }
-  return {};
+  return modes;
 }
 
-std::string FaultOfRay(const ExactLcp& problem, const std::vector<Rational>& y) {
+std::string FaultOfRay(const ExactLcp& problem, const RationalVector& y) {
   if (y.size() != At(problem.size)) return "the ray has another size than the problem";
   Rational b_dot_y = 0;
-  const std::vector<Rational> product = Product(problem, y);
+  const RationalVector product = GapsOf(problem, y, true);
   for (Index i = 0; i < problem.size; ++i) {
     if (product[At(i)] != 0) return AtRow("A y is not 0", i);
     if (problem.bilateral[At(i)] == 0 && y[At(i)] < 0) return AtRow("y < 0", i);
@@ -252,7 +239,7 @@ std::string FaultOfRay(const ExactLcp& problem, const std::vector<Rational>& y) 
 }  // namespace
 
 const char* ToString(ExactAnswer::Status status) {
-  constexpr const char* kNames[] = {"solved", "infeasible", "not positive semidefinite", "time limit"};
+  constexpr const char* kNames[] = {"solved", "infeasible", "not positive semidefinite", "time limit", "unknown"};
   return kNames[static_cast<int>(status)];
 }
 
@@ -260,17 +247,36 @@ ExactAnswer SolveExactly(const ExactLcp& problem, const ExactOptions& options) {
   return ExactSolve(problem, options).Run();
 }
 
+std::string FindFaultOfModes(const ExactLcp& problem, const std::string& modes, const RationalVector& f,
+                             const RationalVector* claimed_w) {
+  if (f.size() != At(problem.size) || modes.size() != f.size()) return "f or modes have another size than the problem";
+  const RationalVector w = GapsOf(problem, f);
+  if (claimed_w != nullptr && *claimed_w != w) return "w is not A f + b";
+  for (const Law& law : LawsOf(problem, modes)) {
+    const Rational value = ValueOf(law, f, w);
+    if (law.is_equation ? value == 0 : value >= 0) continue;
+    const LawTerm& term = law.terms.front();
+    return std::string(term.is_gap ? "w" : "f") + " of row " + std::to_string(term.row) + " does not obey mode " +
+           modes[At(term.row)];
+  }
+  return {};
+}
+
 std::string FindFault(const ExactLcp& problem, const ExactAnswer& answer) {
-  if (answer.status == ExactAnswer::Status::kInfeasible) return FaultOfRay(problem, answer.ray);
-  if (answer.status != ExactAnswer::Status::kSolved) return {};
-  std::string fault = FaultOfForces(problem, answer.f, answer.w);
+  const bool is_plain = problem.is_plain();
+  if (answer.status == ExactAnswer::Status::kInfeasible) return is_plain ? FaultOfRay(problem, answer.ray) : "";
+  if (!answer.is_solved()) return {};
+  const auto fault_of = [&](const RationalVector& f) {
+    return FindFaultOfModes(problem, is_plain ? ModesOf(problem, f) : answer.modes, f, &answer.w);
+  };
+  std::string fault = fault_of(answer.f);
   if (!fault.empty() || answer.f_least_norm.empty()) return fault;
   if (answer.nullity_on_active == 0)
     return answer.f_least_norm == answer.f ? "" : "f is unique, but two different ones are given";
-  fault = FaultOfForces(problem, answer.f_least_norm, answer.w);
+  fault = fault_of(answer.f_least_norm);
   if (!fault.empty()) return "of least norm: " + fault;
   if (answer.multipliers.size() != answer.f.size()) return "no multipliers";
-  const std::vector<Rational> product = Product(problem, answer.multipliers);
+  const RationalVector product = GapsOf(problem, answer.multipliers, true);
   for (Index i = 0; i < problem.size; ++i) {
     const Rational& f = answer.f_least_norm[At(i)];
     if (answer.w[At(i)] != 0) {
@@ -282,6 +288,44 @@ std::string FindFault(const ExactLcp& problem, const ExactAnswer& answer) {
     if (!holds) return AtRow("f is not of least norm", i);
   }
   return {};
+}
+
+std::string ModesOf(const LcpProblem& problem, const Eigen::VectorXd& f) {
+  Eigen::VectorXd omega, root = problem.DiagonalA().unaryExpr([](double d) { return d > 0 ? std::sqrt(d) : 1.0; });
+  problem.ComputeW(f, &omega);
+  omega = omega.cwiseQuotient(root);
+  const Eigen::VectorXd trial = root.cwiseProduct(f) - omega;
+  std::vector<FrictionRow> friction = problem.friction_rows();
+  std::vector<BoundedRow> bounded = problem.bounded_rows();
+  for (FrictionRow& row : friction) row.mu *= root[row.row] / root[row.normal];
+  for (BoundedRow& row : bounded) {
+    row.lower *= root[row.row];
+    row.upper *= root[row.row];
+  }
+  std::vector<Index> normals;
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (problem.kind(i) == RowKind::kUnilateral) normals.push_back(i);
+  }
+  std::vector<RangeSide> sides(At(problem.size()));
+  Laws{problem.bilateral_rows(), normals, friction, bounded}.VisitRanges(
+      trial, [&](Index i, const auto& range) { sides[At(i)] = SideOf(range, trial[i]); });
+  std::string modes(At(problem.size()), 'O');
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (sides[At(i)] == RangeSide::kInside) modes[At(i)] = problem.is_bilateral(i) ? 'B' : 'C';
+  }
+  const auto mode_of = [](RangeSide side) {
+    return side == RangeSide::kInside ? 'S' : side == RangeSide::kLower ? '+' : '-';
+  };
+  for (const FrictionRow& row : problem.friction_rows()) {
+    const bool is_open = sides[At(row.normal)] == RangeSide::kLower;
+    const RangeSide slip = row.mu > 0 || omega[row.row] >= 0 ? sides[At(row.row)] : RangeSide::kUpper;
+    modes[At(row.row)] = is_open ? 'o' : row.slip != 0 ? 'k' : mode_of(slip);
+  }
+  for (const BoundedRow& row : problem.bounded_rows()) {
+    const bool is_upper = row.lower == row.upper && omega[row.row] < 0;
+    modes[At(row.row)] = is_upper ? '-' : mode_of(sides[At(row.row)]);
+  }
+  return modes;
 }
 
 }  // namespace lcpbench

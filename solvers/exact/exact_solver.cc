@@ -130,7 +130,7 @@ bool ExactSolver::SolveContradiction(const LcpProblem& problem, const LcpOptions
     regular.A[static_cast<size_t>(i * regular.size + i)] *= 1 + Rational(kProximal);
   }
   const ExactAnswer answer = SolveExactly(regular, AnswerOnly(options, elapsed_s));
-  result->iterations += answer.pivots;
+  result->iterations += answer.steps;
   if (answer.status != ExactAnswer::Status::kSolved) return false;
   Eigen::VectorXd f = Rounded(answer.f);
   if (!PassesTier(ComputeMetrics(problem, f), options.tolerance)) return false;
@@ -141,7 +141,7 @@ bool ExactSolver::SolveContradiction(const LcpProblem& problem, const LcpOptions
 void ExactSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   const Deadline deadline(options);
   const ExactAnswer answer = SolveExactly(*exact_, AnswerOnly(options, 0));
-  result->iterations = answer.pivots;
+  result->iterations = answer.steps;
   result->detail = answer.detail;
   const auto passes = [&](const Eigen::VectorXd& f) {
     return PassesTier(ComputeMetrics(problem, f), options.tolerance);
@@ -172,6 +172,7 @@ void ExactSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, 
       if (result->detail.empty()) result->detail = "A is not positive semidefinite";
       break;
     case ExactAnswer::Status::kTimeLimit:
+    case ExactAnswer::Status::kUnknown:
       result->status = LcpStatus::kTimeLimit;
       break;
   }

@@ -14,7 +14,8 @@ struct SolutionSet {
   IntegerMatrix A;  ///< on the active rows
   IntegerMatrix b;  ///< one column
   std::vector<char> bilateral;
-  std::vector<Rational> f;  ///< one solution
+  std::vector<Index> independent;  ///< rows that the others depend on
+  std::vector<Rational> f;         ///< one solution
 };
 
 struct LeastNorm {
@@ -22,24 +23,16 @@ struct LeastNorm {
   std::vector<Rational> multipliers;  ///< l: f - A l >= 0, = 0 where f > 0 and on bilateral rows
 };
 
-/// min |f|^2 over the set. Its active set is guessed in doubles, and put right by exact exchanges in blocks; where
-/// those do not settle, or not by the deadline, nothing. Every answer is proved by its multipliers.
-/// @param positive  a guess at the unilateral rows with f > 0
-std::optional<LeastNorm> FindLeastNorm(const SolutionSet& set, std::vector<char> positive, const Deadline& deadline);
+/// min |f|^2 over the set, which is an LCP itself: f = A l + s = J^T x, J of the independent rows of A and of a unit
+/// vector a unilateral row, x = (l, s); J J^T x + (b, 0) is 0 on the former, which are bilateral, and the f of the
+/// latter. It starts from a guess in doubles; nothing where the deadline ends it. Every answer is proved by its
+/// multipliers.
+std::optional<LeastNorm> FindLeastNorm(const SolutionSet& set, const Deadline& deadline);
 
-/// The same by a method that ends, if the deadline lets it: with N a basis of null(A) and P = N (N^T N)^-1 N^T, the
-/// least-norm f is the w of the LCP  w = P s + (f - P f)  on the unilateral rows, for any solution f. For some tens of
-/// rows: the numbers in P are long.
-std::optional<LeastNorm> ProjectOnSet(const SolutionSet& set, const Deadline& deadline);
-
-/// Whether f_least is the only solution. A direction that keeps all rows is d in null(A), d_i >= 0 where f_i = 0; there
-/// is none but 0 if and only if N of full column rank and the LCP (I - N (N^T N)^-1 N^T, -1) is solvable, N being a
-/// basis of null(A) on these rows (Gordan's alternative, as a projection). O(nullity) exact solves, and that LCP;
-/// nothing where the deadline ends it.
+/// Whether f_least is the only solution. A direction that keeps all rows is d in null(A), d_i >= 0 on Z, the unilateral
+/// rows with f_i = 0. There is none but 0 if and only if the columns of A off Z are independent and no such d has the
+/// sum 1 on Z: min |A d|^2 + (sum - 1)^2, again an LCP, is then > 0. It is 1 - sum. Nothing where the deadline ends it.
 std::optional<bool> IsOnlySolution(const SolutionSet& set, const std::vector<Rational>& f_least,
                                    const Deadline& deadline);
-
-/// A guess for FindLeastNorm, in doubles, by proximal projection on the set.
-std::vector<char> GuessPositive(const SolutionSet& set);
 
 }  // namespace lcpbench

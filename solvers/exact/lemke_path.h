@@ -19,7 +19,7 @@ struct LemkeEnd {
     kLimit,  ///< out of time or steps, or joints that are dependent to 60 digits
   };
   Kind kind = Kind::kLimit;
-  std::string modes;          ///< of the solution, as of ModeAnswer; tangents with mu = 0 are `o`
+  std::string modes;          ///< of the solution, as of ExactAnswer; tangents with mu = 0 are `o`
   std::vector<char> support;  ///< of the ray: unilateral rows with y > 0, and joints
   std::int64_t steps = 0;
 };

@@ -52,7 +52,7 @@ Index RankModulo(const SparseMatrix& matrix, mp_limb_t prime) {
   nmod_t mod;
   nmod_init(&mod, prime);
   // The row that begins with a column, its first entry 1.
-  std::vector<Row> pivots(static_cast<size_t>(matrix.cols()));
+  std::vector<Row> pivots(At(matrix.cols()));
   Index rank = 0;
   for (Index i = 0; i < matrix.rows(); ++i) {
     Row row;
@@ -62,21 +62,15 @@ Index RankModulo(const SparseMatrix& matrix, mp_limb_t prime) {
     }
     std::sort(row.begin(), row.end(), [](const Term& a, const Term& b) { return a.column < b.column; });
     while (!row.empty()) {
-      Row& pivot = pivots[static_cast<size_t>(row.front().column)];
-      if (pivot.empty()) {
-        const mp_limb_t inverse = n_invmod(row.front().value, prime);
-        for (Term& term : row) term.value = nmod_mul(term.value, inverse, mod);
-        pivot = std::move(row);
-        ++rank;
-        break;
-      }
+      Row& pivot = pivots[At(row.front().column)];
       // The sparser one stays as pivot.
-      if (row.size() < pivot.size()) {
+      if (pivot.empty() || row.size() < pivot.size()) {
         const mp_limb_t inverse = n_invmod(row.front().value, prime);
         for (Term& term : row) term.value = nmod_mul(term.value, inverse, mod);
         std::swap(row, pivot);
+        if (row.empty()) ++rank;
       }
-      row = Eliminated(row, pivot, row.front().value, mod);
+      if (!row.empty()) row = Eliminated(row, pivot, row.front().value, mod);
     }
   }
   return rank;
@@ -90,14 +84,32 @@ Index SparseRank(const SparseMatrix& matrix) {
   return rank;
 }
 
-std::optional<Index> RankOf(const LcpProblem& problem, Index most_rows) {
-  if (!problem.has_factors()) {
-    if (problem.size() > most_rows) return std::nullopt;
-    return SparseRank(problem.SparseA());
+Index RankOfRows(const LcpProblem& problem, const std::vector<Index>& rows) {
+  const SparseMatrix& given = problem.has_factors() ? problem.J() : problem.SparseA();
+  std::vector<Index> place(At(given.cols()), -1);
+  if (problem.has_factors()) {
+    for (Index k = 0; k < given.cols(); ++k) {
+      if (problem.inverse_mass()[k] > 0) place[At(k)] = k;
+    }
+  } else {
+    for (size_t k = 0; k < rows.size(); ++k) place[At(rows[k])] = static_cast<Index>(k);
   }
-  SparseMatrix movable = problem.J();
-  movable.prune([&problem](Index, Index column, double) { return problem.inverse_mass()[column] > 0; });
-  return SparseRank(movable);
+  std::vector<Eigen::Triplet<double, int>> entries;
+  for (size_t k = 0; k < rows.size(); ++k) {
+    for (SparseMatrix::InnerIterator it(given, rows[k]); it; ++it) {
+      const Index column = place[At(it.col())];
+      if (column >= 0) entries.emplace_back(static_cast<int>(k), static_cast<int>(column), it.value());
+    }
+  }
+  SparseMatrix part(static_cast<Index>(rows.size()),
+                    problem.has_factors() ? given.cols() : static_cast<Index>(rows.size()));
+  part.setFromTriplets(entries.begin(), entries.end());
+  return SparseRank(part);
+}
+
+std::optional<Index> RankOf(const LcpProblem& problem, Index most_rows) {
+  if (!problem.has_factors() && problem.size() > most_rows) return std::nullopt;
+  return RankOfRows(problem, AllRows(problem.size()));
 }
 
 }  // namespace lcpbench

@@ -14,30 +14,6 @@ namespace {
 constexpr double kTier = 1e-6;
 constexpr double kClear = 1e-6;
 
-// Rows `rows` of J on the columns that can move; of a matrix also the columns `rows`.
-SparseMatrix PartOf(const LcpProblem& problem, const std::vector<Index>& rows) {
-  const SparseMatrix& given = problem.has_factors() ? problem.J() : problem.SparseA();
-  std::vector<Index> place(static_cast<size_t>(given.cols()), -1);
-  if (problem.has_factors()) {
-    for (Index k = 0; k < given.cols(); ++k) {
-      if (problem.inverse_mass()[k] > 0) place[static_cast<size_t>(k)] = k;
-    }
-  } else {
-    for (size_t k = 0; k < rows.size(); ++k) place[static_cast<size_t>(rows[k])] = static_cast<Index>(k);
-  }
-  std::vector<Eigen::Triplet<double, int>> entries;
-  for (size_t k = 0; k < rows.size(); ++k) {
-    for (SparseMatrix::InnerIterator it(given, rows[k]); it; ++it) {
-      const Index column = place[static_cast<size_t>(it.col())];
-      if (column >= 0) entries.emplace_back(static_cast<int>(k), static_cast<int>(column), it.value());
-    }
-  }
-  SparseMatrix part(static_cast<Index>(rows.size()),
-                    problem.has_factors() ? given.cols() : static_cast<Index>(rows.size()));
-  part.setFromTriplets(entries.begin(), entries.end());
-  return part;
-}
-
 // Whether its rank may take more than kMostWorkOfUniqueForces, n^2 times the columns, where elimination fills the rows:
 // that of at most 16 entries a row, on average, fills few.
 bool RankCostsTooMuch(const LcpProblem& problem) {
@@ -46,10 +22,6 @@ bool RankCostsTooMuch(const LcpProblem& problem) {
   const auto rows = static_cast<double>(given.rows());
   return given.nonZeros() > kFewEntries * given.rows() &&
          rows * rows * static_cast<double>(given.cols()) > kMostWorkOfUniqueForces;
-}
-
-bool AreIndependent(const LcpProblem& problem, const std::vector<Index>& rows) {
-  return SparseRank(PartOf(problem, rows)) == static_cast<Index>(rows.size());
 }
 
 }  // namespace
@@ -72,8 +44,11 @@ std::optional<bool> UniqueForces(const LcpProblem& problem, const Eigen::VectorX
     if (problem.is_bilateral(i) || force[i] > clear) loaded.push_back(i);
     if (problem.is_bilateral(i) || !(gap[i] > clear)) not_open.push_back(i);
   }
-  if (!AreIndependent(problem, loaded)) return false;
-  if (loaded.size() == not_open.size() || AreIndependent(problem, not_open)) return true;
+  const auto are_independent = [&](const std::vector<Index>& rows) {
+    return RankOfRows(problem, rows) == static_cast<Index>(rows.size());
+  };
+  if (!are_independent(loaded)) return false;
+  if (loaded.size() == not_open.size() || are_independent(not_open)) return true;
   return std::nullopt;
 }
 

@@ -8,8 +8,7 @@
 
 #include "solvers/exact/dyadic_lcp.h"
 #include "solvers/exact/exact_solver.h"
-#include "solvers/exact/modes/mode_answer.h"
-#include "solvers/exact/modes/mode_system.h"
+#include "solvers/exact/mode_system.h"
 #include "solvers/friction/mode_equations.h"
 
 namespace lcpbench {
@@ -202,11 +201,6 @@ const char* ToString(ModeProof::Proof proof) { return proof == ModeProof::Proof:
 
 namespace {
 
-// Not below the exact value.
-double NextAbove(const Rational& value) {
-  return value == 0 ? 0 : std::nextafter(RoundToNearest(value), std::numeric_limits<double>::infinity());
-}
-
 // f with f_n >= 0, f_t = 0 where f_n or mu is 0, and bounds.
 Eigen::VectorXd Clipped(const LcpProblem& problem, Eigen::VectorXd f) {
   for (Index i = 0; i < problem.size(); ++i) {
@@ -260,7 +254,7 @@ ModeProof ProveNearby(const LcpProblem& problem, const Eigen::VectorXd& start) {
     const Rational ratio = abs(Rational(tangent)) / Rational(normal), mu(row.mu);
     const bool slips = row.slip != 0 || ratio >= mu * Rational(1 - kBoundary);
     if (row.slip != 0 && row.slip * tangent > 0) proof.mu_shift = std::numeric_limits<double>::infinity();
-    if (slips || ratio > mu) proof.mu_shift = std::max(proof.mu_shift, NextAbove(abs(Rational(ratio - mu)) / mu));
+    if (slips || ratio > mu) proof.mu_shift = std::max(proof.mu_shift, RoundUp(abs(Rational(ratio - mu)) / mu));
     mode = row.slip != 0 ? 'k' : !slips ? 'S' : tangent < 0 ? '+' : '-';
     keep(row.row, row.slip != 0 || (slips && (tangent < 0 ? w[At(row.row)] >= 0 : w[At(row.row)] <= 0)));
   }

@@ -38,7 +38,7 @@ class RoundedModes {
   explicit RoundedModes(const ExactLcp& problem);
   explicit RoundedModes(const LcpProblem& problem);
 
-  /// @param modes  as of ModeAnswer. O(m^3 + n^2) for m equations w = 0
+  /// @param modes  as of ExactAnswer. O(m^3 + n^2) for m equations w = 0
   ModeEnclosure Enclose(const std::string& modes) const;
 
  private:
@@ -68,7 +68,7 @@ struct ModeProof {
     kNearbyProblem,  ///< f solves exactly the problem with another b and other mu
   };
   Proof proof = Proof::kNearbyProblem;
-  std::string modes;  ///< as of ModeAnswer
+  std::string modes;  ///< as of ExactAnswer
   Eigen::VectorXd f;  ///< n
   /// |D^1/2 (f - f*)|_inf <= f_bound, of kModes; f* is the solution in these modes.
   double f_bound = std::numeric_limits<double>::infinity();

@@ -6,8 +6,8 @@
 
 #include "solvers/exact/flint_matrix.h"
 #include "solvers/exact/lemke_path.h"
+#include "solvers/exact/mode_system.h"
 #include "solvers/exact/modes/mode_proof.h"
-#include "solvers/exact/modes/mode_system.h"
 
 namespace lcpbench {
 namespace {
@@ -89,7 +89,7 @@ bool Meets(const ExactLcp& problem, const std::vector<Law>& laws, const Rational
 // All solutions, mode by mode; or one.
 class ModeSearch {
  public:
-  ModeSearch(const ExactLcp& problem, const ModeOptions& options)
+  ModeSearch(const ExactLcp& problem, const ExactOptions& options)
       : problem_(problem),
         deadline_(LcpOptions{.time_limit_s = options.time_limit_s, .now = options.now}),
         system_(problem),
@@ -98,14 +98,14 @@ class ModeSearch {
 
   bool IsSmall(std::int64_t most) const { return CountModes(groups_, most) <= most; }
 
-  ModeAnswer Run() {
+  ExactAnswer Run() {
     std::string modes(At(problem_.size), ' ');
     if (!TryAll(0, &modes)) {
-      answer_.detail = "out of time after " + std::to_string(answer_.tried) + " modes";
+      answer_.detail = "out of time after " + std::to_string(answer_.steps) + " modes";
       return std::move(answer_);
     }
     answer_.complete = true;
-    answer_.status = pieces_.empty() ? LcpReference::Status::kInfeasible : LcpReference::Status::kSolved;
+    answer_.status = pieces_.empty() ? ExactAnswer::Status::kInfeasible : ExactAnswer::Status::kSolved;
     if (pieces_.empty()) {
       answer_.ray = NormalRay();
       return std::move(answer_);
@@ -114,8 +114,8 @@ class ModeSearch {
     return std::move(answer_);
   }
 
-  ModeAnswer FindOne(const ModeOptions& options) {
-    for (const std::string& modes : options.guesses ? options.guesses() : std::vector<std::string>{}) {
+  ExactAnswer FindOne(const ExactOptions& options) {
+    for (const std::string& modes : options.guessed_modes ? options.guessed_modes() : std::vector<std::string>{}) {
       if (TakeModes(modes, true)) return std::move(answer_);
     }
     answer_.detail = "no guess has the modes of a solution";
@@ -131,7 +131,7 @@ class ModeSearch {
     }
     for (unsigned seed = 1; seed <= kSeeds; ++seed) {
       const LemkeEnd end = FollowLemke(problem_, system_.A(), system_.b(), seed, deadline_);
-      answer_.tried += end.steps;
+      answer_.steps += end.steps;
       if (end.kind == LemkeEnd::Kind::kSolved && TakeModes(end.modes, false)) break;
       answer_.detail = end.kind == LemkeEnd::Kind::kRay     ? "secondary ray"
                        : end.kind == LemkeEnd::Kind::kLimit ? "out of time or steps"
@@ -151,7 +151,7 @@ class ModeSearch {
   // False where there is no time left.
   bool TryAll(size_t group, std::string* modes) {
     if (group == groups_.size()) {
-      ++answer_.tried;
+      ++answer_.steps;
       Try(*modes);
       return !deadline_.Expired();
     }
@@ -199,7 +199,7 @@ class ModeSearch {
       modes[At(row.row)] = space->w[At(row.row)] >= 0 ? '+' : '-';
     }
     if (!FindFaultOfModes(problem_, modes, space->f).empty()) return false;
-    answer_.status = LcpReference::Status::kSolved;
+    answer_.status = ExactAnswer::Status::kSolved;
     answer_.f = std::move(space->f);
     answer_.w = std::move(space->w);
     answer_.modes = std::move(modes);
@@ -257,7 +257,7 @@ class ModeSearch {
     return !PointsOf(one.space, laws).is_empty();
   }
 
-  // A ray of ModeAnswer::ray; empty where there is none: A^T y = 0 on the rows that may be in it, by its extreme rays.
+  // A ray of ExactAnswer::ray; empty where there is none: A^T y = 0 on the rows that may be in it, by its extreme rays.
   RationalVector NormalRay() const {
     ExactLcp rays = problem_;
     for (Index i = 0; i < rays.size; ++i) {
@@ -314,15 +314,83 @@ class ModeSearch {
   RoundedModes rounded_;
   std::vector<ModeGroup> groups_;
   std::vector<Found> pieces_;
-  ModeAnswer answer_;
+  ExactAnswer answer_;
 };
+
+// A row with w < 0 whatever f >= 0; -1 where there is none.
+Index HopelessRow(const LcpProblem& problem) {
+  if (!problem.bilateral_rows().empty()) return -1;
+  for (Index i = 0; i < problem.size(); ++i) {
+    bool has_positive = false;
+    for (SparseMatrix::InnerIterator it(problem.SparseA(), i); it; ++it) has_positive = has_positive || it.value() > 0;
+    if (problem.b()[i] < 0 && !has_positive) return i;
+  }
+  return -1;
+}
 
 }  // namespace
 
-ModeAnswer SolveByModes(const ExactLcp& problem, const ModeOptions& options) {
+ExactAnswer SolveByModes(const ExactLcp& problem, const ExactOptions& options) {
   ModeSearch search(problem, options);
   if (search.IsSmall(options.most_modes)) return search.Run();
   return search.FindOne(options);
+}
+
+ExactAnswer Certify(const ExactLcp& problem, const ExactOptions& options) {
+  const bool is_plain = problem.is_plain();
+  ExactAnswer answer = is_plain ? SolveExactly(problem, options) : SolveByModes(problem, options);
+  answer.fault = FindFault(problem, answer);
+  const bool is_known = answer.is_solved() || answer.status == ExactAnswer::Status::kInfeasible;
+  answer.certified = is_known && answer.fault.empty();
+  if (is_plain) answer.complete = answer.certified;
+  return answer;
+}
+
+std::optional<RationalVector> GapsOfAnswer(const LcpProblem& problem, const RationalVector& f) {
+  RationalVector w(At(problem.size()));
+  for (Index i = 0; i < problem.size(); ++i) {
+    Rational& gap = w[At(i)];
+    gap = problem.b()[i];
+    for (SparseMatrix::InnerIterator it(problem.SparseA(), i); it; ++it) {
+      if (f[At(it.col())] != 0) gap += Rational(it.value()) * f[At(it.col())];
+    }
+    const bool solves = problem.is_bilateral(i) ? gap == 0 : gap >= 0 && f[At(i)] >= 0 && (gap == 0 || f[At(i)] == 0);
+    if (!solves) return std::nullopt;
+  }
+  return w;
+}
+
+ExactAnswer SolveByEnumeration(const LcpProblem& problem, const std::vector<Eigen::VectorXd>& guesses) {
+  using Status = ExactAnswer::Status;
+  ExactAnswer answer;
+  answer.detail = "no answer was guessed";
+  if (const Index row = HopelessRow(problem); row >= 0) {
+    answer.status = Status::kInfeasible;
+    answer.detail = "w < 0 on row " + std::to_string(row) + " whatever f >= 0";
+    return answer;
+  }
+  if (problem.size() > kMostGuessedRows) return answer;
+  const ExactLcp exact = ExactFromAny(problem);
+  for (const Eigen::VectorXd& guess : guesses) {
+    if (guess.size() != problem.size() || !guess.allFinite()) continue;
+    const auto modes = [&] { return std::vector{ModesOf(problem, guess)}; };
+    ExactAnswer guessed = SolveByModes(exact, {.most_modes = 0, .guessed_modes = modes, .follows_path = false});
+    if (guessed.status != Status::kSolved) continue;
+    if (answer.status != Status::kSolved) {
+      answer = std::move(guessed);
+    } else if (guessed.f != answer.f) {
+      answer.f_unique = false;
+    }
+  }
+  ExactAnswer all = SolveByModes(exact, {.follows_path = false});
+  if (!all.complete) return answer;
+  if (answer.status == Status::kSolved) {
+    all.f = std::move(answer.f);
+    all.w = std::move(answer.w);
+    all.modes = std::move(answer.modes);
+  }
+  if (all.status == Status::kInfeasible) all.detail = "by enumeration of all active sets";
+  return all;
 }
 
 }  // namespace lcpbench

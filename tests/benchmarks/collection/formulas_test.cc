@@ -5,7 +5,7 @@
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/collection/plan.h"
 #include "benchmarks/collection/recipes/recipe.h"
-#include "solvers/exact/modes/enumeration.h"
+#include "solvers/exact/modes/mode_search.h"
 #include "solvers/exact/sparse_rank.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"

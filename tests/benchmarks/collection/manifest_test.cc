@@ -357,8 +357,8 @@ TEST(Triviality, IsToldOfProblemsWithFriction) {
 // exact ones by what rounding leaves, others by the strictest tier.
 void ExpectAnswered(const Tier& tier, const ManifestEntry& entry, const LcpProblem& problem, const KnownAnswer& known) {
   if (known.reference.status == LcpReference::Status::kInfeasible) {
-    const ModeAnswer answer = SolveByModes(ExactFrom(problem), {});
-    EXPECT_TRUE(answer.complete && answer.status == LcpReference::Status::kInfeasible) << entry.id;
+    const ExactAnswer answer = SolveByModes(ExactFrom(problem), {});
+    EXPECT_TRUE(answer.complete && answer.status == ExactAnswer::Status::kInfeasible) << entry.id;
     return;
   }
   const Metrics metrics = ComputeMetrics(problem, known.f, &known.reference);

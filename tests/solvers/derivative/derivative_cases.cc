@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "solvers/exact/exact_solver.h"
+#include "solvers/exact/mode_system.h"
 #include "solvers/exact/modes/mode_search.h"
-#include "solvers/exact/modes/mode_system.h"
 #include "support/array_index.h"
 #include "tests/solvers/exact_problems.h"
 

@@ -1,16 +1,14 @@
-#include "solvers/exact/modes/enumeration.h"
+#include "solvers/exact/modes/mode_search.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 #include <vector>
 
-#include "solvers/exact/exact_lcp.h"
-
 namespace lcpbench {
 namespace {
 
-using Status = LcpReference::Status;
+using Status = ExactAnswer::Status;
 
 LcpProblem Problem(const std::vector<std::vector<double>>& A, const std::vector<double>& b,
                    const std::vector<Index>& bilateral = {}) {
@@ -24,30 +22,30 @@ LcpProblem Problem(const std::vector<std::vector<double>>& A, const std::vector<
 }
 
 TEST(Enumeration, KnowsWhatIsKnownOfSmallProblems) {
-  const ModeAnswer none = SolveByEnumeration(Problem({{-1, 0}, {0, -1}}, {1, -1}), {});
+  const ExactAnswer none = SolveByEnumeration(Problem({{-1, 0}, {0, -1}}, {1, -1}), {});
   EXPECT_EQ(none.status, Status::kInfeasible);
-  const ModeAnswer two = SolveByEnumeration(Problem({{1, 2}, {2, 1}}, {-1, -1}), {});
+  const ExactAnswer two = SolveByEnumeration(Problem({{1, 2}, {2, 1}}, {-1, -1}), {});
   EXPECT_EQ(two.status, Status::kSolved);
   EXPECT_EQ(two.f_unique, false);
-  const ModeAnswer skew = SolveByEnumeration(Problem({{0, 1}, {-1, 0}}, {-1, 2}), {});
+  const ExactAnswer skew = SolveByEnumeration(Problem({{0, 1}, {-1, 0}}, {-1, 2}), {});
   EXPECT_EQ(skew.status, Status::kSolved);
   EXPECT_EQ(skew.f, (std::vector<Rational>{2, 1}));
-  const ModeAnswer joint = SolveByEnumeration(Problem({{2, 1}, {1, 3}}, {4, 3}, {0}), {});
+  const ExactAnswer joint = SolveByEnumeration(Problem({{2, 1}, {1, 3}}, {4, 3}, {0}), {});
   EXPECT_EQ(joint.f, (std::vector<Rational>{-2, 0}));
   EXPECT_EQ(joint.w, (std::vector<Rational>{0, 1}));
   // Without a solution, on a singular A_FF: y.w = y.b < 0 for every f, by a ray with A^T y = 0.
-  const ModeAnswer singular = SolveByEnumeration(Problem({{1, -1}, {-2, 2}}, {-1, -1}), {});
+  const ExactAnswer singular = SolveByEnumeration(Problem({{1, -1}, {-2, 2}}, {-1, -1}), {});
   EXPECT_EQ(singular.status, Status::kInfeasible);
   EXPECT_EQ(singular.ray, (std::vector<Rational>{Rational(2, 3), Rational(1, 3)}));
   // Several solutions on singular A_FF: f = (1 + t, t).
-  const ModeAnswer line = SolveByEnumeration(Problem({{1, -1}, {-1, 1}}, {-1, 1}), {});
+  const ExactAnswer line = SolveByEnumeration(Problem({{1, -1}, {-1, 1}}, {-1, 1}), {});
   EXPECT_EQ(line.status, Status::kSolved);
   EXPECT_EQ(line.f_unique, false);
   // Rows beyond those that are tried: a guess, or nothing.
   const Index n = 16;
   const LcpProblem many = LcpProblem::FromDense("", Eigen::MatrixXd::Identity(n, n), -Eigen::VectorXd::Ones(n));
   EXPECT_EQ(SolveByEnumeration(many, {}).status, Status::kUnknown);
-  const ModeAnswer guessed = SolveByEnumeration(many, {Eigen::VectorXd::Ones(n)});
+  const ExactAnswer guessed = SolveByEnumeration(many, {Eigen::VectorXd::Ones(n)});
   EXPECT_EQ(guessed.status, Status::kSolved);
   EXPECT_FALSE(guessed.f_unique.has_value());
 }
@@ -63,7 +61,7 @@ TEST(Enumeration, AgreesWithTheExactMethodAndNeverTrustsAGuess) {
     const Eigen::VectorXd b = Eigen::VectorXd::NullaryExpr(n, [&] { return entry(random); });
     const LcpProblem problem = LcpProblem::FromDense("", A, b);
     const Eigen::VectorXd guess = Eigen::VectorXd::NullaryExpr(n, [&] { return entry(random); });
-    const ModeAnswer answer = SolveByEnumeration(problem, {guess});
+    const ExactAnswer answer = SolveByEnumeration(problem, {guess});
     const ExactAnswer exact = SolveExactly(ExactFrom(problem), {});
     ASSERT_EQ(answer.status, Status::kSolved);
     EXPECT_EQ(answer.f_unique, true);

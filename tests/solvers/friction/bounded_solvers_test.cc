@@ -149,9 +149,9 @@ TEST(BoundedSolvers, GiveTheExactAnswers) {
   int compared = 0, infeasible = 0;
   for (unsigned seed = 1; seed <= 300; ++seed) {
     const LcpProblem problem = BoxProblem(seed, 5);
-    const ModeAnswer exact = SolveByModes(ExactFrom(problem), {});
-    ASSERT_NE(exact.status, LcpReference::Status::kUnknown);
-    const bool is_solvable = exact.status == LcpReference::Status::kSolved;
+    const ExactAnswer exact = SolveByModes(ExactFrom(problem), {});
+    ASSERT_NE(exact.status, ExactAnswer::Status::kUnknown);
+    const bool is_solvable = exact.is_solved();
     for (auto& [key, taken] : solvers) {
       const LcpResult result = SolveWith(taken.solver.get(), problem, taken.is_direct ? 0 : 1000);
       const std::string what = key + " " + problem.id() + " " + result.detail;

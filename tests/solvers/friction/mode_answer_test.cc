@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "solvers/exact/mode_system.h"
 #include "solvers/exact/modes/mode_proof.h"
-#include "solvers/exact/modes/mode_system.h"
-#include "solvers/exact/modes/polyhedron.h"
+#include "solvers/exact/polyhedron.h"
 #include "tests/solvers/friction/friction_records.h"
 
 namespace lcpbench {
@@ -49,12 +49,12 @@ TEST(ModeAnswer, HasThePiecesOfEveryRecord) {
     if (!record.json.contains("pieces") && record.is_solved()) continue;
     SCOPED_TRACE(record.problem().id());
     const ExactLcp problem = ParseExactLcp(record.line, "record");
-    ModeOptions options;
+    ExactOptions options;
     options.most_modes = 65536;
 
-    const ModeAnswer answer = SolveByModes(problem, options);
+    const ExactAnswer answer = SolveByModes(problem, options);
     ASSERT_TRUE(answer.complete);
-    EXPECT_EQ(answer.status == LcpReference::Status::kSolved, record.is_solved());
+    EXPECT_EQ(answer.is_solved(), record.is_solved());
     if (!record.is_solved()) {
       ++infeasible;
       if (record.json.contains("infeasible_by")) {
@@ -111,11 +111,11 @@ TEST(ModeAnswer, ThePathEndsInASolution) {
     if (!takes) continue;
     SCOPED_TRACE(record.problem().id());
     const ExactLcp problem = ParseExactLcp(record.line, "record");
-    ModeOptions options;
+    ExactOptions options;
     options.most_modes = 0;
-    ModeAnswer answer = SolveByModes(problem, options);
+    ExactAnswer answer = SolveByModes(problem, options);
     EXPECT_FALSE(answer.complete);
-    if (answer.status == LcpReference::Status::kSolved) {
+    if (answer.is_solved()) {
       EXPECT_TRUE(record.is_solved());
       EXPECT_EQ(FindFaultOfModes(problem, answer.modes, answer.f), "");
       ++solved;
@@ -124,11 +124,11 @@ TEST(ModeAnswer, ThePathEndsInASolution) {
       EXPECT_FALSE(answer.detail.empty());
     }
     if (!record.is_solved() || !record.json.contains("f_exact")) continue;
-    options.guesses = [&] {
+    options.guessed_modes = [&] {
       return std::vector<std::string>{ModesOf(record.problem(), ToVector(record.json["f_exact"]))};
     };
     answer = SolveByModes(problem, options);
-    from_guess += answer.tried == 0 ? 1 : 0;
+    from_guess += answer.steps == 0 ? 1 : 0;
   }
   EXPECT_GE(solved, 85);
   EXPECT_LE(rays, 8);
@@ -244,10 +244,10 @@ TEST(ModeAnswer, AgreesWithAllComplementaryBases) {
       const int coordinates = round % 3 == 0 ? 6 : 1 + round % 3;
       const ExactLcp problem = RandomProblem(contacts, coordinates, &random, &line);
       SCOPED_TRACE(line);
-      const ModeAnswer answer = SolveByModes(problem, {});
+      const ExactAnswer answer = SolveByModes(problem, {});
       ASSERT_TRUE(answer.complete);
       const std::vector<RationalVector> basic = BasicSolutions(problem);
-      EXPECT_EQ(answer.status == LcpReference::Status::kSolved, !basic.empty());
+      EXPECT_EQ(answer.is_solved(), !basic.empty());
       without += basic.empty() ? 1 : 0;
       several += answer.pieces.size() > 1 ? 1 : 0;
       // A basic solution lies in a piece, and a vertex is one where rows are independent.
@@ -267,10 +267,10 @@ TEST(ModeAnswer, AgreesWithAllComplementaryBases) {
         for (const RationalVector& f : vertices) EXPECT_TRUE(basic_set.contains(f));
       }
       // And the path finds one of them.
-      ModeOptions path;
+      ExactOptions path;
       path.most_modes = 0;
-      const ModeAnswer one = SolveByModes(problem, path);
-      if (one.status == LcpReference::Status::kSolved) {
+      const ExactAnswer one = SolveByModes(problem, path);
+      if (one.is_solved()) {
         EXPECT_EQ(FindFaultOfModes(problem, one.modes, one.f), "");
       }
     }
@@ -300,7 +300,7 @@ RationalVector Rearranged(const RationalVector& f, const Rows& rows) {
   return result;
 }
 
-std::set<PieceSets> Rearranged(const ModeAnswer& answer, const Rows& rows) {
+std::set<PieceSets> Rearranged(const ExactAnswer& answer, const Rows& rows) {
   std::set<PieceSets> all;
   for (const ModePiece& piece : answer.pieces) {
     PieceSets sets;
@@ -311,7 +311,7 @@ std::set<PieceSets> Rearranged(const ModeAnswer& answer, const Rows& rows) {
   return all;
 }
 
-bool IsSolution(const ExactLcp& problem, const ModeAnswer& answer, const RationalVector& f) {
+bool IsSolution(const ExactLcp& problem, const ExactAnswer& answer, const RationalVector& f) {
   return std::ranges::any_of(answer.pieces,
                              [&](const ModePiece& piece) { return FindFaultOfModes(problem, piece.modes, f).empty(); });
 }
@@ -324,7 +324,7 @@ TEST(ModeAnswer, FollowsOrderMirrorAndSplitting) {
     std::string line;
     const ExactLcp problem = RandomProblem(contacts, 2 + round % 4, &random, &line);
     SCOPED_TRACE(line);
-    const ModeAnswer answer = SolveByModes(problem, {});
+    const ExactAnswer answer = SolveByModes(problem, {});
     std::vector<Index> order = AllRows(contacts);
     std::ranges::shuffle(order, random);
     Rows same, ordered, mirrored;
@@ -337,7 +337,7 @@ TEST(ModeAnswer, FollowsOrderMirrorAndSplitting) {
     }
     const bool has_lines = std::ranges::any_of(answer.pieces, [](const ModePiece& p) { return !p.f.lines.empty(); });
     for (const Rows& rows : {ordered, mirrored}) {
-      const ModeAnswer other = SolveByModes(Rearranged(problem, rows), {});
+      const ExactAnswer other = SolveByModes(Rearranged(problem, rows), {});
       EXPECT_EQ(other.pieces.size(), answer.pieces.size());
       EXPECT_EQ(other.components, answer.components);
       EXPECT_EQ(other.f_unique, answer.f_unique);
@@ -351,7 +351,7 @@ TEST(ModeAnswer, FollowsOrderMirrorAndSplitting) {
     Rows split = same;
     split.insert(split.end(), same.begin(), same.begin() + 2);
     const ExactLcp twice = Rearranged(problem, split);
-    const ModeAnswer other = SolveByModes(twice, {});
+    const ExactAnswer other = SolveByModes(twice, {});
     EXPECT_EQ(other.components, answer.components);
     EXPECT_EQ(other.w_unique, answer.w_unique);
     const auto n = At(problem.size);

@@ -76,8 +76,8 @@ Answer StepOf(const ContactSystem& system) {
 }
 
 // All solutions of a problem of up to six contacts.
-ModeAnswer AllSolutions(const LcpProblem& problem) {
-  const ModeAnswer answer = SolveByModes(ExactFrom(problem), {});
+ExactAnswer AllSolutions(const LcpProblem& problem) {
+  const ExactAnswer answer = SolveByModes(ExactFrom(problem), {});
   EXPECT_TRUE(answer.complete);
   return answer;
 }
@@ -163,7 +163,7 @@ TEST(WheelsAtStep, AreLiftedByTheLeastForce) {
     const double least = mass * kGravity * std::sqrt(2 * step - step * step) / (1 - step);
     for (const double mu : {0.3, 1.0, 2.0}) {
       for (const double force : {1 - kMargin, 1 + kMargin}) {
-        const ModeAnswer answer =
+        const ExactAnswer answer =
             AllSolutions(AssembleStepLcp(WheelsAtStep(1, 1, step, force * least, mu), kStep).problem);
         const bool lifts = std::any_of(answer.pieces.begin(), answer.pieces.end(),
                                        [](const ModePiece& piece) { return piece.modes == "OoCS"; });
@@ -211,7 +211,7 @@ TEST(Wedges, HaveUnboundedForcesIfTheyJam) {
     for (const int layers : {1, 2}) {
       for (const double mu : {1 - kMargin, 1 + kMargin}) {
         const LcpProblem loaded = AssembleStepLcp(Wedges(1, layers, alpha, mu * std::tan(alpha)), kStep).problem;
-        const ModeAnswer answer = AllSolutions(loaded.WithB(Eigen::VectorXd::Zero(loaded.size())));
+        const ExactAnswer answer = AllSolutions(loaded.WithB(Eigen::VectorXd::Zero(loaded.size())));
         const bool unbounded = std::any_of(answer.pieces.begin(), answer.pieces.end(),
                                            [](const ModePiece& piece) { return !piece.f.rays.empty(); });
         EXPECT_EQ(unbounded, mu > 1) << alpha << " " << layers;

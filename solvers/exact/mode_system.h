@@ -4,14 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "solvers/exact/exact_lcp.h"
+#include "solvers/exact/exact_input.h"
 #include "solvers/exact/flint_matrix.h"
-#include "solvers/exact/modes/polyhedron.h"
+#include "solvers/exact/polyhedron.h"
 #include "solvers/lcp/law.h"
 
 namespace lcpbench {
 
-/// factor.x + constant on forces x and gaps: sums of some f_i, w_i times factors. Internal to solvers/exact/modes/.
+/// factor.x + constant on forces x and gaps: sums of some f_i, w_i times factors. Internal to solvers/exact/.
 /// @tparam Number  double, or a rational
 template <typename Number>
 struct LinearTerm {

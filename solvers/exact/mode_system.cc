@@ -1,4 +1,4 @@
-#include "solvers/exact/modes/mode_system.h"
+#include "solvers/exact/mode_system.h"
 
 #include <algorithm>
 #include <cmath>
@@ -82,14 +82,21 @@ Rational ValueOf(const Law& law, const RationalVector& f, const RationalVector& 
   return sum;
 }
 
+// In a common denominator of f: a sum of rationals reduces every one of them.
 RationalVector GapsOf(const ExactLcp& problem, const RationalVector& f, bool is_direction) {
-  RationalVector w = is_direction ? RationalVector(f.size()) : problem.b;
+  const Rational unit(CommonDenominator(f));
+  RationalVector w(f.size());
   for (Index j = 0; j < problem.size; ++j) {
     if (f[At(j)] == 0) continue;
+    const Rational force = f[At(j)] * unit;
     for (Index i = 0; i < problem.size; ++i) {
       const Rational& entry = problem.A[At(i * problem.size + j)];
-      if (entry != 0) w[At(i)] += entry * f[At(j)];
+      if (entry != 0) w[At(i)] += entry * force;
     }
+  }
+  for (size_t i = 0; i < w.size(); ++i) {
+    w[i] /= unit;
+    if (!is_direction) w[i] += problem.b[i];
   }
   return w;
 }

@@ -1,4 +1,4 @@
-#include "solvers/exact/modes/polyhedron.h"
+#include "solvers/exact/polyhedron.h"
 
 #include <algorithm>
 #include <bitset>
