@@ -170,7 +170,7 @@ def _report(options: argparse.Namespace) -> None:
     """Make a report of campaigns: one interactive page without links, a summary, figures and tables."""
     from lcpbench_report import markdown, summary
     from lcpbench_report.inputs import load_inputs
-    from lcpbench_report.static.write import write_static
+    from lcpbench_report.static import write_static
     from lcpbench_report.web import gallery
     from lcpbench_report.web.page import render
 
@@ -247,7 +247,7 @@ def _headline(options: argparse.Namespace) -> None:
     from lcpbench_report import markdown, readme_blocks
     from lcpbench_report.headline_table import headline
     from lcpbench_report.inputs import load_inputs
-    from lcpbench_report.static.write import write_figure_of_times
+    from lcpbench_report.static import write_figure_of_times
 
     inputs = load_inputs(options.folders, ablation=options.ablation)
     found = headline(inputs)

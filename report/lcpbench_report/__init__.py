@@ -6,7 +6,8 @@
     choice                      what is shown where not all can be; which solver to take, by one rule
     headline_table, shown_tables, table   tables that people read, as Markdown, HTML and LaTeX
     summary, fairness           what the data say, and what they cannot
-    web, static, markdown       the interactive page; figures and tables for papers; summary.md
+    charts                      charts as plain data, for the page and for files
+    web, static, markdown       the page; figures and tables for papers; summary.md
     readme_blocks               numbers in README.md and docs/
     comparison                  what changed between two campaigns
     sentences                   the words of all of these: templates, *.md.j2

@@ -17,7 +17,7 @@ from .statistics.load import load_campaign
 from .statistics.model import INFEASIBLE, Campaign
 from .statistics.means import delivered_table
 from .statistics.rivals import is_own
-from .style import SolverStyle, solver_styles
+from .style import Look, solver_styles
 
 PATHOLOGICAL = "pathological"  # the set of problems that are meant to break something
 # With friction: such, and those that may have no solution or several.
@@ -98,7 +98,7 @@ class Inputs:
         return replace(self, measured=self.measured._replace(cells=cells)) if len(cells) else None
 
     @cached_property
-    def styles(self) -> dict[str, SolverStyle]:
+    def styles(self) -> dict[str, Look]:
         return solver_styles(self.solvers)
 
     @cached_property

@@ -225,6 +225,29 @@ def coverage(inputs: Inputs) -> Table | None:
                    for solver in inputs.in_order(solver for table in found.values() for solver in table.index)])
 
 
+def league(inputs: Inputs) -> Table | None:
+    """A row per solver, at the main tier: what it verifies and claims wrongly, its mean time, and its errors."""
+    means, covered, errors = (choice.table(inputs, name, choice.main_tier(inputs)) for name in ("means", "coverage", "delivered"))
+    if means.empty:
+        return None
+    found = covered.set_index("solver").join(means.set_index("solver")[["mean", "over_best"]]).join(
+        errors.set_index("solver")[["rho_median", "w_error_p99"]]).sort_values("mean")
+    return Table(["solver", "right", "false", "below the tier", "mean time", "over the best", "median ρ", "99 % of errors of w"],
+                 [[key(solver), share_of(of["verified_share"]) if of["attempted"] else DASH, int(of["false_successes"]),
+                   int(of["below_tier"]), seconds(of["mean"]), times(of["over_best"]), residual(of["rho_median"]), residual(of["w_error_p99"])]
+                  for solver, of in found.iterrows()])
+
+
+def winners(inputs: Inputs) -> Table | None:
+    """A row per family, a column per size class: the solver of the rule of choice.py, and its mean time."""
+    cells = choice.main_cells(inputs)
+    sizes = choice.size_classes(inputs, cells)
+    best = {of: next(iter(choice.contenders(own, inputs.own)), None) for of, own in cells.groupby(["family", "size_class"])}
+    rows = [[family, *(f"{key(found.solver)}\n{seconds(found.mean)}" if (found := best.get((family, one))) else DASH for one in sizes)]
+            for family in cells["family"].unique()]
+    return _table(["family", *map(size_class, sizes)], rows, "l" * (len(sizes) + 1))
+
+
 def robustness(inputs: Inputs) -> Table | None:
     """Problems that are meant to break something, at the main tier."""
     cells = pathological(inputs)

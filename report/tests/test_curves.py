@@ -5,12 +5,11 @@ from unittest import mock
 
 import pandas as pd
 
-from lcpbench_report import peers, plotly_bundle, studies
+from lcpbench_report import peers, studies
+from lcpbench_report.charts import curves, drawing, plotly
 from lcpbench_report.compact import compact
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
-from lcpbench_report.static import canvas
-from lcpbench_report.static import curves as figures
 from lcpbench_report.web import page
 from .cases import FolderCase
 from .synthetic_report import write_cells
@@ -64,26 +63,25 @@ class Curves(FolderCase):
 
     def test_of_a_library_the_best_is_shown_and_no_answer_counts_as_one(self):
         table = studies.read_curves(write_curves(self.folder))[studies.MASS_RATIO]
-        self.assertEqual(figures.best_of_libraries(table[table["origin"] == "peer"]), ["ode-lemke", "scs-dual"])
-        self.assertEqual(list(figures._shown([math.inf, math.nan, 0, 1e-3])), [1, 1, 1e-17, 1e-3])
+        self.assertEqual(curves.best_of_libraries(table[table["origin"] == "peer"]), ["ode-lemke", "scs-dual"])
+        self.assertEqual(list(curves.bounded([math.inf, math.nan, 0, 1e-3])), [1, 1, 1e-17, 1e-3])
 
     def test_every_curve_is_a_figure_and_stands_on_the_page(self):
         inputs = load_inputs([write_cells(self.folder / "campaign")], curves=write_curves(self.folder / "curves"))
-        with canvas.look():
-            for figure in figures.figures(inputs):
-                self.assertIn(b"svg", canvas.svg(figure.draw()))
-        with mock.patch.object(plotly_bundle, "minified", return_value=""):
+        for figure in curves.figures(inputs):
+            self.assertEqual(len(drawing.save(figure.views[()](), self.folder, figure.name)), 2)
+        with mock.patch.object(plotly, "script", return_value=""):
             text = page.render(inputs)
         for name in studies.CURVES:
-            self.assertEqual(text.count(f'<figure id="curve-{name}">'), 1)
+            self.assertEqual(text.count(f'id="figure-curve-{name}"'), 1)
         without = load_inputs([self.folder / "campaign"])
-        self.assertEqual(list(figures.figures(without)), [])
+        self.assertEqual(list(curves.figures(without)), [])
 
 
 class Peers(FolderCase):
     def test_the_page_has_every_peer_and_says_who_is_left_out(self):
         inputs = load_inputs([write_cells(self.folder / "campaign")])
-        with mock.patch.object(plotly_bundle, "minified", return_value=""):
+        with mock.patch.object(plotly, "script", return_value=""):
             text = page.render(inputs)
         section = text[text.index('<section id="peers">'):]
         section = section[:section.index("</section>")]

@@ -6,7 +6,8 @@ from unittest import mock
 import numpy as np
 import pandas as pd
 
-from lcpbench_report import choice, formats, markdown, plotly_bundle, shown_tables, summary
+from lcpbench_report import choice, formats, markdown, shown_tables, summary
+from lcpbench_report.charts import plotly
 from lcpbench_report.compact import compact
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.statistics.cells import EXCLUDED, VERIFIED
@@ -103,7 +104,7 @@ class Friction(SharedFolderCase):
 
     def test_the_section_is_there_where_there_are_such_problems(self):
         plain = load_inputs([write_campaign(self.path / "plain", FACTORS, copies=1)])
-        with mock.patch.object(plotly_bundle, "minified", return_value=""):
+        with mock.patch.object(plotly, "script", return_value=""):
             for inputs, there in ((self.inputs, True), (plain, False)):
                 text, lines = page.render(inputs), markdown.render(inputs, [])
                 self.assertEqual(('id="friction"' in text, "## Friction" in lines), (there, there))

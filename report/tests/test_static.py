@@ -10,13 +10,15 @@ import xml.etree.ElementTree
 
 import pandas as pd
 
+from lcpbench_report import static
 from lcpbench_report.inputs import load_inputs
-from lcpbench_report.static import canvas, classes, write
-from lcpbench_report.static.write import write_static
-from lcpbench_report.table import Table, html, latex
+from lcpbench_report.static import write_static
+from lcpbench_report.table import Table, code, html, latex, markdown
 from .cases import SharedFolderCase
 from .synthetic_report import FAILING, write_friction_motion, write_motion, write_problems, write_steps
 
+FIGURES = {"time-by-size", "metrics", "front", "profiles", "accuracy", "precision", "coverage", "pathological", "scaling",
+           "latency", "deadline", "motion", "friction-motion"}
 TABLES = {"headline", "front", "coverage", "sequences"}
 _DRAWN = "{http://www.w3.org/2000/svg}path"
 
@@ -31,7 +33,7 @@ class Static(SharedFolderCase):
 
     def test_every_figure_is_there_twice_and_what_is_returned_was_written(self):
         for suffix in (".svg", ".pdf"):
-            self.assertEqual({path.stem for path in self.written if path.suffix == suffix}, {"time-by-size", "front", "friction-motion"})
+            self.assertEqual({path.stem for path in self.written if path.suffix == suffix}, FIGURES)
         on_disk = {path for path in (self.path / "out").rglob("*") if path.is_file()}
         self.assertEqual(set(self.written), on_disk)
 
@@ -52,26 +54,16 @@ class Static(SharedFolderCase):
         for old, new in zip(self.written, again):
             self.assertEqual(old.read_bytes(), new.read_bytes(), old.name)
 
-    def test_problems_without_rows_are_drawn(self):
-        inputs = load_inputs([self.path / "standard"])
-        inputs.cells["rows"] = 0
-        with canvas.look():
-            self.assertIn(b"svg", canvas.svg(classes.by_size(inputs)))
-
-    def test_svg_stands_on_white(self):
-        text = (self.path / "out/figures/time-by-size.svg").read_text(encoding="utf-8")
-        background = re.search(r'<g id="patch_1">\s*<path d="[^"]*" style="([^"]*)"', text)
-        self.assertIn("fill: #ffffff", background[1])
-
     def test_without_sequences_those_tables_are_left_out(self):
         inputs = load_inputs([self.path / "standard"])
-        names = {path.stem for path in write.write_tables(inputs, self.path / "less") if path.suffix == ".tex"}
+        names = {path.stem for path in static.write_tables(inputs, self.path / "less") if path.suffix == ".tex"}
         self.assertEqual(names, TABLES - {"sequences"})
 
     def test_of_sequences_alone_there_are_those_tables_only(self):
         inputs = load_inputs([write_steps(self.path / "alone")])
         written = write_static(inputs, self.path / "steps")
-        self.assertEqual({path.stem for path in written if path.suffix in (".svg", ".tex")}, {"sequences"})
+        self.assertEqual({path.stem for path in written if path.suffix in (".svg", ".tex")},
+                         {"latency", "deadline", "sequences"})
 
     def test_csv_tables_are_those_of_the_analysis(self):
         table = pd.read_csv(self.path / "out/tables/coverage.csv")
@@ -81,7 +73,7 @@ class Static(SharedFolderCase):
 
     def test_large_tables_are_compressed(self):
         table = pd.DataFrame({"a": range(200_000), "ok": [True] * 200_000})
-        path = write._write_csv(table, self.path / "large.csv")
+        path = static._write_csv(table, self.path / "large.csv")
         self.assertEqual(path.name, "large.csv.gz")
         self.assertFalse((self.path / "large.csv").exists())
         self.assertTrue(pd.read_csv(io.BytesIO(gzip.decompress(path.read_bytes()))).equals(table))
@@ -151,3 +143,27 @@ class Formats(unittest.TestCase):
         self.assertEqual(latex("a_b & 50 % #1 ${x}~^<\\"),
                          r"a\_b \& 50 \% \#1 \$\{x\}\textasciitilde{}\textasciicircum{}\textless{}\textbackslash{}")
         self.assertTrue(latex("4–10⁴ µs\u202f% ✗ ↓ · × ∞ ρ …").isascii())
+
+
+class Escapes(unittest.TestCase):
+    """Names from files show as they are, and never as tags, marks or control characters."""
+
+    def test_text(self):
+        for text, shown in (("plain **bold** `a<b`", "plain **bold** `a<b`"),
+                            ("<script>alert(1)</script>", "&lt;script>alert(1)&lt;/script>"),
+                            ("a & &lt;", "a &amp; &amp;lt;"),
+                            ("\x1b[31mred\n# heading", r"\x1b[31mred\x0a# heading"),
+                            ("a\x9bb", r"a\x9bb"),
+                            ("one ` alone <b>", "one ` alone &lt;b>"),
+                            ("Ärger ρ ≤ 1e-6", "Ärger ρ ≤ 1e-6")):
+            with self.subTest(text):
+                self.assertEqual(markdown(text), shown)
+
+    def test_a_name_cannot_end_its_code(self):
+        self.assertEqual(code("a`<b>`"), "`a’<b>’`")
+        self.assertEqual(markdown(code("a`<b>")), "`a’<b>`")
+
+    def test_cells_stay_in_their_table(self):
+        table = Table(["solver", "<i>"], [[code("a|b`<script>\x1b"), "x|y\n<b>"]])
+        self.assertEqual(table.markdown().splitlines(),
+                         ["| solver | &lt;i> |", "| --- | ---: |", r"| `a\|b’<script>\x1b` | x\|y; &lt;b> |"])

@@ -22,8 +22,7 @@ class Style(unittest.TestCase):
     def test_looks_differ(self):
         for keys, look in ((OWN, lambda s: (s.colour, s.marker)), (OWN, lambda s: (s.colour, s.dash)),
                            (("auto", "dantzig", "bpp", "ipm", "pgs", "lemke"), lambda s: s.colour),  # the important ones
-                           (OWN + PEERS, lambda s: (s.colour, s.marker, s.dash)),
-                           (OWN + PEERS, lambda s: (s.colour, s.plotly_symbol, s.plotly_dash))):
+                           (OWN + PEERS, lambda s: (s.colour, s.marker, s.dash))):
             self.assertEqual(len({look(self.styles[key]) for key in keys}), len(keys))
 
     def test_a_library_has_one_colour_and_no_other_has_it(self):
@@ -48,7 +47,5 @@ class Style(unittest.TestCase):
             self.assertNotEqual(styles[variant].dash, styles[base].dash)
         self.assertEqual(len({str(styles[key].dash) for key in ("pgs", "pgs-tuned", "mine")}), 3)
 
-    def test_plotly_symbols_of_peers_are_hollow(self):
-        self.assertEqual(self.styles["ode-dantzig"].plotly_symbol, "circle-open")
-        self.assertEqual(self.styles["auto"].plotly_symbol, "circle")
-        self.assertEqual(self.styles["auto"].plotly_dash, "solid")
+    def test_ours_are_strong(self):
+        self.assertEqual([self.styles[key].strong for key in ("ode-dantzig", "auto")], [False, True])

@@ -1,2 +1,1 @@
-"""The interactive page: payload.py turns tables into the data that it embeds, page.py puts it together, the rest is
-what runs in the browser."""
+"""The page: page.py puts it together, page.js shows its charts."""

@@ -38,9 +38,4 @@ def _address(path: Path) -> str:
     if len(text) > _MOST_BYTES or not text.lstrip().startswith(b"<svg"):
         raise ReportError(str(path), f"{len(text)} bytes that begin with {text[:12]!r}",
                           f"an SVG picture of at most {_MOST_BYTES} bytes")
-    return address(text)
-
-
-def address(svg: bytes) -> str:
-    """As a data URI."""
-    return "data:image/svg+xml;base64," + base64.b64encode(svg).decode("ascii")
+    return "data:image/svg+xml;base64," + base64.b64encode(text).decode("ascii")

@@ -1,67 +1,41 @@
 """Puts the page together: data, tables and words into page.html.j2, with styles and scripts inline."""
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from markupsafe import Markup
 
-from .. import choice, formats, markdown, peers, plotly_bundle, sentences, shown_tables, solver_facts, summary
+from .. import charts, formats, markdown, peers, sentences, shown_tables, summary
+from ..charts import plotly
 from ..fairness import limitations
-from ..headline_table import Headline, headline
+from ..headline_table import headline
 from ..inputs import Inputs
-from ..static import canvas, classes, curves, friction
-from . import gallery, payload
+from . import gallery
 
 _HERE = Path(__file__).resolve().parent
-# In the order in which the page runs them.
-_SCRIPTS = ("data.js", "numbers.js", "speed.js", "quality.js", "steps.js", "league.js", "app.js")
-_PEERS_SHOWN = 3  # besides our well-known ones, when the page opens
 
 
 def render(inputs: Inputs, pictures: Sequence[gallery.Picture] = ()) -> str:
     """The page as text; the same for the same results."""
-    data = payload.build(inputs, shown(inputs)) | {"pictures": [picture.family for picture in pictures]}
+    figures = {figure.name: figure for figure in charts.figures(inputs)}
+    data = {name: views for name, figure in figures.items() if (views := {
+        "\n".join(chosen): plotly.figure(chart) for chosen, make in figure.views.items() if (chart := make())})}
     friction_shown = inputs.friction_motion is not None or shown_tables.friction(inputs) is not None
     found = None if inputs.cells.empty else headline(inputs)
     found = found if found and found.classes else None  # none where no problem counts
     return sentences.render(
         "web/page.html.j2", inputs=inputs, found=found, shown=shown_tables, summary=summary, peers=peers,
-        css=Markup((_HERE / "style.css").read_text(encoding="utf-8")), plotly=Markup(plotly_bundle.minified()),
-        script=Markup("\n".join((_HERE / name).read_text(encoding="utf-8") for name in _SCRIPTS)),
+        css=Markup((_HERE / "style.css").read_text(encoding="utf-8")), plotly=Markup(plotly.script()),
+        script=Markup((_HERE / "page.js").read_text(encoding="utf-8")),
         # JSON that may stand inside a <script>
         data=Markup(json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")),
-        caption=found and markdown.caption(inputs, found), front_figure=found and _drawn_front(inputs, found),
-        with_friction=friction_shown, friction_figures=_drawn(friction.figures(inputs)) if friction_shown else [],
-        curves=_drawn(curves.figures(inputs)), environments=_environments(inputs), limitations=limitations(inputs),
+        caption=found and markdown.caption(inputs, found), figures={name: figures[name] for name in data},
+        with_friction=friction_shown, environments=_environments(inputs), limitations=limitations(inputs),
         commit=str(inputs.campaigns[0].info.get("environment", {}).get("git_commit", "unknown"))[:12],
         pictures=[picture for picture in pictures if not (picture.friction and friction_shown)],
         friction_pictures=[picture for picture in pictures if picture.friction],
         pictured={picture.family for picture in pictures})
-
-
-def shown(inputs: Inputs) -> list[str]:
-    """Our well-known solvers, and the fastest peer of each of the fastest libraries."""
-    chosen = [solver for solver in solver_facts.WELL_KNOWN if solver in inputs.own] or inputs.own[:8]
-    means = choice.table(inputs, "means", choice.main_tier(inputs))
-    libraries: dict[str, str] = {}
-    for solver in means.sort_values("mean")["solver"]:
-        if solver in inputs.peers:
-            libraries.setdefault(solver_facts.library(inputs.entries[solver]), solver)
-    return chosen + list(libraries.values())[:_PEERS_SHOWN]
-
-
-def _drawn(figures: Iterable[curves.Figure]) -> list[dict]:
-    """Drawn as the files are; the page shows them as images."""
-    with canvas.look():
-        return [{"name": figure.name, "title": figure.title, "words": figure.words,
-                 "address": gallery.address(canvas.svg(figure.draw()))} for figure in figures]
-
-
-def _drawn_front(inputs: Inputs, found: Headline) -> str | None:
-    with canvas.look():
-        figure = classes.front(inputs, found)
-        return figure and gallery.address(canvas.svg(figure))
 
 
 def _listed(value: object) -> str:

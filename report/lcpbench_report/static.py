@@ -1,15 +1,14 @@
-"""All figures and tables of a report's inputs as files."""
+"""Figures and tables for papers beside the report's page."""
 
 import gzip
 import shutil
 from pathlib import Path
 
-from .. import shown_tables
-from ..files import replaced, write_text
-from ..headline_table import headline
-from ..inputs import Inputs
-from ..statistics.tables import write_csv
-from . import canvas, classes, curves, friction
+from . import charts, choice, shown_tables
+from .charts import drawing
+from .files import replaced, write_text
+from .inputs import Inputs
+from .statistics.tables import write_csv
 
 _LARGE = 1_000_000  # bytes of a CSV file that is compressed
 _ABOVE_LATEX = ("written by LCPBench; needs \\usepackage{booktabs} and \\usepackage{textcomp}, and stands by \\input within "
@@ -17,18 +16,15 @@ _ABOVE_LATEX = ("written by LCPBench; needs \\usepackage{booktabs} and \\usepack
 
 
 def write_static(inputs: Inputs, folder: Path) -> list[Path]:
-    """figures/*.svg and *.pdf of what the page has as pictures, or not at all; tables/*.csv (large ones *.csv.gz) and
+    """figures/*.svg and *.pdf of what the page shows first; tables/*.csv (large ones *.csv.gz) and
     *.tex; the same bytes for the same inputs. What the inputs do not have is left out.
 
     @returns the files, in the order in which they were written
     """
     written = []
-    with canvas.look():
-        drawn = {"time-by-size": classes.by_size(inputs), "front": classes.front(inputs, headline(inputs))} if len(inputs.cells) else {}
-        drawn |= {figure.name: figure.draw() for figures in (friction, curves) for figure in figures.figures(inputs)}
-        for name, figure in drawn.items():
-            if figure is not None:
-                written += canvas.save(figure, folder / "figures", name)
+    for figure in charts.figures(inputs):
+        if chart := next(iter(figure.views.values()))():
+            written += drawing.save(chart, folder / "figures", figure.name)
     return written + write_tables(inputs, folder / "tables")
 
 
@@ -47,10 +43,8 @@ def write_tables(inputs: Inputs, folder: Path) -> list[Path]:
 def write_figure_of_times(inputs: Inputs, path: Path) -> None:
     """The one that README.md shows, where there are sizes enough."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with canvas.look():
-        if (figure := classes.by_size(inputs)) is not None:
-            with replaced(path) as beside:
-                beside.write_bytes(canvas.svg(figure))
+    if len(inputs.cells) and (chart := charts.campaign.by_size(inputs, choice.main_tier(inputs))):
+        drawing.write(chart, path)
 
 
 def _write_csv(table, path: Path) -> Path:
