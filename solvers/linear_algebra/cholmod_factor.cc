@@ -12,7 +12,6 @@
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/linear_algebra/loaded_blas.h"
-#include "solvers/linear_algebra/supernodal_factor.h"
 
 namespace lcpbench {
 namespace {
@@ -40,11 +39,6 @@ class LibrarySetting {
   int single_;
   int before_ = 0;
 };
-
-// Flops per entry of L from which supernodes are faster than columns. CHOLMOD's own numeric phase breaks even at 40,
-// its default. Measured at 1000 to 3000 rows: 10 to 20 are alike, 20 % less time than 40; without a limit, chains take
-// twice as long.
-constexpr double kWorthSupernodes = 20;
 
 // One thread for its lifetime. With no active parallel level allowed, OpenMP makes every team a team of one, also where
 // the code asks for a number of threads. The settings are the process's, so lifetimes on several threads are counted:
@@ -160,8 +154,7 @@ struct CholmodFactor::State {
   ColumnMatrix lower;
   cholmod_sparse view{};  // of `lower`
   Eigen::VectorXi diagonal;
-  cholmod_factor* factor = nullptr;    // where supernodal and not to be updated, its structure only
-  SupernodalFactor panels;             // and these are its numbers
+  cholmod_factor* factor = nullptr;
   cholmod_factor* analysis = nullptr;  // a copy of `factor` before its first numbers, for after an update
   bool updated = false;
   cholmod_dense* solution = nullptr;
@@ -187,20 +180,6 @@ struct CholmodFactor::State {
     cholmod_free_factor(&factor, &common);
     cholmod_free_factor(&analysis, &common);
     updated = false;
-    panels.Clear();
-  }
-  void PreparePanels() {
-    SupernodalFactor::Structure structure;
-    structure.n = static_cast<int>(factor->n);
-    structure.supernodes = static_cast<int>(factor->nsuper);
-    structure.first_column = static_cast<const int*>(factor->super);
-    structure.row_start = static_cast<const int*>(factor->pi);
-    structure.value_start = static_cast<const int*>(factor->px);
-    structure.rows = static_cast<const int*>(factor->s);
-    structure.values = factor->xsize;
-    structure.largest_update = factor->maxcsize;
-    structure.order = static_cast<const int*>(factor->Perm);
-    panels.Prepare(structure, lower.outerIndexPtr(), lower.innerIndexPtr());
   }
 };
 
@@ -212,7 +191,6 @@ CholmodFactor::CholmodFactor() : state_(std::make_unique<State>()) {
   // or not).
   common.nmethods = 1;
   common.quick_return_if_not_posdef = 1;
-  common.supernodal_switch = kWorthSupernodes;
   // Supernodes of up to these columns may take in zeros: twice CHOLMOD's own numbers, as the factors of contact
   // problems in the plane have narrow supernodes. 10 to 25 % less time at 10^5 rows.
   common.nrelax[0] = 8;
@@ -298,13 +276,6 @@ bool CholmodFactor::Factorize() {
   const FactorClock::Scope clock;
   State& s = *state_;
   if (s.factor->is_super != 0) RequireBlasMemory();
-  if (s.factor->is_super != 0 && s.analysis == nullptr) {
-    const SingleThread one(true);
-    if (!s.panels.ready()) s.PreparePanels();
-    if (s.panels.Factorize(s.lower.valuePtr())) return true;
-    s.why = "numeric factorization: " + StatusText(CHOLMOD_NOT_POSDEF);
-    return false;
-  }
   if (s.updated) {
     cholmod_free_factor(&s.factor, &s.common);
     s.factor = cholmod_copy_factor(s.analysis, &s.common);
@@ -352,12 +323,7 @@ bool CholmodFactor::is_supernodal() const { return state_->factor->is_super != 0
 
 void CholmodFactor::Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x) {
   State& s = *state_;
-  if (s.panels.ready()) {
-    const SingleThread one(true);
-    *x = r;
-    s.panels.Solve(x->data());
-    return;
-  }
+  const SingleThread one(s.factor->is_super != 0);
   s.right_side = r;
   cholmod_dense right_side = Wrap(s.right_side.size(), s.right_side.data());
   const int done = cholmod_solve2(CHOLMOD_A, s.factor, &right_side, nullptr, &s.solution, nullptr, &s.y_workspace,

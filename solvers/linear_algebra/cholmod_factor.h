@@ -9,14 +9,14 @@
 
 namespace lcpbench {
 
-/// A sparse symmetric matrix with a fixed pattern and changing diagonal, analysed once and factorized many times.
-/// CHOLMOD orders, analyses, and factorizes by columns; by supernodes SupernodalFactor does, on CHOLMOD's structure.
+/// A sparse symmetric matrix with a fixed pattern and changing diagonal, analysed once and factorized many times by
+/// CHOLMOD.
 /// [Chen, Davis, Hager, Rajamanickam, Algorithm 887, ACM TOMS 35, 2008; AMD ordering: Amestoy, Davis, Duff]
 ///
 /// CHOLMOD's types stay in the source file. One object serves one thread at a time, and runs on one thread: OpenMP
 /// teams and OpenBLAS are held to one thread meanwhile where these libraries are loaded (Debian's CHOLMOD asks for
-/// teams of four whatever OMP_NUM_THREADS says). Solve allocates nothing after the first call, Factorize nothing by
-/// supernodes; by columns it allocates the permuted copy of the matrix inside CHOLMOD.
+/// teams of four whatever OMP_NUM_THREADS says). Solve allocates nothing after the first call; Factorize allocates
+/// inside CHOLMOD: the permuted copy of the matrix, and workspace.
 class CholmodFactor {
  public:
   enum class Definiteness {
