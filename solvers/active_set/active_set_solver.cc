@@ -22,7 +22,6 @@ ActiveSetOptions ActiveSetOptions::FromSettings(const Settings& settings) {
   }
   options.blocks = BppOptions::FromSettings(rest, "active-set");
   options.newton.self_check = options.blocks.self_check;
-  if (options.blocks.form == BppOptions::Form::kAuto) options.blocks.form = BppOptions::Form::kAny;
   return options;
 }
 

@@ -4,7 +4,6 @@
 #include <dlfcn.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <mutex>
 #include <stdexcept>
@@ -155,8 +154,6 @@ struct CholmodFactor::State {
   cholmod_sparse view{};  // of `lower`
   Eigen::VectorXi diagonal;
   cholmod_factor* factor = nullptr;
-  cholmod_factor* analysis = nullptr;  // a copy of `factor` before its first numbers, for after an update
-  bool updated = false;
   cholmod_dense* solution = nullptr;
   cholmod_dense* y_workspace = nullptr;
   cholmod_dense* e_workspace = nullptr;
@@ -178,8 +175,6 @@ struct CholmodFactor::State {
     cholmod_free_dense(&y_workspace, &common);
     cholmod_free_dense(&e_workspace, &common);
     cholmod_free_factor(&factor, &common);
-    cholmod_free_factor(&analysis, &common);
-    updated = false;
   }
 };
 
@@ -206,12 +201,8 @@ void CholmodFactor::Analyze(Definiteness definiteness, const ColumnMatrix& lower
   AnalyzeBy(definiteness, lower, CHOLMOD_GIVEN, order.data());
 }
 
-void CholmodFactor::AnalyzeAsOrdered(const ColumnMatrix& lower, bool will_update) {
-  State& s = *state_;
+void CholmodFactor::AnalyzeAsOrdered(const ColumnMatrix& lower) {
   AnalyzeBy(Definiteness::kPositiveDefinite, lower, CHOLMOD_NATURAL, nullptr);
-  if (!will_update) return;
-  s.analysis = cholmod_copy_factor(s.factor, &s.common);
-  if (s.analysis == nullptr) throw std::runtime_error("symbolic analysis: " + StatusText(s.common.status));
 }
 
 void CholmodFactor::AnalyzeBy(Definiteness definiteness, const ColumnMatrix& lower, int ordering, const int* order) {
@@ -276,12 +267,6 @@ bool CholmodFactor::Factorize() {
   const FactorClock::Scope clock;
   State& s = *state_;
   if (s.factor->is_super != 0) RequireBlasMemory();
-  if (s.updated) {
-    cholmod_free_factor(&s.factor, &s.common);
-    s.factor = cholmod_copy_factor(s.analysis, &s.common);
-    s.updated = false;
-    if (s.factor == nullptr) throw std::runtime_error("numeric factorization: " + StatusText(s.common.status));
-  }
   const SingleThread one(s.factor->is_super != 0);
   s.common.status = CHOLMOD_OK;
   const int done = cholmod_factorize(&s.view, s.factor, &s.common);
@@ -289,37 +274,6 @@ bool CholmodFactor::Factorize() {
   s.why = "numeric factorization: " + StatusText(s.common.status);
   return false;
 }
-
-bool CholmodFactor::Update(const ColumnMatrix& columns, bool add) {
-  const FactorClock::Scope clock;
-  State& s = *state_;
-  s.common.status = CHOLMOD_OK;
-  if (!s.updated) {
-    if (s.analysis == nullptr) throw std::logic_error("CholmodFactor::Update without will_update");
-    s.updated = true;
-    if (cholmod_change_factor(CHOLMOD_REAL, /*to_ll=*/0, /*to_super=*/0, /*to_packed=*/1, /*to_monotonic=*/1, s.factor,
-                              &s.common) == 0) {
-      throw std::runtime_error("update: " + StatusText(s.common.status));
-    }
-  }
-  cholmod_sparse view = ViewOf(columns, CHOLMOD_REAL, 0);
-  const int done = cholmod_updown(add ? 1 : 0, &view, s.factor, &s.common);
-  if (done != 0 && s.common.status == CHOLMOD_OK) return true;
-  s.why = "update: " + StatusText(s.common.status);
-  return false;
-}
-
-std::vector<double> CholmodFactor::EntriesToRoot() const {
-  const Eigen::VectorXi parent = EliminationTree(state_->view, nullptr, &state_->common);
-  if (parent.size() != size()) throw std::runtime_error("elimination tree: " + StatusText(state_->common.status));
-  std::vector<double> entries(static_cast<size_t>(size()));
-  for (Eigen::Index k = size() - 1; k >= 0; --k) {
-    const double beyond = parent[k] < 0 ? 0.0 : entries[static_cast<size_t>(parent[k])];
-    entries[static_cast<size_t>(k)] = static_cast<const int*>(state_->factor->ColCount)[k] + beyond;
-  }
-  return entries;
-}
-bool CholmodFactor::is_supernodal() const { return state_->factor->is_super != 0; }
 
 void CholmodFactor::Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x) {
   State& s = *state_;
