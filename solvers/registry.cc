@@ -164,8 +164,8 @@ std::vector<SolverEntry> ActiveSetSolvers() {
        .make = &Make<BppSolver>,
        .takes_bounded = true},
       {.key = "active-set",
-       .method = "primal-dual active set on an updated sparse factor, through the bodies",
-       .source = "Portugal, Judice, Vicente 1994; Davis, Hager 2001",
+       .method = "primal-dual active set on an updated sparse factor",
+       .source = "Portugal, Judice, Vicente 1994; Davis 2006",
        .why_not_guaranteed = &NoBoundOnBlocks,
        .make = [](const Settings& settings) -> std::unique_ptr<LcpSolver> {
          return std::make_unique<BppSolver>(BppOptions::ActiveSetFromSettings(settings));

@@ -398,8 +398,7 @@ bool PivotingSetup::Begin(const LcpProblem& problem, const LcpOptions& options, 
   block->Load(problem, scaled.scale);
   if (self_check) answer.Start(problem, options.tolerance, result);
   const std::int64_t most = options.max_iterations > 0 ? options.max_iterations : factors;
-  pivoting.Begin({&problem, &scaled, block, self_check ? sink : nullptr, deadline, most, options.tolerance, conjugate,
-                  blocks.is_through_bodies(block)});
+  pivoting.Begin({&problem, &scaled, block, self_check ? sink : nullptr, deadline, most, options.tolerance, conjugate});
   return true;
 }
 
@@ -468,7 +467,7 @@ bool PivotingSetup::ConcludeRows(BlockPivoting::End end, const RowTask& task, Lc
 
 void PivotingSetup::Conclude(BlockPivoting::End end, double tolerance, LcpResult* result) {
   using End = BlockPivoting::End;
-  if (!self_check) pivoting.GiveForces(blocks.is_through_bodies(block) ? kEpsilon : 0, &result->f);
+  if (!self_check) pivoting.GiveForces(0, &result->f);
   result->iterations = pivoting.factors();
   if (end == End::kInfeasible) {
     result->status = LcpStatus::kInfeasible;

@@ -12,7 +12,7 @@
 #include "solvers/answers/answer_judge.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/solver.h"
-#include "solvers/linear_algebra/active_block_choice.h"
+#include "solvers/linear_algebra/active_block.h"
 #include "solvers/linear_algebra/scaled_lcp.h"
 #include "solvers/rows/row_input.h"
 
@@ -47,7 +47,7 @@ class BlockPivoting {
     /// Whether forces are corrected by conjugate gradients in double, preconditioned with the factor: faster than
     /// refinement, which follows in extended precision, but they magnify what of b is inconsistent with dependent rows.
     bool conjugate = false;
-    /// Forces beside loaded bodies are rounding where those by A are 0 (BodyActiveBlock).
+    /// Forces beside loaded bodies are rounding where those by A are 0 (BodySpace).
     bool through_bodies = false;
   };
 

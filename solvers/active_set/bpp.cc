@@ -29,10 +29,9 @@ constexpr std::int64_t kExtraFactorizations = 200;
 BppOptions Read(const char* key, const Settings& settings, BppOptions options) {
   SettingsReader reader(key, settings);
   using Form = BppOptions::Form;
-  const std::string form = reader.Choice("form", "auto", {"auto", "dense", "sparse", "bodies"});
+  const std::string form = reader.Choice("form", "auto", {"auto", "dense", "sparse"});
   if (form == "dense") options.form = Form::kDense;
   if (form == "sparse") options.form = Form::kSparse;
-  if (form == "bodies") options.form = Form::kBodies;
   constexpr double kLeast = BlockPivoting::kLeastWeight;
   options.proximal = reader.Number("proximal", options.proximal, kLeast, 1e-2);
   options.largest_proximal = reader.Number("largest_proximal", options.largest_proximal, kLeast, 100);
@@ -70,7 +69,7 @@ class BppEngine final : public RowEngine {
 
   // Rows are solved with a dense block and by blocks alone, unless the caller asks for something else.
   static Index MostRows(const BppOptions& options) {
-    const bool may_be_dense = options.form != BppOptions::Form::kSparse && options.form != BppOptions::Form::kBodies;
+    const bool may_be_dense = options.form != BppOptions::Form::kSparse;
     const Index most = std::min(EnginesBySize<BppEngine>::kMostRows, options.continuation_rows - 1);
     return may_be_dense ? std::min(options.max_dense_rows, most) : 0;
   }
@@ -102,11 +101,9 @@ std::string BppEngine::WhyUnsupported(const LcpProblem& problem) const {
 void BppEngine::Prepare(const LcpProblem& problem) {
   const Index n = problem.size();
   using Form = BppOptions::Form;
-  const bool bodies_only = options_.form == Form::kBodies && ActiveBlockChoice::HasBodies(problem);
   setup_.Prepare(problem,
-                 {.sparse = options_.form != Form::kDense && !bodies_only,
-                  .dense = options_.form != Form::kSparse && !bodies_only && n <= options_.max_dense_rows,
-                  .bodies = bodies_only || options_.form == Form::kAny},
+                 {.sparse = options_.form != Form::kDense,
+                  .dense = options_.form != Form::kSparse && n <= options_.max_dense_rows},
                  options_.self_check);
   for (Eigen::VectorXd* v : {&f_, &w_}) v->setZero(n);
 }
@@ -226,8 +223,7 @@ void BppEngine::TellSingleExchanges(LcpResult* result) const {
 
 BppOptions BppOptions::FromSettings(const Settings& settings) { return Read("bpp", settings, {}); }
 BppOptions BppOptions::ActiveSetFromSettings(const Settings& settings) {
-  return Read("active-set", settings,
-              {.form = Form::kAny, .continuation_rows = SemismoothNewtonOptions().continuation_rows});
+  return Read("active-set", settings, {.continuation_rows = SemismoothNewtonOptions().continuation_rows});
 }
 
 double BppSolver::StepTime() const { return engine_->StepTime(); }

@@ -13,8 +13,6 @@ struct BppOptions {
     kAuto,  ///< sparse where its factorization is predicted to take less time
     kDense,
     kSparse,
-    kBodies,  ///< through the bodies (BodyActiveBlock); as kAuto where the problem or the build does not allow it
-    kAny,     ///< any of these three, by predicted time: the default of `active-set`
   };
   Form form = Form::kAuto;  ///< see Form
 
@@ -49,11 +47,11 @@ struct BppOptions {
   /// 100000].
   Index max_dense_rows = 10'000;
 
-  /// Keys `form` (auto, dense, sparse, bodies), `proximal`, `largest_proximal`, `patience`, `end_when_singular` (yes,
+  /// Keys `form` (auto, dense, sparse), `proximal`, `largest_proximal`, `patience`, `end_when_singular` (yes,
   /// no), `end_when_cycling` (yes, no), `self_check` and `max_dense_rows`. @throws InputError for others
   static BppOptions FromSettings(const Settings& settings);
-  /// Those of `active-set`: also `continuation_rows`, with the default of SemismoothNewtonOptions, and `form` = kAny
-  /// instead of kAuto. @throws InputError for others
+  /// Those of `active-set`: also `continuation_rows`, with the default of SemismoothNewtonOptions. @throws InputError
+  /// for others
   static BppOptions ActiveSetFromSettings(const Settings& settings);
 };
 

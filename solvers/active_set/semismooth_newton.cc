@@ -139,8 +139,7 @@ void SemismoothNewtonEngine::Reserve(Index rows) {
 
 void SemismoothNewtonEngine::Prepare(const LcpProblem& problem) {
   Reserve(problem.size());
-  setup_.Prepare(problem, {.dense = n_ <= kMaxDenseRows, .bodies = n_ >= options_.continuation_rows},
-                 options_.self_check);
+  setup_.Prepare(problem, {.dense = n_ <= kMaxDenseRows}, options_.self_check);
 }
 
 // True if there is a warm start that is worth trying; else c = 0.

@@ -39,7 +39,7 @@ struct SemismoothNewtonOptions {
 /// Hermans, Themelis, Patrinos 2019 (QPALM) for the line search; Li, Sun, Toh 2018 for the pairing.]
 ///
 /// Continuation, from continuation_rows on: eps starts at 1 and falls tenfold where subproblems are easy; successive F
-/// differ by few rows, so that a step is an update of the factor (BodyActiveBlock). After 50 proximal steps without an
+/// differ by few rows, so that most rows of the factor stay (SparseActiveBlock). After 50 proximal steps without an
 /// answer the other path goes on from c.
 ///
 /// Finish (BlockPivoting::Finish): after each proximal step, with continuation each time rho has fallen tenfold, the
@@ -56,7 +56,7 @@ struct SemismoothNewtonOptions {
 ///
 /// From arrays, up to 128 rows of at most two moving bodies each need no LcpProblem (RowEngine), with a dense block.
 ///
-/// Solve allocates nothing but a ray, and what CHOLMOD does where the block is in body space. kTimeLimit,
+/// Solve allocates nothing but a ray. kTimeLimit,
 /// kIterationLimit and kNumericalFailure leave the best f that was judged, else c. Departures: the rules for eps;
 /// subproblems are solved to the end; the finish.
 class SemismoothNewtonSolver final : public EngineSolver<SemismoothNewtonOptions, class SemismoothNewtonEngine> {

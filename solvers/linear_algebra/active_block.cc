@@ -18,6 +18,9 @@ Index WholeLanes(Index rows) { return (rows + DenseLdlt::kLanes - 1) / DenseLdlt
 
 constexpr int kNone = -1;
 constexpr int kLongestChain = 4;
+// Fuller matrices of more rows than this are not analysed as sparse ones at all.
+constexpr double kSparseFill = 0.4;
+constexpr Index kAnalysedRows = 48;
 
 }  // namespace
 
@@ -354,6 +357,25 @@ void SparseActiveBlock::Multiply(const double* x, double* y) const {
     out_[At(r)] += sum;
   }
   for (int r = 0; r < n_; ++r) y[order_[At(r)]] = out_[At(r)];
+}
+
+double ActiveBlockChoice::StepTime(const ActiveBlock* chosen, Index rows) const {
+  if (is_dense(chosen)) return CostModel::kDenseStep * chosen->factor_time();
+  return CostModel::kSparseStep * chosen->factor_time() + CostModel::kSparseStepRow * static_cast<double>(rows);
+}
+
+ActiveBlock* ActiveBlockChoice::Analyze(const LcpProblem& problem, Allowed allowed) {
+  const Index n = problem.size();
+  if (allowed.sparse && allowed.dense && n > kAnalysedRows) {
+    const auto entries = static_cast<double>(n) * static_cast<double>(n);
+    allowed.sparse = static_cast<double>(problem.SparseA().nonZeros()) <= kSparseFill * entries;
+  }
+  if (allowed.sparse) {
+    sparse_.Analyze(problem);
+    if (!allowed.dense || sparse_.factor_time() <= DenseActiveBlock::FactorTime(n)) return &sparse_;
+  }
+  dense_.Analyze(problem);
+  return &dense_;
 }
 
 }  // namespace lcpbench

@@ -120,4 +120,25 @@ class SparseActiveBlock final : public ActiveBlock {
   mutable std::vector<double> in_, out_;
 };
 
+/// The forms of an ActiveBlock, of which the cheapest one for a problem is used. Internal to solvers/.
+class ActiveBlockChoice {
+ public:
+  struct Allowed {
+    bool sparse = true;
+    bool dense = true;
+  };
+
+  /// Analyzes the problem by the forms that are allowed, at least one, and returns the one of the least factor_time.
+  /// Matrices that are nearly full are not analyzed as sparse ones where they may be dense.
+  ActiveBlock* Analyze(const LcpProblem& problem, Allowed allowed);
+  bool is_dense(const ActiveBlock* chosen) const { return chosen == &dense_; }
+  /// Nanoseconds that a Factor of all `rows`, a Solve and what a method does with it take, roughly: for comparison with
+  /// methods that do not factor.
+  double StepTime(const ActiveBlock* chosen, Index rows) const;
+
+ private:
+  SparseActiveBlock sparse_;
+  DenseActiveBlock dense_;
+};
+
 }  // namespace lcpbench

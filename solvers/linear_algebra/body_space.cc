@@ -69,7 +69,7 @@ Graph PatternOfK(const Graph& graph, const Eigen::VectorXi& nodes) {
 }  // namespace
 
 // place_ and the analysis, by bodies_of_rows_.
-void BodySpace::Order(Index triples, bool will_update) {
+void BodySpace::Order(Index triples) {
   std::vector<int> number(At(triples), kNone);  // in the order of their rows
   std::vector<int> found;
   std::vector<Eigen::Triplet<double, int>> edges;
@@ -94,7 +94,7 @@ void BodySpace::Order(Index triples, bool will_update) {
 
   const auto analyze = [&](const Eigen::VectorXi& nodes) {
     ++analyses_;
-    factor_.AnalyzeAsOrdered(PatternOfK(graph, nodes), will_update);
+    factor_.AnalyzeAsOrdered(PatternOfK(graph, nodes));
     return factor_.flops();
   };
   Eigen::VectorXi nodes = OrderGraph(graph, GraphOrder::kMinimumDegree);
@@ -114,7 +114,7 @@ void BodySpace::Order(Index triples, bool will_update) {
   for (int k = 0; k < bodies_; ++k) place_[At(found[At(nodes[k])])] = k;
 }
 
-void BodySpace::Prepare(const LcpProblem& problem, const std::vector<char>& taking_part, bool will_update) {
+void BodySpace::Prepare(const LcpProblem& problem, const std::vector<char>& taking_part) {
   analyses_ = 0;
   std::vector<std::pair<int, int>> bodies(At(problem.size()), {kNone, kNone});
   for (Index i = 0; i < problem.size(); ++i) {
@@ -123,7 +123,7 @@ void BodySpace::Prepare(const LcpProblem& problem, const std::vector<char>& taki
   if (!InSequence::on() || place_.empty() || bodies != bodies_of_rows_) {
     bodies_of_rows_ = std::move(bodies);
     place_.clear();  // until the analysis has succeeded
-    Order((problem.J().cols() + kAxes - 1) / kAxes, will_update);
+    Order((problem.J().cols() + kAxes - 1) / kAxes);
   }
   rows_.assign(bodies_of_rows_.size(), {});
   for (Index i = 0; i < rows(); ++i) {
@@ -207,29 +207,6 @@ bool BodySpace::Factorize(const Eigen::VectorXd& theta) {
     }
   }
   return factor_.Factorize();
-}
-
-bool BodySpace::Update(std::vector<int>* rows, const Eigen::VectorXd& theta, bool join) {
-  if (rows->empty()) return true;
-  // Rows with much of their way in common follow each other: CHOLMOD takes up to eight together.
-  std::sort(rows->begin(), rows->end(),
-            [&](int i, int j) { return std::pair(row(i).first, i) < std::pair(row(j).first, j); });
-  CholmodFactor::ColumnMatrix columns(First(bodies_), static_cast<int>(rows->size()));
-  columns.reserve(Index{2} * kAxes * static_cast<Index>(rows->size()));
-  int k = 0;
-  for (const int i : *rows) {
-    const double t = join ? 1 / theta[i] : weight_[i];
-    weight_[i] = join ? t : 0.0;
-    const double root = std::sqrt(t);
-    columns.startVec(k);
-    for (Index a = 0; a < kAxes; ++a) columns.insertBack(First(row(i).first) + a, k) = root * row(i).first_j[a];
-    for (Index a = 0; a < kAxes && row(i).second >= 0; ++a) {
-      columns.insertBack(First(row(i).second) + a, k) = root * row(i).second_j[a];
-    }
-    ++k;
-  }
-  columns.finalize();
-  return factor_.Update(columns, join);
 }
 
 void BodySpace::Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x) {

@@ -44,9 +44,8 @@ class BodySpace {
   /// The order and the analysis; nested dissection is tried too where a factorization is long enough to pay for it.
   /// O(rows) besides.
   /// @param taking_part  rows with 0 join nothing; empty: all take part
-  /// @param will_update  as CholmodFactor::AnalyzeAsOrdered, the same in every call
   /// @throws std::runtime_error as CholmodFactor::Analyze
-  void Prepare(const LcpProblem& problem, const std::vector<char>& taking_part, bool will_update);
+  void Prepare(const LcpProblem& problem, const std::vector<char>& taking_part);
   /// J^ = J M^-1/2, row i divided by root[i] (D^1/2 for a unit diagonal of A^).  O(nnz J)
   void Load(const LcpProblem& problem, const Eigen::VectorXd& root);
 
@@ -54,8 +53,6 @@ class BodySpace {
   /// the first one is taken after all, one more.
   int analyses() const { return analyses_; }
   Index rows() const { return static_cast<Index>(rows_.size()); }
-  const Row& row(Index i) const { return rows_[static_cast<size_t>(i)]; }
-  int bodies() const { return bodies_; }
   const CholmodFactor& factor() const { return factor_; }
 
   /// y = A^ f.  O(rows)
@@ -63,15 +60,12 @@ class BodySpace {
 
   /// K for theta > 0. Rows of at least kOut leave K. False as CholmodFactor::Factorize.
   bool Factorize(const Eigen::VectorXd& theta);
-  /// Lets `rows` join K with their theta (`join`), or leave it, by a change of the factor of rank |rows|; sorts them.
-  /// [Davis, Hager 2001] Needs will_update. False as CholmodFactor::Update; only Factorize may follow then.
-  bool Update(std::vector<int>* rows, const Eigen::VectorXd& theta, bool join);
   const std::string& why() const { return factor_.why(); }
   /// x = (A^ + diag(theta))^-1 r with the latest theta, 0 for rows that are out; x may be r.
   void Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x);
 
  private:
-  void Order(Index triples, bool will_update);
+  void Order(Index triples);
   void ToBodies(const double* f, Eigen::VectorXd* x) const;  // x = J^^T f
   void ToRows(const Eigen::VectorXd& x, double* w) const;    // w = J^ x
 

@@ -4,7 +4,6 @@
 #include <dlfcn.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <mutex>
 #include <stdexcept>
@@ -12,7 +11,6 @@
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/linear_algebra/loaded_blas.h"
-#include "solvers/linear_algebra/supernodal_factor.h"
 
 namespace lcpbench {
 namespace {
@@ -40,11 +38,6 @@ class LibrarySetting {
   int single_;
   int before_ = 0;
 };
-
-// Flops per entry of L from which supernodes are faster than columns. CHOLMOD's own numeric phase breaks even at 40,
-// its default. Measured at 1000 to 3000 rows: 10 to 20 are alike, 20 % less time than 40; without a limit, chains take
-// twice as long.
-constexpr double kWorthSupernodes = 20;
 
 // One thread for its lifetime. With no active parallel level allowed, OpenMP makes every team a team of one, also where
 // the code asks for a number of threads. The settings are the process's, so lifetimes on several threads are counted:
@@ -160,10 +153,7 @@ struct CholmodFactor::State {
   ColumnMatrix lower;
   cholmod_sparse view{};  // of `lower`
   Eigen::VectorXi diagonal;
-  cholmod_factor* factor = nullptr;    // where supernodal and not to be updated, its structure only
-  SupernodalFactor panels;             // and these are its numbers
-  cholmod_factor* analysis = nullptr;  // a copy of `factor` before its first numbers, for after an update
-  bool updated = false;
+  cholmod_factor* factor = nullptr;
   cholmod_dense* solution = nullptr;
   cholmod_dense* y_workspace = nullptr;
   cholmod_dense* e_workspace = nullptr;
@@ -185,22 +175,6 @@ struct CholmodFactor::State {
     cholmod_free_dense(&y_workspace, &common);
     cholmod_free_dense(&e_workspace, &common);
     cholmod_free_factor(&factor, &common);
-    cholmod_free_factor(&analysis, &common);
-    updated = false;
-    panels.Clear();
-  }
-  void PreparePanels() {
-    SupernodalFactor::Structure structure;
-    structure.n = static_cast<int>(factor->n);
-    structure.supernodes = static_cast<int>(factor->nsuper);
-    structure.first_column = static_cast<const int*>(factor->super);
-    structure.row_start = static_cast<const int*>(factor->pi);
-    structure.value_start = static_cast<const int*>(factor->px);
-    structure.rows = static_cast<const int*>(factor->s);
-    structure.values = factor->xsize;
-    structure.largest_update = factor->maxcsize;
-    structure.order = static_cast<const int*>(factor->Perm);
-    panels.Prepare(structure, lower.outerIndexPtr(), lower.innerIndexPtr());
   }
 };
 
@@ -212,7 +186,6 @@ CholmodFactor::CholmodFactor() : state_(std::make_unique<State>()) {
   // or not).
   common.nmethods = 1;
   common.quick_return_if_not_posdef = 1;
-  common.supernodal_switch = kWorthSupernodes;
   // Supernodes of up to these columns may take in zeros: twice CHOLMOD's own numbers, as the factors of contact
   // problems in the plane have narrow supernodes. 10 to 25 % less time at 10^5 rows.
   common.nrelax[0] = 8;
@@ -228,12 +201,8 @@ void CholmodFactor::Analyze(Definiteness definiteness, const ColumnMatrix& lower
   AnalyzeBy(definiteness, lower, CHOLMOD_GIVEN, order.data());
 }
 
-void CholmodFactor::AnalyzeAsOrdered(const ColumnMatrix& lower, bool will_update) {
-  State& s = *state_;
+void CholmodFactor::AnalyzeAsOrdered(const ColumnMatrix& lower) {
   AnalyzeBy(Definiteness::kPositiveDefinite, lower, CHOLMOD_NATURAL, nullptr);
-  if (!will_update) return;
-  s.analysis = cholmod_copy_factor(s.factor, &s.common);
-  if (s.analysis == nullptr) throw std::runtime_error("symbolic analysis: " + StatusText(s.common.status));
 }
 
 void CholmodFactor::AnalyzeBy(Definiteness definiteness, const ColumnMatrix& lower, int ordering, const int* order) {
@@ -298,19 +267,6 @@ bool CholmodFactor::Factorize() {
   const FactorClock::Scope clock;
   State& s = *state_;
   if (s.factor->is_super != 0) RequireBlasMemory();
-  if (s.factor->is_super != 0 && s.analysis == nullptr) {
-    const SingleThread one(true);
-    if (!s.panels.ready()) s.PreparePanels();
-    if (s.panels.Factorize(s.lower.valuePtr())) return true;
-    s.why = "numeric factorization: " + StatusText(CHOLMOD_NOT_POSDEF);
-    return false;
-  }
-  if (s.updated) {
-    cholmod_free_factor(&s.factor, &s.common);
-    s.factor = cholmod_copy_factor(s.analysis, &s.common);
-    s.updated = false;
-    if (s.factor == nullptr) throw std::runtime_error("numeric factorization: " + StatusText(s.common.status));
-  }
   const SingleThread one(s.factor->is_super != 0);
   s.common.status = CHOLMOD_OK;
   const int done = cholmod_factorize(&s.view, s.factor, &s.common);
@@ -319,45 +275,9 @@ bool CholmodFactor::Factorize() {
   return false;
 }
 
-bool CholmodFactor::Update(const ColumnMatrix& columns, bool add) {
-  const FactorClock::Scope clock;
-  State& s = *state_;
-  s.common.status = CHOLMOD_OK;
-  if (!s.updated) {
-    if (s.analysis == nullptr) throw std::logic_error("CholmodFactor::Update without will_update");
-    s.updated = true;
-    if (cholmod_change_factor(CHOLMOD_REAL, /*to_ll=*/0, /*to_super=*/0, /*to_packed=*/1, /*to_monotonic=*/1, s.factor,
-                              &s.common) == 0) {
-      throw std::runtime_error("update: " + StatusText(s.common.status));
-    }
-  }
-  cholmod_sparse view = ViewOf(columns, CHOLMOD_REAL, 0);
-  const int done = cholmod_updown(add ? 1 : 0, &view, s.factor, &s.common);
-  if (done != 0 && s.common.status == CHOLMOD_OK) return true;
-  s.why = "update: " + StatusText(s.common.status);
-  return false;
-}
-
-std::vector<double> CholmodFactor::EntriesToRoot() const {
-  const Eigen::VectorXi parent = EliminationTree(state_->view, nullptr, &state_->common);
-  if (parent.size() != size()) throw std::runtime_error("elimination tree: " + StatusText(state_->common.status));
-  std::vector<double> entries(static_cast<size_t>(size()));
-  for (Eigen::Index k = size() - 1; k >= 0; --k) {
-    const double beyond = parent[k] < 0 ? 0.0 : entries[static_cast<size_t>(parent[k])];
-    entries[static_cast<size_t>(k)] = static_cast<const int*>(state_->factor->ColCount)[k] + beyond;
-  }
-  return entries;
-}
-bool CholmodFactor::is_supernodal() const { return state_->factor->is_super != 0; }
-
 void CholmodFactor::Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x) {
   State& s = *state_;
-  if (s.panels.ready()) {
-    const SingleThread one(true);
-    *x = r;
-    s.panels.Solve(x->data());
-    return;
-  }
+  const SingleThread one(s.factor->is_super != 0);
   s.right_side = r;
   cholmod_dense right_side = Wrap(s.right_side.size(), s.right_side.data());
   const int done = cholmod_solve2(CHOLMOD_A, s.factor, &right_side, nullptr, &s.solution, nullptr, &s.y_workspace,

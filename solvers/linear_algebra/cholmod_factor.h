@@ -9,14 +9,14 @@
 
 namespace lcpbench {
 
-/// A sparse symmetric matrix with a fixed pattern and changing diagonal, analysed once and factorized many times.
-/// CHOLMOD orders, analyses, and factorizes by columns; by supernodes SupernodalFactor does, on CHOLMOD's structure.
+/// A sparse symmetric matrix with a fixed pattern and changing diagonal, analysed once and factorized many times by
+/// CHOLMOD.
 /// [Chen, Davis, Hager, Rajamanickam, Algorithm 887, ACM TOMS 35, 2008; AMD ordering: Amestoy, Davis, Duff]
 ///
 /// CHOLMOD's types stay in the source file. One object serves one thread at a time, and runs on one thread: OpenMP
 /// teams and OpenBLAS are held to one thread meanwhile where these libraries are loaded (Debian's CHOLMOD asks for
-/// teams of four whatever OMP_NUM_THREADS says). Solve allocates nothing after the first call, Factorize nothing by
-/// supernodes; by columns it allocates the permuted copy of the matrix inside CHOLMOD.
+/// teams of four whatever OMP_NUM_THREADS says). Solve allocates nothing after the first call; Factorize allocates
+/// inside CHOLMOD: the permuted copy of the matrix, and workspace.
 class CholmodFactor {
  public:
   enum class Definiteness {
@@ -40,8 +40,7 @@ class CholmodFactor {
 
   /// The same for a positive definite matrix whose rows are in elimination order, postordered, so that a factorization
   /// reads it in place instead of permuting it first.
-  /// @param will_update  whether Update may be called, which needs a second copy of the analysis
-  void AnalyzeAsOrdered(const ColumnMatrix& lower, bool will_update = false);
+  void AnalyzeAsOrdered(const ColumnMatrix& lower);
 
   /// Takes over the values of `lower` where its pattern is that of the matrix analysed last, whose analysis is kept.
   /// Returns false and changes nothing where the pattern differs.
@@ -62,19 +61,6 @@ class CholmodFactor {
   /// status. Solve must not be called after that.
   bool Factorize();
   const std::string& why() const;
-
-  /// The latest factor, K + C C' (`add`) or K - C C' in place of K. values() stay as they are: the next Factorize
-  /// starts from those. [Davis, Hager, SIAM J. Matrix Anal. Appl. 22, 2001; cholmod_updown]
-  ///
-  /// The first update after a Factorize by supernodes turns the factor into L D L' by columns, and solves go by columns
-  /// from then on. O(sum over the columns of C of the entries of L on their way to the root of the elimination tree).
-  /// A downdate that cancels digits loses them in the factor: up to eps |K| |(K - C C')^-1|.
-  /// @param columns  C, in the order of elimination, sorted; the rows of a column of C are rows of one column of K
-  /// @returns false if the matrix is no longer positive definite, to rounding; Solve must not be called after that
-  bool Update(const ColumnMatrix& columns, bool add);
-  /// For every column the entries of L in it and in those on its way to the root of the elimination tree [Liu 1986].
-  std::vector<double> EntriesToRoot() const;
-  bool is_supernodal() const;
 
   /// x = K^-1 r with the latest factorization; x may be r.
   void Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x);

@@ -13,15 +13,6 @@ struct CostModel {
   static constexpr double kDenseOverhead = 700;
   // A sparse active block, by rows.
   static constexpr double kSparseMultiplyAdd = 0.4;
-  // CHOLMOD's factors, by flop.
-  static constexpr double kSupernodalFlop = 0.08;
-  static constexpr double kColumnFlop = 0.5;
-  static constexpr double kFactorEntry = 4;    ///< of L, besides its flop
-  static constexpr double kSolveEntry = 8;     ///< of L, a solve and its refinement
-  static constexpr double kBodyRow = 15;       ///< of setting up K on the bodies
-  static constexpr double kConvertEntry = 3;   ///< of a factor by supernodes into one by columns
-  static constexpr double kUpdateEntry = 0.8;  ///< of L, for each row that changes
-  static constexpr double kUpdateRow = 300;
   // A step of block pivoting, in its factorization and by row.
   static constexpr double kDenseStep = 0.5;
   static constexpr double kSparseStep = 2;

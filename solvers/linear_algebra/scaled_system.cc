@@ -101,7 +101,7 @@ void ScaledSystem::BuildContactSpace() {
 void ScaledSystem::BuildBodySpace() {
   std::vector<char> can_act(static_cast<size_t>(size()));
   for (Index i = 0; i < size(); ++i) can_act[static_cast<size_t>(i)] = problem_->DiagonalA()[i] > 0 ? 1 : 0;
-  bodies_.Prepare(*problem_, can_act, /*will_update=*/false);
+  bodies_.Prepare(*problem_, can_act);
   bodies_.Load(*problem_, rows_.scale.cwiseInverse());
   analyses_ += bodies_.analyses();
 }

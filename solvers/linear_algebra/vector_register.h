@@ -288,18 +288,8 @@ struct Lanes {
   }
 };
 
-/// Eight doubles in as many registers as that takes, for loops that add and multiply only: those the compiler divides
-/// well by itself. Loads need no alignment. Functions take pointers, since passing registers that a machine may lack
-/// has no fixed convention.
+/// Rows of a triangle are laid out in whole registers of so many doubles, the most that any instruction set has.
 inline constexpr std::ptrdiff_t kRegister = 8;
-using Register [[gnu::vector_size(kRegister * sizeof(double)), gnu::aligned(alignof(double)), gnu::may_alias]] = double;
-
-[[maybe_unused]] inline const Register* AsRegisters(const double* x) { return reinterpret_cast<const Register*>(x); }
-[[maybe_unused]] inline Register* AsRegisters(double* x) { return reinterpret_cast<Register*>(x); }
-[[maybe_unused]] inline double Sum(const Register* x) {
-  const auto* v = reinterpret_cast<const double*>(x);
-  return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
-}
 
 }  // namespace
 }  // namespace lcpbench

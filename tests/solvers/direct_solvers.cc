@@ -40,7 +40,6 @@ const std::vector<DirectSolver>& DirectSolvers() {
         Iterative("bpp_dense", "bpp", {{"form", "dense"}}, 1.1, 0.005, false),
         Iterative("bpp_sparse", "bpp", {{"form", "sparse"}}, 1.1, 0.005, false),
         Iterative("active_set", "active-set", {}, 1.1, 0.005, false),
-        Iterative("active_set_through_bodies", "active-set", {{"form", "bodies"}}, 1.1, 0.005, true),
         Iterative("active_set_by_continuation", "active-set", {{"continuation_rows", "1"}}, 1.1, 0.005, true),
         Iterative("semismooth_newton_by_continuation", "semismooth-newton", {{"continuation_rows", "1"}}, 1, 0, true),
         Iterative("semismooth_newton", "semismooth-newton", {}, 1, 0, false),
@@ -50,7 +49,7 @@ const std::vector<DirectSolver>& DirectSolvers() {
         Iterative("hybrid", "hybrid", {}, 1.1, 0, true),
     };
     all[3].row_limit = "max_dense_rows";
-    all[8].undecided = 0.0005;
+    all[7].undecided = 0.0005;
     std::erase_if(all, [](const DirectSolver& solver) { return !FindSolver(solver.key).available; });
     return all;
   }();

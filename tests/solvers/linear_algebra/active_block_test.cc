@@ -1,5 +1,4 @@
-// The factors of the active block: all forms against Eigen's, for sets of active rows that change by a few, and the
-// updated factor through the bodies against a new one.
+// The factors of the active block: both forms against Eigen's, for sets of active rows that change by a few.
 
 #include <gtest/gtest.h>
 
@@ -9,9 +8,6 @@
 #include <utility>
 #include <vector>
 
-#ifdef LCPBENCH_WITH_SUITESPARSE
-#include "solvers/linear_algebra/body_active_block.h"
-#endif
 #include "solvers/lcp/in_sequence.h"
 #include "solvers/linear_algebra/active_block.h"
 #include "tests/solvers/exact_problems.h"
@@ -56,12 +52,6 @@ LcpProblem RandomBodies(Index bodies, Index rows, unsigned seed) {
   return LcpProblem::FromFactors("bodies-" + std::to_string(seed), J, inverse_mass, VectorXd::Ones(rows));
 }
 
-std::vector<char> RandomSet(Index n, TestRandom* random) {
-  std::vector<char> active(static_cast<size_t>(n));
-  for (char& flag : active) flag = random->Integer(0, 1) == 1 ? 1 : 0;
-  return active;
-}
-
 void FlipSome(int most, TestRandom* random, std::vector<char>* active) {
   for (int k = random->Integer(1, most); k > 0; --k) {
     char& flag = (*active)[static_cast<size_t>(random->Integer(0, static_cast<int>(active->size()) - 1))];
@@ -83,11 +73,7 @@ void LoadUnscaled(const LcpProblem& problem, ActiveBlock* block) {
 template <typename Block>
 class ActiveBlockTest : public testing::Test {};
 
-#ifdef LCPBENCH_WITH_SUITESPARSE
-using Forms = testing::Types<SparseActiveBlock, DenseActiveBlock, BodyActiveBlock>;
-#else
 using Forms = testing::Types<SparseActiveBlock, DenseActiveBlock>;
-#endif
 TYPED_TEST_SUITE(ActiveBlockTest, Forms);
 
 TYPED_TEST(ActiveBlockTest, SolvesForChangingSets) {
@@ -168,88 +154,6 @@ TEST(SparseActiveBlock, AnUpdatedFactorIsTheFreshOneToTheLastBit) {
     FlipSome(1, &random, &active);
   }
 }
-
-#ifdef LCPBENCH_WITH_SUITESPARSE
-// Redundant rows, weights 1 / shift from 10 to 10^10: what a dependent row gets is what right-hand sides leave of it,
-// so the two factors are compared on right-hand sides in the range of A.
-TEST(BodyActiveBlock, AnUpdatedFactorSolvesAsANewOneAfterHundredsOfChanges) {
-  for (const double shift : {1e-1, 1e-4, 1e-8, 1e-10}) {
-    const Index n = 400;
-    const LcpProblem problem = RandomBodies(120, n, 11);
-    TestRandom random(23);
-    BodyActiveBlock updated;
-    LoadUnscaled(problem, &updated);
-    BodyActiveBlock fresh;
-    LoadUnscaled(problem, &fresh);
-    std::vector<char> active = RandomSet(n, &random);
-    for (int change = 0; change < 400; ++change) {
-      ASSERT_TRUE(updated.Factor(active, shift, nullptr));
-      fresh.Load(problem, VectorXd::Ones(n));  // the next factor is no update
-      ASSERT_TRUE(fresh.Factor(active, shift, nullptr));
-      VectorXd force = RandomSide(n, &random);
-      for (Index i = 0; i < n; ++i) force[i] *= active[static_cast<size_t>(i)];
-      VectorXd x(n);
-      fresh.Multiply(force.data(), x.data());
-      VectorXd y = x;
-      updated.Solve(x.data());
-      fresh.Solve(y.data());
-      // Forces of dependent rows are determined by the shift alone, to eps / shift; what they do to the bodies is not.
-      VectorXd image_x(n), image_y(n);
-      fresh.Multiply(x.data(), image_x.data());
-      fresh.Multiply(y.data(), image_y.data());
-      EXPECT_LE((image_x - image_y).norm(), 1e-9 * image_y.norm()) << "shift " << shift << " change " << change;
-      const double allowed = shift >= 1e-4 ? 1e-9 : 1e-12 / shift;
-      EXPECT_LE((x - y).norm(), allowed * y.norm()) << "shift " << shift << " change " << change;
-      FlipSome(3, &random, &active);
-    }
-    EXPECT_GE(updated.updates(), 300) << "shift " << shift;
-  }
-}
-
-TEST(BodyActiveBlock, ChoosesUpdatesByCountsAndTheSameEveryTime) {
-  const Index n = 600;
-  const LcpProblem problem = RandomBodies(200, n, 3);
-  VectorXd first;
-  std::int64_t updates = 0;
-  for (int run = 0; run < 3; ++run) {
-    BodyActiveBlock block;
-    LoadUnscaled(problem, &block);
-    TestRandom random(5);
-    std::vector<char> active = RandomSet(n, &random);
-    VectorXd x = RandomSide(n, &random);
-    for (int change = 0; change < 40; ++change) {
-      ASSERT_TRUE(block.Factor(active, 1e-6, nullptr));
-      block.Solve(x.data());
-      x /= x.norm();
-      x.array() += 1;
-      // One row, and every eighth time half of all.
-      if (change % 8 == 7) active = RandomSet(n, &random);
-      FlipSome(1, &random, &active);
-    }
-    if (run == 0) {
-      first = x;
-      updates = block.updates();
-      EXPECT_GE(updates, 30);
-      EXPECT_GE(block.factorizations(), 5);  // one at first, and for half of the rows
-    }
-    EXPECT_EQ(block.updates(), updates);
-    EXPECT_TRUE(x == first);
-  }
-}
-
-TEST(BodyActiveBlock, CountsRowsBeyondTheDegreesOfFreedomOfTheirBodies) {
-  const Index n = 40;
-  const LcpProblem problem = RandomBodies(2, n, 1);
-  BodyActiveBlock block;
-  LoadUnscaled(problem, &block);
-  std::vector<char> active(static_cast<size_t>(n), 1);
-  block.Factor(active, 1e-6, nullptr);
-  EXPECT_EQ(block.CountDependentRows(), n - 6);
-  std::fill(active.begin() + 3, active.end(), 0);
-  block.Factor(active, 1e-6, nullptr);
-  EXPECT_EQ(block.CountDependentRows(), 0);
-}
-#endif
 
 // In a sequence, where the analysis of equal patterns is kept: the factor is right whatever was before.
 TEST(SparseActiveBlock, FactorsTheNextProblemOfASequenceAsAFreshOneDoes) {

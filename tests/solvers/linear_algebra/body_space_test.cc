@@ -39,7 +39,7 @@ TEST(BodySpace, MultipliesAndSolvesWithAnyPositiveDiagonalWhateverTheRank) {
     const Index n = scene.problem.size();
     ASSERT_TRUE(BodySpace::Suits(scene.problem));
     BodySpace bodies;
-    bodies.Prepare(scene.problem, {}, false);
+    bodies.Prepare(scene.problem, {});
     bodies.Load(scene.problem, scene.root);
     std::mt19937 random(seed);
     const Eigen::VectorXd f = Random(n, -1, 1, &random);
@@ -78,7 +78,7 @@ TEST(BodySpace, RowsThatAreOutDoNotMove) {
       r[i] = 0;
     }
     BodySpace bodies;
-    bodies.Prepare(scene.problem, taking_part, false);
+    bodies.Prepare(scene.problem, taking_part);
     bodies.Load(scene.problem, scene.root);
     ASSERT_TRUE(bodies.Factorize(theta));
     Eigen::VectorXd x;
@@ -113,7 +113,7 @@ LcpProblem Ring(int bodies, int reach, int missing) {
 int AnalysesOf(const LcpProblem& problem, BodySpace* bodies) {
   const Index n = problem.size();
   const Eigen::VectorXd root = problem.DiagonalA().cwiseSqrt();
-  bodies->Prepare(problem, {}, false);
+  bodies->Prepare(problem, {});
   bodies->Load(problem, root);
   const Eigen::VectorXd theta = Eigen::VectorXd::Constant(n, 0.25);
   EXPECT_TRUE(bodies->Factorize(theta));

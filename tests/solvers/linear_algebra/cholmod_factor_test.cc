@@ -81,7 +81,7 @@ ColumnMatrix GridLaplacian(int side, double shift) {
 }
 
 TEST(CholmodFactor, SolvesBySupernodesInEveryOrderAndAgainAfterTheValuesChanged) {
-  const ColumnMatrix lower = GridLaplacian(60, 0.01);
+  const ColumnMatrix lower = GridLaplacian(120, 0.01);
   const Eigen::Index n = lower.cols();
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
@@ -108,7 +108,7 @@ TEST(CholmodFactor, SolvesBySupernodesInEveryOrderAndAgainAfterTheValuesChanged)
 
 // A factorization that has failed leaves nothing behind that the next one would see.
 TEST(CholmodFactor, RefusesAPivotThatIsNotPositiveAndRecovers) {
-  const ColumnMatrix lower = GridLaplacian(60, 0.01);
+  const ColumnMatrix lower = GridLaplacian(120, 0.01);
   const Eigen::Index n = lower.cols();
   CholmodFactor factor;
   CholmodFactor fresh;
