@@ -146,8 +146,6 @@ BLOCKS: dict[str, Callable[[Page], str]] = {
     "own-keys": lambda page: _keys(of["key"] for of in _solvers(page, "own")),
     "peer-projects": lambda page: formats.words(list(dict.fromkeys(of["library"] for of in peers.facts()["peers"]
                                                                if of["key"] != PORTFOLIO))),
-    "scene-keys": lambda page: _keys(sorted({about["family"] for about in page.inputs.problems.values()
-                                                if about["origin"] in ("placed", "motion")})),
     "own-solvers": lambda page: _solver_table(page, _solvers(page, "own")),
     "peer-criteria": lambda page: peers.criteria().markdown(), "peers-left-out": lambda page: peers.left_out().markdown(),
     "peer-solvers": lambda page: _solver_table(page, _peers(page), "library_version", "licence"),
