@@ -162,6 +162,7 @@ def ablations(inputs: Inputs) -> pd.DataFrame:
 
 # ----- which backend
 
+
 def choices(inputs: Inputs, detailed: bool = False) -> Table | None:
     """The rule of choice.py, by size and redundancy, a column per tier.
 
@@ -208,6 +209,7 @@ def within_deadlines(inputs: Inputs) -> Table | None:
 
 
 # ----- what is right
+
 
 def coverage(inputs: Inputs) -> Table | None:
     """Share verified of all solvers at the shown tiers, and wrong claims: a row per solver, a column per tier."""
@@ -329,6 +331,7 @@ def _by_origin(inputs: Inputs, table: pd.DataFrame, least: int) -> Table | None:
 
 # ----- friction
 
+
 def friction_classes(inputs: Inputs) -> Table | None:
     """With friction, a row per size class: which of ours to choose, how often ours is right at every tier, and its time
     beside that of plain problems and of peers."""
@@ -417,6 +420,7 @@ def not_taking_friction(inputs: Inputs) -> str:
 
 
 # ----- sequences and motion
+
 
 def sequences(inputs: Inputs, detailed: bool = False) -> Table | None:
     """Latency of a step from a warm start, and by how much a cold start takes longer.

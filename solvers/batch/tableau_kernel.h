@@ -57,7 +57,7 @@ class TableauKernel {
     for (int k = 0; k < kLaneCount; ++k) f_[row_count() + k] = L::Set(0);
     for (int i = group->rows; i < row_count(); ++i) {
       b_[i] = L::Set(0);
-      for (int j = 0; j <= i; ++j) matrix_[At(i, j)] = L::Set(0);
+      for (int j = 0; j <= i; ++j) matrix_[Place(i, j)] = L::Set(0);
     }
     const M usable = AssembleRows(group, matrix_, b_);
     TakeJoints();
@@ -120,9 +120,9 @@ class TableauKernel {
   static constexpr double kMostDiagonal = 0x1p192;
   static constexpr double kMostUnitOfB = 0x1p224;
 
-  static constexpr int At(int i, int j) { return i * (i + 1) / 2 + j; }  // j <= i
+  static constexpr int Place(int i, int j) { return i * (i + 1) / 2 + j; }  // j <= i
   int row_count() const { return kInTurn ? N : n_; }
-  static constexpr int AtAny(int i, int j) { return j <= i ? At(i, j) : At(j, i); }
+  static constexpr int PlaceOfAny(int i, int j) { return j <= i ? Place(i, j) : Place(j, i); }
 
   // f(j) for j < i, unrolled if asked for; then i is a constant.
   template <bool is_unrolled = kUnroll, typename I, typename F>
@@ -160,7 +160,7 @@ class TableauKernel {
     const V zero = L::Set(0);
     V largest = zero;
     Each([&](auto i) LCPBENCH_INLINE_LAMBDA {
-      const V d = matrix_[At(i, i)];
+      const V d = matrix_[Place(i, i)];
       const M acts = zero < d;
       const V s = L::Select(acts, L::ScaleOfDiagonal(d), one);
       scale_[i] = s;
@@ -182,11 +182,11 @@ class TableauKernel {
     const V shift = L::Set(group_->shift);
     Each([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V s = scale_[i];
-      EachUpTo(i, [&](auto j) LCPBENCH_INLINE_LAMBDA { tableau_[At(i, j)] = matrix_[At(i, j)] * s * scale_[j]; });
-      const V d = matrix_[At(i, i)] * s * s;
-      tableau_[At(i, i)] = L::Fma(d, shift, d);
+      EachUpTo(i, [&](auto j) LCPBENCH_INLINE_LAMBDA { tableau_[Place(i, j)] = matrix_[Place(i, j)] * s * scale_[j]; });
+      const V d = matrix_[Place(i, i)] * s * s;
+      tableau_[Place(i, i)] = L::Fma(d, shift, d);
       // Lanes that are done multiply column 0 of T by 0, whose diagonal has to be a number, too.
-      if constexpr (!kInTurn) pivot_[i] = tableau_[At(i, i)];
+      if constexpr (!kInTurn) pivot_[i] = tableau_[Place(i, i)];
       least_[i] = L::Set(kLeastPivot) * d;
     });
     noise_ = L::Set(-kNoise);
@@ -248,19 +248,19 @@ class TableauKernel {
     const int k = 2 * panel;
     const int l = k + 1;
     const V kq = q_[k];
-    const V lk = tableau_[At(l, k)];
-    const Move first = Decide(k, joints, tableau_[At(k, k)]);
+    const V lk = tableau_[Place(l, k)];
+    const Move first = Decide(k, joints, tableau_[Place(k, k)]);
     const V first_y = lk * first.inverse;
     const V first_q = kq * first.inverse;
     q_[l] = L::Fnma(lk, first_q, q_[l]);
     const V lq = q_[l];
     const V moved_lk = lk * first.factor;
-    const Move second = Decide(l, joints, L::Fnma(lk, first_y, tableau_[At(l, l)]));
+    const Move second = Decide(l, joints, L::Fnma(lk, first_y, tableau_[Place(l, l)]));
     const V second_y = moved_lk * second.inverse;
     const V second_q = lq * second.inverse;
-    tableau_[At(k, k)] = L::Fnma(moved_lk, second_y, first.diagonal);
-    tableau_[At(l, k)] = moved_lk * second.factor;
-    tableau_[At(l, l)] = second.diagonal;
+    tableau_[Place(k, k)] = L::Fnma(moved_lk, second_y, first.diagonal);
+    tableau_[Place(l, k)] = moved_lk * second.factor;
+    tableau_[Place(l, l)] = second.diagonal;
     q_[k] = L::Fnma(moved_lk, second_q, q_[k]);
 
     V y0[N];
@@ -272,14 +272,14 @@ class TableauKernel {
       V x0[2];
       V x1[2];
       for (int r = 0; r < 2; ++r) {
-        x0[r] = tableau_[pair < panel ? At(k, i + r) : At(i + r, k)];
-        x1[r] = L::Fnma(x0[r], first_y, tableau_[pair < panel ? At(l, i + r) : At(i + r, l)]);
+        x0[r] = tableau_[pair < panel ? Place(k, i + r) : Place(i + r, k)];
+        x1[r] = L::Fnma(x0[r], first_y, tableau_[pair < panel ? Place(l, i + r) : Place(i + r, l)]);
         y0[i + r] = x0[r] * first.inverse;
         y1[i + r] = x1[r] * second.inverse;
         q_[i + r] = L::Fnma(x1[r], second_q, L::Fnma(x0[r], first_q, q_[i + r]));
       }
-      V* const upper = tableau_ + At(i, 0);
-      V* const lower = tableau_ + At(i + 1, 0);
+      V* const upper = tableau_ + Place(i, 0);
+      V* const lower = tableau_ + Place(i + 1, 0);
       EachUpTo<kUnrollPass>(i, [&](auto j) LCPBENCH_INLINE_LAMBDA {
         if (kUnroll && j / 2 == panel) return;  // else overwritten below
         upper[j] = L::Fnma(x1[0], y1[j], L::Fnma(x0[0], y0[j], upper[j]));
@@ -289,8 +289,8 @@ class TableauKernel {
       lower[i] = L::Fnma(x1[1], y1[i], L::Fnma(x0[1], y0[i], lower[i]));
       lower[i + 1] = L::Fnma(x1[1], y1[i + 1], L::Fnma(x0[1], y0[i + 1], lower[i + 1]));
       for (int r = 0; r < 2; ++r) {
-        tableau_[pair < panel ? At(k, i + r) : At(i + r, k)] = L::Fnma(x1[r], second_y, x0[r] * first.factor);
-        tableau_[pair < panel ? At(l, i + r) : At(i + r, l)] = x1[r] * second.factor;
+        tableau_[pair < panel ? Place(k, i + r) : Place(i + r, k)] = L::Fnma(x1[r], second_y, x0[r] * first.factor);
+        tableau_[pair < panel ? Place(l, i + r) : Place(i + r, l)] = x1[r] * second.factor;
       }
     });
   }
@@ -415,8 +415,8 @@ class TableauKernel {
         x[0][p] = x_[p][i];
         x[1][p] = x_[p][i + 1];
       }
-      V* const upper = tableau_ + At(i, 0);
-      V* const lower = tableau_ + At(i + 1, 0);
+      V* const upper = tableau_ + Place(i, 0);
+      V* const lower = tableau_ + Place(i + 1, 0);
       for (int j = 0; j <= i; ++j) {
         V u = upper[j];
         V l = lower[j];
@@ -455,7 +455,7 @@ class TableauKernel {
     MultiplyForces();
     for (int i = 0; i < row_count(); ++i) {
       const V w = w_[i];
-      const V d = matrix_[At(i, i)];
+      const V d = matrix_[Place(i, i)];
       const V force = d * f_[i];
       const V defect = L::Select(joint_[i], w, L::Min(force, w));
       const V r = defect * scale_[i] * b_scale_;
@@ -476,8 +476,8 @@ class TableauKernel {
   // w = A f + b, by pairs of rows, each entry of A read once.
   void MultiplyForces() {
     for (int i = 0; i < row_count(); i += 2) {
-      const V* const upper = matrix_ + At(i, 0);
-      const V* const lower = matrix_ + At(i + 1, 0);
+      const V* const upper = matrix_ + Place(i, 0);
+      const V* const lower = matrix_ + Place(i + 1, 0);
       const V f_u = f_[i];
       const V f_l = f_[i + 1];
       V u[2] = {b_[i], L::Set(0)};
@@ -506,9 +506,9 @@ class TableauKernel {
       w_[i] = L::Masked(poor & L::SignOf(sign_[i]), w_[i] * scale_[i] * b_scale_);
     }
     for (int i = 0; i < row_count(); ++i) {
-      V sum = L::Fnma(kInTurn ? tableau_[At(i, i)] : pivot_[i], w_[i], q_[i]);
+      V sum = L::Fnma(kInTurn ? tableau_[Place(i, i)] : pivot_[i], w_[i], q_[i]);
       for (int j = 0; j < row_count(); ++j) {
-        if (j != i) sum = L::Fnma(tableau_[AtAny(i, j)], w_[j], sum);
+        if (j != i) sum = L::Fnma(tableau_[PlaceOfAny(i, j)], w_[j], sum);
       }
       q_[i] = L::Select(poor & L::SignOf(sign_[i]), sum, before[i]);
     }
@@ -545,8 +545,8 @@ class TableauKernel {
     M met = L::FromBits(kAllLanes);
     for (int i = 0; i < row_count(); ++i) {
       V size = L::Abs(b_[i]);
-      for (int j = 0; j < row_count(); ++j) size = L::Fma(L::Abs(matrix_[AtAny(i, j)]), L::Abs(f_[j]), size);
-      const V force = matrix_[At(i, i)] * f_[i];
+      for (int j = 0; j < row_count(); ++j) size = L::Fma(L::Abs(matrix_[PlaceOfAny(i, j)]), L::Abs(f_[j]), size);
+      const V force = matrix_[Place(i, i)] * f_[i];
       const V defect = L::Abs(L::Select(joint_[i], w_[i], L::Min(force, w_[i])));
       met &= defect <= limit * size;
     }

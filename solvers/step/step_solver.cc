@@ -116,7 +116,7 @@ struct StepSolver::Implementation {
   std::vector<FrictionRow> friction_of_part;
   std::vector<BoundedRow> bounded_of_part;
   std::int64_t left = 0;
-  std::unique_ptr<AutoSolver> others;
+  std::unique_ptr<AutoSolver> fallback;
   LcpResult result;
   Eigen::VectorXd initial_f, gaps, unwanted_w;
   std::int64_t fallbacks = 0;
@@ -182,15 +182,16 @@ struct StepSolver::Implementation {
   // What rows in place leave open. `f` holds what it reached.
   StepAnswer SolveByLadder(const StepRows& of, const double* start, double* f, double* w) {
     ++fallbacks;
-    if (others == nullptr)
-      others = std::make_unique<AutoSolver>(AutoOptions{.reads_in_place = false, .instructions = options.instructions});
+    if (fallback == nullptr)
+      fallback =
+          std::make_unique<AutoSolver>(AutoOptions{.reads_in_place = false, .instructions = options.instructions});
     const LcpProblem problem = ProblemOf(of);
     LcpOptions solve = SolveOptions();
     if (start != nullptr) {
       initial_f = Eigen::Map<const Eigen::VectorXd>(start, of.rows);
       solve.initial_f = &initial_f;
     }
-    others->Solve(problem, solve, &result);
+    fallback->Solve(problem, solve, &result);
     std::copy_n(result.f.data(), of.rows, f);
     if (w != nullptr) {
       problem.ComputeW(result.f, &gaps);

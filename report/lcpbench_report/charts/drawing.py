@@ -25,12 +25,14 @@ _STYLE = {
     "legend.labelspacing": 0.35, "savefig.bbox": "tight", "savefig.pad_inches": 0.03,
 }
 
+
 def save(chart: Chart, folder: Path, name: str) -> list[Path]:
     """<name>.svg and <name>.pdf."""
     paths = [folder / f"{name}.svg", folder / f"{name}.pdf"]
     folder.mkdir(parents=True, exist_ok=True)
     write(chart, *paths)
     return paths
+
 
 def write(chart: Chart, *paths: Path) -> None:
     """In the formats that the paths end in."""
@@ -47,6 +49,7 @@ def write(chart: Chart, *paths: Path) -> None:
             with replaced(path) as beside:
                 beside.write_bytes(text.getvalue())
         plt.close(figure)
+
 
 def _draw(chart: Chart):
     height = 1 + 0.14 * chart.names if chart.names else 3.2 if chart.rows == 1 else 2
@@ -69,6 +72,7 @@ def _draw(chart: Chart):
         figure.legend(handles=[*handles.values()], labels=[*handles], loc="upper center", bbox_to_anchor=(0.5, 0), ncol=5)
     return figure
 
+
 def _axis(chart: Chart, axis, of: Axis) -> None:
     axis.set_label_text(of.title)
     if of.kind == NAMES:
@@ -83,6 +87,7 @@ def _axis(chart: Chart, axis, of: Axis) -> None:
         axis.set_minor_formatter(NullFormatter())
     if of.log or of.kind != "plain":
         axis.set_major_formatter(FuncFormatter(lambda value, _: words(value)))
+
 
 def _panel(pane, panel: Panel) -> None:
     before: dict[str, float] = {}
@@ -99,6 +104,7 @@ def _panel(pane, panel: Panel) -> None:
         for x, y, words in zip(trace.x, trace.y, trace.text or ()):
             pane.annotate(words, (x, y), (3, -3), textcoords="offset points", rotation=-35, rotation_mode="anchor", va="top",
                           fontsize=5.5, color=trace.look.colour)
+
 
 def _line(trace: Trace) -> dict:
     """Arguments of plot(). What is not strong is thinner, with hollow markers."""

@@ -58,6 +58,7 @@ _MISSING = object()  # the value of a key that is not there
 
 # ----- what changed
 
+
 @dataclass
 class Changes:
     """Tables of what changed; rows of cells have KEY."""
@@ -153,6 +154,7 @@ def _parts(cells: pd.DataFrame) -> list[tuple[dict, pd.DataFrame]]:
 
 # ----- how far what is published moved
 
+
 def moved_table(old: Campaign, new: Campaign) -> tuple[pd.DataFrame, list[str]]:
     """A row per value, the one that moved most first; and what only one of the campaigns has.
 
@@ -208,6 +210,7 @@ def _moved(key: tuple, old: tuple[float, float, float], new: tuple[float, float,
 
 
 # ----- the same results
+
 
 @dataclass
 class Part:
