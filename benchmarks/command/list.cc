@@ -63,11 +63,16 @@ std::string StopsBy(const PeerEntry& peer) {
   return std::string(found->tiers->bounds);  // AllPeers made its -default of it
 }
 
-// The peer table as report/ and docs/ read it (report/lcpbench_report/peers.json): `peers` [{`key, library, method,
-// licence, route` ("compiled" or "python") `, tolerance` (as SolverEntry::tolerance) `, tolerances` (for the tiers
-// 1e-3, 1e-6, 1e-9; null where it follows none) `, stops` (in words)}], `left_out` [{`name, reason`}]. Peers that are
-// not in this build have their entries, too.
+// All solvers as report/ and docs/ read them (report/lcpbench_report/peers.json): `own` [{`key, method, tolerance` (as
+// SolverEntry::tolerance)}], `peers` [{`key, library, method, licence, route` ("compiled" or "python") `, tolerance,
+// tolerances` (for the tiers 1e-3, 1e-6, 1e-9; null where it follows none) `, stops` (in words)}], `left_out` [{`name,
+// reason`}]. Solvers that are not in this build have their entries, too.
 void PrintPeers() {
+  nlohmann::ordered_json own = nlohmann::ordered_json::array();
+  for (const SolverEntry& entry : AllSolvers()) {
+    if (entry.origin != SolverOrigin::kOwn) continue;
+    own.push_back({{"key", entry.key}, {"method", entry.method}, {"tolerance", entry.tolerance()}});
+  }
   nlohmann::ordered_json peers = nlohmann::ordered_json::array();
   for (const PeerEntry& peer : AllPeers()) {
     nlohmann::ordered_json entry = {{"key", peer.key},
@@ -85,7 +90,7 @@ void PrintPeers() {
   for (const LeftOutSolver& other : SolversLeftOut()) {
     left_out.push_back({{"name", other.name}, {"reason", other.reason}});
   }
-  std::cout << nlohmann::ordered_json{{"peers", peers}, {"left_out", left_out}}.dump(1) << '\n';
+  std::cout << nlohmann::ordered_json{{"own", own}, {"peers", peers}, {"left_out", left_out}}.dump(1) << '\n';
 }
 
 void PrintRules() { std::cout << AutoRulesAsMarkdown(); }
@@ -121,7 +126,7 @@ void AddListCommand(CLI::App& app, CommandRun& run) {
   add("scenes", "Scene families: key, title, purpose", PrintScenes);
   add("metrics", "Metrics of the verdict: key, formula", PrintMetrics);
   add("rules", "How auto decides, as docs/solvers/auto.md shows it", PrintRules);
-  add("peers", "Facts of the peers and of solvers that are left out, as one JSON object, which report/ reads",
+  add("peers", "Facts of our solvers, the peers and those that are left out, as one JSON object, which report/ reads",
       PrintPeers);
   AddCommand<ListFields>(*list, run, "fields", "Fields of a campaign's lines as Markdown: name, type, unit, meaning");
 }

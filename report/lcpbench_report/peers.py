@@ -1,4 +1,5 @@
-"""What is known of the peers, whether a campaign has them or not: peers.json, as `lcpbench list peers` writes it."""
+"""What is known of our solvers and of the peers, whether a campaign has them or not: peers.json, as `lcpbench list peers`
+writes it."""
 
 import json
 from functools import cache

@@ -100,11 +100,6 @@ def _tuning(page: Page) -> str:
                rest=count - len(changed))
 
 
-def _solvers(page: Page, origin: str) -> list[dict]:
-    """The campaign's solvers, without other settings of the same solver."""
-    return [of for of in page.info["solvers"] if of["origin"] == origin and of["setting"] != "variant"]
-
-
 def _keys(keys) -> str:
     return ", ".join(map(shown_tables.key, keys))
 
@@ -143,10 +138,10 @@ BLOCKS: dict[str, Callable[[Page], str]] = {
     "limits": _limits,
     "manifests": lambda page: formats.words([f"`{of['name']}` {of['version']}" for of in page.info.get("manifests", [])]),
     "tuning": _tuning,
-    "own-keys": lambda page: _keys(of["key"] for of in _solvers(page, "own")),
+    "own-keys": lambda page: _keys(of["key"] for of in peers.facts()["own"]),
     "peer-projects": lambda page: formats.words(list(dict.fromkeys(of["library"] for of in peers.facts()["peers"]
                                                                if of["key"] != PORTFOLIO))),
-    "own-solvers": lambda page: _solver_table(page, _solvers(page, "own")),
+    "own-solvers": lambda page: _solver_table(page, peers.facts()["own"]),
     "peer-criteria": lambda page: peers.criteria().markdown(), "peers-left-out": lambda page: peers.left_out().markdown(),
     "peer-solvers": lambda page: _solver_table(page, _peers(page), "library_version", "licence"),
 }

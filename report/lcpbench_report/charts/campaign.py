@@ -57,7 +57,7 @@ def figures(inputs: Inputs) -> Iterable[Figure]:
     yield Figure("metrics", "Parts of a time, iterations, errors", say("metrics_figure"),
                  {(words, _METRICS[column].title): partial(by_size, inputs, tier, column) for column in [*_METRICS][1:]
                   for words, tier in tiers.items()}, ("tier", "metric"))
-    yield Figure("front", "The front of peers", say("front_figure"), {(): partial(front, inputs)})
+    yield Figure("front", "Time and share right, by size", say("front_figure"), {(): partial(front, inputs)})
     yield Figure("profiles", "Performance profiles", say("profiles_figure"),
                  {(name,): partial(profiles, inputs, cells) for name, cells in parts.items()}, ("problems",))
     if inputs.friction is not None:
