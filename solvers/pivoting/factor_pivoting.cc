@@ -74,7 +74,7 @@ class FactorPivoting : public RowEngine {
   }
 
   // Refuses A that is not numerically symmetric, and more than max_rows rows.
-  std::string WhyUnsupported(const LcpProblem& problem) const {
+  virtual std::string WhyUnsupported(const LcpProblem& problem) const {
     if (problem.size() <= pivot_options_.max_rows) return WhyNotSymmetric(problem);
     return std::to_string(problem.size()) +
            " rows are more than max_rows = " + std::to_string(pivot_options_.max_rows) + " of this dense solver";
@@ -85,13 +85,13 @@ class FactorPivoting : public RowEngine {
     surplus_.reserve(static_cast<size_t>(max_rows));
   }
 
-  void Prepare(const LcpProblem& problem) {
+  virtual void Prepare(const LcpProblem& problem) {
     problem_ = problem;
     Reserve(problem.size());
     if (pivot_options_.self_check) judge_.Reset(problem, true);
   }
 
-  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
+  virtual void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
 
  protected:
   // The rows in play outside F that are violated, [q, open). False if there are none.
@@ -758,7 +758,7 @@ class LemkeEngine final : public FactorPivoting {
       : FactorPivoting(options, TableauRule::kAlongPath), other_(options.make_other ? options.make_other() : nullptr) {}
 
   bool takes_other_laws() const { return other_ != nullptr; }
-  std::string WhyUnsupported(const LcpProblem& problem) const {
+  std::string WhyUnsupported(const LcpProblem& problem) const override {
     return IsOther(problem) ? other_->WhyUnsupported(problem) : FactorPivoting::WhyUnsupported(problem);
   }
   void Reserve(Index max_rows) override {
@@ -767,10 +767,10 @@ class LemkeEngine final : public FactorPivoting {
     for (Eigen::VectorXd* v : {&cover_, &perturbation_, &rate_, &first_order_}) v->setZero(max_rows);
     ties_.reserve(static_cast<size_t>(max_rows));
   }
-  void Prepare(const LcpProblem& problem) {
+  void Prepare(const LcpProblem& problem) override {
     IsOther(problem) ? other_->Prepare(problem) : FactorPivoting::Prepare(problem);
   }
-  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
     IsOther(problem) ? other_->Solve(problem, options, result) : FactorPivoting::Solve(problem, options, result);
   }
 
