@@ -42,7 +42,7 @@ def _place(chart: Chart, index: int, number: str) -> dict:
     first = column == 0 or panel.y != chart.panels[index - 1].y or panel.y.kind == NAMES
     below_it = chart.panels[index + chart.columns:index + chart.columns + 1]
     last = not below_it or panel.x != below_it[0].x
-    beside, below = 0.16 if panel.y.kind == NAMES else 0.07, 0.16 / chart.rows**0.5
+    beside, below = 0.21 if panel.y.kind == NAMES else 0.07, 0.16 / chart.rows**0.5
     width, height = (1 - beside * (chart.columns - 1)) / chart.columns, (1 - below * (chart.rows - 1)) / chart.rows
     left, top = column * (width + beside), 1 - row * (height + below)
     return {f"xaxis{number}": _axis(chart, panel.x, panel.x.title if last else "") | {"domain": [left, left + width], "anchor": f"y{number}"},
