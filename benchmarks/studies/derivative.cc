@@ -48,7 +48,7 @@ struct Points {
     solve_s = (ProcessorTime() - begin) / passes;
   }
 
-  // Of the points.
+  // The share of the points for which `holds` is true.
   template <typename Holds>
   double Share(const Holds& holds) const {
     return static_cast<double>(std::count_if(all.begin(), all.end(), holds)) / static_cast<double>(all.size());

@@ -60,6 +60,7 @@ class SolverOfSteps final : public LcpSolver {
 class SolverOfProblems final : public LcpSolver {
  public:
   bool TakesFriction() const override { return true; }
+  bool TakesBounded() const override { return true; }
 
  protected:
   void DoPrepare(const LcpProblem& /*problem*/) override {}

@@ -56,9 +56,8 @@ struct SemismoothNewtonOptions {
 ///
 /// From arrays, up to 128 rows of at most two moving bodies each need no LcpProblem (RowEngine), with a dense block.
 ///
-/// Solve allocates nothing but a ray. kTimeLimit,
-/// kIterationLimit and kNumericalFailure leave the best f that was judged, else c. Departures: the rules for eps;
-/// subproblems are solved to the end; the finish.
+/// Solve allocates nothing but a ray. kTimeLimit, kIterationLimit and kNumericalFailure leave the best f that was
+/// judged, else c. Departures: the rules for eps; subproblems are solved to the end; the finish.
 class SemismoothNewtonSolver final : public EngineSolver<SemismoothNewtonOptions, class SemismoothNewtonEngine> {
  public:
   using EngineSolver::EngineSolver;

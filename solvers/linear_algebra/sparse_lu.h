@@ -7,8 +7,8 @@
 namespace lcpbench {
 
 /// LU factor of a sparse nonsymmetric K with a nearly symmetric pattern: minimum degree order of the pattern of K +
-/// K^T, diagonal pivots down to a part of the largest in their column. KLU (T. Davis, E. Palamadai Natarajan 2010);
-/// where it is built without SuiteSparse, Eigen's, which takes a hundred times as long from 10^4 columns on.
+/// K^T, diagonal pivots down to a part of the largest in their column. The factor is KLU's [T. Davis, E. Palamadai
+/// Natarajan 2010]; a build without SuiteSparse takes Eigen's, which fills in far more.
 class SparseLu {
  public:
   SparseLu();
