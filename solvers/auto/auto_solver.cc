@@ -34,8 +34,6 @@ using Judgement = SmallPivoting::Answer::Judgement;
 // piece of a chain cut at random is some ln(cuts) times the mean one.
 constexpr Index kRowsPerCut = 16;
 
-constexpr double kLeastTime = 1e-9;  // [s]: limits are > 0
-
 }  // namespace
 
 AutoOptions AutoOptions::FromSettings(const Settings& settings) {
@@ -184,7 +182,7 @@ std::string AutoEngine::WhyUnsupported(const LcpProblem& problem) const {
 
 bool AutoEngine::IsReadInPlace(MatrixForm form, Index rows) const {
   const Index most = form == MatrixForm::kDense ? AutoFacts::kMostDenseRows : AutoFacts::kMostStepRows;
-  return options_.self_check && options_.reads_in_place && rows <= most;
+  return options_.self_check && rows <= most;
 }
 
 // Arrays that are not taken become an LcpProblem.
@@ -369,13 +367,13 @@ void AutoEngine::SolveFriction(const LcpProblem& problem, LcpOptions options, co
                                LcpResult* result) {
   if (laws_ == nullptr) {
     AutoOptions plain = options_;
-    plain.reads_in_place = true;
+    plain.reached = nullptr;
     plain.asks_exact = false;
     laws_ = std::make_unique<LawPortfolio>(&tableau_,
                                            WithinOptions{[plain] { return std::make_unique<AutoSolver>(plain); }});
   }
   if (!std::exchange(laws_are_ready_, true)) laws_->Prepare(problem);
-  if (deadline != nullptr) options.time_limit_s = std::max(deadline->Remaining(), kLeastTime);
+  if (deadline != nullptr) options.time_limit_s = deadline->RestOfLimit();
   const bool was_asked = next_rule_ > 0;
   laws_->Solve(problem, options, next_rule_, was_asked ? &reached_ : nullptr, result);
   next_rule_ = 0;
@@ -385,10 +383,13 @@ void AutoEngine::Prepare(const LcpProblem& problem) {
   laws_are_ready_ = problem_is_ready_ = false;
   taken_ = Taken::kNothing;
   was_asked_in_place_ = std::exchange(asked_in_place_, false);
-  if (!was_asked_in_place_) {
-    next_rule_ = 0;
-    taken_ = Take(problem.view());
+  if (!was_asked_in_place_) next_rule_ = 0;
+  if (options_.reached != nullptr && options_.reached->was_asked) {
+    was_asked_in_place_ = true;
+    next_rule_ = options_.reached->next;
+    reached_ = options_.reached->f;
   }
+  if (!was_asked_in_place_) taken_ = Take(problem.view());
   if (taken_ == Taken::kRows) rows_.Reserve(step_.rows().rows, step_.rows().bodies);
   if (taken_ == Taken::kNothing && problem.is_plain()) PrepareProblem(problem);
 }

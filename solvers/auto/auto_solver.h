@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -9,6 +11,13 @@
 namespace lcpbench {
 
 enum class AutoMethod : std::uint8_t;  // auto_rules.h
+
+/// What the methods of AutoStage::kRows and kLaws left open: the others go on from there.
+struct RowsReached {
+  bool was_asked = false;  ///< false: the numbers are out of those methods' range
+  std::size_t next = 0;    ///< of rows with laws: RowAnswer::next
+  Eigen::VectorXd f;       ///< where it was asked
+};
 
 /// Options of AutoSolver.
 struct AutoOptions {
@@ -22,8 +31,8 @@ struct AutoOptions {
   /// SettingsReader::SelfCheck, of the methods too. Without it nothing is read in place, and a tableau's answer is
   /// taken as it is.
   bool self_check = true;
-  /// Whether rows on two bodies, and matrices, are solved as they are given (AutoStage::kRows and kMatrix) first.
-  bool reads_in_place = true;
+  /// What a caller's own Ladder has reached of the problem that is solved next, as StepSolver's has; or nullptr.
+  const RowsReached* reached = nullptr;
   bool asks_exact = true;  ///< whether the exact rule comes last; not of what a solver asks within its own solve
   InstructionSet instructions = InstructionSet::kBest;  ///< of the tableau; refused where the machine lacks them
   /// One method of AutoStage::kRows or kMatrix that is asked and no other; empty: all.

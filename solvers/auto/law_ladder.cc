@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -11,8 +12,6 @@
 
 namespace lcpbench {
 namespace {
-
-constexpr double kLeastTimeOfPart = 1e-9;  // [s]: limits are > 0
 
 // None where all rows are connected.
 std::vector<std::vector<Index>> IslandsOf(const LcpProblem& problem) {
@@ -154,7 +153,7 @@ bool LawLadder::FindRay(const FrictionAnswer& answer, LcpResult* result) const {
   bounds.friction.clear();
   LcpOptions plain = answer.options();
   plain.initial_f = nullptr;
-  plain.time_limit_s = std::max(answer.Remaining(), kLeastTimeOfPart);
+  plain.time_limit_s = std::max(answer.Remaining(), std::numeric_limits<double>::min());
   LcpResult frictionless;
   plain_.make_plain()->Solve(problem.WithBounds(std::move(bounds)), plain, &frictionless);
   answer.ForgetTime();
@@ -192,7 +191,7 @@ void LawPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, s
   std::string last;
   for (Part& part : parts_) {
     LcpOptions rest = options;
-    rest.time_limit_s = std::max(deadline.Remaining(), kLeastTimeOfPart);
+    rest.time_limit_s = deadline.RestOfLimit();
     if (options.initial_f != nullptr) {
       start = (*options.initial_f)(part.rows);
       rest.initial_f = &start;

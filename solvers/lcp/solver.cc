@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <utility>
 
 #include "solvers/lcp/factor_clock.h"
@@ -77,6 +78,7 @@ double Deadline::Elapsed() const {
   return now_() - start_;
 }
 double Deadline::Remaining() const { return std::max(0.0, limit_ - Elapsed()); }
+double Deadline::RestOfLimit() const { return std::max(std::numeric_limits<double>::min(), limit_ - Elapsed()); }
 
 std::string LcpSolver::WhyUnsupported(const LcpProblem& /*problem*/) const { return {}; }
 void LcpSolver::Reserve(Index /*max_rows*/) {}

@@ -96,6 +96,8 @@ class Deadline {
   double Elapsed() const;
   /// Seconds left (may be infinite), never negative.
   double Remaining() const;
+  /// Remaining as a LcpOptions::time_limit_s, which must be > 0.
+  double RestOfLimit() const;
 
  private:
   double (*now_)();

@@ -116,7 +116,8 @@ struct StepSolver::Implementation {
   std::vector<FrictionRow> friction_of_part;
   std::vector<BoundedRow> bounded_of_part;
   std::int64_t left = 0;
-  std::unique_ptr<AutoSolver> fallback;
+  RowsReached reached;
+  std::unique_ptr<AutoSolver> fallback;  // goes on from `reached`
   LcpResult result;
   Eigen::VectorXd initial_f, gaps, unwanted_w;
   std::int64_t fallbacks = 0;
@@ -138,22 +139,24 @@ struct StepSolver::Implementation {
       has_own_bodies = true;
       is_in_range = CheckRows(of, start);
     }
-    if (is_in_range) {
-      const RowAnswer answer = SolveRows(of, start, f, w);
-      if (answer.solved) return {LcpStatus::kSolved, answer.iterations, answer.rho};
-    }
-    return SolveByLadder(has_own_bodies ? of : own_bodies.Take(of), start, f, w);
-  }
-
-  RowAnswer SolveRows(const StepRows& of, const double* start, double* f, double* w) {
     std::optional<Deadline> limit;
     if (of.rows > SmallPivoting::kRowsWithoutClock && Deadline::IsNeeded(SolveOptions())) {
       limit.emplace(SolveOptions());
     }
     const Deadline* const deadline = limit.has_value() ? &*limit : nullptr;
+    reached.was_asked = is_in_range && (of.bounded.empty() || !of.friction.empty());
+    if (reached.was_asked) {
+      const RowAnswer answer = SolveRows(of, deadline, start, f, w);
+      if (answer.solved) return {LcpStatus::kSolved, answer.iterations, answer.rho};
+      reached.next = answer.next;
+    }
+    return SolveRest(has_own_bodies ? of : own_bodies.Take(of), deadline, start, f, w);
+  }
+
+  RowAnswer SolveRows(const StepRows& of, const Deadline* deadline, const double* start, double* f, double* w) {
     if (!IsPlain(of)) {
       rows.ReserveLaws(of.rows, of.bodies);
-      return of.friction.empty() ? RowAnswer() : rows.Solve(of, options.tolerance, deadline, start, f, w);
+      return rows.Solve(of, options.tolerance, deadline, start, f, w);
     }
     rows.Reserve(of.rows, of.bodies);
     if (w == nullptr && unwanted_w.size() < of.rows) unwanted_w.resize(of.rows);
@@ -180,13 +183,15 @@ struct StepSolver::Implementation {
   }
 
   // What rows in place leave open. `f` holds what it reached.
-  StepAnswer SolveByLadder(const StepRows& of, const double* start, double* f, double* w) {
+  StepAnswer SolveRest(const StepRows& of, const Deadline* deadline, const double* start, double* f, double* w) {
     ++fallbacks;
-    if (fallback == nullptr)
-      fallback =
-          std::make_unique<AutoSolver>(AutoOptions{.reads_in_place = false, .instructions = options.instructions});
+    if (fallback == nullptr) {
+      fallback = std::make_unique<AutoSolver>(AutoOptions{.reached = &reached, .instructions = options.instructions});
+    }
+    if (reached.was_asked) reached.f = Eigen::Map<const Eigen::VectorXd>(f, of.rows);
     const LcpProblem problem = ProblemOf(of);
     LcpOptions solve = SolveOptions();
+    if (deadline != nullptr) solve.time_limit_s = deadline->RestOfLimit();
     if (start != nullptr) {
       initial_f = Eigen::Map<const Eigen::VectorXd>(start, of.rows);
       solve.initial_f = &initial_f;
