@@ -443,7 +443,7 @@ void AutoEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lcp
   const bool is_taken = taken_ != Taken::kNothing && MayChoose(options);
   if (is_taken) {
     StepRows rows = step_.rows();
-    matrix_.SetB(problem.view().b);
+    matrix_.SetB(problem.loads());
     rows.b = matrix_.arrays().b.data();
     if (SolveInPlace(rows, options, limit.has_value() ? &*limit : nullptr, result)) return;
   }

@@ -18,6 +18,13 @@ inline constexpr MagnitudeRange kEntryRange{0x1p-192, 0x1p192};
 /// The range of entries of b.
 inline constexpr MagnitudeRange kLoadRange{0x1p-300, 0x1p128};
 
+/// Whether any number has its sign set: -0.0 too, and one that is not a number. O(count)
+inline bool HasSign(const double* values, std::int64_t count) {
+  std::uint64_t signs = 0;
+  for (std::int64_t i = 0; i < count; ++i) signs |= std::bit_cast<std::uint64_t>(values[i]);
+  return signs >> 63U != 0;
+}
+
 /// Looks at numbers by the bits of their absolute values, which ascend as the numbers do, NaN and infinity last, and by
 /// signs of differences: without a branch, and with what even the baseline instruction set does several at a time.
 class NumberRange {

@@ -16,6 +16,7 @@
 #include "solvers/lcp/compressed_rows.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/lcp/number_range.h"
+#include "solvers/lcp/step_rows.h"
 #include "support/input_error.h"
 #include "support/number_text.h"
 
@@ -34,6 +35,16 @@ SparseRows RowsOf(const ProblemView& given) {
   throw InputError(id.empty() ? what : "problem '" + std::string(id) + "': " + what);
 }
 
+// A function in the widest instructions of the machine: for what gives the same bits in any.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#define LCPBENCH_WIDEST __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define LCPBENCH_WIDEST
+#endif
+
+LCPBENCH_WIDEST void Look(const double* values, Index count, NumberRange* range) { range->Look(values, count); }
+
 // Which ends of the range there are numbers beyond, zeros apart.
 struct Beyond {
   bool least = false;
@@ -44,7 +55,7 @@ struct Beyond {
 Beyond RequireFinite(std::string_view id, const char* name, const MagnitudeRange& range, const double* values,
                      Index count, Index side = 0) {
   NumberRange looked(range);
-  looked.Look(values, count);
+  Look(values, count, &looked);
   if (!looked.has_large()) return {looked.has_small(), false};
   const double* found = std::find_if(values, values + count, [](double value) { return !std::isfinite(value); });
   if (found == values + count) return {looked.has_small(), true};
@@ -54,14 +65,17 @@ Beyond RequireFinite(std::string_view id, const char* name, const MagnitudeRange
   Reject(id, name + place + " is " + std::to_string(*found) + ", expected a finite number");
 }
 
-void RequireShape(std::string_view id, const char* name, Index rows, Index cols, Index want_rows, Index want_cols) {
-  if (rows != want_rows || cols != want_cols) {
-    Reject(id, std::string(name) + " must be " + std::to_string(want_rows) + " x " + std::to_string(want_cols) +
-                   ", found " + std::to_string(rows) + " x " + std::to_string(cols));
-  }
+[[noreturn]] void RejectShape(std::string_view id, const char* name, Index rows, Index cols, Index want_rows,
+                              Index want_cols) {
+  Reject(id, std::string(name) + " must be " + std::to_string(want_rows) + " x " + std::to_string(want_cols) +
+                 ", found " + std::to_string(rows) + " x " + std::to_string(cols));
 }
 
-// Checks the matrix that arrays hold, in the two sparse forms.
+void RequireShape(std::string_view id, const char* name, Index rows, Index cols, Index want_rows, Index want_cols) {
+  if (rows != want_rows || cols != want_cols) RejectShape(id, name, rows, cols, want_rows, want_cols);
+}
+
+// Checks the sizes of arrays in the two sparse forms.
 void RequireCompressedRows(const ProblemView& arrays) {
   const auto count = static_cast<Index>(arrays.column.size());
   if (arrays.columns < 0 || (arrays.form == MatrixForm::kSparse && arrays.columns != arrays.rows)) {
@@ -70,7 +84,10 @@ void RequireCompressedRows(const ProblemView& arrays) {
   }
   RequireShape(arrays.id, "row_start", static_cast<Index>(arrays.row_start.size()), 1, arrays.rows + 1, 1);
   RequireShape(arrays.id, "value", static_cast<Index>(arrays.value.size()), 1, count, 1);
-  std::string why = WhyNotStarts(arrays.row_start, count, "row_start", "entries");
+}
+
+void RequireColumns(const ProblemView& arrays) {
+  std::string why = WhyNotStarts(arrays.row_start, std::ssize(arrays.column), "row_start", "entries");
   if (why.empty()) why = WhyNotColumns(arrays.row_start, arrays.column, arrays.columns, "column");
   if (!why.empty()) Reject(arrays.id, why);
 }
@@ -148,13 +165,9 @@ struct DenseRows {
   std::vector<double> mass, J_by_tiles;
 };
 
-// sum[kTile r + c] = sum over k of mass_k (first_rk second_ck). The widest instructions of the machine give the same
-// bits as any others: products and sums are not fused.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-__attribute__((target_clones("avx512f", "avx2", "default")))
-#endif
-void MultiplyTiles(const double* first, const double* second, const double* mass, Index columns, double* sum) {
+// sum[kTile r + c] = sum over k of mass_k (first_rk second_ck): products and sums are not fused.
+LCPBENCH_WIDEST void MultiplyTiles(const double* first, const double* second, const double* mass, Index columns,
+                                   double* sum) {
   using Tile [[gnu::vector_size(kTile * sizeof(double)), gnu::aligned(alignof(double)), gnu::may_alias]] = double;
   Tile rows[kTile] = {};
   for (Index k = 0; k < columns; ++k) {
@@ -220,6 +233,37 @@ std::span<const double> NumbersOf(const Eigen::VectorXd& vector) {
   return {vector.data(), static_cast<size_t>(vector.size())};
 }
 
+// The block of a problem that went, for the next one of this thread: an engine makes one a step, and blocks of more
+// than some 1000 bytes are taken and given back in the time of several copies.
+struct SpareBlock {
+  static constexpr size_t kLeast = 1024, kMost = 65536;  // [byte]
+  void* at;
+  size_t bytes;
+  bool has_ended;  // the thread
+};
+constinit thread_local SpareBlock spare = {};
+
+void* TakeBlock(size_t bytes) {
+  if (bytes <= SpareBlock::kLeast || bytes > spare.bytes) return ::operator new(bytes);
+  spare.bytes = 0;
+  return std::exchange(spare.at, nullptr);
+}
+
+void GiveBlock(void* at, size_t bytes) {
+  struct AtEndOfThread {
+    ~AtEndOfThread() {
+      ::operator delete(spare.at);
+      spare = {nullptr, 0, true};
+    }
+  };
+  if (bytes > SpareBlock::kLeast && bytes <= SpareBlock::kMost && bytes > spare.bytes && !spare.has_ended) {
+    static thread_local const AtEndOfThread kEnd;
+    std::swap(at, spare.at);
+    spare.bytes = bytes;
+  }
+  ::operator delete(at);
+}
+
 // Room for so many bytes more behind what is allocated; *room is where they begin.
 template <typename T>
 struct AllocatorWithRoom {
@@ -228,11 +272,11 @@ struct AllocatorWithRoom {
   template <typename Other>
   explicit AllocatorWithRoom(const AllocatorWithRoom<Other>& other) : bytes(other.bytes), room(other.room) {}
   T* allocate(size_t count) {
-    auto* const at = static_cast<std::byte*>(::operator new(count * sizeof(T) + bytes));
+    auto* const at = static_cast<std::byte*>(TakeBlock(count * sizeof(T) + bytes));
     *room = at + count * sizeof(T);
     return reinterpret_cast<T*>(at);
   }
-  void deallocate(T* at, size_t /*count*/) { ::operator delete(at); }
+  void deallocate(T* at, size_t count) { GiveBlock(at, count * sizeof(T) + bytes); }
   size_t bytes;
   std::byte** room;
 };
@@ -247,15 +291,15 @@ Beyond RequireFactors(const ProblemView& given) {
   const double* const masses = given.inverse_mass.data();
   const auto entries = std::ssize(given.value);
   NumberRange looked(kFactorRange);
-  looked.Look(given.value.data(), entries + given.columns);
+  Look(given.value.data(), entries + given.columns, &looked);
   if (looked.has_large()) {  // which, and whether finite
     RequireFinite(given.id, "J", kFactorRange, given.value.data(), entries);
     RequireFinite(given.id, "inverse_mass", kFactorRange, masses, given.columns);
   }
-  bool has_wrong = false;
-  for (Index k = 0; k < given.columns; ++k) has_wrong |= !(masses[k] >= 0);
-  if (!has_wrong) return {looked.has_small(), looked.has_large()};
-  const double* const wrong = std::find_if(masses, masses + given.columns, [](double mass) { return !(mass >= 0); });
+  const Beyond beyond{looked.has_small(), looked.has_large()};
+  if (!HasSign(masses, given.columns)) return beyond;
+  const double* const wrong = std::find_if(masses, masses + given.columns, [](double mass) { return mass < 0; });
+  if (wrong == masses + given.columns) return beyond;
   Reject(given.id, "inverse_mass[" + std::to_string(wrong - masses) + "] is " + std::to_string(*wrong) +
                        ", expected a number >= 0");
 }
@@ -289,7 +333,7 @@ struct LcpProblem::Matrix {
   bool has_extremes = false;
   mutable std::atomic<Derived*> derived = nullptr;
 
-  Matrix() = default;
+  explicit Matrix(const ProblemView& view) : given(view) {}
   Matrix(const Matrix&) = delete;
   Matrix& operator=(const Matrix&) = delete;
   ~Matrix() { delete derived.load(std::memory_order_relaxed); }
@@ -351,6 +395,7 @@ struct LcpProblem::Matrix {
   }
 
   bool HasTwoBodyRows() const {
+    if (!given.body.empty()) return true;
     const Index width = given.facts.columns_per_body;
     if (given.columns % width != 0) return false;
     for (Index i = 0; i < given.rows; ++i) {
@@ -483,7 +528,7 @@ RowBounds RowBounds::WithBilateralRows(Index n, const std::vector<Index>& bilate
 }
 
 // Each array is copied once, to its place: engines make a problem per step, and the clock runs.
-LcpProblem LcpProblem::Make(const ProblemView& from, Index side) {
+LcpProblem LcpProblem::Make(const ProblemView& from, bool has_checked_columns) {
   const Beyond of_b = RequireFinite(from.id, "b", kLoadRange, from.b.data(), from.rows);
   const auto kinds = std::ssize(from.bilateral);
   if (kinds > 0) RequireShape(from.id, "bilateral", kinds, 1, from.rows, 1);
@@ -494,10 +539,11 @@ LcpProblem LcpProblem::Make(const ProblemView& from, Index side) {
   const size_t starts = has_starts ? from.row_start.size() : 0;
   const size_t columns = has_starts ? from.column.size() : 0;
   const size_t joints = has_joints ? from.bilateral.size() : 0;
+  const size_t bodies = has_factors ? 2 * from.b.size() : 0;
   const size_t bytes = (from.value.size() + masses + from.b.size()) * sizeof(double) + from.friction.size_bytes() +
-                       from.bounded.size_bytes() + (starts + columns) * sizeof(int) + joints + from.id.size();
+                       from.bounded.size_bytes() + (starts + columns + bodies) * sizeof(int) + joints + from.id.size();
   std::byte* room = nullptr;
-  const auto matrix = std::allocate_shared<Matrix>(AllocatorWithRoom<Matrix>(bytes, &room));
+  const auto matrix = std::allocate_shared<Matrix>(AllocatorWithRoom<Matrix>(bytes, &room), from);
   const auto copy = [&room]<typename Number>(const Number* numbers, size_t count) {
     const std::span<Number> copied(reinterpret_cast<Number*>(room), count);
     std::copy_n(numbers, count, copied.begin());
@@ -505,10 +551,6 @@ LcpProblem LcpProblem::Make(const ProblemView& from, Index side) {
     return copied;
   };
   ProblemView& given = matrix->given;
-  given.form = from.form;
-  given.rows = from.rows;
-  given.columns = from.columns;
-  given.facts = from.facts;
   given.value = copy(from.value.data(), from.value.size());  // numbers of eight bytes come before those of four
   given.inverse_mass = copy(from.inverse_mass.data(), masses);
   given.b = copy(from.b.data(), from.b.size());
@@ -518,6 +560,8 @@ LcpProblem LcpProblem::Make(const ProblemView& from, Index side) {
   given.bounded = bounded;
   given.row_start = copy(from.row_start.data(), starts);
   given.column = copy(from.column.data(), columns);
+  const std::span<std::int32_t> body(reinterpret_cast<std::int32_t*>(room), bodies);
+  room += body.size_bytes();
   given.bilateral = copy(from.bilateral.data(), joints);
   given.id = {copy(from.id.data(), from.id.size()).data(), from.id.size()};
   if (!matrix->is_plain()) {
@@ -525,10 +569,16 @@ LcpProblem LcpProblem::Make(const ProblemView& from, Index side) {
     std::ranges::sort(bounded, {}, &BoundedRow::row);
     RequireRowKinds(given);
   }
-  if (has_factors) given.facts.symmetric = given.facts.positive_semidefinite = true;
-  matrix->LookForExtremes(
+  const bool is_dense = from.form == MatrixForm::kDense;
+  const auto entries = std::ssize(given.value);
+  const Beyond of_A =
       has_factors ? RequireFactors(given)
-                  : RequireFinite(given.id, "A", kEntryRange, given.value.data(), std::ssize(given.value), side));
+                  : RequireFinite(given.id, "A", kEntryRange, given.value.data(), entries, is_dense ? given.rows : 0);
+  const bool has_two_bodies = has_factors && FindTwoBodies(given, body.data());
+  given.body = has_two_bodies ? body : std::span<std::int32_t>();
+  if (!has_two_bodies && !has_checked_columns) RequireColumns(given);
+  if (has_factors) given.facts.symmetric = given.facts.positive_semidefinite = true;
+  matrix->LookForExtremes(of_A);
   given.is_checked = true;
   return LcpProblem(matrix, of_b.least || of_b.most);
 }
@@ -561,7 +611,7 @@ LcpProblem LcpProblem::FromDense(std::string id, Eigen::MatrixXd A, Eigen::Vecto
   RequireShape(id, "A", A.rows(), A.cols(), view.rows, view.rows);
   A.transposeInPlace();
   view.value = {A.data(), static_cast<size_t>(A.size())};
-  return Make(view, view.rows);
+  return Make(view);
 }
 
 LcpProblem LcpProblem::FromSparse(std::string id, SparseMatrix A, Eigen::VectorXd b, RowBounds bounds,
@@ -591,12 +641,12 @@ LcpProblem LcpProblem::FromArrays(const ProblemView& arrays) {
   } else if (n > 0 ? count % n != 0 || count / n != n : count != 0) {
     Reject(arrays.id, "A must have " + std::to_string(n) + "^2 values, found " + std::to_string(count));
   }
-  return Make(arrays);
+  return Make(arrays, arrays.form == MatrixForm::kDense);
 }
 
 ProblemView LcpProblem::view() const {
   ProblemView view = matrix_->given;
-  if (b_ != nullptr) view.b = NumbersOf(*b_);
+  view.b = loads();
   return view;
 }
 
@@ -666,6 +716,8 @@ const Eigen::VectorXd& LcpProblem::b() const {
     *b = Eigen::Map<const Eigen::VectorXd>(matrix_->given.b.data(), size());
   });
 }
+
+std::span<const double> LcpProblem::loads() const { return b_ != nullptr ? NumbersOf(*b_) : matrix_->given.b; }
 
 bool LcpProblem::has_two_body_rows() const {
   return has_factors() &&

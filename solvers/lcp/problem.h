@@ -85,6 +85,7 @@ struct ProblemView {
   std::span<const BoundedRow> bounded;       ///< of an LcpProblem by ascending row
   MatrixFacts facts;                         ///< what is proved about A
   bool is_checked = false;                   ///< an LcpProblem's: all fits, and numbers are finite
+  std::span<const std::int32_t> body = {};   ///< an LcpProblem's: what FindTwoBodies found, else none
 };
 
 /// A problem as a caller's arrays hold it: what an engine has in memory before any solver is asked, and where the time
@@ -181,6 +182,8 @@ class LcpProblem {
   ProblemView view() const;
   /// n numbers.
   const Eigen::VectorXd& b() const;
+  /// b in place.
+  std::span<const double> loads() const;
   /// n x pN; std::logic_error unless has_factors().
   const SparseMatrix& J() const;
   /// pN; std::logic_error unless has_factors().
@@ -240,7 +243,7 @@ class LcpProblem {
       : matrix_(std::move(matrix)), has_extreme_b_(has_extreme_b) {}
   /// @param given  whose shapes fit
   /// @param side   of a dense A whose entries are named by row and column; 0: an array of numbers
-  static LcpProblem Make(const ProblemView& given, Index side = 0);
+  static LcpProblem Make(const ProblemView& given, bool has_checked_columns = true);
 
   std::shared_ptr<const Matrix> matrix_;
   std::shared_ptr<const Eigen::VectorXd> b_;  // of WithB; nullptr: that of the arrays

@@ -48,11 +48,6 @@ void RejectNumber(const StepRows& rows, const double* initial_f) {
   }
 }
 
-void LookAtMasses(const double* mass, Index count, NumberRange* range, std::uint64_t* signs) {
-  range->Look(mass, count);
-  for (Index k = 0; k < count; ++k) *signs |= std::bit_cast<std::uint64_t>(mass[k]);
-}
-
 }  // namespace
 
 bool CheckRows(const StepRows& rows, const double* initial_f) {
@@ -69,66 +64,53 @@ bool CheckRows(const StepRows& rows, const double* initial_f) {
 
   NumberRange of_factors(kFactorRange);
   NumberRange of_loads(kLoadRange);
-  std::uint64_t signs = 0;
+  bool has_sign = false;
   bool is_known = true;
+  const auto look_at_masses = [&](Index first, Index bodies) {
+    of_factors.Look(rows.inverse_mass + first * p, bodies * p);
+    has_sign = has_sign || HasSign(rows.inverse_mass + first * p, bodies * p);
+  };
   WithNumbers(rows, [&](const auto* numbers, auto width) { of_factors.Look(numbers, 2 * width * rows.rows); });
   of_loads.Look(rows.b, rows.rows);
   for (Index k = 0; k < 2 * rows.rows; ++k) is_known &= rows.body[k] >= -1 && rows.body[k] < rows.bodies;
   if (is_known && rows.bodies <= 2 * rows.rows) {
-    LookAtMasses(rows.inverse_mass, rows.bodies * p, &of_factors, &signs);
+    look_at_masses(0, rows.bodies);
   } else if (is_known) {  // few rows name bodies of a large world: only these are looked at
     for (Index k = 0; k < 2 * rows.rows; ++k) {
-      if (rows.body[k] >= 0) LookAtMasses(rows.inverse_mass + rows.body[k] * p, p, &of_factors, &signs);
+      if (rows.body[k] >= 0) look_at_masses(rows.body[k], 1);
     }
   }
   bool is_finite = true;
   for (Index i = 0; i < rows.rows && initial_f != nullptr; ++i) is_finite &= std::isfinite(initial_f[i]);
   // -0.0 is allowed, but seldom: the slow way decides.
-  if (!is_known || !is_finite || (signs >> 63U) != 0 || of_factors.has_large() || of_loads.has_large()) {
+  if (!is_known || !is_finite || has_sign || of_factors.has_large() || of_loads.has_large()) {
     RejectNumber(rows, initial_f);
   }
   return !of_factors.has_large() && of_loads.is_within() && (!of_factors.has_small() || HasDiagonalInRange(rows));
 }
 
 // Columns that do not ascend or are out of range end it as a third body does: LcpProblem finds the words for them.
-template <Index p>
+template <int p>
 bool TwoBodyCopy::TakeRows(const ProblemView& arrays) {
   const Index n = arrays.rows;
-  if (body_.size() < At(2 * n)) body_.resize(At(2 * n));
   if (J_.size() < At(2 * p * n)) J_.resize(At(2 * p * n));
   const int* const start = arrays.row_start.data();
   const int* const column = arrays.column.data();
   const double* const value = arrays.value.data();
   const double* const mass = arrays.inverse_mass.data();
-  if (moves_.size() < At(arrays.columns / p)) moves_.resize(At(arrays.columns / p));
-  unsigned char* const moves = moves_.data();
-  for (Index k = 0; k < arrays.columns / p; ++k) {
-    double sum = 0;
-    for (int c = 0; c < p; ++c) sum += mass[k * p + c];
-    moves[k] = sum > 0 ? 1 : 0;
-  }
   const auto columns = static_cast<int>(arrays.columns);
   const auto entries = static_cast<int>(arrays.value.size());
+  const auto moves = [mass](std::int32_t k) {
+    return std::any_of(mass + k * p, mass + (k + 1) * p, [](double m) { return m > 0; });
+  };
   double* J = J_.data();
   std::int32_t* body = body_.data();
   for (Index i = 0; i < n; ++i, J += 2 * p, body += 2) {
     const int end = start[i + 1];
     if (end < start[i] || end > entries) return false;
     const int* const from = column + start[i];
-    // Both bodies' entries in full, as scenes have them.
-    bool is_full = end - start[i] == 2 * p && from[0] >= 0 && from[p] > from[0] && from[p] + p <= columns;
-    if (is_full) {
-      int differences = from[0] % p | from[p] % p;
-      for (int c = 1; c < p; ++c) differences |= (from[c] - from[0] - c) | (from[p + c] - from[p] - c);
-      is_full = differences == 0;
-    }
-    if (is_full) {
-      const double* const numbers = value + start[i];
-      const std::int32_t first = from[0] / p;
-      const std::int32_t second = from[p] / p;
-      for (int c = 0; c < 2 * p; ++c) J[c] = numbers[c];
-      body[0] = moves[first] != 0 ? first : -1;
-      body[1] = moves[second] != 0 ? second : -1;
+    if (end - start[i] == 2 * p && FindTwoBodiesOfRow<p>(from, columns, mass, body)) {
+      std::copy_n(value + start[i], 2 * p, J);
       continue;
     }
     for (int c = 0; c < 2 * p; ++c) J[c] = 0;
@@ -140,7 +122,7 @@ bool TwoBodyCopy::TakeRows(const ProblemView& arrays) {
       if (column[e] <= last || column[e] >= columns) return false;
       last = column[e];
       const std::int32_t k = last / p;
-      if (moves[k] == 0) continue;
+      if (!moves(k)) continue;
       side += k != current ? 1 : 0;
       if (side > 1) return false;
       current = body[side] = k;
@@ -153,7 +135,6 @@ bool TwoBodyCopy::TakeRows(const ProblemView& arrays) {
 bool TwoBodyCopy::Take(const ProblemView& arrays) {
   const Index p = arrays.facts.columns_per_body;
   if (arrays.form != MatrixForm::kFactors || (p != 3 && p != 6) || arrays.columns % p != 0) return false;
-  std::uint64_t signs = 0;
   bool has_small = false;
   if (!arrays.is_checked) {
     const bool fits = At(arrays.rows) == arrays.b.size() && At(arrays.rows) + 1 == arrays.row_start.size() &&
@@ -166,17 +147,24 @@ bool TwoBodyCopy::Take(const ProblemView& arrays) {
     NumberRange range(kFactorRange);
     range.Look(arrays.value.data(), std::ssize(arrays.value));
     range.Look(arrays.inverse_mass.data(), arrays.columns);
-    if (!of_loads.is_within() || range.has_large()) return false;
+    // -0.0 is 0, and seldom: it goes the long way.
+    const bool has_sign = HasSign(arrays.inverse_mass.data(), arrays.columns);
+    if (!of_loads.is_within() || range.has_large() || has_sign) return false;
     has_small = range.has_small();
   }
-  // -0.0 is 0, and seldom: it goes the long way.
-  for (const double mass : arrays.inverse_mass) signs |= std::bit_cast<std::uint64_t>(mass);
-  if (signs >> 63U != 0 || !(p == 3 ? TakeRows<3>(arrays) : TakeRows<6>(arrays))) return false;
+  rows_.body = arrays.body.data();
+  rows_.J = arrays.value.data();
+  if (arrays.body.empty()) {
+    if (body_.size() < At(2 * arrays.rows)) body_.resize(At(2 * arrays.rows));
+    rows_.body = body_.data();
+    if (!FindTwoBodies(arrays, body_.data())) {
+      if (!(p == 3 ? TakeRows<3>(arrays) : TakeRows<6>(arrays))) return false;
+      rows_.J = J_.data();
+    }
+  }
   rows_.columns_per_body = static_cast<int>(p);
   rows_.rows = arrays.rows;
   rows_.bodies = arrays.columns / p;
-  rows_.body = body_.data();
-  rows_.J = J_.data();
   rows_.b = arrays.b.data();
   rows_.bilateral = arrays.bilateral.empty() ? nullptr : arrays.bilateral.data();
   rows_.inverse_mass = arrays.inverse_mass.data();

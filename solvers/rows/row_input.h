@@ -18,8 +18,9 @@ namespace lcpbench {
 ///         missing, a body outside [-1, bodies), NaN or infinity, a negative inverse mass
 bool CheckRows(const StepRows& rows, const double* initial_f);
 
-/// Arrays in compressed rows, as two-body rows: the entries of J on bodies that move, copied to their places, and all
-/// numbers of A and b checked on the way. Lists of friction and bounded rows are those of the arrays, unchecked.
+/// Arrays in compressed rows, as two-body rows: J as it is where FindTwoBodies finds them, else the entries on bodies
+/// that move, copied to their places; all numbers of A and b are checked on the way. Lists of friction and bounded rows
+/// are those of the arrays, unchecked.
 class TwoBodyCopy {
  public:
   /// False if a row acts on more than two bodies that can move, a number is extreme, or the arrays are wrong, which
@@ -29,12 +30,11 @@ class TwoBodyCopy {
   const StepRows& rows() const { return rows_; }
 
  private:
-  template <Index p>
+  template <int p>
   bool TakeRows(const ProblemView& arrays);
   StepRows rows_;
   std::vector<std::int32_t> body_;
   std::vector<double> J_;
-  std::vector<unsigned char> moves_;  // by body
 };
 
 /// A problem as arrays have it, of rows with at most two moving bodies, and who judges answers to it.
