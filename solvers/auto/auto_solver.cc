@@ -336,30 +336,18 @@ void AutoEngine::SolveRest(const LcpProblem& problem, const LcpOptions& options,
                            LcpResult* result) {
   std::sort(rest_.begin(), rest_.end());
   const LcpProblem part = Subproblem(problem, rest_);
-  const auto m = static_cast<Index>(rest_.size());
   LcpOptions part_options = options;
   if (options.initial_f != nullptr) {
-    rest_start_.resize(m);
-    for (Index k = 0; k < m; ++k) rest_start_[k] = (*options.initial_f)[rest_[static_cast<size_t>(k)]];
+    rest_start_ = (*options.initial_f)(rest_);
     part_options.initial_f = &rest_start_;
   }
   AutoPortfolio portfolio(options_.newton_factorizations, options_.self_check);
   portfolio.Prepare(part);
   LcpResult answer;
-  answer.f.setZero(m);
+  answer.f.setZero(part.size());
   portfolio.Solve(part, part_options, deadline, &answer);
-  result->status = answer.status;
-  result->iterations += answer.iterations;
   result->detail += "; " + answer.detail;
-  for (Index k = 0; k < m; ++k) result->f[rest_[static_cast<size_t>(k)]] = answer.f[k];
-  if (answer.status != LcpStatus::kInfeasible) return;
-  Eigen::VectorXd ray = Eigen::VectorXd::Zero(problem.size());
-  for (Index k = 0; k < m; ++k) ray[rest_[static_cast<size_t>(k)]] = (*answer.farkas_ray)[k];
-  if (VerifyFarkasRay(problem, ray).accepted) {
-    result->farkas_ray = std::move(ray);
-  } else {
-    result->status = LcpStatus::kNumericalFailure;
-  }
+  TakeAnswer(problem, rest_, answer, result);
 }
 
 // What rows in place leave open.

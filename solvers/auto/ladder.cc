@@ -48,9 +48,10 @@ void Ladder::ReserveLaws(Index max_rows, Index max_bodies) {
   own.contacts.Reserve(most, reserved_bodies_);
   own.ladder.Reserve(most);
   relaxations_.Reserve(most);
-  for (Eigen::VectorXd* const numbers : {&own.start, &own.gaps, &own.room.gaps, &own.room.f, &own.result.f}) {
-    ContactRows::Lengthen(most, numbers);
+  for (PaddedVector* const numbers : {&own.start, &own.gaps, &own.room.gaps, &own.room.f}) {
+    numbers->Lengthen(most);
   }
+  if (own.result.f.size() < most) own.result.f.resize(most);
 }
 
 RowAnswer Ladder::Solve(const StepRows& rows, double tolerance, const Deadline* deadline, const double* initial_f,

@@ -101,7 +101,7 @@ class Ladder {
     FrictionAnswer::Room room;
     LcpOptions options;
     LcpResult result;
-    Eigen::VectorXd start, gaps;
+    PaddedVector start, gaps;
   };
   bool TakeLaws(const StepRows& rows);
   bool TryFixedSizeModes(const Request& request, Index size, std::span<const FrictionRow> friction, RowAnswer* answer);

@@ -35,7 +35,7 @@ void LawLadder::Reserve(Index max_rows) {
   newton_.Reserve(max_rows);
   path_.Reserve(max_rows);
   rounds_.Reserve(max_rows);
-  ContactRows::Lengthen(max_rows, &phi_);
+  phi_.Lengthen(max_rows);
 }
 
 const char* LawLadder::Solve(const ContactRows& rows, std::size_t* next, FrictionAnswer* answer, LcpResult* result) {
@@ -82,7 +82,7 @@ const char* LawLadder::TryMethod(const AutoRule& rule, const ContactRows& rows, 
   constexpr unsigned kSeeds = 2;
   const auto granted = static_cast<int>(std::min<std::int64_t>(rule.Grants(facts_), ModeSteps::kMostSteps));
   const auto start_at_zero = [&] {
-    ContactRows::Lengthen(rows.size(), &phi_);
+    phi_.Lengthen(rows.size());
     phi_.head(rows.size()).setZero();
   };
   const auto run_rounds = [&](int count) {
@@ -164,6 +164,20 @@ bool LawLadder::FindRay(const FrictionAnswer& answer, LcpResult* result) const {
   return true;
 }
 
+void TakeAnswer(const LcpProblem& problem, std::span<const Index> rows, const LcpResult& part, LcpResult* result) {
+  result->iterations += part.iterations;
+  if (part.status != LcpStatus::kSolved) result->status = part.status;
+  Eigen::VectorXd ray;
+  if (part.status == LcpStatus::kInfeasible) ray.setZero(problem.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    result->f[rows[k]] = part.f[static_cast<Index>(k)];
+    if (ray.size() > 0) ray[rows[k]] = (*part.farkas_ray)[static_cast<Index>(k)];
+  }
+  if (ray.size() == 0) return;
+  if (VerifyFarkasRay(problem, ray).accepted) result->farkas_ray = std::move(ray);
+  if (!result->farkas_ray) result->status = LcpStatus::kNumericalFailure;
+}
+
 void LawPortfolio::Prepare(const LcpProblem& problem) {
   // Without friction the whole is left to the solver of plain problems, to be solved in the same bits.
   const bool is_plain =
@@ -203,18 +217,10 @@ void LawPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, s
     of_part.farkas_ray.reset();
     const LcpProblem of_rows = part.problem->WithB(problem.b()(part.rows));
     SolvePart(&part, of_rows, rest, next, reached == nullptr ? nullptr : &reached_of_part, &of_part);
-    result->f(part.rows) = of_part.f;
-    result->iterations += of_part.iterations;
+    TakeAnswer(problem, part.rows, of_part, result);
     if (part.rows.size() > largest || of_part.status != LcpStatus::kSolved) last = of_part.detail;
     largest = std::max(largest, part.rows.size());
-    if (of_part.status == LcpStatus::kSolved) continue;
-    result->status = of_part.status;
-    if (of_part.status != LcpStatus::kInfeasible) continue;
-    Eigen::VectorXd ray = Eigen::VectorXd::Zero(problem.size());
-    ray(part.rows) = *of_part.farkas_ray;
-    if (VerifyFarkasRay(problem, ray).accepted) result->farkas_ray = std::move(ray);
-    if (!result->farkas_ray) result->status = LcpStatus::kNumericalFailure;
-    break;
+    if (of_part.status == LcpStatus::kInfeasible) break;
   }
   result->detail = std::to_string(parts_.size()) + " islands, largest " + std::to_string(largest) + " rows; " + last;
   // All parts pass; S of the whole is no less than theirs together, but for the least that counts.

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "solvers/auto/auto_rules.h"
@@ -40,8 +41,12 @@ class LawLadder {
   ShiftRounds rounds_;
   bool has_rounds_ = false;  // rounds_ has begun with this island
   NormalMapPath path_;
-  Eigen::VectorXd phi_;
+  PaddedVector phi_;
 };
+
+/// Puts the answer to a Subproblem of these rows into that to the whole: forces and iterations and, where it is not
+/// solved, status and ray; a ray that the verifier of the whole does not accept makes it a numerical failure.
+void TakeAnswer(const LcpProblem& problem, std::span<const Index> rows, const LcpResult& part, LcpResult* result);
 
 /// LawLadder of an LcpProblem with friction, sliding or bounded rows, island by island. LcpResult::detail names what
 /// answered the largest one.

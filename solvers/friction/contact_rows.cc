@@ -26,8 +26,8 @@ double Clamped(IntervalRange range, double force) { return std::clamp(force, ran
 
 // phi - omega, by row.
 struct Trial {
-  const Eigen::VectorXd& phi;
-  const Eigen::VectorXd& omega;
+  const PaddedVector& phi;
+  const PaddedVector& omega;
   double operator[](Index row) const { return phi[row] - omega[row]; }
 };
 
@@ -46,7 +46,7 @@ void ContactRows::Reserve(Index max_rows, Index max_bodies) {
   for (std::vector<Index>* const numbers : {&end_, &first_of_register_, &end_of_register_}) {
     numbers->reserve(At(max_rows));
   }
-  Lengthen(PaddedStride(max_rows) * max_rows, &dense_);
+  dense_.Lengthen(PaddedStride(max_rows) * max_rows);
   jacobian_.reserve(At(2 * kMostColumnsPerBody * max_rows));
   sides_.Reserve(max_rows, max_bodies);
   for (std::vector<double>* const numbers : {&root_, &inverse_root_, &given_mu_, &load_}) {
@@ -56,7 +56,7 @@ void ContactRows::Reserve(Index max_rows, Index max_bodies) {
   kind_.reserve(At(max_rows));
   friction_.reserve(At(max_rows));
   bounded_.reserve(At(max_rows));
-  for (Eigen::VectorXd* const numbers : {&b_, &phi_, &omega_, &magnitude_}) Lengthen(max_rows, numbers);
+  for (PaddedVector* const numbers : {&b_, &phi_, &omega_, &magnitude_}) numbers->Lengthen(max_rows);
 }
 
 void ContactRows::SetRoots(Index n, const double* diagonal, Index stride) {
@@ -85,7 +85,7 @@ void ContactRows::Prepare(const StepRows& step, std::span<const std::int32_t> pa
   WithNumbers(step, [&](const auto* J, auto p) { Assemble<p>(step, J, part); });
   SetRoots(n, dense_.data(), stride_ + 1);
   joints_.clear();
-  Lengthen(n, &b_);
+  b_.Lengthen(n);
   b_.segment(n, stride_ - n).setZero();
   for (Index i = 0; i < n; ++i) {
     double* const row = dense_.data() + i * stride_;
@@ -103,7 +103,7 @@ void ContactRows::Assemble(const StepRows& step, const Real* J, std::span<const 
   const Index n = std::ssize(part);
   is_dense_ = true;
   stride_ = PaddedStride(n);
-  Lengthen(stride_ * n, &dense_);
+  dense_.Lengthen(stride_ * n);
   dense_.head(stride_ * n).setZero();
   start_.resize(At(n));
   end_.resize(At(n));
@@ -205,7 +205,7 @@ const SparseMatrix* ContactRows::OnBodies() const {
 }
 
 void ContactRows::SetB(const LcpProblem& problem) {
-  Lengthen(size(), &b_);
+  b_.Lengthen(size());
   for (Index i = 0; i < size(); ++i) b_[i] = problem.b()[i] / root_[At(i)];
   SetScale();
 }
@@ -233,7 +233,7 @@ void ContactRows::SetScale() {
 // A phi, with b, and |b| + |A| |phi| for a dense A, a register of rows at a time. A is symmetric: its rows are read as
 // columns.
 template <bool kWithLoads, bool kWithMagnitudes>
-void ContactRows::SumRows(const Eigen::VectorXd& phi, double* sums, double* magnitudes) const {
+void ContactRows::SumRows(const PaddedVector& phi, double* sums, double* magnitudes) const {
   constexpr Index kWidth = Lanes::kWidth;
   for (Index i = 0; i < size(); i += kWidth) {
     Lanes::V sum = kWithLoads ? Lanes::Load(b_.data() + i) : Lanes::Set(0), magnitude = Lanes::Abs(sum);
@@ -249,8 +249,8 @@ void ContactRows::SumRows(const Eigen::VectorXd& phi, double* sums, double* magn
   }
 }
 
-void ContactRows::Multiply(const Eigen::VectorXd& phi, Eigen::VectorXd* product) const {
-  Lengthen(size(), product);
+void ContactRows::Multiply(const PaddedVector& phi, PaddedVector* product) const {
+  product->Lengthen(size());
   if (is_dense_) return SumRows<false, false>(phi, product->data(), nullptr);
   for (Index i = 0; i < size(); ++i) {
     double sum = 0;
@@ -259,47 +259,46 @@ void ContactRows::Multiply(const Eigen::VectorXd& phi, Eigen::VectorXd* product)
   }
 }
 
-void ContactRows::ComputeGaps(const Eigen::VectorXd& phi, Eigen::VectorXd* omega) const {
-  Lengthen(size(), omega);
+void ContactRows::ComputeGaps(const PaddedVector& phi, PaddedVector* omega) const {
+  omega->Lengthen(size());
   if (is_dense_) return SumRows<true, false>(phi, omega->data(), nullptr);
   for (Index i = 0; i < size(); ++i) (*omega)[i] = Gap(i, phi);
 }
 
-void ContactRows::ComputeGapsOf(const Eigen::VectorXd& f, Eigen::VectorXd* w) const {
+void ContactRows::ComputeGapsOf(const Eigen::VectorXd& f, PaddedVector* w) const {
   const Index n = size();
-  Lengthen(n, &phi_);
+  phi_.Lengthen(n);
   for (Index i = 0; i < n; ++i) phi_[i] = root_[At(i)] * f[i];
   ComputeGaps(phi_, w);
   for (Index i = 0; i < n; ++i) (*w)[i] *= root_[At(i)];
 }
 
-double ContactRows::Rho(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega) const {
+double ContactRows::Rho(const PaddedVector& phi, const PaddedVector& omega) const {
   LawSums<double> sums;
   laws().VisitRanges(phi, [&](Index i, const auto& range) { sums.AddResidual(ResidualOf(range, phi[i], omega[i])); });
   return sums.norm() / scale_;
 }
 
-void ContactRows::FindSides(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega,
-                            std::vector<RangeSide>* sides) const {
+void ContactRows::FindSides(const PaddedVector& phi, const PaddedVector& omega, std::vector<RangeSide>* sides) const {
   const Trial trial{phi, omega};
   sides->resize(At(size()));
   laws().VisitRanges(trial, [&](Index i, const auto& range) { (*sides)[At(i)] = SideOf(range, trial[i]); });
 }
 
-void ContactRows::ToScaled(const Eigen::VectorXd& f, Eigen::VectorXd* phi) const {
-  Lengthen(size(), phi);
+void ContactRows::ToScaled(const Eigen::VectorXd& f, PaddedVector* phi) const {
+  phi->Lengthen(size());
   for (Index i = 0; i < size(); ++i) (*phi)[i] = root_[At(i)] * f[i];
   for (const Index i : normals_) (*phi)[i] = std::max((*phi)[i], 0.0);
   laws().VisitOthers(*phi, [&](Index i, const auto& range) { (*phi)[i] = Clamped(range, (*phi)[i]); });
 }
 
-void ContactRows::ToForces(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega, Eigen::VectorXd* f) const {
+void ContactRows::ToForces(const PaddedVector& phi, const PaddedVector& omega, PaddedVector* f) const {
   const Trial trial{phi, omega};
   const auto closing = [&](Index normal) { return std::max(phi[normal], 0.0) / root_[At(normal)]; };
   const auto is_closed = [&](Index normal, double most) {
     return trial[normal] > 0 && !(most < law::kPartOfLoad * load_[At(normal)]);
   };
-  Lengthen(size(), f);
+  f->Lengthen(size());
   for (const Index i : joints_) (*f)[i] = phi[i] / root_[At(i)];
   for (const Index i : normals_) (*f)[i] = is_closed(i, phi[i]) ? closing(i) : 0;
   for (size_t k = 0; k < friction_.size(); ++k) {
@@ -321,7 +320,7 @@ void ContactRows::ToForces(const Eigen::VectorXd& phi, const Eigen::VectorXd& om
 
 bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance, double* rho) const {
   const Index n = size();
-  for (Eigen::VectorXd* const numbers : {&phi_, &omega_, &magnitude_}) Lengthen(n, numbers);
+  for (PaddedVector* const numbers : {&phi_, &omega_, &magnitude_}) numbers->Lengthen(n);
   for (Index i = 0; i < n; ++i) phi_[i] = root_[At(i)] * f[i];
   const double forces = phi_.head(n).lpNorm<1>();
   const double unit = (static_cast<double>(n) + law::kTermsBesideRows) * std::numeric_limits<double>::epsilon();

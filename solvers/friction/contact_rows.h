@@ -74,38 +74,33 @@ class ContactRows {
   /// O(nnz J) at the first call after Prepare.
   const SparseMatrix* OnBodies() const;
   /// omega_i at phi.
-  double Gap(Index row, const Eigen::VectorXd& phi) const {
+  double Gap(Index row, const PaddedVector& phi) const {
     double sum = b_[row];
     VisitRow(row, [&](Index j, double a) { sum += a * phi[j]; });
     return sum;
   }
   /// *product = A phi.  O(nnz A)
-  void Multiply(const Eigen::VectorXd& phi, Eigen::VectorXd* product) const;
+  void Multiply(const PaddedVector& phi, PaddedVector* product) const;
   /// *omega = A phi + b.  O(nnz A)
-  void ComputeGaps(const Eigen::VectorXd& phi, Eigen::VectorXd* omega) const;
+  void ComputeGaps(const PaddedVector& phi, PaddedVector* omega) const;
   /// rho of docs/friction.md section 4.  O(n)
-  double Rho(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega) const;
+  double Rho(const PaddedVector& phi, const PaddedVector& omega) const;
   /// The side of every row, by phi - omega; an open contact has the range [0, 0] on its friction rows.  O(n)
-  void FindSides(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega, std::vector<RangeSide>* sides) const;
+  void FindSides(const PaddedVector& phi, const PaddedVector& omega, std::vector<RangeSide>* sides) const;
   /// Forces brought within the laws.
-  void ToScaled(const Eigen::VectorXd& f, Eigen::VectorXd* phi) const;
+  void ToScaled(const Eigen::VectorXd& f, PaddedVector* phi) const;
   /// Forces in the problem's units that obey the laws of forces exactly: 0 where a contact is open, or closed by no
   /// more than the rounding of its loads, +-mu f_n where it slips.
-  void ToForces(const Eigen::VectorXd& phi, const Eigen::VectorXd& omega, Eigen::VectorXd* f) const;
+  void ToForces(const PaddedVector& phi, const PaddedVector& omega, PaddedVector* f) const;
   /// Whether f passes the tier for certain: rho and backward error in double, with what rounding can hide on top.
   /// @param rho  written, where it is finite
   bool IsSurelyRight(const Eigen::VectorXd& f, double tolerance, double* rho) const;
   /// *w = A f + b, in the problem's units.  O(nnz A)
-  void ComputeGapsOf(const Eigen::VectorXd& f, Eigen::VectorXd* w) const;
-  /// Makes *vector at least so long, in whole registers; what it holds then is not defined.
-  static void Lengthen(Index size, Eigen::VectorXd* vector) {
-    const Index whole = PaddedStride(size);
-    if (vector->size() < whole) vector->resize(whole);
-  }
+  void ComputeGapsOf(const Eigen::VectorXd& f, PaddedVector* w) const;
 
  private:
   template <bool kWithLoads, bool kWithMagnitudes>
-  void SumRows(const Eigen::VectorXd& phi, double* sums, double* magnitudes) const;
+  void SumRows(const PaddedVector& phi, double* sums, double* magnitudes) const;
   void TakeMatrix(const LcpProblem& problem);
   template <int p, typename Real>
   void Assemble(const StepRows& step, const Real* J, std::span<const std::int32_t> part);
@@ -119,7 +114,7 @@ class ContactRows {
   bool is_dense_ = false;
   Index stride_ = 0;
   std::vector<Index> first_of_register_, end_of_register_;  // the same of Lanes::kWidth rows together
-  Eigen::VectorXd dense_;
+  PaddedVector dense_;
   std::vector<Index> start_, end_;
   std::vector<int> column_;
   std::vector<double> value_;
@@ -132,10 +127,10 @@ class ContactRows {
   std::vector<BoundedRow> bounded_;
   std::vector<double> given_mu_;  // of friction_, as the problem has them
   bool is_sliding_ = false, is_paired_ = true;
-  Eigen::VectorXd b_;
-  std::vector<double> load_;                         // by normal row: the largest |b| of its contact
-  double scale_ = 1;                                 // S
-  mutable Eigen::VectorXd phi_, omega_, magnitude_;  // of IsSurelyRight
+  PaddedVector b_;
+  std::vector<double> load_;                      // by normal row: the largest |b| of its contact
+  double scale_ = 1;                              // S
+  mutable PaddedVector phi_, omega_, magnitude_;  // of IsSurelyRight
 };
 
 }  // namespace lcpbench

@@ -4,12 +4,12 @@
 
 namespace lcpbench {
 
-bool FrictionAnswer::Take(const Eigen::VectorXd& phi) {
+bool FrictionAnswer::Take(const PaddedVector& phi) {
   rows_.ComputeGaps(phi, &room_.gaps);
   return Take(phi, room_.gaps);
 }
 
-bool FrictionAnswer::Take(const Eigen::VectorXd& phi, const Eigen::VectorXd& gaps) {
+bool FrictionAnswer::Take(const PaddedVector& phi, const PaddedVector& gaps) {
   if (!phi.head(rows_.size()).allFinite()) return false;
   rows_.ToForces(phi, gaps, &room_.f);
   return Judge();
@@ -17,7 +17,7 @@ bool FrictionAnswer::Take(const Eigen::VectorXd& phi, const Eigen::VectorXd& gap
 
 bool FrictionAnswer::TakeForces(const Eigen::VectorXd& f) {
   const Index n = rows_.size();
-  ContactRows::Lengthen(n, &room_.f);
+  room_.f.Lengthen(n);
   room_.f.head(n) = f.head(n);
   return Judge();
 }
@@ -43,7 +43,7 @@ bool FrictionAnswer::Judge() {
   return passes;
 }
 
-bool FrictionAnswer::GetBest(Eigen::VectorXd* phi) const {
+bool FrictionAnswer::GetBest(PaddedVector* phi) const {
   if (rho_ == std::numeric_limits<double>::infinity()) return false;
   rows_.ToScaled(result_->f, phi);
   return true;

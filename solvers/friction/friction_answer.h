@@ -17,7 +17,7 @@ class FrictionAnswer {
  public:
   /// What a candidate is compared and kept in; of one solve after the other.
   struct Room {
-    Eigen::VectorXd gaps, f;
+    PaddedVector gaps, f;
   };
   /// @param rows     of `problem`, with its b
   /// @param problem  nullptr where there is none: then candidates pass by `rows` alone, or not
@@ -33,13 +33,13 @@ class FrictionAnswer {
 
   /// Whether this candidate, n scaled forces, passes; result->status is kSolved then, and its f is kept.
   /// O(nnz), and of one whose rho is small enough and near the limit the verifier's cost.
-  bool Take(const Eigen::VectorXd& phi);
+  bool Take(const PaddedVector& phi);
   /// The same where its gaps are known.
-  bool Take(const Eigen::VectorXd& phi, const Eigen::VectorXd& gaps);
+  bool Take(const PaddedVector& phi, const PaddedVector& gaps);
   /// The same of n forces in the problem's units, which are kept bit by bit.
   bool TakeForces(const Eigen::VectorXd& f);
   /// The best candidate so far, scaled. False without one.
-  bool GetBest(Eigen::VectorXd* phi) const;
+  bool GetBest(PaddedVector* phi) const;
   /// rho of the best candidate; infinite without one.
   double rho() const { return rho_; }
 

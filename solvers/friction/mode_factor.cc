@@ -19,17 +19,17 @@ constexpr double kFine = 1e-15, kFineOfDirections = 1e-11;
 void ModeFactor::Reserve(Index max_rows) {
   of_.Reserve(max_rows);
   before_.reserve(At(max_rows) + 1);
-  for (Eigen::VectorXd* const numbers : {&y_, &refined_, &gaps_}) ContactRows::Lengthen(max_rows, numbers);
+  for (PaddedVector* const numbers : {&y_, &refined_, &gaps_}) numbers->Lengthen(max_rows);
   dense_.Reserve(std::min(max_rows, kMostDense));
 }
 
 // phi of the unknowns y_.
-void ModeFactor::Expand(Index n, Eigen::VectorXd* phi) const {
+void ModeFactor::Expand(Index n, PaddedVector* phi) const {
   for (Index i = 0; i < n; ++i) (*phi)[i] = of_.ForceOf(i, y_);
 }
 
 // From center, brought into these modes, by the factor at hand.
-bool ModeFactor::Correct(const ContactRows& rows, const Eigen::VectorXd& center, Eigen::VectorXd* phi) {
+bool ModeFactor::Correct(const ContactRows& rows, const PaddedVector& center, PaddedVector* phi) {
   const Index n = rows.size(), m = size();
   for (Index k = 0; k < m; ++k) y_[k] = center[of_.equation[At(k)]];
   Expand(n, phi);
@@ -55,7 +55,7 @@ void ModeFactor::SolveFactor(const ContactRows& rows, double fine) {
   }
 }
 
-void ModeFactor::SolveEquations(const ContactRows& rows, const Eigen::VectorXd& right, Eigen::VectorXd* phi) {
+void ModeFactor::SolveEquations(const ContactRows& rows, const PaddedVector& right, PaddedVector* phi) {
   for (Index k = 0; k < size(); ++k) y_[k] = right[of_.equation[At(k)]];
   SolveFactor(rows, kFineOfDirections);
   for (Index i = 0; i < rows.size(); ++i) {
@@ -63,23 +63,23 @@ void ModeFactor::SolveEquations(const ContactRows& rows, const Eigen::VectorXd& 
   }
 }
 
-bool ModeFactor::Solve(const ContactRows& rows, const std::vector<RangeSide>& sides, const Eigen::VectorXd& center,
-                       double eps, Eigen::VectorXd* phi) {
-  ContactRows::Lengthen(rows.size(), phi);
+bool ModeFactor::Solve(const ContactRows& rows, const std::vector<RangeSide>& sides, const PaddedVector& center,
+                       double eps, PaddedVector* phi) {
+  phi->Lengthen(rows.size());
   return Factorize(rows, sides, eps) && Correct(rows, center, phi);
 }
 
 bool ModeFactor::Factorize(const ContactRows& rows, const std::vector<RangeSide>& sides, double eps) {
   of_.Set(sides, rows.laws().friction, rows.laws().bounded);
-  ContactRows::Lengthen(size(), &y_);
+  y_.Lengthen(size());
   on_bodies_ = size() > kMostDense && eps >= kLeastEpsOnBodies ? rows.OnBodies() : nullptr;
   return size() <= kMostDense    ? FactorizeDense(rows, eps)
          : on_bodies_ != nullptr ? FactorizeOnBodies(rows, eps)
                                  : FactorizeSparse(rows, eps);
 }
 
-void ModeFactor::Refine(const ContactRows& rows, Eigen::VectorXd* phi) {
-  ContactRows::Lengthen(rows.size(), &refined_);
+void ModeFactor::Refine(const ContactRows& rows, PaddedVector* phi) {
+  refined_.Lengthen(rows.size());
   if (Correct(rows, *phi, &refined_)) phi->swap(refined_);
 }
 

@@ -25,22 +25,22 @@ class ModeFactor {
   /// @param sides   of ContactRows::FindSides
   /// @param center  n
   /// @return false where K + eps is singular in double; *phi is not to be used then
-  bool Solve(const ContactRows& rows, const std::vector<RangeSide>& sides, const Eigen::VectorXd& center, double eps,
-             Eigen::VectorXd* phi);
+  bool Solve(const ContactRows& rows, const std::vector<RangeSide>& sides, const PaddedVector& center, double eps,
+             PaddedVector* phi);
   /// The same about *phi, which the last solve has given, by its factor: what eps and rounding have left of omega_E.
   /// O(m^2 + nnz A)
-  void Refine(const ContactRows& rows, Eigen::VectorXd* phi);
+  void Refine(const ContactRows& rows, PaddedVector* phi);
   /// The factor alone; false where it is singular.
   bool Factorize(const ContactRows& rows, const std::vector<RangeSide>& sides, double eps);
   /// *phi = B y with K y = right_E, by the factor at hand.
-  void SolveEquations(const ContactRows& rows, const Eigen::VectorXd& right, Eigen::VectorXd* phi);
+  void SolveEquations(const ContactRows& rows, const PaddedVector& right, PaddedVector* phi);
   /// The equations that the factor was made of.
   const ModeEquations<double>& equations() const { return of_; }
 
  private:
   void SolveFactor(const ContactRows& rows, double fine);
-  void Expand(Index n, Eigen::VectorXd* phi) const;
-  bool Correct(const ContactRows& rows, const Eigen::VectorXd& center, Eigen::VectorXd* phi);
+  void Expand(Index n, PaddedVector* phi) const;
+  bool Correct(const ContactRows& rows, const PaddedVector& center, PaddedVector* phi);
   bool FactorizeDense(const ContactRows& rows, double eps);
   void AddDenseColumns(const ContactRows& rows);
   bool FactorizeSparse(const ContactRows& rows, double eps);
@@ -50,9 +50,9 @@ class ModeFactor {
   Index size() const { return of_.size(); }  // m
 
   ModeEquations<double> of_;
-  std::vector<Index> before_;       // n + 1: how many equations are of rows before
-  Eigen::VectorXd y_;               // right-hand side, then the correction
-  Eigen::VectorXd refined_, gaps_;  // n
+  std::vector<Index> before_;    // n + 1: how many equations are of rows before
+  PaddedVector y_;               // right-hand side, then the correction
+  PaddedVector refined_, gaps_;  // n
   ProfileLu dense_;
   const SparseMatrix* on_bodies_ = nullptr;  // G of the rows, where lu_ is of the bodies; eps_ is what it was made with
   double eps_ = 0;

@@ -36,7 +36,7 @@ class ModeNewtonEngine {
   ContactRows rows_;
   ModeSteps newton_;
   NormalMapPath path_;
-  Eigen::VectorXd phi_;
+  PaddedVector phi_;
 };
 
 template class EngineSolver<ModeNewtonOptions, ModeNewtonEngine>;

@@ -29,13 +29,13 @@ constexpr int kSweepsPerCheck = 5;
 void ModeSteps::Reserve(Index max_rows) {
   factor_.Reserve(max_rows);
   for (std::vector<RangeSide>* const sides : {&sides_, &tried_}) sides->reserve(static_cast<size_t>(max_rows));
-  for (Eigen::VectorXd* const numbers : {&gaps_, &next_, &trial_, &center_, &start_}) {
-    ContactRows::Lengthen(max_rows, numbers);
+  for (PaddedVector* const numbers : {&gaps_, &next_, &trial_, &center_, &start_}) {
+    numbers->Lengthen(max_rows);
   }
 }
 
 // The solution of sides_, as next_ with gaps_. Whether it passes.
-bool ModeSteps::TryModes(const ContactRows& rows, const Eigen::VectorXd& center, double eps, FrictionAnswer* answer) {
+bool ModeSteps::TryModes(const ContactRows& rows, const PaddedVector& center, double eps, FrictionAnswer* answer) {
   ++answer->iterations();
   if (!factor_.Solve(rows, sides_, center, eps, &next_)) return false;
   rows.ComputeGaps(next_, &gaps_);
@@ -48,7 +48,7 @@ bool ModeSteps::TryModes(const ContactRows& rows, const Eigen::VectorXd& center,
   return rho <= answer->tolerance() && answer->Take(next_, gaps_);
 }
 
-bool ModeSteps::Sweep(const ContactRows& rows, int count, Eigen::VectorXd* phi, FrictionAnswer* answer) {
+bool ModeSteps::Sweep(const ContactRows& rows, int count, PaddedVector* phi, FrictionAnswer* answer) {
   if (!sweeps_are_ready_) sweeps_.Prepare(answer->problem());
   sweeps_are_ready_ = true;
   f_.resize(rows.size());
@@ -69,14 +69,14 @@ bool ModeSteps::Sweep(const ContactRows& rows, int count, Eigen::VectorXd* phi, 
 }
 
 // trial_ at t of the way from phi to next_.
-void ModeSteps::SetTrial(Index n, double t, const Eigen::VectorXd& phi) {
-  ContactRows::Lengthen(n, &trial_);
+void ModeSteps::SetTrial(Index n, double t, const PaddedVector& phi) {
+  trial_.Lengthen(n);
   trial_.head(n) = phi.head(n) + t * (next_.head(n) - phi.head(n));
 }
 
 // From *phi towards next_: the longest of t = 1, 1/2, ... that reduces |r| enough; then gaps_ are those of *phi. *next:
 // rho there.
-bool ModeSteps::TryStep(const ContactRows& rows, double rho, Eigen::VectorXd* phi, double* next) {
+bool ModeSteps::TryStep(const ContactRows& rows, double rho, PaddedVector* phi, double* next) {
   for (double t = 1; t >= kShortestStep; t /= 2) {
     SetTrial(rows.size(), t, *phi);
     rows.ComputeGaps(trial_, &gaps_);
@@ -89,7 +89,7 @@ bool ModeSteps::TryStep(const ContactRows& rows, double rho, Eigen::VectorXd* ph
 }
 
 // One more solve of the modes of an answer, of which eps may have left part of the error. True.
-bool ModeSteps::Refine(const ContactRows& rows, const Eigen::VectorXd& phi, FrictionAnswer* answer) {
+bool ModeSteps::Refine(const ContactRows& rows, const PaddedVector& phi, FrictionAnswer* answer) {
   if (answer->rho() <= kFineEnough * answer->tolerance()) return true;
   rows.ComputeGaps(phi, &gaps_);
   rows.FindSides(phi, gaps_, &sides_);
@@ -116,7 +116,7 @@ void ModeSteps::CloseUnloaded(const ContactRows& rows) {
   }
 }
 
-bool ModeSteps::Iterate(const ContactRows& rows, int steps, Eigen::VectorXd* phi, FrictionAnswer* answer) {
+bool ModeSteps::Iterate(const ContactRows& rows, int steps, PaddedVector* phi, FrictionAnswer* answer) {
   constexpr double kEps = 1e-13;
   rows.ComputeGaps(*phi, &gaps_);
   for (int k = 0; k < steps && !answer->IsOver(); ++k) {
@@ -137,7 +137,7 @@ bool ModeSteps::TryAll(const ContactRows& rows, FrictionAnswer* answer) {
   const Laws laws = rows.laws();
   if (!laws.bounded.empty()) return false;
   const size_t all = size_t{1} << (2 * laws.normals.size());
-  ContactRows::Lengthen(rows.size(), &center_);
+  center_.Lengthen(rows.size());
   center_.head(rows.size()).setZero();
   sides_.assign(At(rows.size()), RangeSide::kLower);
   for (const Index i : laws.joints) sides_[At(i)] = RangeSide::kInside;
@@ -162,7 +162,7 @@ bool ModeSteps::TryAll(const ContactRows& rows, FrictionAnswer* answer) {
   return false;
 }
 
-bool ModeSteps::Run(const ContactRows& rows, const Limits& limits, Eigen::VectorXd* phi, FrictionAnswer* answer) {
+bool ModeSteps::Run(const ContactRows& rows, const Limits& limits, PaddedVector* phi, FrictionAnswer* answer) {
   double eps = limits.eps;
   int failures = 0, sweeps = limits.sweeps, all_sweeps = 0;
   rows.ComputeGaps(*phi, &gaps_);
@@ -200,10 +200,10 @@ bool ModeSteps::Run(const ContactRows& rows, const Limits& limits, Eigen::Vector
   return false;
 }
 
-bool ModeSteps::Polish(const ContactRows& rows, const Eigen::VectorXd& phi, FrictionAnswer* answer) {
+bool ModeSteps::Polish(const ContactRows& rows, const PaddedVector& phi, FrictionAnswer* answer) {
   constexpr int kSolves = 4;
   for (const double eps : {1e-8, 1e-10, 1e-6}) {
-    ContactRows::Lengthen(rows.size(), &trial_);
+    trial_.Lengthen(rows.size());
     trial_.head(rows.size()) = phi.head(rows.size());
     for (int k = 0; k < kSolves && !answer->IsLate(); ++k) {
       rows.ComputeGaps(trial_, &gaps_);

@@ -38,10 +38,10 @@ double Draw(std::minstd_rand* random) { return static_cast<double>((*random)()) 
 
 void NormalMapPath::Reserve(Index max_rows) {
   factor_.Reserve(max_rows);
-  for (Eigen::VectorXd* const numbers : {&center_, &x_, &phi_, &gaps_, &start_, &direction_, &column_}) {
-    ContactRows::Lengthen(max_rows, numbers);
+  for (PaddedVector* const numbers : {&center_, &x_, &phi_, &gaps_, &start_, &direction_, &column_}) {
+    numbers->Lengthen(max_rows);
   }
-  ContactRows::Lengthen(max_rows * static_cast<Index>(kMostCrossings), &columns_);
+  columns_.Lengthen(max_rows * static_cast<Index>(kMostCrossings));
   sides_.reserve(At(max_rows));
   friction_.reserve(At(max_rows));
   crossings_.reserve(kMostCrossings);
@@ -71,7 +71,7 @@ void NormalMapPath::ForcesOf(const ContactRows& rows) {
   }
 }
 
-void NormalMapPath::ComputeNormalMap(const ContactRows& rows, Eigen::VectorXd* value) {
+void NormalMapPath::ComputeNormalMap(const ContactRows& rows, PaddedVector* value) {
   ForcesOf(rows);
   rows.ComputeGaps(phi_, &gaps_);
   for (Index i = 0; i < rows.size(); ++i) {
@@ -80,7 +80,7 @@ void NormalMapPath::ComputeNormalMap(const ContactRows& rows, Eigen::VectorXd* v
 }
 
 // y -> N'^-1 y.
-void NormalMapPath::Solve(const ContactRows& rows, Eigen::VectorXd* y) {
+void NormalMapPath::Solve(const ContactRows& rows, PaddedVector* y) {
   const Index n = rows.size();
   factor_.SolveEquations(rows, *y, &phi_);
   rows.Multiply(phi_, &gaps_);
@@ -195,8 +195,8 @@ bool NormalMapPath::Cross(const ContactRows& rows, const Wall& wall, double* sig
 }
 
 // From x_ on the path at z, of whose sides the factor is. *phi: forces at the end, where it is reached.
-NormalMapPath::End NormalMapPath::FollowFrom(const ContactRows& rows, double z, int most_crossings,
-                                             Eigen::VectorXd* phi, FrictionAnswer* answer) {
+NormalMapPath::End NormalMapPath::FollowFrom(const ContactRows& rows, double z, int most_crossings, PaddedVector* phi,
+                                             FrictionAnswer* answer) {
   const Index n = rows.size();
   const double vanished = kVanished * z;
   double sign = -1;
@@ -207,7 +207,7 @@ NormalMapPath::End NormalMapPath::FollowFrom(const ContactRows& rows, double z, 
     if (is_end || (wall.row < 0 && z <= vanished)) {
       if (is_end) x_.head(n) -= z * direction_.head(n);
       ForcesOf(rows);
-      ContactRows::Lengthen(n, phi);
+      phi->Lengthen(n);
       phi->head(n) = phi_.head(n);
       return phi_.head(n).allFinite() ? End::kReached : End::kSingular;
     }
@@ -223,7 +223,7 @@ NormalMapPath::End NormalMapPath::FollowFrom(const ContactRows& rows, double z, 
 
 // From *phi, the center, to the answer about it.
 NormalMapPath::End NormalMapPath::FollowToCenter(const ContactRows& rows, double eps, int most_crossings,
-                                                 Eigen::VectorXd* phi, FrictionAnswer* answer) {
+                                                 PaddedVector* phi, FrictionAnswer* answer) {
   const Index n = rows.size();
   Start(rows, eps);
   center_.head(n) = phi->head(n);
@@ -234,14 +234,14 @@ NormalMapPath::End NormalMapPath::FollowToCenter(const ContactRows& rows, double
   return Factorize(rows, 1) ? FollowFrom(rows, 1, most_crossings, phi, answer) : End::kSingular;
 }
 
-bool NormalMapPath::ApproachByNewton(const ContactRows& rows, ModeSteps* newton, Eigen::VectorXd* phi,
+bool NormalMapPath::ApproachByNewton(const ContactRows& rows, ModeSteps* newton, PaddedVector* phi,
                                      FrictionAnswer* answer) {
   constexpr int kFirstSweeps = 20, kSweeps = 50, kPoints = 100;
   return newton->Sweep(rows, kFirstSweeps, phi, answer) || newton->Run(rows, {.sweeps = kSweeps}, phi, answer) ||
          Approach(rows, kPoints, newton, phi, answer);
 }
 
-bool NormalMapPath::Approach(const ContactRows& rows, int points, ModeSteps* newton, Eigen::VectorXd* phi,
+bool NormalMapPath::Approach(const ContactRows& rows, int points, ModeSteps* newton, PaddedVector* phi,
                              FrictionAnswer* answer) {
   const int most = std::max(kMostOfPath, static_cast<int>(kMostPerRow * static_cast<double>(rows.size())));
   double eps = kFirstEps;
@@ -286,7 +286,7 @@ void NormalMapPath::DrawCover(const ContactRows& rows, unsigned seed) {
   }
 }
 
-NormalMapPath::End NormalMapPath::FollowCover(const ContactRows& rows, unsigned seed, double eps, Eigen::VectorXd* phi,
+NormalMapPath::End NormalMapPath::FollowCover(const ContactRows& rows, unsigned seed, double eps, PaddedVector* phi,
                                               FrictionAnswer* answer) {
   const Index n = rows.size();
   Start(rows, eps);
@@ -309,7 +309,7 @@ NormalMapPath::End NormalMapPath::FollowCover(const ContactRows& rows, unsigned 
   return end;
 }
 
-bool NormalMapPath::Cover(const ContactRows& rows, unsigned seeds, ModeSteps* newton, Eigen::VectorXd* phi,
+bool NormalMapPath::Cover(const ContactRows& rows, unsigned seeds, ModeSteps* newton, PaddedVector* phi,
                           FrictionAnswer* answer) {
   constexpr ModeSteps::Limits kAfterwards{.steps = 15, .eps = 1e-8};
   for (const double eps : {0.0, 1e-7, 1e-10}) {
@@ -348,7 +348,7 @@ class ModeLemkeEngine {
   ContactRows rows_;
   NormalMapPath path_;
   ModeSteps newton_;
-  Eigen::VectorXd phi_;
+  PaddedVector phi_;
 };
 
 template class EngineSolver<ModeLemkeOptions, ModeLemkeEngine>;

@@ -34,16 +34,16 @@ class NormalMapPath {
   void Reserve(Index max_rows);
   /// The method of mode-newton from *phi: a few sweeps, Newton steps with sweeps where they stall, proximal points.
   /// @return true where an answer passes
-  bool ApproachByNewton(const ContactRows& rows, ModeSteps* newton, Eigen::VectorXd* phi, FrictionAnswer* answer);
+  bool ApproachByNewton(const ContactRows& rows, ModeSteps* newton, PaddedVector* phi, FrictionAnswer* answer);
   /// Proximal points, up to so many from *phi, which is the last one afterwards: s = N(center) from z = 1. eps falls
   /// where paths are short, and grows where they wander.
   /// @return true where an answer passes
-  bool Approach(const ContactRows& rows, int points, ModeSteps* newton, Eigen::VectorXd* phi, FrictionAnswer* answer);
+  bool Approach(const ContactRows& rows, int points, ModeSteps* newton, PaddedVector* phi, FrictionAnswer* answer);
   /// Lemke's paths [Lemke 1965; Eaves 1976; docs/friction.md section 5]: s = -d, d in the interior of the dual cones,
   /// from the z at which all contacts may be open, without a center. Of some d, each end polished and judged; then the
   /// same on A + 1e-7 and A + 1e-10, whose rows do not depend on each other, with Newton's method after it. *phi: room.
   /// @return true where an answer passes
-  bool Cover(const ContactRows& rows, unsigned seeds, ModeSteps* newton, Eigen::VectorXd* phi, FrictionAnswer* answer);
+  bool Cover(const ContactRows& rows, unsigned seeds, ModeSteps* newton, PaddedVector* phi, FrictionAnswer* answer);
   /// How the latest path ended.
   End end() const { return end_; }
 
@@ -59,19 +59,19 @@ class NormalMapPath {
     Index row, other;
     double along, pivot;
 
-    double Of(const Eigen::VectorXd& x) const { return x[row] + (other < 0 ? 0 : along * x[other]); }
+    double Of(const PaddedVector& x) const { return x[row] + (other < 0 ? 0 : along * x[other]); }
   };
 
   void Start(const ContactRows& rows, double eps);
-  End FollowFrom(const ContactRows& rows, double z, int most_crossings, Eigen::VectorXd* phi, FrictionAnswer* answer);
-  End FollowToCenter(const ContactRows& rows, double eps, int most_crossings, Eigen::VectorXd* phi,
+  End FollowFrom(const ContactRows& rows, double z, int most_crossings, PaddedVector* phi, FrictionAnswer* answer);
+  End FollowToCenter(const ContactRows& rows, double eps, int most_crossings, PaddedVector* phi,
                      FrictionAnswer* answer);
-  End FollowCover(const ContactRows& rows, unsigned seed, double eps, Eigen::VectorXd* phi, FrictionAnswer* answer);
+  End FollowCover(const ContactRows& rows, unsigned seed, double eps, PaddedVector* phi, FrictionAnswer* answer);
   void DrawCover(const ContactRows& rows, unsigned seed);
   void ForcesOf(const ContactRows& rows);
-  void ComputeNormalMap(const ContactRows& rows, Eigen::VectorXd* value);
+  void ComputeNormalMap(const ContactRows& rows, PaddedVector* value);
   bool Factorize(const ContactRows& rows, double z);
-  void Solve(const ContactRows& rows, Eigen::VectorXd* y);
+  void Solve(const ContactRows& rows, PaddedVector* y);
   template <typename Test>
   void VisitWalls(const ContactRows& rows, const Test& test) const;
   Wall FirstWall(const ContactRows& rows, double sign) const;
@@ -85,8 +85,8 @@ class NormalMapPath {
   std::vector<RangeSide> sides_;
   std::vector<const FrictionRow*> friction_;  // n: of a friction row, and the first of a normal row
   std::vector<Crossing> crossings_;           // since the factor was made
-  Eigen::VectorXd columns_;                   // N'^-1 p of each
-  Eigen::VectorXd center_, x_, phi_, gaps_, start_, direction_, column_;  // n or more
+  PaddedVector columns_;                      // N'^-1 p of each
+  PaddedVector center_, x_, phi_, gaps_, start_, direction_, column_;  // n or more
 };
 
 /// The solver `lemke` for problems that are not plain: NormalMapPath::Cover with three d. Own limit 50 n + 1000

@@ -30,7 +30,7 @@ class ShiftEngine {
   ContactRows rows_;
   ModeSteps newton_;
   ShiftRounds rounds_;
-  Eigen::VectorXd phi_;
+  PaddedVector phi_;
 };
 
 template class EngineSolver<WithinOptions, ShiftEngine>;

@@ -25,11 +25,11 @@ ShiftRounds::ShiftRounds(SmallPivoting* tableau, const WithinOptions& plain) : t
 }
 
 void ShiftRounds::Reserve(Index max_rows) {
-  for (Eigen::VectorXd* const numbers : {&shift_, &gaps_, &loads_, &start_, &row_, &b_, &f_, &diagonal_}) {
-    ContactRows::Lengthen(max_rows, numbers);
+  for (PaddedVector* const numbers : {&shift_, &gaps_, &loads_, &start_, &row_, &b_, &f_, &diagonal_}) {
+    numbers->Lengthen(max_rows);
   }
   const Index most = std::min(max_rows, SmallPivoting::kMaxRows);
-  ContactRows::Lengthen(most * most, &A_);
+  A_.Lengthen(most * most);
   relaxed_.Reserve(max_rows);
   bilateral_.reserve(At(max_rows));
 }
@@ -42,7 +42,7 @@ void ShiftRounds::Start(const ContactRows& rows) {
   status_ = LcpStatus::kNotRun;
 }
 
-const char* ShiftRounds::Run(const ContactRows& rows, int count, ModeSteps* newton, Eigen::VectorXd* phi,
+const char* ShiftRounds::Run(const ContactRows& rows, int count, ModeSteps* newton, PaddedVector* phi,
                              FrictionAnswer* answer) {
   for (int k = 0; k < count && !answer->IsOver(); ++k) {
     if (const char* method = RunOne(rows, newton, phi, answer)) return method;
@@ -51,8 +51,7 @@ const char* ShiftRounds::Run(const ContactRows& rows, int count, ModeSteps* newt
   return nullptr;
 }
 
-const char* ShiftRounds::RunOne(const ContactRows& rows, ModeSteps* newton, Eigen::VectorXd* phi,
-                                FrictionAnswer* answer) {
+const char* ShiftRounds::RunOne(const ContactRows& rows, ModeSteps* newton, PaddedVector* phi, FrictionAnswer* answer) {
   constexpr ModeSteps::Limits kAfterwards{.steps = 8, .eps = 1e-8};
   if (!(answer->Remaining() > 0)) return nullptr;
   const bool was_first = is_first_;
@@ -90,7 +89,7 @@ void ShiftRounds::AssembleDense(const ContactRows& rows) {
   is_assembled_ = true;
 }
 
-bool ShiftRounds::RelaxDense(const ContactRows& rows, FrictionAnswer* answer, Eigen::VectorXd* phi) {
+bool ShiftRounds::RelaxDense(const ContactRows& rows, FrictionAnswer* answer, PaddedVector* phi) {
   if (!is_assembled_) AssembleDense(rows);
   const Index n = rows.size(), m = relaxed_.size();
   status_ = LcpStatus::kUnsupported;
@@ -119,12 +118,12 @@ bool ShiftRounds::RelaxDense(const ContactRows& rows, FrictionAnswer* answer, Ei
   }
   if (!has_arrived) return false;
   status_ = LcpStatus::kSolved;
-  ContactRows::Lengthen(n, phi);
+  phi->Lengthen(n);
   relaxed_.GetForces(f_.data(), phi);
   return answer->Take(*phi);
 }
 
-bool ShiftRounds::RelaxProblem(const ContactRows& rows, FrictionAnswer* answer, Eigen::VectorXd* phi) {
+bool ShiftRounds::RelaxProblem(const ContactRows& rows, FrictionAnswer* answer, PaddedVector* phi) {
   const LcpProblem& problem = answer->problem();
   const Index n = rows.size();
   LcpOptions of_round = answer->options();

@@ -27,25 +27,25 @@ class ShiftRounds {
   bool is_solved() const { return status_ == LcpStatus::kSolved; }
   bool ran_out_of_time() const { return status_ == LcpStatus::kTimeLimit; }
   /// Up to `count` rounds. The method that answered; nullptr if none did. *phi: the forces of the last round.
-  const char* Run(const ContactRows& rows, int count, ModeSteps* newton, Eigen::VectorXd* phi, FrictionAnswer* answer);
+  const char* Run(const ContactRows& rows, int count, ModeSteps* newton, PaddedVector* phi, FrictionAnswer* answer);
 
  private:
   // Whether Newton's method may go on from the latest relaxation.
   bool has_forces() const { return status_ != LcpStatus::kUnsupported && status_ != LcpStatus::kTimeLimit; }
-  const char* RunOne(const ContactRows& rows, ModeSteps* newton, Eigen::VectorXd* phi, FrictionAnswer* answer);
+  const char* RunOne(const ContactRows& rows, ModeSteps* newton, PaddedVector* phi, FrictionAnswer* answer);
   void AssembleDense(const ContactRows& rows);
-  bool RelaxDense(const ContactRows& rows, FrictionAnswer* answer, Eigen::VectorXd* phi);
-  bool RelaxProblem(const ContactRows& rows, FrictionAnswer* answer, Eigen::VectorXd* phi);
+  bool RelaxDense(const ContactRows& rows, FrictionAnswer* answer, PaddedVector* phi);
+  bool RelaxProblem(const ContactRows& rows, FrictionAnswer* answer, PaddedVector* phi);
 
   SmallPivoting* const tableau_;
   std::unique_ptr<RelaxationSolver> solver_;  // nullptr without `plain`
   LcpResult result_;
   LcpStatus status_ = LcpStatus::kNotRun;
   bool is_first_ = true, is_assembled_ = false;
-  Eigen::VectorXd shift_;  // n: of scaled gaps
-  Eigen::VectorXd gaps_, loads_, start_;
+  PaddedVector shift_;  // n: of scaled gaps
+  PaddedVector gaps_, loads_, start_;
   RelaxedRows relaxed_;
-  Eigen::VectorXd A_, row_, b_, f_, diagonal_;  // of the dense relaxation
+  PaddedVector A_, row_, b_, f_, diagonal_;  // of the dense relaxation
   std::vector<unsigned char> bilateral_;
 };
 

@@ -8,6 +8,7 @@
 
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
+#include "solvers/linear_algebra/padded_vector.h"
 
 /// Internal to solvers/: scaling by powers of two, which rounds nothing.
 namespace lcpbench {
@@ -32,12 +33,6 @@ inline double ScaleOfDiagonal(double d) { return PowerOfTwo(-(Exponent(d) >> 1))
 /// overflow elsewhere.
 inline double ScaleOfLargest(double x) {
   return x > 0 ? PowerOfTwo(std::clamp<std::int64_t>(-Exponent(x), -1022, 1023)) : 1.0;
-}
-
-/// Whole cache lines, but no multiple of 4 KiB: walking along a row would then hit one cache set only.
-inline Eigen::Index PaddedStride(Eigen::Index rows) {
-  const Eigen::Index stride = (rows + 7) / 8 * 8;
-  return stride % 512 == 0 ? stride + 8 : stride;
 }
 
 /// out[i] += sum over columns j < columns of A_ij x_j, for i in [begin, end), A by columns. Groups of zero x_j are
