@@ -35,16 +35,6 @@ SparseRows RowsOf(const ProblemView& given) {
   throw InputError(id.empty() ? what : "problem '" + std::string(id) + "': " + what);
 }
 
-// A function in the widest instructions of the machine: for what gives the same bits in any.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define LCPBENCH_WIDEST __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define LCPBENCH_WIDEST
-#endif
-
-LCPBENCH_WIDEST void Look(const double* values, Index count, NumberRange* range) { range->Look(values, count); }
-
 // Which ends of the range there are numbers beyond, zeros apart.
 struct Beyond {
   bool least = false;
@@ -55,7 +45,7 @@ struct Beyond {
 Beyond RequireFinite(std::string_view id, const char* name, const MagnitudeRange& range, const double* values,
                      Index count, Index side = 0) {
   NumberRange looked(range);
-  Look(values, count, &looked);
+  looked.Look(values, count);
   if (!looked.has_large()) return {looked.has_small(), false};
   const double* found = std::find_if(values, values + count, [](double value) { return !std::isfinite(value); });
   if (found == values + count) return {looked.has_small(), true};
@@ -165,8 +155,13 @@ struct DenseRows {
   std::vector<double> mass, J_by_tiles;
 };
 
-// sum[kTile r + c] = sum over k of mass_k (first_rk second_ck): products and sums are not fused.
-LCPBENCH_WIDEST void MultiplyTiles(const double* first, const double* second, const double* mass, Index columns,
+// sum[kTile r + c] = sum over k of mass_k (first_rk second_ck). The widest instructions of the machine give the same
+// bits as any others: products and sums are not fused.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+__attribute__((target_clones("avx512f", "avx2", "default")))
+#endif
+void MultiplyTiles(const double* first, const double* second, const double* mass, Index columns,
                                    double* sum) {
   using Tile [[gnu::vector_size(kTile * sizeof(double)), gnu::aligned(alignof(double)), gnu::may_alias]] = double;
   Tile rows[kTile] = {};
@@ -291,7 +286,7 @@ Beyond RequireFactors(const ProblemView& given) {
   const double* const masses = given.inverse_mass.data();
   const auto entries = std::ssize(given.value);
   NumberRange looked(kFactorRange);
-  Look(given.value.data(), entries + given.columns, &looked);
+  looked.Look(given.value.data(), entries + given.columns);
   if (looked.has_large()) {  // which, and whether finite
     RequireFinite(given.id, "J", kFactorRange, given.value.data(), entries);
     RequireFinite(given.id, "inverse_mass", kFactorRange, masses, given.columns);
