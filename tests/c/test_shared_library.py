@@ -6,7 +6,7 @@ import re
 import subprocess
 import sys
 import unittest
-from ctypes import (POINTER, byref, c_char, c_char_p, c_double, c_int32, c_int64, c_size_t, c_uint8, c_uint32, c_void_p,
+from ctypes import (POINTER, byref, c_char, c_char_p, c_double, c_int32, c_int64, c_size_t, c_uint8, c_void_p,
                     sizeof)
 
 _LIBRARY, _HEADER = sys.argv[1:3]
@@ -14,8 +14,9 @@ _LIBRARY, _HEADER = sys.argv[1:3]
 
 class Problem(ctypes.Structure):
     _fields_ = [
-        ("size", c_size_t), ("form", c_int32), ("layout", c_int32), ("rows", c_int64), ("columns", c_int64),
-        ("columns_per_body", c_int32), ("facts", c_uint32), ("values", POINTER(c_double)), ("entries", c_int64),
+        ("size", c_size_t), ("form", c_int32), ("by_rows", c_int32), ("rows", c_int64), ("columns", c_int64),
+        ("bodies", c_int64), ("columns_per_body", c_int32), ("symmetric", c_int32), ("positive_semidefinite", c_int32),
+        ("values", POINTER(c_double)), ("values_single", c_void_p), ("body", POINTER(c_int32)), ("entries", c_int64),
         ("starts", POINTER(c_int32)), ("indices", POINTER(c_int32)), ("inverse_mass", POINTER(c_double)),
         ("b", POINTER(c_double)), ("kinds", POINTER(c_uint8)), ("friction", c_void_p), ("friction_count", c_int64),
         ("bounded", c_void_p), ("bounded_count", c_int64)
@@ -25,13 +26,14 @@ class Problem(ctypes.Structure):
 class Answer(ctypes.Structure):
     _fields_ = [
         ("size", c_size_t), ("status", c_int32), ("relaxed", c_int32), ("n", c_int64), ("f", POINTER(c_double)),
-        ("ray", POINTER(c_double)), ("iterations", c_int64), ("nullity", c_int64), ("detail", c_char_p)
+        ("ray", POINTER(c_double)), ("iterations", c_int64), ("nullity", c_int64), ("detail", c_char_p),
+        ("rho", c_double), ("force_min", c_double), ("infeasible_proved", c_int64), ("fallbacks", c_int64)
     ]
 
 
 class Verdict(ctypes.Structure):
     _fields_ = (
-        [("requested", c_double)]
+        [("size", c_size_t), ("requested", c_double)]
         + [(name, c_int32) for name in ("passes", "false_success", "false_infeasible", "has_ray", "ray_accepted",
                                        "ray_proved")]
         + [(name, c_double) for name in (
@@ -64,17 +66,15 @@ class SharedLibrary(unittest.TestCase):
         self.assertEqual(error, 0, self.library.lcpbench_last_error())
 
     def test_solves_and_judges(self):
-        problem, solver, answer, verdict = c_void_p(), c_void_p(), Answer(), Verdict()
+        problem, solver, answer, verdict = c_void_p(), c_void_p(), Answer(sizeof(Answer)), Verdict(sizeof(Verdict))
         starts, indices = (c_int32 * 4)(0, 2, 4, 5), (c_int32 * 5)(0, 1, 0, 1, 2)
         values, b, w = (c_double * 5)(2, 1, 1, 2, 1), (c_double * 3)(-5, -6, 3), (c_double * 3)()
-        data = Problem(sizeof(Problem), form=2, rows=3, facts=1, values=values, entries=5, starts=starts,
+        data = Problem(sizeof(Problem), form=2, rows=3, symmetric=1, values=values, entries=5, starts=starts,
                        indices=indices, b=b)
-        answer.size = sizeof(answer)
         self._call("lcpbench_problem_create", byref(data), byref(problem))
         self._call("lcpbench_solver_create", b"auto", None, c_size_t(0), byref(solver))
         self._call("lcpbench_solve", solver, problem, None, byref(answer))
-        self._call("lcpbench_verify", problem, byref(answer), c_double(1e-9), byref(verdict), c_size_t(sizeof(verdict)),
-                   w)
+        self._call("lcpbench_verify", problem, byref(answer), c_double(1e-9), byref(verdict), w)
         self.assertEqual((answer.n, answer.status, answer.nullity, answer.detail), (3, 1, -1, b"tableau"))
         for found, expected in zip(answer.f[:3] + w[:3], (4 / 3, 7 / 3, 0, 0, 0, 3)):
             self.assertAlmostEqual(found, expected, places=13)
