@@ -21,7 +21,7 @@ int main(void) {
   lcpbench_solver* solver = NULL;
   lcpbench_answer answer = {.size = sizeof answer};
   lcpbench_verdict verdict = {.size = sizeof verdict};
-  if (lcpbench_problem_create(&data, &problem) || lcpbench_solver_create("auto", NULL, 0, &solver) ||
+  if (lcpbench_problem_create(&data, &problem) || lcpbench_solver_create("auto", NULL, &solver) ||
       lcpbench_solve(solver, problem, NULL, &answer) || lcpbench_verify(problem, &answer, 1e-9, &verdict, NULL)) {
     fprintf(stderr, "%s\n", lcpbench_last_error());
     return 2;

@@ -10,10 +10,11 @@
 #include <limits>
 #include <memory>
 #include <new>
+#include <optional>
 #include <span>
+#include <sstream>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -28,6 +29,7 @@
 #include "solvers/rows/row_input.h"
 #include "solvers/step/step_solver.h"
 #include "support/input_error.h"
+#include "support/number_text.h"
 
 struct lcpbench_problem {
   lcpbench::LcpProblem problem;
@@ -41,7 +43,7 @@ struct lcpbench_solver {
 struct lcpbench_step {
   lcpbench::StepSolver solver;
   // Kept, so that the next call allocates none.
-  std::vector<lcpbench::StepAnswer> answers;  // of a batch
+  std::vector<lcpbench::StepAnswer> answers;  // one at least
   lcpbench::RowBounds laws;                   // friction and bounded rows
 };
 
@@ -163,8 +165,9 @@ void ReadRowKinds(const lcpbench_problem_data& data, RowBounds* laws) {
   laws->friction.clear();
   laws->bounded.clear();
   for (const lcpbench_friction_row& row : Array(data.friction, data.friction_count, "friction")) {
-    if (row.slip < -1 || row.slip > 1)
+    if (row.slip < -1 || row.slip > 1) {
       Refuse(Place("friction", &row - data.friction) + ".slip", row.slip, "-1, 0 or 1");
+    }
     laws->friction.push_back({row.row, row.normal, row.mu, static_cast<signed char>(row.slip)});
   }
   for (const lcpbench_bounded_row& row : Array(data.bounded, data.bounded_count, "bounded")) {
@@ -249,14 +252,14 @@ LcpProblem ReadProblem(const lcpbench_problem_data& data) {
   }
 }
 
-Settings ReadSettings(const lcpbench_setting* settings, std::size_t count) {
+Settings ReadSettings(const char* settings) {
   Settings read;
-  for (const lcpbench_setting& setting : Array(settings, static_cast<std::int64_t>(count), "settings")) {
-    const std::string place = Place("settings", &setting - settings);
-    RequireNotNull(setting.name, (place + ".name").c_str(), "a string");
-    RequireNotNull(setting.value, (place + ".value").c_str(), "a string");
-    if (read.emplace(setting.name, setting.value).second) continue;
-    throw InputError(place + ".name is '" + setting.name + "', which is set before");
+  std::istringstream words(settings == nullptr ? "" : settings);
+  for (std::string word; words >> word;) {
+    const std::size_t equals = word.find('=');
+    if (equals == std::string::npos) throw InputError("settings has '" + word + "', expected NAME=VALUE");
+    if (read.emplace(word.substr(0, equals), word.substr(equals + 1)).second) continue;
+    throw InputError("settings has '" + word + "', but its name is set before");
   }
   return read;
 }
@@ -271,19 +274,6 @@ static_assert(static_cast<int>(LcpStatus::kNumericalFailure) == LCPBENCH_NUMERIC
 static_assert(static_cast<int>(LcpStatus::kUnsupported) == LCPBENCH_UNSUPPORTED);
 
 bool IsStatus(lcpbench_status status) { return status >= LCPBENCH_NOT_RUN && status <= LCPBENCH_UNSUPPORTED; }
-
-// Replaces solved forces by those of least norm; the free directions of the forces, -1 where there are none such.
-Index TakeLeastNorm(const LcpProblem& problem, const LcpOptions& options, double rank_tolerance, LcpResult* result) {
-  if (rank_tolerance == 0 || result->status != LcpStatus::kSolved) return -1;
-  LeastNormForces found =
-      FindLeastNormForces(problem, result->f, {options.tolerance, rank_tolerance, options.time_limit_s});
-  if (found.status != LcpStatus::kSolved) {
-    result->detail = "not of least norm: " + found.detail;
-    return -1;
-  }
-  result->f = std::move(found.f);
-  return found.nullity;
-}
 
 LcpResult ReadAnswer(const lcpbench_answer& answer, Index n) {
   if (answer.n != n) Refuse("answer.n", answer.n, "the problem's n = " + std::to_string(n));
@@ -336,16 +326,6 @@ lcpbench_verdict MakeVerdict(const Verdict& found) {
   return verdict;
 }
 
-// What both solves of steps are given.
-StepRows ReadStep(lcpbench_step* step, const lcpbench_problem_data* data, const double* f) {
-  Require(step);
-  RequireStruct(data, "data", "lcpbench_problem_data");
-  if (data->form != LCPBENCH_TWO_BODIES) Refuse("form", data->form, "LCPBENCH_TWO_BODIES (4)");
-  ReadRowKinds(*data, &step->laws);
-  Array(f, data->rows, "f");
-  return ReadTwoBodies(*data, step->laws);
-}
-
 // What solves of problems and of steps tell.
 template <typename Found>
 lcpbench_answer MakeAnswer(const Found& found, Index n, const double* f) {
@@ -357,15 +337,6 @@ lcpbench_answer MakeAnswer(const Found& found, Index n, const double* f) {
   answer.nullity = -1;
   answer.detail = "";
   answer.rho = std::numeric_limits<double>::infinity();
-  return answer;
-}
-
-lcpbench_answer MakeStepAnswer(const lcpbench_step& step, const StepAnswer& found, Index n, const double* f) {
-  lcpbench_answer answer = MakeAnswer(found, n, f);
-  answer.rho = found.rho;
-  answer.force_min = found.force_min;
-  answer.infeasible_proved = found.infeasible_proved;
-  answer.fallbacks = step.solver.fallbacks();
   return answer;
 }
 
@@ -389,10 +360,8 @@ lcpbench_error lcpbench_problem_create(const lcpbench_problem_data* data, lcpben
     RequireStruct(data, "data", "lcpbench_problem_data");
     LcpProblem made = ReadProblem(*data);
     if (made.facts().symmetric && !made.IsNumericallySymmetric()) {
-      char asymmetry[32];
-      std::snprintf(asymmetry, sizeof asymmetry, "%.3g", made.Asymmetry());
-      throw InputError(std::string("symmetric is set, but A is not symmetric: entries (i, j) and (j, i) ") +
-                       "differ by up to " + asymmetry + " of their diagonal entries");
+      throw InputError("symmetric is set, but A is not symmetric: entries (i, j) and (j, i) differ by up to " +
+                       FormatNumber(made.Asymmetry(), "%.3g") + " of their diagonal entries");
     }
     *problem = new lcpbench_problem{std::move(made)};
   });
@@ -411,25 +380,23 @@ lcpbench_error lcpbench_solver_describe(size_t index, lcpbench_solver_info* info
     }
     // The table outlives every call: this interface registers no further solvers.
     const SolverEntry& entry = solvers[index];
-    const lcpbench_solver_info row = {.size = info->size,
+    const lcpbench_solver_info row = {.size = 0,
                                       .key = entry.key.c_str(),
                                       .method = entry.method.c_str(),
                                       .source = entry.source.c_str(),
                                       .licence = entry.licence.c_str(),
                                       .available = entry.available,
                                       .uses_tolerance = entry.uses_tolerance,
-                                      .is_peer = entry.origin == SolverOrigin::kPeer,
-                                      .reserved = 0};
+                                      .is_peer = entry.origin == SolverOrigin::kPeer};
     Write(row, info->size, info);
   });
 }
 
-lcpbench_error lcpbench_solver_create(const char* key, const lcpbench_setting* settings, size_t count,
-                                      lcpbench_solver** solver) {
+lcpbench_error lcpbench_solver_create(const char* key, const char* settings, lcpbench_solver** solver) {
   return Guard(__func__, [&] {
     RequireHandle(solver, "solver");
     RequireNotNull(key, "key", "a solver's key");
-    *solver = new lcpbench_solver{MakeSolver(key, ReadSettings(settings, count)), {}};
+    *solver = new lcpbench_solver{MakeSolver(key, ReadSettings(settings)), {}};
   });
 }
 
@@ -467,12 +434,15 @@ lcpbench_error lcpbench_solve(lcpbench_solver* solver, const lcpbench_problem* p
       solve.initial_f = &initial_f;
     }
     LcpResult& result = solver->result;
+    std::optional<LeastNormForces> least;
     solver->solver->Solve(problem->problem, solve, &result);
-    const Index nullity = TakeLeastNorm(problem->problem, solve, given.rank_tolerance, &result);
+    if (given.rank_tolerance > 0) {
+      least = TakeLeastNorm(problem->problem, {solve.tolerance, given.rank_tolerance, solve.time_limit_s}, &result);
+    }
     lcpbench_answer made = MakeAnswer(result, n, result.f.data());
     made.relaxed = result.model == FrictionModel::kRelaxation;
     if (result.farkas_ray.has_value() && n > 0) made.ray = result.farkas_ray->data();
-    made.nullity = nullity;
+    if (least.has_value()) made.nullity = least->nullity;
     made.detail = result.detail.c_str();
     Write(made, answer->size, answer);
   });
@@ -511,7 +481,7 @@ lcpbench_error lcpbench_step_create(const lcpbench_step_options* options, lcpben
     read.tolerance = OrDefault(given.tolerance, read.tolerance);
     read.time_limit_s = OrDefault(given.time_limit_s, read.time_limit_s);
     read.threads = OrDefault(static_cast<int>(given.threads), read.threads);
-    std::unique_ptr<lcpbench_step> made(new lcpbench_step{StepSolver(read), {}, {}});
+    std::unique_ptr<lcpbench_step> made(new lcpbench_step{StepSolver(read), std::vector<StepAnswer>(1), {}});
     made->solver.Reserve(given.max_rows, given.max_bodies);
     made->laws.friction.reserve(static_cast<std::size_t>(given.max_rows));
     made->laws.bounded.reserve(static_cast<std::size_t>(given.max_rows));
@@ -520,33 +490,41 @@ lcpbench_error lcpbench_step_create(const lcpbench_step_options* options, lcpben
 }
 
 lcpbench_error lcpbench_step_solve(lcpbench_step* step, const lcpbench_problem_data* data, const double* initial_f,
-                                   double* f, double* w, lcpbench_answer* answer) {
+                                   double* f, double* w, lcpbench_answer* answers) {
   return Guard(__func__, [&] {
-    const StepRows rows = ReadStep(step, data, f);
-    RequireStruct(answer, "answer", "lcpbench_answer");
+    Require(step);
+    RequireStruct(data, "data", "lcpbench_problem_data");
+    if (data->form != LCPBENCH_TWO_BODIES) Refuse("form", data->form, "LCPBENCH_TWO_BODIES (4)");
+    ReadRowKinds(*data, &step->laws);
+    const StepRows rows = ReadTwoBodies(*data, step->laws);
+    Array(f, rows.rows, "f");
+    const bool is_batch = data->starts != nullptr;
+    if (is_batch && (initial_f != nullptr || w != nullptr)) {
+      throw InputError("initial_f and w are for one problem, expected NULL where data has starts");
+    }
     if (initial_f != nullptr && initial_f == f) throw InputError("initial_f is f, expected an array of its own");
-    const StepAnswer found = step->solver.Solve(rows, initial_f, f, w);
-    Write(MakeStepAnswer(*step, found, rows.rows, f), answer->size, answer);
-  });
-}
-
-lcpbench_error lcpbench_step_solve_batch(lcpbench_step* step, const lcpbench_problem_data* data, const int32_t* starts,
-                                         int64_t count, double* f, lcpbench_answer* answers) {
-  return Guard(__func__, [&] {
-    const StepRows rows = ReadStep(step, data, f);
-    RequireSize(count, "count");
-    const std::span<const int> begins = Array(starts, count + 1, "starts");
-    const std::string wrong = WhyNotStarts(begins, rows.rows, "starts", "rows");
+    RequireSize(data->problems, "problems");
+    const std::int32_t all[2] = {0, static_cast<std::int32_t>(rows.rows)};
+    const std::span<const int> starts = is_batch ? Array(data->starts, data->problems + 1, "starts") : all;
+    const std::string wrong = WhyNotStarts(starts, rows.rows, "starts", "rows");
     if (!wrong.empty()) throw InputError(wrong);
-    const auto problems = static_cast<std::size_t>(count);
+    const std::size_t problems = starts.size() - 1;
     if (problems > 0) RequireStruct(answers, "answers", "lcpbench_answer");
     if (step->answers.size() < problems) step->answers.resize(problems);
     const std::span<StepAnswer> found(step->answers.data(), problems);
-    step->solver.SolveBatch(rows, begins, f, found);
+    if (is_batch) {
+      step->solver.SolveBatch(rows, starts, f, found);
+    } else {
+      found.front() = step->solver.Solve(rows, initial_f, f, w);
+    }
     const std::size_t size = problems > 0 ? answers->size : 0;
     for (std::size_t k = 0; k < problems; ++k) {
-      Write(MakeStepAnswer(*step, found[k], starts[k + 1] - starts[k], f + starts[k]), size,
-            reinterpret_cast<char*>(answers) + k * size);
+      lcpbench_answer answer = MakeAnswer(found[k], starts[k + 1] - starts[k], f + starts[k]);
+      answer.rho = found[k].rho;
+      answer.force_min = found[k].force_min;
+      answer.infeasible_proved = found[k].infeasible_proved;
+      answer.fallbacks = step->solver.fallbacks();
+      Write(answer, size, reinterpret_cast<char*>(answers) + k * size);
     }
   });
 }

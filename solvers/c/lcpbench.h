@@ -128,9 +128,12 @@ typedef struct lcpbench_problem_data {
   /// row of J the p of its first body, then those of its second.
   const double* values;
   const float* values_single;  ///< two bodies: the same in single precision, in place of `values`; summed in double
-  const int32_t* body;     ///< two bodies: 2 n numbers in [-1, bodies), the bodies of each row; -1: none (the ground)
-  int64_t entries;         ///< compressed: stored entries, 0 <= entries < 2^31
-  const int32_t* starts;   ///< compressed: a number a column (or row) and one more, not falling, from 0 to `entries`
+  const int32_t* body;  ///< two bodies: 2 n numbers in [-1, bodies), the bodies of each row; -1: none (the ground)
+  int64_t problems;     ///< two bodies: where `starts` is not NULL, of how many problems these are the rows, >= 0
+  int64_t entries;      ///< compressed: stored entries, 0 <= entries < 2^31
+  /// Compressed: a number a column (or row) and one more, not falling, from 0 to `entries`. Two bodies: NULL, or a
+  /// number a problem and one more, not falling, from 0 to n: problem k has the rows starts[k] .. starts[k + 1] - 1.
+  const int32_t* starts;
   const int32_t* indices;  ///< compressed: `entries` rows (or columns), none twice in one column (or row)
   /// Factors, two bodies: a number >= 0 a column of J, the diagonal of M^-1: 1/kg for translations, 1/(kg m^2) for
   /// rotations; 0 for what cannot move.
@@ -181,7 +184,6 @@ typedef struct lcpbench_solver_info {
   int32_t available;       ///< 0: not in this build, lcpbench_solver_create refuses it
   int32_t uses_tolerance;  ///< 0: a direct method, which ends at the same answer whatever the tolerance
   int32_t is_peer;         ///< 1: another project's solver, which runs in a worker process of its own
-  int32_t reserved;        ///< 0
 } lcpbench_solver_info;
 
 /// How many solvers there are, those that are not in this build included.
@@ -192,23 +194,15 @@ LCPBENCH_API size_t lcpbench_solver_count(void);
 /// @param info   the row, written but for its size
 LCPBENCH_API lcpbench_error lcpbench_solver_describe(size_t index, lcpbench_solver_info* info);
 
-/// An option of one method by name: {"relaxation", "1.3"}. Names and values are those of `lcpbench solve --set`, and
-/// are documented in the solver's C++ header (solvers/first_order/pgs.h, say). Numbers are in C notation, whatever the
-/// locale.
-typedef struct lcpbench_setting {
-  const char* name;   ///< not NULL
-  const char* value;  ///< not NULL
-} lcpbench_setting;
-
 /// A solver by its key, with the default settings but for those given.
 /// @param key       not NULL; "auto" chooses a method by the problem
-/// @param settings  `count` settings, none twice; NULL where count is 0
-/// @param count     how many
+/// @param settings  options of the method, none twice: "relaxation=1.3 form=assembled", as `lcpbench solve --set` takes
+///                  them, with numbers in C notation whatever the locale. The solver's C++ header describes them
+///                  (solvers/first_order/pgs.h, say). NULL: none
 /// @param solver    the new solver, to be freed by lcpbench_solver_free
 /// LCPBENCH_INVALID_ARGUMENT for a key that is unknown or not in this build, and for settings that the method does not
 /// have or allow.
-LCPBENCH_API lcpbench_error lcpbench_solver_create(const char* key, const lcpbench_setting* settings, size_t count,
-                                                   lcpbench_solver** solver);
+LCPBENCH_API lcpbench_error lcpbench_solver_create(const char* key, const char* settings, lcpbench_solver** solver);
 
 /// What depends on the structure of the problem only (forms of A that the method reads, workspace, symbolic analysis),
 /// so that it is no part of the solve. lcpbench_solve does it where the caller did not. A second call with the same
@@ -287,7 +281,7 @@ typedef struct lcpbench_step_options {
   size_t size;          ///< sizeof(lcpbench_step_options)
   double tolerance;     ///< requested bound on rho (see lcpbench_verdict), in (0, 1); 0: 1e-9
   double time_limit_s;  ///< wall-clock limit of one solve [s], > 0; 0: no limit
-  int64_t threads;      ///< of lcpbench_step_solve_batch, in [1, 1024], the caller's among them; 0: 1
+  int64_t threads;      ///< for many problems, in [1, 1024], the caller's among them; 0: 1
   int64_t max_rows;     ///< workspace for so many rows, 0 <= max_rows < 2^31; more are welcome, and allocate once
   int64_t max_bodies;   ///< the same for bodies
 } lcpbench_step_options;
@@ -297,28 +291,19 @@ typedef struct lcpbench_step_options {
 /// @param step     the new step solver, to be freed by lcpbench_step_free
 LCPBENCH_API lcpbench_error lcpbench_step_create(const lcpbench_step_options* options, lcpbench_step** step);
 
-/// Solves. A solve that fails is LCPBENCH_OK with a status that says so.
+/// Solves a step, or where data->starts tells of them many problems: bodies that can move belong to one each, as do a
+/// friction row and its normal row. With friction or bounded rows each of them is solved as if alone, in the same bits,
+/// side by side in threads. A solve that fails is LCPBENCH_OK with a status that says so.
 /// @param step       not NULL
-/// @param data       the step, of the form LCPBENCH_TWO_BODIES. Inverse masses of bodies that no row names are not read
-/// @param initial_f  warm start: n numbers, finite, 0 for new rows, in another array than f; NULL: a cold start
+/// @param data       of the form LCPBENCH_TWO_BODIES. Inverse masses of bodies that no row names are not read
+/// @param initial_f  warm start: n numbers, finite, 0 for new rows, in another array than f; NULL: a cold start, which
+///                   many problems have
 /// @param f          n numbers, written: the forces, the best there are where the status is not LCPBENCH_SOLVED
-/// @param w          n numbers, written: A f + b, in double; may be NULL
-/// @param answer     how it ended; its f is `f`
+/// @param w          n numbers, written: A f + b, in double; NULL: not wanted, as of many problems
+/// @param answers    one a problem, written, all of the size that the first one has; their f are within `f`
 LCPBENCH_API lcpbench_error lcpbench_step_solve(lcpbench_step* step, const lcpbench_problem_data* data,
-                                                const double* initial_f, double* f, double* w, lcpbench_answer* answer);
-
-/// Solves many problems, from cold starts. Problem k has the rows starts[k] .. starts[k + 1] - 1; bodies that can move
-/// belong to one problem each, as do a friction row and its normal row. With friction or bounded rows each problem is
-/// solved as lcpbench_step_solve does, in the same bits, side by side in threads.
-/// @param step     not NULL
-/// @param data     as lcpbench_step_solve takes it: the arrays of all problems, one after the other
-/// @param starts   count + 1 numbers that do not fall, the first 0 and the last data->rows
-/// @param count    problems, >= 0
-/// @param f        data->rows numbers, written: the forces
-/// @param answers  `count` structs, written, all of the size that the first one has; NULL where count is 0
-LCPBENCH_API lcpbench_error lcpbench_step_solve_batch(lcpbench_step* step, const lcpbench_problem_data* data,
-                                                      const int32_t* starts, int64_t count, double* f,
-                                                      lcpbench_answer* answers);
+                                                const double* initial_f, double* f, double* w,
+                                                lcpbench_answer* answers);
 
 /// Frees a step solver.
 /// @param step  may be NULL

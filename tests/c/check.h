@@ -50,6 +50,16 @@ static inline void CheckRefused(lcpbench_error error, const char* words, const c
     memcpy(&(place), value_before, sizeof(place));    \
   } while (0)
 
+/* Of the call that a test is about. */
+#define REFUSED(place, wrong, words) CHECK_REFUSED_WITH(place, wrong, CALL(), words)
+
+/* A struct as a later version may have it: with a member that this one does not know. */
+#define LATER(type) \
+  struct {          \
+    type known;     \
+    double later;   \
+  }
+
 /* The exit status of a program. */
 static inline int CountFailures(void) {
   if (failures > 0) fprintf(stderr, "%d checks failed\n", failures);
@@ -70,7 +80,7 @@ static inline lcpbench_verdict Judge(const lcpbench_problem* problem, const lcpb
   return verdict;
 }
 
-enum { kMostRows = 60 };
+enum { kMostRows = 1000 };
 
 /* A problem and a solver, its answer and the verdict on it. */
 typedef struct Solved {
@@ -84,7 +94,7 @@ typedef struct Solved {
 /* To be freed by FreeSolved. */
 static inline Solved Solve(const char* key, lcpbench_problem_data data, const lcpbench_solve_options* options) {
   Solved solved = {.problem = Create(data), .answer = {.size = sizeof solved.answer}};
-  CHECK_OK(lcpbench_solver_create(key, NULL, 0, &solved.solver));
+  CHECK_OK(lcpbench_solver_create(key, NULL, &solved.solver));
   CHECK_OK(lcpbench_solve(solved.solver, solved.problem, options, &solved.answer));
   solved.verdict = Judge(solved.problem, &solved.answer, 1e-6, solved.w);
   return solved;
