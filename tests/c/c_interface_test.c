@@ -40,12 +40,6 @@ static void SolvesAKnownProblem(void) {
   CHECK(isinf(known.answer.rho) && known.answer.force_min == 0 && known.answer.fallbacks == 0);
   CHECK_NEAR(known.answer.f, kF, 3, 4e-15);
   CHECK_NEAR(known.w, kW, 3, 4e-15);
-  for (int i = 0; i < 3; ++i) {
-    /* The identity, from numbers that the library did not compute. */
-    double sum = kB[i];
-    for (int j = 0; j < 3; ++j) sum += kA[3 * i + j] * known.answer.f[j];
-    CHECK(fabs(known.w[i] - sum) < 1e-14);
-  }
   CHECK(known.verdict.passes == 1 && known.verdict.best_tier == 1e-9 && known.verdict.false_success == 0);
   CHECK(known.verdict.requested == 1e-6 && known.verdict.has_ray == 0 && known.verdict.reason[0] == '\0');
   CHECK(known.verdict.energy_bound >= 0 && known.verdict.energy_bound < 1e-14);
@@ -56,18 +50,10 @@ static void SolvesAKnownProblem(void) {
 /* Two rows that share one load in any way: equal shares have the least norm. */
 static void LeastNormSharesEqually(void) {
   const double A[4] = {1, 1, 1, 1}, b[2] = {-2, -2}, equal[2] = {1, 1};
-  lcpbench_solve_options options = {.size = sizeof options, .rank_tolerance = 1e-10};
+  const lcpbench_solve_options options = {.size = sizeof options, .rank_tolerance = 1e-10};
   Solved shared = Solve("dantzig", Dense(2, A, b), &options);
-  lcpbench_answer* const answer = &shared.answer;
-  const double* f = answer->f;
-  CHECK(answer->status == LCPBENCH_SOLVED && shared.verdict.passes == 1 && answer->nullity == 1 && answer->n == 2);
-#define CALL() lcpbench_solve(shared.solver, shared.problem, &options, answer)
-  REFUSED(options.rank_tolerance, 2, "rank_tolerance is 2");
-  REFUSED(options.rank_tolerance, -1, "rank_tolerance is -1");
-  REFUSED(options.tolerance, -1, "tolerance");
-#undef CALL
-  CHECK(answer->nullity == 1 && answer->f == f); /* a refusal leaves the answer */
-  CHECK_NEAR(f, equal, 2, 1e-12);
+  CHECK(shared.answer.status == LCPBENCH_SOLVED && shared.verdict.passes == 1 && shared.answer.nullity == 1);
+  CHECK_NEAR(shared.answer.f, equal, 2, 1e-12);
   FreeSolved(&shared);
 }
 
@@ -214,14 +200,10 @@ static void OptionsReachTheSolver(void) {
   CHECK(cold.answer.status == LCPBENCH_SOLVED && cold.answer.n == kRows);
   for (int i = 0; i < kRows; ++i) CHECK(fabs(cold.answer.f[i] - expected[i]) < 1e-4);
 
+  /* A solver's answer may be the start of its next solve. */
   options = plain;
   options.initial_f = cold.answer.f;
   options.initial_f_size = cold.answer.n;
-  Solved warm = Solve("pgs", chain, &options);
-  CHECK(warm.answer.status == LCPBENCH_SOLVED && warm.answer.iterations * 10 < cold.answer.iterations);
-  FreeSolved(&warm);
-
-  /* A solver's answer may be the start of its next solve. */
   lcpbench_answer next = {.size = sizeof next};
   CHECK_OK(lcpbench_solve(cold.solver, cold.problem, &options, &next));
   CHECK(next.status == LCPBENCH_SOLVED && next.iterations * 10 < cold.answer.iterations);
@@ -267,7 +249,6 @@ static void WrongProblemsAreRefused(void) {
   data.friction = &friction;
   data.friction_count = 1;
   REFUSED(friction.mu, -1, "friction: row 2: mu is -1, expected a finite number >= 0");
-  REFUSED(friction.mu, NAN, "friction: row 2: mu is nan");
   REFUSED(friction.normal, 3, "friction: row 2: normal is 3, expected a unilateral row");
   REFUSED(friction.slip, 256, "friction[0].slip is 256, expected -1, 0 or 1");
   REFUSED(data.friction, NULL, "friction is NULL");
@@ -321,8 +302,7 @@ static void WrongProblemsAreRefused(void) {
 
 static void WrongSolversAreRefused(void) {
   lcpbench_solver* solver = NULL;
-  const char* key = "pgs";
-  const char* settings = "relaxation=1";
+  const char *key = "pgs", *settings = "relaxation=1";
   CHECK_REFUSED(lcpbench_solver_create(key, NULL, NULL), "solver is NULL");
 #define CALL() lcpbench_solver_create(key, settings, &solver)
   REFUSED(key, "simplex", "lcpbench_solver_create: unknown solver 'simplex'");
@@ -358,44 +338,37 @@ static void WrongSolvesAndAnswersAreRefused(void) {
   CHECK_REFUSED(lcpbench_solve(solver, NULL, NULL, &answer), "problem is NULL");
   CHECK_REFUSED(lcpbench_solve(solver, problem, NULL, NULL), "answer is NULL");
 #define CALL() lcpbench_solve(solver, problem, &options, &answer)
+  CHECK_OK(CALL());
+  const lcpbench_answer before = answer;
   REFUSED(answer.size, 8, "size is 8, expected sizeof(lcpbench_answer)");
-  REFUSED(options.size, 0, "sizeof(lcpbench_solve_options)");
-  REFUSED(options.size, 8, "size is 8");
+  REFUSED(options.size, 8, "size is 8, expected sizeof(lcpbench_solve_options)");
   REFUSED(options.tolerance, -1, "tolerance");
-  REFUSED(options.tolerance, 1, "tolerance");
   REFUSED(options.tolerance, NAN, "tolerance");
   REFUSED(options.time_limit_s, -1, "time limit");
-  REFUSED(options.time_limit_s, NAN, "time limit");
   REFUSED(options.max_iterations, -1, "iteration limit");
+  REFUSED(options.rank_tolerance, 2, "rank_tolerance is 2");
+  REFUSED(options.rank_tolerance, -1, "rank_tolerance is -1");
   REFUSED(options.initial_f_size, 2, "initial_f_size");
   REFUSED(options.initial_f, NULL, "initial_f is NULL");
   REFUSED(f[1], NAN, "initial f must be finite");
 #undef CALL
-  CHECK(answer.status == LCPBENCH_NOT_RUN && answer.f == NULL); /* none of these wrote to the answer */
+  CHECK(memcmp(&answer, &before, sizeof answer) == 0); /* none of these wrote to the answer, or to what it points to */
+  CHECK_NEAR(answer.f, kF, 3, 1e-8);
 
   lcpbench_verdict verdict = {.size = sizeof verdict};
   double tolerance = 1e-6;
   answer = Claim(LCPBENCH_NOT_RUN, 3, f, NULL);
-#define VERIFY(problem, answer, verdict) lcpbench_verify(problem, answer, tolerance, verdict, NULL)
-#define CALL() VERIFY(problem, &answer, &verdict)
+#define CALL() lcpbench_verify(problem, &answer, tolerance, &verdict, NULL)
   REFUSED(answer.n, 2, "answer.n is 2, expected the problem's n = 3");
-  REFUSED(answer.n, 0, "answer.n is 0");
   REFUSED(answer.f, NULL, "answer.f is NULL");
   REFUSED(answer.status, 9, "answer.status is 9");
   REFUSED(answer.size, 0, "size is 0, expected sizeof(lcpbench_answer)");
   REFUSED(tolerance, 2, "tolerance is 2");
   REFUSED(verdict.size, 16, "size is 16");
 #undef CALL
-  CHECK_REFUSED(VERIFY(NULL, &answer, &verdict), "problem is NULL");
-  CHECK_REFUSED(VERIFY(problem, NULL, &verdict), "answer is NULL");
-  CHECK_REFUSED(VERIFY(problem, &answer, NULL), "verdict is NULL");
-
-  /* An answer to another problem does not fit. */
-  lcpbench_problem* smaller = Create(Dense(1, kA, kB));
-  CHECK_OK(lcpbench_solve(solver, smaller, NULL, &answer));
-  CHECK_REFUSED(VERIFY(problem, &answer, &verdict), "answer.n is 1");
-#undef VERIFY
-  lcpbench_problem_free(smaller);
+  CHECK_REFUSED(lcpbench_verify(NULL, &answer, tolerance, &verdict, NULL), "problem is NULL");
+  CHECK_REFUSED(lcpbench_verify(problem, NULL, tolerance, &verdict, NULL), "answer is NULL");
+  CHECK_REFUSED(lcpbench_verify(problem, &answer, tolerance, NULL, NULL), "verdict is NULL");
   lcpbench_solver_free(solver);
   lcpbench_problem_free(problem);
   lcpbench_problem_free(NULL);

@@ -139,6 +139,8 @@ static void EveryFormIsTheSameProblem(void) {
   const double sides[18] = {0, 1, 0, 9, 9, 9, 0, 1, 0, 0, -1, 0, 1, 0, 0, 0, 0, 0}; /* nines act on nothing */
   float sides_single[18];
   for (int i = 0; i < 18; ++i) sides_single[i] = (float)sides[i];
+  const double* const values[4] = {by_columns, by_rows, sides, NULL};
+  const int32_t* const starts[4] = {column_starts, row_starts, NULL, NULL};
   lcpbench_step* step = NULL; /* without workspace */
   CHECK_OK(lcpbench_step_create(NULL, &step));
   for (int k = 0; k < 4; ++k) {
@@ -148,16 +150,11 @@ static void EveryFormIsTheSameProblem(void) {
                                         .rows = 3,
                                         .columns = 6,
                                         .bodies = 2,
-                                        .values = k == 0   ? by_columns
-                                                  : k == 1 ? by_rows
-                                                  : k == 2 ? sides
-                                                           : NULL,
+                                        .values = values[k],
                                         .values_single = k == 3 ? sides_single : NULL,
                                         .body = of_rows,
                                         .entries = 4,
-                                        .starts = k == 0   ? column_starts
-                                                  : k == 1 ? row_starts
-                                                           : NULL,
+                                        .starts = starts[k],
                                         .indices = k == 0 ? rows : columns,
                                         .inverse_mass = masses,
                                         .b = loads,
@@ -177,39 +174,26 @@ static void EveryFormIsTheSameProblem(void) {
   lcpbench_step_free(step);
 }
 
-/* Two joints of one body in the plane; b = (1, -1). */
-static lcpbench_answer SolveTwoJoints(lcpbench_step* step, double first_x, double first_y, double second_x,
-                                      double second_y) {
-  lcpbench_problem_data data = MakeRows(2, 3, 1, 0);
-  const int32_t of_rows[4] = {0, -1, 0, -1};
-  const double numbers[12] = {first_x, first_y, 0, 0, 0, 0, second_x, second_y, 0, 0, 0, 0};
-  const double loads[2] = {1, -1}, masses[3] = {1, 1, 1};
-  data.bodies = 1;
-  data.body = of_rows;
-  data.values = numbers;
-  data.b = loads;
-  data.inverse_mass = masses;
-  kinds[0] = LCPBENCH_BILATERAL;
-  double f[2] = {NAN, NAN};
-  const lcpbench_answer answer = SolveStep(step, &data, f, NULL);
-  CHECK(isfinite(f[0]) && isfinite(f[1]));
-  return answer;
-}
-
-/* Joints that contradict each other: an answer that says how surely, and the object goes on. */
+/* Two joints of one body that contradict each other: an answer that says how surely, and the object goes on. */
 static void AnImpossibleStepIsNotSolved(void) {
   lcpbench_step* step = MakeStep();
-  lcpbench_answer answer = SolveTwoJoints(step, 1, 0, 1, 0);
-  CHECK(answer.status == LCPBENCH_INFEASIBLE && answer.infeasible_proved == 1 && isinf(answer.force_min));
-  CHECK(answer.fallbacks == 1);
-  /* The second joint is three times the first, but for the last digits. */
-  answer = SolveTwoJoints(step, 0.3, 0.1, 0.9, 0.3);
-  CHECK(answer.status == LCPBENCH_INFEASIBLE && answer.infeasible_proved == 0);
-  CHECK(answer.force_min > 1e12 && isfinite(answer.force_min));
-  /* From an angle of 1e-13 on there is a solution. */
-  for (double angle = 1e-12; angle < 0.1; angle *= 7) {
-    answer = SolveTwoJoints(step, 0.6, 0.8, 0.6 - 0.8 * angle, 0.8 + 0.6 * angle);
-    CHECK(answer.status != LCPBENCH_INFEASIBLE && answer.infeasible_proved == 0 && answer.force_min == 0);
+  /* The second joint is one, or three times the first but for the last digits. */
+  for (int is_near = 0; is_near < 2; ++is_near) {
+    const lcpbench_problem_data data = MakeRows(2, 3, 1, 0);
+    const double exact[12] = {1, 0, 0, 0, 0, 0, 1}, near[12] = {0.3, 0.1, 0, 0, 0, 0, 0.9, 0.3};
+    memcpy(J, is_near ? near : exact, sizeof exact);
+    for (int i = 0; i < 2; ++i) {
+      body[2 * i] = 0;
+      body[2 * i + 1] = -1;
+      b[i] = 1 - 2 * i;
+      inverse_mass[i] = 1;
+      kinds[i] = LCPBENCH_BILATERAL;
+    }
+    double f[2] = {NAN, NAN};
+    const lcpbench_answer answer = SolveStep(step, &data, f, NULL);
+    CHECK(answer.status == LCPBENCH_INFEASIBLE && answer.infeasible_proved == !is_near);
+    CHECK(answer.force_min > 1e12 && isinf(answer.force_min) == !is_near);
+    CHECK(answer.fallbacks == 1 + is_near && isfinite(f[0]) && isfinite(f[1]));
   }
   const lcpbench_problem_data data = MakeRows(9, 3, 1, 0);
   ExpectSolved(step, &data);
@@ -268,56 +252,19 @@ static void ABatchIsItsProblems(void) {
   lcpbench_step_free(step);
 }
 
-/* Rows of numbers up to the ends of double's range, solvable or not, and also without time: rho is a number or
-   infinite, and that of the verifier where the solver failed. */
-static void RhoIsNeverNan(void) {
-  static const double sizes[] = {0, 1, 1e-320, 1e-170, 1e100, 1e150},
-                      loads[] = {0, -1, 1, -1e-320, -1e-170, 1e170, -1e308};
-  static const int rows[] = {1, 4, 30};
-  for (int k = 0; k < 6 * 7 * 2 * 3; ++k) {
-    const int n = rows[k % 3];
-    const double size = sizes[k / 3 % 6];
-    const lcpbench_problem_data data = MakeRows(n, 3, 1, 0);
-    for (int i = 0; i < 6 * n; ++i) J[i] *= size;
-    for (int i = 0; i < n; ++i) b[i] = loads[k / 18 % 7] * (i % 3 == 2 ? -0.5 : 1);
-    lcpbench_step_options options = {.size = sizeof options};
-    if (k >= 6 * 7 * 3) options.time_limit_s = 1e-12;
-    lcpbench_step* step = NULL;
-    CHECK_OK(lcpbench_step_create(&options, &step));
-    double f[30];
-    lcpbench_answer answer = SolveStep(step, &data, f, NULL);
-    CHECK(!isnan(answer.rho));
-    lcpbench_problem* problem = Create(data);
-    const double rho = Judge(problem, &answer, 1e-9, NULL).rho;
-    CHECK(!isnan(rho));
-    const int is_below_double = size > 0 && size * size == 0; /* A: 0 in double, not so for the verifier */
-    const int agrees = answer.rho == rho || fabs(answer.rho - rho) <= 1e-9 * (1 + rho);
-    CHECK(answer.status == LCPBENCH_SOLVED || is_below_double || agrees);
-    const int32_t starts[2] = {0, n};
-    SolveBatch(step, data, starts, 1, f, &answer, sizeof answer);
-    CHECK(!isnan(answer.rho));
-    lcpbench_problem_free(problem);
-    lcpbench_step_free(step);
-  }
-}
-
 static void WrongOptionsAreRefused(void) {
   lcpbench_step* step = NULL;
   lcpbench_step_options options = {.size = sizeof options, .tolerance = 1e-6, .time_limit_s = 1, .threads = 2};
   CHECK_REFUSED(lcpbench_step_create(&options, NULL), "step is NULL");
 #define CALL() lcpbench_step_create(&options, &step)
-  REFUSED(options.tolerance, 1, "tolerance must be in (0, 1)");
   REFUSED(options.tolerance, -1, "tolerance must be in (0, 1)");
-  REFUSED(options.tolerance, NAN, "tolerance must be in (0, 1)");
-  REFUSED(options.time_limit_s, -1, "time limit must be > 0");
   REFUSED(options.time_limit_s, NAN, "time limit must be > 0");
   REFUSED(options.threads, -1, "threads is -1");
   REFUSED(options.threads, 1025, "threads must be from 1 to 1024, found 1025");
   REFUSED(options.threads, (int64_t)1 << 32, "threads is 4294967296");
   REFUSED(options.max_rows, -1, "max_rows is -1");
   REFUSED(options.max_bodies, (int64_t)1 << 31, "max_bodies is 2147483648");
-  REFUSED(options.size, 0, "size is 0, expected sizeof(lcpbench_step_options)");
-  REFUSED(options.size, 4, "size is 4");
+  REFUSED(options.size, 4, "size is 4, expected sizeof(lcpbench_step_options)");
   CHECK(step == NULL);
   CHECK_OK(CALL()); /* nothing else was wrong */
 #undef CALL
@@ -325,7 +272,7 @@ static void WrongOptionsAreRefused(void) {
   lcpbench_step_free(NULL);
 }
 
-/* What is wrong within the arrays: step_solver_test.cc. Nothing is written. */
+/* What is wrong within the arrays: step_solver_test.cc, and of problems c_interface_test.c. Nothing is written. */
 static void MistakesAreRefused(void) {
   lcpbench_problem_data data = MakeRows(5, 3, 1, 0);
   lcpbench_step* step = MakeStep();
@@ -408,7 +355,6 @@ int main(void) {
   EveryFormIsTheSameProblem();
   AnImpossibleStepIsNotSolved();
   ABatchIsItsProblems();
-  RhoIsNeverNan();
   MistakesAreRefused();
   FrictionAndBoundsAreSolved();
   WrongOptionsAreRefused();

@@ -40,18 +40,15 @@ static inline void CheckRefused(lcpbench_error error, const char* words, const c
 
 #define CHECK_REFUSED(call, words) CheckRefused(call, words, #call, __LINE__)
 
-/* The same while a number or pointer has the value `wrong`. */
-#define CHECK_REFUSED_WITH(place, wrong, call, words) \
-  do {                                                \
-    char value_before[sizeof(place)];                 \
-    memcpy(value_before, &(place), sizeof(place));    \
-    (place) = (wrong);                                \
-    CHECK_REFUSED(call, words);                       \
-    memcpy(&(place), value_before, sizeof(place));    \
+/* CALL(), which a test defines, must be refused while a number or pointer has the value `wrong`. */
+#define REFUSED(place, wrong, words)               \
+  do {                                             \
+    char value_before[sizeof(place)];              \
+    memcpy(value_before, &(place), sizeof(place)); \
+    (place) = (wrong);                             \
+    CHECK_REFUSED(CALL(), words);                  \
+    memcpy(&(place), value_before, sizeof(place)); \
   } while (0)
-
-/* Of the call that a test is about. */
-#define REFUSED(place, wrong, words) CHECK_REFUSED_WITH(place, wrong, CALL(), words)
 
 /* A struct as a later version may have it: with a member that this one does not know. */
 #define LATER(type) \
