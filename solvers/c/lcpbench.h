@@ -17,9 +17,9 @@
 /// written to outputs. A problem that is hard or has no solution is a lcpbench_status, not an error. No C++
 /// exception leaves the library.
 ///
-/// Ownership. What a `create` function hands out belongs to the caller, who gives it to the `free` function of its
-/// type; NULL may be freed. Arrays and strings that are passed in are copied, or read only, before the call returns.
-/// Pointers that are handed out say how long they live.
+/// Pointers are not NULL, unless it is said that they may be. What a `create` function hands out belongs to the caller,
+/// who gives it to the `free` function of its type, which takes NULL too. Arrays and strings that are passed in are
+/// copied, or read only, before the call returns. Pointers that are handed out say how long they live.
 ///
 /// Threads. Problems are immutable and may be used by several threads at once. A solver or a step solver serves one
 /// thread at a time; distinct ones are independent. All other functions may be called from any thread at any time, but
@@ -171,7 +171,6 @@ LCPBENCH_API const char* lcpbench_status_key(lcpbench_status status);
 LCPBENCH_API lcpbench_error lcpbench_problem_create(const lcpbench_problem_data* data, lcpbench_problem** problem);
 
 /// Frees a problem. Solvers and answers that have met it stay valid.
-/// @param problem  may be NULL
 LCPBENCH_API void lcpbench_problem_free(lcpbench_problem* problem);
 
 /// One row of the table of solvers. Strings live as long as the library.
@@ -195,7 +194,7 @@ LCPBENCH_API size_t lcpbench_solver_count(void);
 LCPBENCH_API lcpbench_error lcpbench_solver_describe(size_t index, lcpbench_solver_info* info);
 
 /// A solver by its key, with the default settings but for those given.
-/// @param key       not NULL; "auto" chooses a method by the problem
+/// @param key       "auto" chooses a method by the problem
 /// @param settings  options of the method, none twice: "relaxation=1.3 form=assembled", as `lcpbench solve --set` takes
 ///                  them, with numbers in C notation whatever the locale. The solver's C++ header describes them
 ///                  (solvers/first_order/pgs.h, say). NULL: none
@@ -208,11 +207,9 @@ LCPBENCH_API lcpbench_error lcpbench_solver_create(const char* key, const char* 
 /// so that it is no part of the solve. lcpbench_solve does it where the caller did not. A second call with the same
 /// problem costs nothing. LCPBENCH_OUT_OF_MEMORY where a method would need more memory than there is; a problem that
 /// the solver does not take is left to lcpbench_solve, whose status says so.
-/// @param solver,problem  not NULL
 LCPBENCH_API lcpbench_error lcpbench_solver_prepare(lcpbench_solver* solver, const lcpbench_problem* problem);
 
 /// Frees a solver, and ends its worker process where it has one.
-/// @param solver  may be NULL
 LCPBENCH_API void lcpbench_solver_free(lcpbench_solver* solver);
 
 /// What every solver understands.
@@ -249,13 +246,11 @@ typedef struct lcpbench_answer {
   /// is proved, which infeasible_proved says; else 0.
   double force_min;
   int64_t infeasible_proved;  ///< of a step, 1: LCPBENCH_INFEASIBLE is proved for the numbers as given; else 0
-  int64_t fallbacks;  ///< of the step solver since its creation: solves that went to solvers that allocate, because
-                      ///< what allocates nothing did not solve them
+  int64_t fallbacks;          ///< of the step solver since its creation: solves left to solvers that allocate
 } lcpbench_answer;
 
 /// Solves. A solve that fails is LCPBENCH_OK with a status that says so. Nothing carries over from one solve to the
 /// next but workspace: repeated solves of one problem with the same options give the same bits.
-/// @param solver,problem  not NULL
 /// @param options  NULL: the defaults
 /// @param answer   left as it was where an argument is refused. Its pointers belong to the solver: valid until its next
 ///                 solve that is not refused, or until it is freed
@@ -291,10 +286,9 @@ typedef struct lcpbench_step_options {
 /// @param step     the new step solver, to be freed by lcpbench_step_free
 LCPBENCH_API lcpbench_error lcpbench_step_create(const lcpbench_step_options* options, lcpbench_step** step);
 
-/// Solves a step, or where data->starts tells of them many problems: bodies that can move belong to one each, as do a
-/// friction row and its normal row. With friction or bounded rows each of them is solved as if alone, in the same bits,
-/// side by side in threads. A solve that fails is LCPBENCH_OK with a status that says so.
-/// @param step       not NULL
+/// Solves a step, or many problems where data->starts says which rows are whose. Bodies that can move belong to one
+/// problem each, as do a friction row and its normal row. With friction or bounded rows each problem is solved as if
+/// alone, in the same bits, side by side in threads. A solve that fails is LCPBENCH_OK with a status that says so.
 /// @param data       of the form LCPBENCH_TWO_BODIES. Inverse masses of bodies that no row names are not read
 /// @param initial_f  warm start: n numbers, finite, 0 for new rows, in another array than f; NULL: a cold start, which
 ///                   many problems have
@@ -306,7 +300,6 @@ LCPBENCH_API lcpbench_error lcpbench_step_solve(lcpbench_step* step, const lcpbe
                                                 lcpbench_answer* answers);
 
 /// Frees a step solver.
-/// @param step  may be NULL
 LCPBENCH_API void lcpbench_step_free(lcpbench_step* step);
 
 /// An independent judgement of an answer, the same for every solver. D = diag A, 1 where A_ii = 0; C are the unilateral
