@@ -197,8 +197,9 @@ StepRows ReadTwoBodies(const lcpbench_problem_data& data, const RowBounds& laws)
 
 Eigen::MatrixXd ReadDense(const lcpbench_problem_data& data) {
   const std::int64_t n = data.rows;
+  const double* const values = Array(data.values, n * n, "values").data();
   RequireMemory(static_cast<double>(n) * static_cast<double>(n) * sizeof(double), "a copy of A");
-  const Eigen::Map<const Eigen::MatrixXd> by_columns(Array(data.values, n * n, "values").data(), n, n);
+  const Eigen::Map<const Eigen::MatrixXd> by_columns(values, n, n);
   if (data.by_rows == 0) return by_columns;
   return by_columns.transpose();
 }
