@@ -57,17 +57,47 @@ static inline void CheckRefused(lcpbench_error error, const char* words, const c
     double later;   \
   }
 
+/* What the tests have made, until FreeMade. */
+static struct {
+  lcpbench_problem* problem;
+  lcpbench_solver* solver;
+  lcpbench_step* step;
+} made[2000];
+static int made_count = 0;
+
+static inline void FreeMade(void) {
+  for (; made_count > 0; --made_count) {
+    lcpbench_problem_free(made[made_count].problem);
+    lcpbench_solver_free(made[made_count].solver);
+    lcpbench_step_free(made[made_count].step);
+    memset(&made[made_count], 0, sizeof made[made_count]);
+  }
+}
+
 /* The exit status of a program. */
 static inline int CountFailures(void) {
+  FreeMade();
   if (failures > 0) fprintf(stderr, "%d checks failed\n", failures);
   return failures > 100 ? 100 : failures;
 }
 
 static inline lcpbench_problem* Create(lcpbench_problem_data data) {
-  lcpbench_problem* problem = NULL;
+  lcpbench_problem** problem = &made[++made_count].problem;
   data.size = sizeof data;
-  CHECK_OK(lcpbench_problem_create(&data, &problem));
-  return problem;
+  CHECK_OK(lcpbench_problem_create(&data, problem));
+  return *problem;
+}
+
+static inline lcpbench_solver* CreateSolver(const char* key, const char* settings) {
+  lcpbench_solver** solver = &made[++made_count].solver;
+  CHECK_OK(lcpbench_solver_create(key, settings, solver));
+  return *solver;
+}
+
+static inline lcpbench_step* CreateStep(const lcpbench_step_options* options) {
+  lcpbench_step** step = &made[++made_count].step;
+  CHECK_OK(lcpbench_step_create(options, step));
+  return *step;
 }
 
 static inline lcpbench_verdict Judge(const lcpbench_problem* problem, const lcpbench_answer* answer, double tolerance,
@@ -88,18 +118,12 @@ typedef struct Solved {
   double w[kMostRows];
 } Solved;
 
-/* To be freed by FreeSolved. */
 static inline Solved Solve(const char* key, lcpbench_problem_data data, const lcpbench_solve_options* options) {
-  Solved solved = {.problem = Create(data), .answer = {.size = sizeof solved.answer}};
-  CHECK_OK(lcpbench_solver_create(key, NULL, &solved.solver));
+  Solved solved = {
+      .problem = Create(data), .solver = CreateSolver(key, NULL), .answer = {.size = sizeof solved.answer}};
   CHECK_OK(lcpbench_solve(solved.solver, solved.problem, options, &solved.answer));
   solved.verdict = Judge(solved.problem, &solved.answer, 1e-6, solved.w);
   return solved;
-}
-
-static inline void FreeSolved(Solved* solved) {
-  lcpbench_solver_free(solved->solver);
-  lcpbench_problem_free(solved->problem);
 }
 
 #endif
