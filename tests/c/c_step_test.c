@@ -264,8 +264,7 @@ static void MistakesAreRefused(void) {
   memset(f, 0x5a, sizeof f);
   memset(w, 0x5a, sizeof w);
   const double untouched = f[0];
-#define SOLVE(step, data, start, f, w, answer) lcpbench_step_solve(step, data, start, f, w, answer)
-#define CALL() SOLVE(step, &data, start, f, w, &answer)
+#define CALL() lcpbench_step_solve(step, &data, start, f, w, &answer)
   REFUSED(data.size, 8, "size is 8, expected sizeof(lcpbench_problem_data), ");
   REFUSED(data.form, LCPBENCH_FACTORS, "form is 3, expected LCPBENCH_TWO_BODIES");
   REFUSED(data.columns_per_body, 5, "columns per body must be 3 or 6, found 5");
@@ -278,23 +277,24 @@ static void MistakesAreRefused(void) {
   data = MakeRows(5, 3, 1, 1);
   REFUSED(J_single[6 * 3], NAN, "J of row 3 is nan, expected a finite number");
 #undef CALL
-  CHECK_REFUSED(SOLVE(NULL, &data, start, f, w, &answer), "step is NULL");
-  CHECK_REFUSED(SOLVE(step, NULL, start, f, w, &answer), "data is NULL");
-  CHECK_REFUSED(SOLVE(step, &data, start, NULL, w, &answer), "f is NULL");
-  CHECK_REFUSED(SOLVE(step, &data, start, f, w, NULL), "answers is NULL");
-  CHECK_REFUSED(SOLVE(step, &data, start, start, w, &answer), "initial_f is f");
+  CHECK_REFUSED(lcpbench_step_solve(NULL, &data, start, f, w, &answer), "step is NULL");
+  CHECK_REFUSED(lcpbench_step_solve(step, NULL, start, f, w, &answer), "data is NULL");
+  CHECK_REFUSED(lcpbench_step_solve(step, &data, start, NULL, w, &answer), "f is NULL");
+  CHECK_REFUSED(lcpbench_step_solve(step, &data, start, f, w, NULL), "answers is NULL");
+  CHECK_REFUSED(lcpbench_step_solve(step, &data, start, start, w, &answer), "initial_f is f");
 
   data.starts = starts;
   data.problems = 2;
-#define CALL() SOLVE(step, &data, NULL, f, NULL, &answer)
+#define CALL() lcpbench_step_solve(step, &data, NULL, f, NULL, &answer)
   REFUSED(starts[1], 6, "starts[2] is 5, less than the 6 before it");
   REFUSED(starts[0], 1, "starts[0] is 1, expected 0");
   REFUSED(starts[2], 4, "starts[2] is 4, expected rows = 5");
   REFUSED(data.problems, -1, "problems is -1");
 #undef CALL
-  CHECK_REFUSED(SOLVE(step, &data, start, f, NULL, &answer), "initial_f and w are for one problem, expected NULL");
-  CHECK_REFUSED(SOLVE(step, &data, NULL, f, w, &answer), "initial_f and w are for one problem, expected NULL");
-#undef SOLVE
+  CHECK_REFUSED(lcpbench_step_solve(step, &data, start, f, NULL, &answer),
+                "initial_f and w are for one problem, expected NULL");
+  CHECK_REFUSED(lcpbench_step_solve(step, &data, NULL, f, w, &answer),
+                "initial_f and w are for one problem, expected NULL");
   for (int i = 0; i < 5; ++i) CHECK(f[i] == untouched && w[i] == untouched && start[i] == 0);
   CHECK(answer.status == 77);
   data.starts = NULL;
