@@ -1,7 +1,5 @@
 #include <iostream>
-#include <optional>
 #include <string>
-#include <utility>
 
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/command/commands.h"
@@ -69,7 +67,11 @@ struct Solve {
       SolveNotes notes;
       notes.setup_s = prepared - start;
       notes.time_s = solve_s;
-      if (least_norm) notes.least_norm = TakeLeastNorm(record.problem, &result);
+      if (least_norm) {
+        const LeastNormOptions of_least_norm{.tolerance = options.tolerance, .time_limit_s = options.time_limit_s};
+        const auto found = TakeLeastNorm(record.problem, of_least_norm, &result);
+        if (found.has_value()) notes.least_norm = {found->nullity, found->rank_tolerance};
+      }
       const Verdict verdict = Verify(record.problem, result, options.tolerance, &reference);
       if (summary) return counts.Add(result, verdict, reference);
       if (verdict.passes) notes.f_unique = IsOnlyAnswer(record.problem, result.f, options.tolerance);
@@ -98,19 +100,6 @@ struct Solve {
       if (verdict.false_infeasible) ++false_infeasible;
     }
   };
-
-  // The result's f becomes the one of least norm, or its detail says why not.
-  std::optional<SolveNotes::LeastNorm> TakeLeastNorm(const LcpProblem& problem, LcpResult* result) const {
-    if (result->status != LcpStatus::kSolved) return std::nullopt;
-    LeastNormForces found =
-        FindLeastNormForces(problem, result->f, {.tolerance = options.tolerance, .time_limit_s = options.time_limit_s});
-    if (found.status != LcpStatus::kSolved) {
-      result->detail += (result->detail.empty() ? "" : "; ") + ("not of least norm: " + found.detail);
-      return std::nullopt;
-    }
-    result->f = std::move(found.f);
-    return SolveNotes::LeastNorm{found.nullity, found.rank_tolerance};
-  }
 };
 
 }  // namespace

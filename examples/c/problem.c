@@ -8,7 +8,7 @@ int main(void) {
   const double b[2] = {-9.81, 0}; /* J g */
   const lcpbench_problem_data data = {.size = sizeof data,
                                       .form = LCPBENCH_FACTORS,
-                                      .layout = LCPBENCH_ROW_MAJOR,
+                                      .by_rows = 1,
                                       .rows = 2,
                                       .columns = 6,
                                       .values = J,
@@ -20,10 +20,9 @@ int main(void) {
   lcpbench_problem* problem = NULL;
   lcpbench_solver* solver = NULL;
   lcpbench_answer answer = {.size = sizeof answer};
-  lcpbench_verdict verdict;
-  if (lcpbench_problem_create(&data, &problem) || lcpbench_solver_create("auto", NULL, 0, &solver) ||
-      lcpbench_solve(solver, problem, NULL, &answer) ||
-      lcpbench_verify(problem, &answer, 1e-9, &verdict, sizeof verdict, NULL)) {
+  lcpbench_verdict verdict = {.size = sizeof verdict};
+  if (lcpbench_problem_create(&data, &problem) || lcpbench_solver_create("auto", NULL, &solver) ||
+      lcpbench_solve(solver, problem, NULL, &answer) || lcpbench_verify(problem, &answer, 1e-9, &verdict, NULL)) {
     fprintf(stderr, "%s\n", lcpbench_last_error());
     return 2;
   }

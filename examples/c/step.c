@@ -6,18 +6,19 @@ int main(void) {
   const int32_t body[] = {0, -1, 1, 0};
   const double J[] = {0, 1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0};
   const double b[] = {-9.81, 0}, inverse_mass[] = {1, 1, 2, 1, 1, 2};
-  const lcpbench_step_rows rows = {.size = sizeof rows, /* contacts only, in the plane */
-                                   .rows = 2,
-                                   .bodies = 2,
-                                   .body = body,
-                                   .J = J,
-                                   .b = b,
-                                   .inverse_mass = inverse_mass};
-  lcpbench_step_answer answer;
+  const lcpbench_problem_data data = {.size = sizeof data, /* contacts only, in the plane */
+                                      .form = LCPBENCH_TWO_BODIES,
+                                      .rows = 2,
+                                      .bodies = 2,
+                                      .values = J,
+                                      .body = body,
+                                      .inverse_mass = inverse_mass,
+                                      .b = b};
+  const lcpbench_step_options options = {.size = sizeof options, .max_rows = 1000, .max_bodies = 500};
+  lcpbench_answer answer = {.size = sizeof answer};
   lcpbench_step* step = NULL;
   double f[2];
-  if (lcpbench_step_create(NULL, &step) || lcpbench_step_reserve(step, 1000, 500) ||
-      lcpbench_step_solve(step, &rows, NULL, f, NULL, &answer, sizeof answer)) {
+  if (lcpbench_step_create(&options, &step) || lcpbench_step_solve(step, &data, NULL, f, NULL, &answer)) {
     fprintf(stderr, "%s\n", lcpbench_last_error());
     return 2;
   }

@@ -17,18 +17,18 @@
 /// written to outputs. A problem that is hard or has no solution is a lcpbench_status, not an error. No C++
 /// exception leaves the library.
 ///
-/// Ownership. What a `create` function hands out belongs to the caller, who gives it to the `free` function of its
-/// type; NULL may be freed. Arrays and strings that are passed in are copied, or read only, before the call returns.
-/// Pointers that are handed out say how long they live.
+/// Pointers are not NULL, unless it is said that they may be. What a `create` function hands out belongs to the caller,
+/// who gives it to the `free` function of its type, which takes NULL too. Arrays and strings that are passed in are
+/// copied, or read only, before the call returns. Pointers that are handed out say how long they live.
 ///
 /// Threads. Problems are immutable and may be used by several threads at once. A solver or a step solver serves one
 /// thread at a time; distinct ones are independent. All other functions may be called from any thread at any time, but
 /// for lcpbench_limit_library_threads.
 ///
-/// Structs. A member that is 0 or NULL stands for its default, or for "none". A struct that is read begins with its
-/// size, which the caller sets: `lcpbench_answer answer = {.size = sizeof answer};`. A struct that is only written is
-/// passed with its size. Structs may get more members at their ends, values of enumerations and functions may be
-/// added: a larger struct of a later version is taken if the members that this version does not know are 0.
+/// Structs. They begin with their size, which the caller sets, also where the library writes the rest:
+/// `lcpbench_answer answer = {.size = sizeof answer};`. A member that is 0 or NULL stands for its default, or for
+/// "none". Structs may get more members at their ends, values of enumerations and functions may be added: a larger
+/// struct of a later version is taken if the members that this version does not know are 0.
 
 #include <stddef.h>
 #include <stdint.h>
@@ -61,7 +61,7 @@ enum {
   LCPBENCH_SOLVED = 1,   ///< the solver believes that f meets the requested tolerance
   /// No f exists: the solver found a Farkas ray, which is a proof for the numbers as given, or one within rounding
   /// only. Then a problem whose numbers differ in their last digits has no solution, and one of this problem, if there
-  /// is any, has huge forces. lcpbench_verdict and lcpbench_step_answer tell which.
+  /// is any, has huge forces. lcpbench_verdict tells which, and lcpbench_answer of a step.
   LCPBENCH_INFEASIBLE = 2,
   LCPBENCH_ITERATION_LIMIT = 3,    ///< stopped by max_iterations or the solver's own default limit
   LCPBENCH_TIME_LIMIT = 4,         ///< stopped by time_limit_s
@@ -78,16 +78,9 @@ enum {
   /// A = J M^-1 J^T, which is symmetric positive semidefinite, by a compressed J and the inverse masses. The better
   /// form for rigid bodies: many solvers never form A. Rows of J whose entries lie in the columns of at most two bodies
   /// are the fastest, other J are welcome.
-  LCPBENCH_FACTORS = 3
-};
-
-/// How a matrix lies in memory. Compressed means: starts[k] .. starts[k + 1] - 1 are the places of column (or row) k
-/// in `indices` (the row, or column, of each entry) and `values`; the order within a column (or row) is free.
-typedef int32_t lcpbench_layout;
-/// Values of lcpbench_layout.
-enum {
-  LCPBENCH_COLUMN_MAJOR = 0,  ///< dense: A_ij at values[i + j n]; compressed: columns (CSC)
-  LCPBENCH_ROW_MAJOR = 1      ///< dense: A_ij at values[i n + j]; compressed: rows (CSR)
+  LCPBENCH_FACTORS = 3,
+  /// The same A from the arrays of an engine: rows of J that act on two bodies at most. The form of a step.
+  LCPBENCH_TWO_BODIES = 4
 };
 
 /// Values of the array `kinds`, one byte a row.
@@ -96,20 +89,13 @@ enum {
   LCPBENCH_BILATERAL = 1    ///< w = 0, f free: a joint
 };
 
-/// Bits of `facts`: what the caller *knows* of A; a bit that is not set means "not known".
-enum {
-  LCPBENCH_SYMMETRIC = 1,             ///< A = A^T
-  LCPBENCH_POSITIVE_SEMIDEFINITE = 2  ///< f.A f >= 0 for every f
-};
-
 /// A tangent row of a contact with Coulomb friction: |f| <= mu f_normal; w > 0 needs f = -mu f_normal, w < 0 needs
 /// f = mu f_normal. f acts along the tangent on the row's first body, w is the slip.
 typedef struct lcpbench_friction_row {
-  int64_t row;       ///< in [0, n), unilateral by `kinds` and listed once
-  int64_t normal;    ///< the contact's unilateral row
-  double mu;         ///< coefficient of friction, finite, >= 0
-  int32_t slip;      ///< 0; +1 or -1: the contact slides that way, f = -slip mu f_normal and w is free
-  int32_t reserved;  ///< 0
+  int64_t row;     ///< in [0, n), unilateral by `kinds` and listed once
+  int64_t normal;  ///< the contact's unilateral row
+  double mu;       ///< coefficient of friction, finite, >= 0
+  int64_t slip;    ///< 0; +1 or -1: the contact slides that way, f = -slip mu f_normal and w is free
 } lcpbench_friction_row;
 
 /// lower <= f <= upper; w > 0 needs f = lower, w < 0 needs f = upper.
@@ -122,22 +108,35 @@ typedef struct lcpbench_bounded_row {
 /// A problem as the caller's arrays hold it. Numbers of arrays are finite. Members that the form does not name are not
 /// read; arrays of no numbers may be NULL, and n = 0 is a valid problem.
 typedef struct lcpbench_problem_data {
-  size_t size;             ///< sizeof(lcpbench_problem_data)
-  lcpbench_form form;      ///< of A
-  lcpbench_layout layout;  ///< of A, or of J
-  int64_t rows;            ///< n, 0 <= n < 2^31
-  int64_t columns;         ///< factors: of J (degrees of freedom), 0 <= columns < 2^31
-  /// Factors: 3 (0 stands for it), in the plane: body k has the columns 3k, 3k + 1 (its translation) and 3k + 2 (its
-  /// rotation); 6, in space: 6k to 6k + 2 (its translations) and 6k + 3 to 6k + 5 (its rotations about its principal
-  /// axes, so that M^-1 is diagonal).
+  size_t size;         ///< sizeof(lcpbench_problem_data)
+  lcpbench_form form;  ///< of A
+  /// Dense, 0: A_ij at values[i + j n], 1: at values[i n + j]. Sparse, factors, 0: A or J compressed by columns (CSC),
+  /// 1: by rows (CSR): starts[k] .. starts[k + 1] - 1 are the places of column (or row) k in `indices` (the row, or
+  /// column, of each entry) and `values`; the order within a column (or row) is free.
+  int32_t by_rows;
+  int64_t rows;     ///< n, 0 <= n < 2^31
+  int64_t columns;  ///< factors: of J (degrees of freedom), 0 <= columns < 2^31
+  int64_t bodies;   ///< two bodies: of which inverse_mass tells, 0 <= bodies < 2^31
+  /// Factors, two bodies: p = 3 (0 stands for it), in the plane: body k has the columns 3k, 3k + 1 (its translation)
+  /// and 3k + 2 (its rotation); 6, in space: 6k to 6k + 2 (its translations) and 6k + 3 to 6k + 5 (its rotations about
+  /// its principal axes, so that M^-1 is diagonal).
   int32_t columns_per_body;
-  uint32_t facts;          ///< bits of what is known; an A that is said to be symmetric and is not is refused
-  const double* values;    ///< dense: the n n numbers of A, symmetric or not; compressed: `entries` numbers
-  int64_t entries;         ///< compressed: stored entries, 0 <= entries < 2^31
-  const int32_t* starts;   ///< compressed: a number a column (or row) and one more, not falling, from 0 to `entries`
+  /// Dense, sparse, 1: A = A^T is known; 0: it is not. An A that is said to be symmetric and is not is refused.
+  int32_t symmetric;
+  int32_t positive_semidefinite;  ///< dense, sparse, 1: f.A f >= 0 for every f is known; 0: it is not
+  /// Dense: the n n numbers of A, symmetric or not; compressed: `entries` numbers; two bodies: 2 p n numbers, of each
+  /// row of J the p of its first body, then those of its second.
+  const double* values;
+  const float* values_single;  ///< two bodies: the same in single precision, in place of `values`; summed in double
+  const int32_t* body;  ///< two bodies: 2 n numbers in [-1, bodies), the bodies of each row; -1: none (the ground)
+  int64_t problems;     ///< two bodies: where `starts` is not NULL, of how many problems these are the rows, >= 0
+  int64_t entries;      ///< compressed: stored entries, 0 <= entries < 2^31
+  /// Compressed: a number a column (or row) and one more, not falling, from 0 to `entries`. Two bodies: NULL, or a
+  /// number a problem and one more, not falling, from 0 to n: problem k has the rows starts[k] .. starts[k + 1] - 1.
+  const int32_t* starts;
   const int32_t* indices;  ///< compressed: `entries` rows (or columns), none twice in one column (or row)
-  /// Factors: `columns` numbers >= 0, the diagonal of M^-1: 1/kg for translations, 1/(kg m^2) for rotations; 0 for what
-  /// cannot move.
+  /// Factors, two bodies: a number >= 0 a column of J, the diagonal of M^-1: 1/kg for translations, 1/(kg m^2) for
+  /// rotations; 0 for what cannot move.
   const double* inverse_mass;
   const double* b;       ///< n numbers; from factors J M^-1 (external forces) plus the velocity-product terms
   const uint8_t* kinds;  ///< n bytes, LCPBENCH_UNILATERAL or LCPBENCH_BILATERAL; NULL: every row is unilateral
@@ -172,11 +171,11 @@ LCPBENCH_API const char* lcpbench_status_key(lcpbench_status status);
 LCPBENCH_API lcpbench_error lcpbench_problem_create(const lcpbench_problem_data* data, lcpbench_problem** problem);
 
 /// Frees a problem. Solvers and answers that have met it stay valid.
-/// @param problem  may be NULL
 LCPBENCH_API void lcpbench_problem_free(lcpbench_problem* problem);
 
 /// One row of the table of solvers. Strings live as long as the library.
 typedef struct lcpbench_solver_info {
+  size_t size;             ///< sizeof(lcpbench_solver_info)
   const char* key;         ///< what lcpbench_solver_create takes: "auto", "dantzig", "pgs", ...
   const char* method;      ///< one line
   const char* source;      ///< paper or library
@@ -191,37 +190,26 @@ LCPBENCH_API size_t lcpbench_solver_count(void);
 
 /// A row of the table of solvers, own ones first.
 /// @param index  in [0, lcpbench_solver_count())
-/// @param info   the row
-/// @param size   sizeof *info
-LCPBENCH_API lcpbench_error lcpbench_solver_describe(size_t index, lcpbench_solver_info* info, size_t size);
-
-/// An option of one method by name: {"relaxation", "1.3"}. Names and values are those of `lcpbench solve --set`, and
-/// are documented in the solver's C++ header (solvers/first_order/pgs.h, say). Numbers are in C notation, whatever the
-/// locale.
-typedef struct lcpbench_setting {
-  const char* name;   ///< not NULL
-  const char* value;  ///< not NULL
-} lcpbench_setting;
+/// @param info   the row, written but for its size
+LCPBENCH_API lcpbench_error lcpbench_solver_describe(size_t index, lcpbench_solver_info* info);
 
 /// A solver by its key, with the default settings but for those given.
-/// @param key       not NULL; "auto" chooses a method by the problem
-/// @param settings  `count` settings, none twice; NULL where count is 0
-/// @param count     how many
+/// @param key       "auto" chooses a method by the problem
+/// @param settings  options of the method, none twice: "relaxation=1.3 form=assembled", as `lcpbench solve --set` takes
+///                  them, with numbers in C notation whatever the locale. The solver's C++ header describes them
+///                  (solvers/first_order/pgs.h, say). NULL: none
 /// @param solver    the new solver, to be freed by lcpbench_solver_free
 /// LCPBENCH_INVALID_ARGUMENT for a key that is unknown or not in this build, and for settings that the method does not
 /// have or allow.
-LCPBENCH_API lcpbench_error lcpbench_solver_create(const char* key, const lcpbench_setting* settings, size_t count,
-                                                   lcpbench_solver** solver);
+LCPBENCH_API lcpbench_error lcpbench_solver_create(const char* key, const char* settings, lcpbench_solver** solver);
 
 /// What depends on the structure of the problem only (forms of A that the method reads, workspace, symbolic analysis),
 /// so that it is no part of the solve. lcpbench_solve does it where the caller did not. A second call with the same
 /// problem costs nothing. LCPBENCH_OUT_OF_MEMORY where a method would need more memory than there is; a problem that
 /// the solver does not take is left to lcpbench_solve, whose status says so.
-/// @param solver,problem  not NULL
 LCPBENCH_API lcpbench_error lcpbench_solver_prepare(lcpbench_solver* solver, const lcpbench_problem* problem);
 
 /// Frees a solver, and ends its worker process where it has one.
-/// @param solver  may be NULL
 LCPBENCH_API void lcpbench_solver_free(lcpbench_solver* solver);
 
 /// What every solver understands.
@@ -239,7 +227,7 @@ typedef struct lcpbench_solve_options {
   double rank_tolerance;
 } lcpbench_solve_options;
 
-/// An answer: lcpbench_solve writes it, lcpbench_verify reads it, also one that the caller has filled in.
+/// An answer: a solve writes it but for its size, lcpbench_verify reads it, also one that the caller has filled in.
 typedef struct lcpbench_answer {
   size_t size;             ///< sizeof(lcpbench_answer)
   lcpbench_status status;  ///< how the solve ended, as the solver claims
@@ -250,14 +238,22 @@ typedef struct lcpbench_answer {
   int64_t iterations;      ///< pivots, sweeps or Newton steps, as the solver's header defines them
   int64_t nullity;         ///< with rank_tolerance: free directions of f; -1: f is not of least norm, detail says why
   const char* detail;  ///< the reason in words, with an external library's own code; "" where there is nothing to say
+  /// Residual of f (see lcpbench_verdict) of a step, as the solver measured it: the largest among groups of rows that
+  /// do not act on each other, which that over all rows does not exceed. Infinite where it was not measured, as by
+  /// lcpbench_solve, or is beyond double; never NaN.
+  double rho;
+  /// Where a step is LCPBENCH_INFEASIBLE: any solution has |D^1/2 f|_1 of this or more, D = diag A. Infinite where that
+  /// is proved, which infeasible_proved says; else 0.
+  double force_min;
+  int64_t infeasible_proved;  ///< of a step, 1: LCPBENCH_INFEASIBLE is proved for the numbers as given; else 0
+  int64_t fallbacks;          ///< of the step solver since its creation: solves left to solvers that allocate
 } lcpbench_answer;
 
 /// Solves. A solve that fails is LCPBENCH_OK with a status that says so. Nothing carries over from one solve to the
 /// next but workspace: repeated solves of one problem with the same options give the same bits.
-/// @param solver,problem  not NULL
 /// @param options  NULL: the defaults
-/// @param answer   written but for its size, or left as it was where an argument is refused. Its pointers belong to the
-///                 solver: valid until its next solve that is not refused, or until it is freed
+/// @param answer   left as it was where an argument is refused. Its pointers belong to the solver: valid until its next
+///                 solve that is not refused, or until it is freed
 LCPBENCH_API lcpbench_error lcpbench_solve(lcpbench_solver* solver, const lcpbench_problem* problem,
                                            const lcpbench_solve_options* options, lcpbench_answer* answer);
 
@@ -267,10 +263,12 @@ LCPBENCH_API lcpbench_error lcpbench_solve(lcpbench_solver* solver, const lcpben
 /// @param reported  what BLAS says afterwards, 0 where it cannot tell; may be NULL
 LCPBENCH_API lcpbench_error lcpbench_limit_library_threads(int32_t threads, int32_t* reported);
 
-/// From an engine's arrays to forces, for the LCP of one time step: what the solver "auto" does, without problem and
-/// result objects. The arrays are read in place, no matrix is copied, and lcpbench_step_solve allocates nothing up to
-/// the sizes given to lcpbench_step_reserve, but for what lcpbench_step_fallbacks counts and for refused arguments.
-/// Nothing but workspace carries over from one solve to the next: the same rows and start give the same bits.
+/// From an engine's arrays to forces, for the LCP of one time step: what the solver "auto" does, without a
+/// lcpbench_problem. The arrays of a problem of the form LCPBENCH_TWO_BODIES are read in place and must not change
+/// during a call. Up to the sizes that its options have, lcpbench_step_solve allocates nothing, but for what
+/// lcpbench_answer.fallbacks counts and for refused arguments: with friction rows mostly where an island (rows that
+/// share bodies) has more than 128 rows, and always with bounded rows and no friction. Nothing but workspace carries
+/// over from one solve to the next: the same rows and start give the same bits.
 typedef struct lcpbench_step lcpbench_step;
 
 /// Options of a step solver.
@@ -278,92 +276,30 @@ typedef struct lcpbench_step_options {
   size_t size;          ///< sizeof(lcpbench_step_options)
   double tolerance;     ///< requested bound on rho (see lcpbench_verdict), in (0, 1); 0: 1e-9
   double time_limit_s;  ///< wall-clock limit of one solve [s], > 0; 0: no limit
-  int32_t threads;      ///< of lcpbench_step_solve_batch, in [1, 1024], the caller's among them; 0: 1
-  int32_t reserved;     ///< 0
+  int64_t threads;      ///< for many problems, in [1, 1024], the caller's among them; 0: 1
+  int64_t max_rows;     ///< workspace for so many rows, 0 <= max_rows < 2^31; more are welcome, and allocate once
+  int64_t max_bodies;   ///< the same for bodies
 } lcpbench_step_options;
 
-/// One problem as an engine's arrays hold it: rows that act on two bodies at most, A = J M^-1 J^T. The arrays stay the
-/// caller's: they are read in place, and must not change during a call. Without rows they may be NULL. Rows that act on
-/// more than two bodies are for problems from factors.
-typedef struct lcpbench_step_rows {
-  size_t size;                 ///< sizeof(lcpbench_step_rows)
-  int64_t rows;                ///< n, 0 <= rows < 2^31
-  int64_t bodies;              ///< of which inverse_mass tells, 0 <= bodies < 2^31
-  int32_t columns_per_body;    ///< p: 3 (0 stands for it) or 6, as in lcpbench_problem_data
-  int32_t reserved;            ///< 0
-  const int32_t* body;         ///< 2 n numbers in [-1, bodies): the two bodies of each row; -1: none (the ground)
-  const double* J;             ///< 2 p n numbers, finite: of each row the p of its first body, then those of its second
-  const float* J_single;       ///< the same in single precision, in place of J, one of which is NULL; summed in double
-  const double* b;             ///< n numbers, finite: J M^-1 (external forces) plus the velocity-product terms
-  const uint8_t* kinds;        ///< n bytes, LCPBENCH_UNILATERAL or LCPBENCH_BILATERAL; NULL: every row is unilateral
-  const double* inverse_mass;  ///< p numbers a body, finite, >= 0; 0 for what cannot move
-  const lcpbench_friction_row* friction;  ///< `friction_count` structs: friction and sliding rows
-  int64_t friction_count;                 ///< >= 0
-  const lcpbench_bounded_row* bounded;    ///< `bounded_count` structs
-  int64_t bounded_count;                  ///< >= 0
-} lcpbench_step_rows;
-
-/// How a solve of a step ended.
-typedef struct lcpbench_step_answer {
-  lcpbench_status status;  ///< the solver's claim; LCPBENCH_SOLVED only for an f that passed its own check
-  /// 1: LCPBENCH_INFEASIBLE is proved for the numbers as given; 0: it holds within rounding only (see force_min), or
-  /// the status is another.
-  int32_t infeasible_proved;
-  int64_t iterations;  ///< pivots, and iterations of what solved large groups of bodies
-  /// Residual of f (see lcpbench_verdict), as the solver measured it: the largest among groups of rows that do not act
-  /// on each other, which that over all rows does not exceed. Infinite where it was not measured, or is beyond double;
-  /// never NaN.
-  double rho;
-  /// Where LCPBENCH_INFEASIBLE holds within rounding only: any solution has |D^1/2 f|_1 of this or more, D = diag A.
-  /// Infinite where proved, 0 where the status is another.
-  double force_min;
-} lcpbench_step_answer;
-
-/// A step solver.
+/// A step solver with its workspace.
 /// @param options  NULL: the defaults
 /// @param step     the new step solver, to be freed by lcpbench_step_free
 LCPBENCH_API lcpbench_error lcpbench_step_create(const lcpbench_step_options* options, lcpbench_step** step);
 
-/// Workspace for steps of that size. Larger ones are welcome, and allocate once by themselves.
-/// @param step                 not NULL
-/// @param max_rows,max_bodies  in [0, 2^31)
-LCPBENCH_API lcpbench_error lcpbench_step_reserve(lcpbench_step* step, int64_t max_rows, int64_t max_bodies);
-
-/// Solves. A solve that fails is LCPBENCH_OK with a status that says so. After lcpbench_step_reserve it allocates where
-/// lcpbench_step_fallbacks counts it only: with friction rows mostly where an island (rows that share bodies) has more
-/// than 128 rows, and always with bounded rows and no friction.
-/// @param step       not NULL
-/// @param rows       the arrays of this step
-/// @param initial_f  warm start: n numbers, finite, 0 for new rows, in another array than f; NULL: a cold start
+/// Solves a step, or many problems where data->starts says which rows are whose. Bodies that can move belong to one
+/// problem each, as do a friction row and its normal row. With friction or bounded rows each problem is solved as if
+/// alone, in the same bits, side by side in threads. A solve that fails is LCPBENCH_OK with a status that says so.
+/// @param data       of the form LCPBENCH_TWO_BODIES. Inverse masses of bodies that no row names are not read
+/// @param initial_f  warm start: n numbers, finite, 0 for new rows, in another array than f; NULL: a cold start, which
+///                   many problems have
 /// @param f          n numbers, written: the forces, the best there are where the status is not LCPBENCH_SOLVED
-/// @param w          n numbers, written: A f + b, in double; may be NULL
-/// @param answer     how it ended
-/// @param size       sizeof *answer
-LCPBENCH_API lcpbench_error lcpbench_step_solve(lcpbench_step* step, const lcpbench_step_rows* rows,
+/// @param w          n numbers, written: A f + b, in double; NULL: not wanted, as of many problems
+/// @param answers    one a problem, written, all of the size that the first one has; their f are within `f`
+LCPBENCH_API lcpbench_error lcpbench_step_solve(lcpbench_step* step, const lcpbench_problem_data* data,
                                                 const double* initial_f, double* f, double* w,
-                                                lcpbench_step_answer* answer, size_t size);
-
-/// Solves many problems, from cold starts. Problem k has the rows starts[k] .. starts[k + 1] - 1 of `rows`; bodies that
-/// can move belong to one problem each, as do a friction row and its normal row. With friction or bounded rows each
-/// problem is solved as lcpbench_step_solve does, in the same bits, side by side in threads.
-/// @param step     not NULL
-/// @param rows     the arrays of all problems, one after the other
-/// @param starts   count + 1 numbers that do not fall, the first 0 and the last rows->rows
-/// @param count    problems, >= 0
-/// @param f        rows->rows numbers, written: the forces
-/// @param answers  `count` structs, written; NULL where count is 0
-/// @param size     sizeof *answers
-LCPBENCH_API lcpbench_error lcpbench_step_solve_batch(lcpbench_step* step, const lcpbench_step_rows* rows,
-                                                      const int32_t* starts, int64_t count, double* f,
-                                                      lcpbench_step_answer* answers, size_t size);
-
-/// How many solves since the creation went to solvers that allocate, because what allocates nothing did not solve them.
-/// @param step       not NULL
-/// @param fallbacks  the number of solves
-LCPBENCH_API lcpbench_error lcpbench_step_fallbacks(const lcpbench_step* step, int64_t* fallbacks);
+                                                lcpbench_answer* answers);
 
 /// Frees a step solver.
-/// @param step  may be NULL
 LCPBENCH_API void lcpbench_step_free(lcpbench_step* step);
 
 /// An independent judgement of an answer, the same for every solver. D = diag A, 1 where A_ii = 0; C are the unilateral
@@ -371,6 +307,7 @@ LCPBENCH_API void lcpbench_step_free(lcpbench_step* step);
 /// tier T if and only if f is finite, rho <= T and backward_error <= sqrt(T). All measures are infinite where f is not
 /// finite.
 typedef struct lcpbench_verdict {
+  size_t size;               ///< sizeof(lcpbench_verdict)
   double requested;          ///< the tier asked for
   int32_t passes;            ///< 1: the answer passes that tier
   int32_t false_success;     ///< 1: LCPBENCH_SOLVED was claimed and the answer does not pass
@@ -416,11 +353,10 @@ typedef struct lcpbench_verdict {
 /// @param answer     its f is judged, also where it is not finite, and its ray where it has one; its status is a claim,
 ///                   which decides over false_success and false_infeasible only
 /// @param tolerance  the tier T, in (0, 1)
-/// @param verdict    the judgement
-/// @param size       sizeof *verdict
+/// @param verdict    the judgement, written but for its size
 /// @param w          n numbers, written: A f + b, NaN where f is not finite; may be NULL
 LCPBENCH_API lcpbench_error lcpbench_verify(const lcpbench_problem* problem, const lcpbench_answer* answer,
-                                            double tolerance, lcpbench_verdict* verdict, size_t size, double* w);
+                                            double tolerance, lcpbench_verdict* verdict, double* w);
 
 #ifdef __cplusplus
 }

@@ -140,4 +140,16 @@ LeastNormForces FindLeastNormForces(const LcpProblem& problem, const Eigen::Vect
   return answer;
 }
 
+std::optional<LeastNormForces> TakeLeastNorm(const LcpProblem& problem, const LeastNormOptions& options,
+                                             LcpResult* result) {
+  if (result->status != LcpStatus::kSolved) return std::nullopt;
+  LeastNormForces found = FindLeastNormForces(problem, result->f, options);
+  if (found.status != LcpStatus::kSolved) {
+    result->detail += (result->detail.empty() ? "" : "; ") + ("not of least norm: " + found.detail);
+    return std::nullopt;
+  }
+  result->f = found.f;
+  return found;
+}
+
 }  // namespace lcpbench

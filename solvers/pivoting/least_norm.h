@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "solvers/lcp/problem.h"
@@ -40,5 +41,10 @@ inline constexpr Index kMostRowsOfLeastNorm = 1000;
 /// @throws InputError for options out of range and f of another size
 LeastNormForces FindLeastNormForces(const LcpProblem& problem, const Eigen::VectorXd& f,
                                     const LeastNormOptions& options = {});
+
+/// Gives a solved result the forces of least norm. Where there are none, its detail says why.
+/// @return  nothing where the result has other forces
+std::optional<LeastNormForces> TakeLeastNorm(const LcpProblem& problem, const LeastNormOptions& options,
+                                             LcpResult* result);
 
 }  // namespace lcpbench

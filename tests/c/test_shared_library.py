@@ -6,49 +6,25 @@ import re
 import subprocess
 import sys
 import unittest
-from ctypes import (POINTER, byref, c_char, c_char_p, c_double, c_int32, c_int64, c_size_t, c_uint8, c_uint32, c_void_p,
-                    sizeof)
+from ctypes import POINTER, byref, c_char, c_char_p, c_double, c_int32, c_int64, c_size_t, c_uint8, c_void_p
 
-_LIBRARY, _HEADER = sys.argv[1:3]
-
-
-class Problem(ctypes.Structure):
-    _fields_ = [
-        ("size", c_size_t), ("form", c_int32), ("layout", c_int32), ("rows", c_int64), ("columns", c_int64),
-        ("columns_per_body", c_int32), ("facts", c_uint32), ("values", POINTER(c_double)), ("entries", c_int64),
-        ("starts", POINTER(c_int32)), ("indices", POINTER(c_int32)), ("inverse_mass", POINTER(c_double)),
-        ("b", POINTER(c_double)), ("kinds", POINTER(c_uint8)), ("friction", c_void_p), ("friction_count", c_int64),
-        ("bounded", c_void_p), ("bounded_count", c_int64)
-    ]
+_LIBRARY = sys.argv[1]
+with open(sys.argv[2], encoding="utf-8") as _header:
+    _HEADER = re.sub(r"//[^\n]*", "", _header.read())
+_TYPES = {"size_t": c_size_t, "int32_t": c_int32, "int64_t": c_int64, "double": c_double, "lcpbench_form": c_int32,
+          "lcpbench_status": c_int32, "const double*": POINTER(c_double), "const int32_t*": POINTER(c_int32),
+          "const uint8_t*": POINTER(c_uint8), "const char*": c_char_p, "char": c_char}
 
 
-class Answer(ctypes.Structure):
-    _fields_ = [
-        ("size", c_size_t), ("status", c_int32), ("relaxed", c_int32), ("n", c_int64), ("f", POINTER(c_double)),
-        ("ray", POINTER(c_double)), ("iterations", c_int64), ("nullity", c_int64), ("detail", c_char_p)
-    ]
-
-
-class Verdict(ctypes.Structure):
-    _fields_ = (
-        [("requested", c_double)]
-        + [(name, c_int32) for name in ("passes", "false_success", "false_infeasible", "has_ray", "ray_accepted",
-                                       "ray_proved")]
-        + [(name, c_double) for name in (
-            "best_tier", "rho", "backward_error", "natural_residual", "primal_infeasibility", "dual_infeasibility",
-            "complementarity", "gap", "energy_bound", "energy_shift", "answer_floor", "ray_b_dot_y",
-            "ray_null_residual")]
-        + [("reason", c_char * 256), ("ray_reason", c_char * 256)]
-        + [(name, c_double) for name in (
-            "ray_force_min", "penetration", "adhesion", "separation", "cone", "dissipation", "joints", "beyond_bounds",
-            "model_rho")]
-    )
-
-
-def _declared_functions():
-    with open(_HEADER, encoding="utf-8") as header:
-        text = re.sub(r"//[^\n]*", "", header.read())
-    return set(re.findall(r"^LCPBENCH_API[^;(]*?(\w+)\(", text, re.MULTILINE))
+def _struct(name):
+    """A struct as the header declares it, of zeros but for its size."""
+    body = re.search(r"typedef struct " + name + r" \{(.*?)\}", _HEADER, re.DOTALL).group(1)
+    fields = []
+    for kind, member, count in re.findall(r"(\S[^;]*?) (\w+)(?:\[(\d+)\])?;", body):
+        c_type = _TYPES.get(kind, c_void_p) if kind.endswith("*") else _TYPES[kind]
+        fields.append((member, c_type * int(count) if count else c_type))
+    made = type(name, (ctypes.Structure,), {"_fields_": fields})
+    return made(ctypes.sizeof(made))
 
 
 class SharedLibrary(unittest.TestCase):
@@ -64,21 +40,20 @@ class SharedLibrary(unittest.TestCase):
         self.assertEqual(error, 0, self.library.lcpbench_last_error())
 
     def test_solves_and_judges(self):
-        problem, solver, answer, verdict = c_void_p(), c_void_p(), Answer(), Verdict()
-        starts, indices = (c_int32 * 4)(0, 2, 4, 5), (c_int32 * 5)(0, 1, 0, 1, 2)
-        values, b, w = (c_double * 5)(2, 1, 1, 2, 1), (c_double * 3)(-5, -6, 3), (c_double * 3)()
-        data = Problem(sizeof(Problem), form=2, rows=3, facts=1, values=values, entries=5, starts=starts,
-                       indices=indices, b=b)
-        answer.size = sizeof(answer)
+        problem, solver, w = c_void_p(), c_void_p(), (c_double * 3)()
+        data, answer, verdict = (_struct(f"lcpbench_{name}") for name in ("problem_data", "answer", "verdict"))
+        data.form, data.rows, data.symmetric, data.entries = 2, 3, 1, 5
+        data.starts, data.indices = (c_int32 * 4)(0, 2, 4, 5), (c_int32 * 5)(0, 1, 0, 1, 2)
+        data.values, data.b = (c_double * 5)(2, 1, 1, 2, 1), (c_double * 3)(-5, -6, 3)
         self._call("lcpbench_problem_create", byref(data), byref(problem))
-        self._call("lcpbench_solver_create", b"auto", None, c_size_t(0), byref(solver))
+        self._call("lcpbench_solver_create", b"auto", None, byref(solver))
         self._call("lcpbench_solve", solver, problem, None, byref(answer))
-        self._call("lcpbench_verify", problem, byref(answer), c_double(1e-9), byref(verdict), c_size_t(sizeof(verdict)),
-                   w)
+        self._call("lcpbench_verify", problem, byref(answer), c_double(1e-9), byref(verdict), w)
         self.assertEqual((answer.n, answer.status, answer.nullity, answer.detail), (3, 1, -1, b"tableau"))
         for found, expected in zip(answer.f[:3] + w[:3], (4 / 3, 7 / 3, 0, 0, 0, 3)):
             self.assertAlmostEqual(found, expected, places=13)
         self.assertEqual((verdict.passes, verdict.best_tier, verdict.reason), (1, 1e-9, b""))
+        self.assertEqual((verdict.adhesion, verdict.model_rho), (-1, -1))
         self.library.lcpbench_solver_free(solver)
         self.library.lcpbench_problem_free(problem)
 
@@ -91,7 +66,8 @@ class SharedLibrary(unittest.TestCase):
         listed = subprocess.run(["nm", "-D", "--defined-only", _LIBRARY], check=True, capture_output=True, text=True)
         kinds_and_names = [line.split()[1:] for line in listed.stdout.splitlines()]
         exported = {name.split("@")[0] for kind, name in kinds_and_names if kind != "A"}
-        self.assertEqual(exported, _declared_functions())
+        declared = re.findall(r"^LCPBENCH_API[^;(]*?(\w+)\(", _HEADER, re.MULTILINE)
+        self.assertEqual(exported, set(declared))
 
 
 if __name__ == "__main__":

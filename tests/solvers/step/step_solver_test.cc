@@ -302,6 +302,62 @@ TEST(StepSolver, ClaimsNothingOfJointsThatContradictEachOther) {
   }
 }
 
+// Two joints of one body in the plane, along (x, y) and along (u, v), that want it to go both ways.
+StepAnswer SolveTwoJoints(double x, double y, double u, double v) {
+  StepArrays arrays;
+  arrays.inverse_mass.assign(3, 1);
+  arrays.Add(0, -1, {x, y, 0, 0, 0, 0}, 1, true);
+  arrays.Add(0, -1, {u, v, 0, 0, 0, 0}, -1, true);
+  StepSolver solver;
+  const Solved solved = Solve(&solver, arrays.View());
+  EXPECT_TRUE(solved.f.allFinite());
+  return solved.answer;
+}
+
+TEST(StepSolver, TellsHowSurelyThereIsNoAnswer) {
+  StepAnswer answer = SolveTwoJoints(1, 0, 1, 0);
+  EXPECT_EQ(answer.status, LcpStatus::kInfeasible);
+  EXPECT_TRUE(answer.infeasible_proved && std::isinf(answer.force_min));
+  // The second joint is three times the first, but for the last digits.
+  answer = SolveTwoJoints(0.3, 0.1, 0.9, 0.3);
+  EXPECT_EQ(answer.status, LcpStatus::kInfeasible);
+  EXPECT_TRUE(!answer.infeasible_proved && answer.force_min > 1e12 && std::isfinite(answer.force_min));
+  // From an angle of 1e-13 on there is a solution.
+  for (double angle = 1e-12; angle < 0.1; angle *= 7) {
+    answer = SolveTwoJoints(0.6, 0.8, 0.6 - 0.8 * angle, 0.8 + 0.6 * angle);
+    EXPECT_NE(answer.status, LcpStatus::kInfeasible) << angle;
+    EXPECT_TRUE(!answer.infeasible_proved && answer.force_min == 0) << angle;
+  }
+}
+
+// Numbers up to the ends of double's range, solvable or not, and also without time: rho is a number or infinite, and
+// that of the verifier where the solver failed.
+TEST(StepSolver, RhoIsNeverNan) {
+  for (const double size : {0.0, 1.0, 1e-320, 1e-170, 1e100, 1e150}) {
+    // A: 0 in double, not so for the verifier
+    const bool is_below_double = size > 0 && size * size == 0;
+    for (const double load : {0.0, -1.0, 1.0, -1e-320, -1e-170, 1e170, -1e308}) {
+      for (const Index n : {1, 4, 30}) {
+        StepArrays arrays = RandomStep(n, n + 2, 3, static_cast<unsigned>(n));
+        for (double& number : arrays.J) number *= size;
+        for (Index i = 0; i < n; ++i) arrays.b[static_cast<std::size_t>(i)] = load * (i % 3 == 2 ? -0.5 : 1);
+        for (const double limit : {kInfinity, 1e-12}) {
+          StepSolver solver({.time_limit_s = limit});
+          Solved solved = Solve(&solver, arrays.View());
+          const double rho = Judge(arrays.Problem(), solved).metrics.rho;
+          const std::string what = std::to_string(n) + " rows, " + std::to_string(size) + ", " + std::to_string(load);
+          EXPECT_FALSE(std::isnan(solved.answer.rho) || std::isnan(rho)) << what;
+          const bool agrees = solved.answer.rho == rho || std::abs(solved.answer.rho - rho) <= 1e-9 * (1 + rho);
+          EXPECT_TRUE(solved.answer.status == LcpStatus::kSolved || is_below_double || agrees) << what;
+          solver.SolveBatch(arrays.View(), std::vector{0, static_cast<std::int32_t>(n)}, solved.f.data(),
+                            {&solved.answer, 1});
+          EXPECT_FALSE(std::isnan(solved.answer.rho)) << what;
+        }
+      }
+    }
+  }
+}
+
 // Units far from 1, up to the ends of the doubles' range.
 TEST(StepSolver, SolvesAtEveryScale) {
   for (const int exponent : {-120, -70, -40, 0, 40, 70, 120}) {
