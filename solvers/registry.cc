@@ -169,7 +169,6 @@ std::vector<SolverEntry> FirstOrderSolvers() {
       {.key = "pgs",
        .method = "projected Gauss-Seidel, assembled or matrix-free",
        .source = "Cottle, Pang, Stone, ch. 5",
-       .uses_tolerance = true,
        .why_not_guaranteed = &Because<kInTheLimit>,
        .make = Make<PgsSolver>("pgs"),
        .takes_friction = true,
@@ -177,7 +176,6 @@ std::vector<SolverEntry> FirstOrderSolvers() {
       {.key = "psor",
        .method = "projected SOR, relaxation adapted to the measured rate",
        .source = "Cryer 1971; Young 1971",
-       .uses_tolerance = true,
        .why_not_guaranteed = &Because<kInTheLimit>,
        .make = Make<PgsSolver>("psor", {.relaxation = PgsOptions::kFirstOfAdaptive, .adaptive = true}),
        .takes_friction = true,
@@ -185,14 +183,12 @@ std::vector<SolverEntry> FirstOrderSolvers() {
       {.key = "nncg",
        .method = "nonsmooth conjugate gradients on symmetric Gauss-Seidel sweeps",
        .source = "Silcowitz, Niebe, Erleben 2010",
-       .uses_tolerance = true,
        .why_not_guaranteed = &Because<kInTheLimit>,
        .make = Make<NncgSolver>("nncg"),
        .takes_bounded = true},
       {.key = "apgd",
        .method = "accelerated projected gradients, adaptive step and restart",
        .source = "Mazhar, Heyn, Negrut, Tasora 2015",
-       .uses_tolerance = true,
        .why_not_guaranteed = &Because<kInTheLimit>,
        .make = Make<ApgdSolver>("apgd"),
        .takes_bounded = true},
@@ -204,7 +200,6 @@ std::vector<SolverEntry> FrictionSolvers() {
   return {{.key = "relaxation",
            .method = "friction relaxed to two rows a contact, solved by auto: a model of its own",
            .source = "Anitescu 2006; Todorov 2014",
-           .uses_tolerance = true,
            .why_not_guaranteed = &AnyPsd,
            .make = Make<RelaxationSolver>("relaxation", on_auto),
            .takes_friction = true,
@@ -212,7 +207,6 @@ std::vector<SolverEntry> FrictionSolvers() {
           {.key = "shift",
            .method = "relaxations of friction with shifted gaps, a few Newton steps on modes after each",
            .source = "De Saxce, Feng 1991; Acary et al. 2011",
-           .uses_tolerance = true,
            .why_not_guaranteed = &Because<kModesMayCycle>,
            .make = Make<ShiftSolver>("shift", on_auto),
            .takes_friction = true,
@@ -220,7 +214,6 @@ std::vector<SolverEntry> FrictionSolvers() {
           {.key = "mode-newton",
            .method = "Newton's method on the modes of contacts, proximal, with sweeps where it stalls",
            .source = "Alart, Curnier 1991",
-           .uses_tolerance = true,
            .why_not_guaranteed = &Because<kModesMayCycle>,
            .make = Make<ModeNewtonSolver>("mode-newton"),
            .takes_friction = true,
@@ -229,7 +222,6 @@ std::vector<SolverEntry> FrictionSolvers() {
           {.key = "lagged-bounds",
            .method = "friction bounded by the normal forces of the last of a row of box programs",
            .source = "Haslinger 1983; Panagiotopoulos 1985",
-           .uses_tolerance = true,
            .why_not_guaranteed = &Because<kNoContraction>,
            .make = Make<LaggedBoundsSolver>("lagged-bounds", on_auto),
            .takes_friction = true,
@@ -243,35 +235,31 @@ std::vector<SolverEntry> InteriorPointSolvers() {
       {.key = "ipopt-qp",
        .method = "interior point on the convex QP min 1/2 f.A f + b.f, f_C >= 0",
        .source = "Ipopt (Waechter 2006)",
-       .uses_tolerance = true,
        .why_not_guaranteed = &PsdAtMedium,
        .make = kMakeIpoptQp},
       {.key = "ipopt-ncp",
        .method = "interior point on min f.w subject to w = A f + b, f, w >= 0",
        .source = "Ipopt (Waechter 2006)",
-       .uses_tolerance = true,
        .why_not_guaranteed = &Because<kLocal>,
        .make = kMakeIpoptNcp},
       {.key = "ipm",
        .method = "interior point on sparse CHOLMOD, proximal, finished by an active set",
        .source = "SuiteSparse CHOLMOD (Chen 2008)",
-       .uses_tolerance = true,
        .why_not_guaranteed = &AnyPsd,
        .make = kMakeIpm,
        .takes_bounded = true},
       {.key = "hybrid",
        .method = "nonsmooth conjugate gradients while their rate promises an answer, then ipm",
        .source = "see solvers/interior_point/hybrid.h",
-       .uses_tolerance = true,
        .why_not_guaranteed = &AnyPsd,
        .make = kMakeHybrid},
   };
 }
 
 std::vector<SolverEntry> OwnSolvers() {
-  std::vector<SolverEntry> own;
-  for (const auto& group : {ActiveSetSolvers(), FirstOrderSolvers(), InteriorPointSolvers(), FrictionSolvers()}) {
-    own.insert(own.end(), group.begin(), group.end());
+  std::vector<SolverEntry> own = ActiveSetSolvers();
+  for (const auto& that_follow_it : {FirstOrderSolvers(), InteriorPointSolvers(), FrictionSolvers()}) {
+    for (const SolverEntry& entry : that_follow_it) own.emplace_back(entry).uses_tolerance = true;
   }
   for (SolverEntry& entry : own) entry.available = static_cast<bool>(entry.make);
   return own;
