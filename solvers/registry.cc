@@ -38,9 +38,17 @@ namespace {
 
 using Factory = std::function<std::unique_ptr<LcpSolver>(const Settings&)>;
 
+// With the options `start`, and what settings make of them.
+// @param key  for error texts
 template <typename Solver>
-std::unique_ptr<LcpSolver> Make(const Settings& settings) {
-  return std::make_unique<Solver>(Solver::Options::FromSettings(settings));
+Factory Make(const char* key, const typename Solver::Options& start = {}) {
+  return [key, start](const Settings& settings) -> std::unique_ptr<LcpSolver> {
+    SettingsReader reader(key, settings);
+    typename Solver::Options options = start;
+    if constexpr (requires { options.Read(&reader); }) options.Read(&reader);
+    reader.Finish();
+    return std::make_unique<Solver>(options);
+  };
 }
 
 std::string NotPsd(const LcpProblem& problem) {
@@ -59,29 +67,18 @@ std::string PsdAtMedium(const LcpProblem& problem, double tolerance) {
   return NotPsd(problem);
 }
 
-std::string Never(const LcpProblem& /*problem*/, double /*tolerance*/) {
-  return "converges to every tolerance in the limit only; no bound on the number of sweeps";
+// Of methods without a promise.
+template <const char* why>
+std::string Because(const LcpProblem& /*problem*/, double /*tolerance*/) {
+  return why;
 }
-
-std::string NoBoundOnBlocks(const LcpProblem& /*problem*/, double /*tolerance*/) {
-  return "blocks may cycle, and single exchanges have no polynomial bound";
-}
-
-std::string LeavesHardOnes(const LcpProblem& /*problem*/, double /*tolerance*/) {
-  return "what it finds hard it leaves to the methods that auto asks next";
-}
-
-std::string ModesMayCycle(const LcpProblem& /*problem*/, double /*tolerance*/) {
-  return "modes of contacts may cycle, and so may sweeps";
-}
-
-std::string NoContraction(const LcpProblem& /*problem*/, double /*tolerance*/) {
-  return "bounds may fail to settle where friction moves normal forces much";
-}
-
-std::string NcpLocal(const LcpProblem& /*problem*/, double /*tolerance*/) {
-  return "a nonconvex formulation: local convergence only";
-}
+constexpr char kInTheLimit[] = "converges to every tolerance in the limit only; no bound on the number of sweeps";
+constexpr char kNoBoundOnBlocks[] = "blocks may cycle, and single exchanges have no polynomial bound";
+constexpr char kLeavesHardOnes[] = "what it finds hard it leaves to the methods that auto asks next";
+constexpr char kModesMayCycle[] = "modes of contacts may cycle, and so may sweeps";
+constexpr char kNoContraction[] = "bounds may fail to settle where friction moves normal forces much";
+constexpr char kLocal[] = "a nonconvex formulation: local convergence only";
+constexpr char kNotOurs[] = "another project's solver: we promise nothing for it";
 
 template <AutoMethod method>
 SolverEntry MethodOfAuto(const std::string& text, const std::string& source) {
@@ -89,45 +86,45 @@ SolverEntry MethodOfAuto(const std::string& text, const std::string& source) {
           .method = text + "; a method of auto alone",
           .source = source,
           .uses_tolerance = true,
-          .why_not_guaranteed = &LeavesHardOnes,
+          .why_not_guaranteed = &Because<kLeavesHardOnes>,
           .make = [](const Settings& settings) -> std::unique_ptr<LcpSolver> {
             return std::make_unique<AutoSolver>(AutoOptions::Only(method, settings));
           }};
 }
 
 #ifdef LCPBENCH_WITH_IPOPT
-template <IpoptOptions::Program program>
-std::unique_ptr<LcpSolver> MakeIpopt(const Settings& settings) {
-  return std::make_unique<IpoptSolver>(IpoptOptions::FromSettings(program, settings));
-}
-const Factory kMakeIpoptQp = &MakeIpopt<IpoptOptions::Program::kQp>;
-const Factory kMakeIpoptNcp = &MakeIpopt<IpoptOptions::Program::kNcp>;
+const Factory kMakeIpoptQp = Make<IpoptSolver>("ipopt-qp", {.program = IpoptOptions::Program::kQp});
+const Factory kMakeIpoptNcp = Make<IpoptSolver>("ipopt-ncp", {.program = IpoptOptions::Program::kNcp});
 #else
 const Factory kMakeIpoptQp = nullptr;
 const Factory kMakeIpoptNcp = nullptr;
 #endif
 #ifdef LCPBENCH_WITH_SUITESPARSE
-const Factory kMakeIpm = &Make<IpmSolver>;
-const Factory kMakeHybrid = &Make<HybridSolver>;
+const Factory kMakeIpm = Make<IpmSolver>("ipm");
+const Factory kMakeHybrid = Make<HybridSolver>("hybrid");
 #else
 const Factory kMakeHybrid = nullptr;
 const Factory kMakeIpm = nullptr;
 #endif
 
 std::vector<SolverEntry> ActiveSetSolvers() {
+  LemkeOptions lemke;
+  lemke.make_other = [] { return std::make_unique<ModeLemkeSolver>(ModeLemkeOptions{}); };
   return {
       {.key = "dantzig",
        .method = "incremental pivoting on a dense updated factor, joints first",
        .source = "Baraff 1994, sec. 4",
        .why_not_guaranteed = &AnyPsd,
-       .make = &Make<DantzigSolver>,
+       .make = Make<DantzigSolver>("dantzig"),
        .method_class = MethodClass::kDenseMatrix},
       {.key = "auto",
        .method = "chooses among our own backends, checks the answer, asks the next",
        .source = "see solvers/auto/auto_solver.h",
        .uses_tolerance = true,
        .why_not_guaranteed = &AnyPsd,
-       .make = &Make<AutoSolver>,
+       .make = [](const Settings& settings) -> std::unique_ptr<LcpSolver> {
+         return std::make_unique<AutoSolver>(AutoOptions::FromSettings(settings));
+       },
        .takes_friction = true,
        .takes_bounded = true},
       MethodOfAuto<AutoMethod::kFixedSizeBpp>("block principal pivoting in registers, islands of up to 6 rows",
@@ -142,34 +139,27 @@ std::vector<SolverEntry> ActiveSetSolvers() {
        .method = "proximal semismooth Newton with exact line search on a sparse factor",
        .source = "Rockafellar 1976; Qi, Sun 1999",
        .why_not_guaranteed = &AnyPsd,
-       .make = &Make<SemismoothNewtonSolver>,
+       .make = Make<SemismoothNewtonSolver>("semismooth-newton"),
        .takes_bounded = true},
       {.key = "lemke",
        .method = "lexicographic Lemke on a dense updated factor, joints first",
        .source = "Lemke 1965; Cottle, Pang, Stone, sec. 4.4, 4.9",
        .why_not_guaranteed = &AnyPsd,
-       .make =
-           [](const Settings& settings) {
-             LemkeOptions options = LemkeOptions::FromSettings(settings);
-             options.make_other = [] { return std::make_unique<ModeLemkeSolver>(ModeLemkeOptions{}); };
-             return std::unique_ptr<LcpSolver>(std::make_unique<LemkeSolver>(options));
-           },
+       .make = Make<LemkeSolver>("lemke", lemke),
        .takes_friction = true,
        .takes_bounded = true,
        .method_class = MethodClass::kDenseMatrix},
       {.key = "bpp",
        .method = "block principal pivoting, proximal, on sparse or dense factors",
        .source = "Portugal, Judice, Vicente 1994",
-       .why_not_guaranteed = &NoBoundOnBlocks,
-       .make = &Make<BppSolver>,
+       .why_not_guaranteed = &Because<kNoBoundOnBlocks>,
+       .make = Make<BppSolver>("bpp"),
        .takes_bounded = true},
       {.key = "active-set",
        .method = "primal-dual active set on an updated sparse factor",
        .source = "Portugal, Judice, Vicente 1994; Davis 2006",
-       .why_not_guaranteed = &NoBoundOnBlocks,
-       .make = [](const Settings& settings) -> std::unique_ptr<LcpSolver> {
-         return std::make_unique<BppSolver>(BppOptions::ActiveSetFromSettings(settings));
-       },
+       .why_not_guaranteed = &Because<kNoBoundOnBlocks>,
+       .make = Make<BppSolver>("active-set", {.continuation_rows = SemismoothNewtonOptions().continuation_rows}),
        .takes_bounded = true},
   };
 }
@@ -179,79 +169,61 @@ std::vector<SolverEntry> FirstOrderSolvers() {
       {.key = "pgs",
        .method = "projected Gauss-Seidel, assembled or matrix-free",
        .source = "Cottle, Pang, Stone, ch. 5",
-       .uses_tolerance = true,
-       .why_not_guaranteed = &Never,
-       .make = &Make<PgsSolver>,
+       .why_not_guaranteed = &Because<kInTheLimit>,
+       .make = Make<PgsSolver>("pgs"),
        .takes_friction = true,
        .takes_bounded = true},
       {.key = "psor",
        .method = "projected SOR, relaxation adapted to the measured rate",
        .source = "Cryer 1971; Young 1971",
-       .uses_tolerance = true,
-       .why_not_guaranteed = &Never,
-       .make = [](const Settings& settings) -> std::unique_ptr<LcpSolver> {
-         return std::make_unique<PgsSolver>(PgsOptions::AdaptiveFromSettings(settings));
-       },
+       .why_not_guaranteed = &Because<kInTheLimit>,
+       .make = Make<PgsSolver>("psor", {.relaxation = PgsOptions::kFirstOfAdaptive, .adaptive = true}),
        .takes_friction = true,
        .takes_bounded = true},
       {.key = "nncg",
        .method = "nonsmooth conjugate gradients on symmetric Gauss-Seidel sweeps",
        .source = "Silcowitz, Niebe, Erleben 2010",
-       .uses_tolerance = true,
-       .why_not_guaranteed = &Never,
-       .make = &Make<NncgSolver>,
+       .why_not_guaranteed = &Because<kInTheLimit>,
+       .make = Make<NncgSolver>("nncg"),
        .takes_bounded = true},
       {.key = "apgd",
        .method = "accelerated projected gradients, adaptive step and restart",
        .source = "Mazhar, Heyn, Negrut, Tasora 2015",
-       .uses_tolerance = true,
-       .why_not_guaranteed = &Never,
-       .make = &Make<ApgdSolver>,
+       .why_not_guaranteed = &Because<kInTheLimit>,
+       .make = Make<ApgdSolver>("apgd"),
        .takes_bounded = true},
   };
 }
 
-// With `auto` for the problems within; without settings.
-template <typename Solver>
-Factory MakeOnAuto(const char* key) {
-  return [key](const Settings& settings) {
-    SettingsReader(key, settings).Finish();
-    return std::make_unique<Solver>(WithinOptions{[] { return std::make_unique<AutoSolver>(); }});
-  };
-}
-
 std::vector<SolverEntry> FrictionSolvers() {
+  const WithinOptions on_auto{[] { return std::make_unique<AutoSolver>(); }};
   return {{.key = "relaxation",
            .method = "friction relaxed to two rows a contact, solved by auto: a model of its own",
            .source = "Anitescu 2006; Todorov 2014",
-           .uses_tolerance = true,
            .why_not_guaranteed = &AnyPsd,
-           .make = MakeOnAuto<RelaxationSolver>("relaxation"),
+           .make = Make<RelaxationSolver>("relaxation", on_auto),
            .takes_friction = true,
            .takes_plain = false},
           {.key = "shift",
            .method = "relaxations of friction with shifted gaps, a few Newton steps on modes after each",
            .source = "De Saxce, Feng 1991; Acary et al. 2011",
-           .uses_tolerance = true,
-           .why_not_guaranteed = &ModesMayCycle,
-           .make = MakeOnAuto<ShiftSolver>("shift"),
+           .why_not_guaranteed = &Because<kModesMayCycle>,
+           .make = Make<ShiftSolver>("shift", on_auto),
            .takes_friction = true,
            .takes_plain = false},
           {.key = "mode-newton",
            .method = "Newton's method on the modes of contacts, proximal, with sweeps where it stalls",
            .source = "Alart, Curnier 1991",
-           .uses_tolerance = true,
-           .why_not_guaranteed = &ModesMayCycle,
-           .make = &Make<ModeNewtonSolver>,
+           .why_not_guaranteed = &Because<kModesMayCycle>,
+           .make = Make<ModeNewtonSolver>("mode-newton"),
            .takes_friction = true,
            .takes_bounded = true,
            .takes_plain = false},
           {.key = "lagged-bounds",
            .method = "friction bounded by the normal forces of the last of a row of box programs",
            .source = "Haslinger 1983; Panagiotopoulos 1985",
-           .uses_tolerance = true,
-           .why_not_guaranteed = &NoContraction,
-           .make = MakeOnAuto<LaggedBoundsSolver>("lagged-bounds"),
+           .why_not_guaranteed = &Because<kNoContraction>,
+           .make = Make<LaggedBoundsSolver>("lagged-bounds", on_auto),
            .takes_friction = true,
            .takes_bounded = true,
            .takes_plain = false}};
@@ -263,42 +235,34 @@ std::vector<SolverEntry> InteriorPointSolvers() {
       {.key = "ipopt-qp",
        .method = "interior point on the convex QP min 1/2 f.A f + b.f, f_C >= 0",
        .source = "Ipopt (Waechter 2006)",
-       .uses_tolerance = true,
        .why_not_guaranteed = &PsdAtMedium,
        .make = kMakeIpoptQp},
       {.key = "ipopt-ncp",
        .method = "interior point on min f.w subject to w = A f + b, f, w >= 0",
        .source = "Ipopt (Waechter 2006)",
-       .uses_tolerance = true,
-       .why_not_guaranteed = &NcpLocal,
+       .why_not_guaranteed = &Because<kLocal>,
        .make = kMakeIpoptNcp},
       {.key = "ipm",
        .method = "interior point on sparse CHOLMOD, proximal, finished by an active set",
        .source = "SuiteSparse CHOLMOD (Chen 2008)",
-       .uses_tolerance = true,
        .why_not_guaranteed = &AnyPsd,
        .make = kMakeIpm,
        .takes_bounded = true},
       {.key = "hybrid",
        .method = "nonsmooth conjugate gradients while their rate promises an answer, then ipm",
        .source = "see solvers/interior_point/hybrid.h",
-       .uses_tolerance = true,
        .why_not_guaranteed = &AnyPsd,
        .make = kMakeHybrid},
   };
 }
 
 std::vector<SolverEntry> OwnSolvers() {
-  std::vector<SolverEntry> own;
-  for (const auto& group : {ActiveSetSolvers(), FirstOrderSolvers(), InteriorPointSolvers(), FrictionSolvers()}) {
-    own.insert(own.end(), group.begin(), group.end());
+  std::vector<SolverEntry> own = ActiveSetSolvers();
+  for (const auto& that_follow_it : {FirstOrderSolvers(), InteriorPointSolvers(), FrictionSolvers()}) {
+    for (const SolverEntry& entry : that_follow_it) own.emplace_back(entry).uses_tolerance = true;
   }
   for (SolverEntry& entry : own) entry.available = static_cast<bool>(entry.make);
   return own;
-}
-
-std::string NotOurs(const LcpProblem& /*problem*/, double /*tolerance*/) {
-  return "another project's solver: we promise nothing for it";
 }
 
 // Where worker programs are: the environment variable LCPBENCH_WORKER_DIR, else the folder that an installation has for
@@ -330,7 +294,7 @@ SolverEntry EntryOf(const PeerEntry& peer) {
   entry.source = peer.project.library;
   entry.available = built.find(" " + std::string(peer.project.folder) + " ") != std::string_view::npos;
   entry.uses_tolerance = peer.tiers.has_value();
-  entry.why_not_guaranteed = &NotOurs;
+  entry.why_not_guaranteed = &Because<kNotOurs>;
   entry.origin = SolverOrigin::kPeer;
   entry.licence = peer.project.licence;
   entry.method_class = peer.method_class;
@@ -506,7 +470,7 @@ void RegisterExternalSolver(const std::string& key, const std::vector<std::strin
   entry.source = command.front();
   entry.available = true;
   entry.uses_tolerance = true;
-  entry.why_not_guaranteed = &NotOurs;
+  entry.why_not_guaranteed = &Because<kNotOurs>;
   entry.origin = SolverOrigin::kExternal;
   entry.licence = "unknown";
   entry.takes_friction = entry.takes_bounded = true;  // its worker says what it refuses

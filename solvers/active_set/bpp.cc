@@ -26,29 +26,6 @@ constexpr double kWeightRows = 1e4;
 constexpr std::int64_t kFactorizationsPerRow = 10;
 constexpr std::int64_t kExtraFactorizations = 200;
 
-BppOptions Read(const char* key, const Settings& settings, BppOptions options) {
-  SettingsReader reader(key, settings);
-  using Form = BppOptions::Form;
-  const std::string form = reader.Choice("form", "auto", {"auto", "dense", "sparse"});
-  if (form == "dense") options.form = Form::kDense;
-  if (form == "sparse") options.form = Form::kSparse;
-  constexpr double kLeast = BlockPivoting::kLeastWeight;
-  options.proximal = reader.Number("proximal", options.proximal, kLeast, 1e-2);
-  options.largest_proximal = reader.Number("largest_proximal", options.largest_proximal, kLeast, 100);
-  options.patience = static_cast<int>(reader.Number("patience", options.patience, 1, 100));
-  options.end_when_singular = reader.YesOrNo("end_when_singular", options.end_when_singular);
-  options.end_when_cycling = reader.YesOrNo("end_when_cycling", options.end_when_cycling);
-  options.self_check = reader.SelfCheck();
-  options.max_dense_rows =
-      static_cast<Index>(reader.Number("max_dense_rows", static_cast<double>(options.max_dense_rows), 1, 1e5));
-  if (options.continuation_rows != BppOptions().continuation_rows) {
-    options.continuation_rows =
-        static_cast<Index>(reader.Number("continuation_rows", static_cast<double>(options.continuation_rows), 1, 1e9));
-  }
-  reader.Finish();
-  return options;
-}
-
 }  // namespace
 
 class BppEngine final : public RowEngine {
@@ -221,9 +198,21 @@ void BppEngine::TellSingleExchanges(LcpResult* result) const {
   }
 }
 
-BppOptions BppOptions::FromSettings(const Settings& settings) { return Read("bpp", settings, {}); }
-BppOptions BppOptions::ActiveSetFromSettings(const Settings& settings) {
-  return Read("active-set", settings, {.continuation_rows = SemismoothNewtonOptions().continuation_rows});
+void BppOptions::Read(SettingsReader* reader) {
+  const std::string chosen = reader->Choice("form", "auto", {"auto", "dense", "sparse"});
+  if (chosen == "dense") form = Form::kDense;
+  if (chosen == "sparse") form = Form::kSparse;
+  constexpr double kLeast = BlockPivoting::kLeastWeight;
+  proximal = reader->Number("proximal", proximal, kLeast, 1e-2);
+  largest_proximal = reader->Number("largest_proximal", largest_proximal, kLeast, 100);
+  patience = static_cast<int>(reader->Number("patience", patience, 1, 100));
+  end_when_singular = reader->YesOrNo("end_when_singular", end_when_singular);
+  end_when_cycling = reader->YesOrNo("end_when_cycling", end_when_cycling);
+  self_check = reader->SelfCheck();
+  max_dense_rows = static_cast<Index>(reader->Number("max_dense_rows", static_cast<double>(max_dense_rows), 1, 1e5));
+  if (continuation_rows == BppOptions().continuation_rows) return;
+  continuation_rows =
+      static_cast<Index>(reader->Number("continuation_rows", static_cast<double>(continuation_rows), 1, 1e9));
 }
 
 double BppSolver::StepTime() const { return engine_->StepTime(); }

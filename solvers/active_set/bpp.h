@@ -48,11 +48,9 @@ struct BppOptions {
   Index max_dense_rows = 10'000;
 
   /// Keys `form` (auto, dense, sparse), `proximal`, `largest_proximal`, `patience`, `end_when_singular` (yes,
-  /// no), `end_when_cycling` (yes, no), `self_check` and `max_dense_rows`. @throws InputError for others
-  static BppOptions FromSettings(const Settings& settings);
-  /// Those of `active-set`: also `continuation_rows`, with the default of SemismoothNewtonOptions. @throws InputError
-  /// for others
-  static BppOptions ActiveSetFromSettings(const Settings& settings);
+  /// no), `end_when_cycling` (yes, no), `self_check`, `max_dense_rows` and, where it is other than never,
+  /// `continuation_rows`, as of `active-set`, whose default is that of SemismoothNewtonOptions.
+  void Read(SettingsReader* reader);
 };
 
 /// Block principal pivoting with a proximal outer loop (BlockPivoting). Measurements: docs/solvers/active_set.md.

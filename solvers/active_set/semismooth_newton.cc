@@ -367,17 +367,13 @@ bool SemismoothNewtonEngine::SolveFilledUp(const RowTask& task, LcpResult* resul
   return setup_.ConcludeRows(Run(Start(task.options.initial_f)), task, result);
 }
 
-SemismoothNewtonOptions SemismoothNewtonOptions::FromSettings(const Settings& settings) {
-  SettingsReader reader("semismooth-newton", settings);
-  SemismoothNewtonOptions options;
-  options.first_weight = reader.Number("first_weight", options.first_weight, kLeastAllowedWeight, 1);
-  options.weight_factor = reader.Number("weight_factor", options.weight_factor, kLeastAllowedWeight, 1);
-  options.least_weight = reader.Number("least_weight", options.least_weight, kLeastAllowedWeight, 1);
-  options.self_check = reader.SelfCheck();
-  options.continuation_rows =
-      static_cast<Index>(reader.Number("continuation_rows", static_cast<double>(options.continuation_rows), 1, 1e9));
-  reader.Finish();
-  return options;
+void SemismoothNewtonOptions::Read(SettingsReader* reader) {
+  first_weight = reader->Number("first_weight", first_weight, kLeastAllowedWeight, 1);
+  weight_factor = reader->Number("weight_factor", weight_factor, kLeastAllowedWeight, 1);
+  least_weight = reader->Number("least_weight", least_weight, kLeastAllowedWeight, 1);
+  self_check = reader->SelfCheck();
+  continuation_rows =
+      static_cast<Index>(reader->Number("continuation_rows", static_cast<double>(continuation_rows), 1, 1e9));
 }
 
 double SemismoothNewtonSolver::StepTime() const { return engine_->StepTime(); }

@@ -22,7 +22,7 @@ struct SemismoothNewtonOptions {
 
   /// Keys `first_weight`, `weight_factor`, `least_weight`, `continuation_rows` and `self_check`. @throws InputError for
   /// others, or out of their range
-  static SemismoothNewtonOptions FromSettings(const Settings& settings);
+  void Read(SettingsReader* reader);
 };
 
 /// Proximal-point iteration whose subproblems are solved by a semismooth Newton method with an exact line search, on

@@ -49,14 +49,10 @@ double ApgdEngine::Curvature() const {
                                    : DotOfDifferences(next_.f.size(), next_.f, y_.f, next_.image, y_.image);
 }
 
-ApgdOptions ApgdOptions::FromSettings(const Settings& settings) {
-  SettingsReader reader("apgd", settings);
-  ApgdOptions options;
-  options.form = ReadRowForm(&reader);
-  options.restart = reader.YesOrNo("restart", options.restart);
-  options.self_check = reader.SelfCheck();
-  reader.Finish();
-  return options;
+void ApgdOptions::Read(SettingsReader* reader) {
+  form = ReadRowForm(reader);
+  restart = reader->YesOrNo("restart", restart);
+  self_check = reader->SelfCheck();
 }
 
 void ApgdEngine::Prepare(const LcpProblem& problem) {

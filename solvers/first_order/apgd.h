@@ -27,7 +27,7 @@ struct ApgdOptions {
   bool self_check = true;  ///< SettingsReader::SelfCheck
 
   /// Options `form` = auto | assembled | matrix-free `restart` = yes | no and `self_check`.
-  static ApgdOptions FromSettings(const Settings& settings);
+  void Read(SettingsReader* reader);
 };
 
 /// Accelerated projected gradient descent (Nesterov) on the Jacobi-scaled problem. From the iterates x_k, x_{k-1},

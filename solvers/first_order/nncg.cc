@@ -56,17 +56,12 @@ class NncgEngine final : public FirstOrderEngine, public RowEngine {
   ConjugateSweeps iteration_;
 };
 
-NncgOptions NncgOptions::FromSettings(const Settings& settings) {
-  SettingsReader reader("nncg", settings);
-  NncgOptions options;
-  options.form = ReadRowForm(&reader);
-  options.coloured = reader.Choice("sweep", "coloured", {"symmetric", "coloured"}) == "coloured";
-  if (reader.Choice("direction", "optimal", {"optimal", "fletcher-reeves"}) == "fletcher-reeves") {
-    options.direction = Direction::kFletcherReeves;
-  }
-  options.self_check = reader.SelfCheck();
-  reader.Finish();
-  return options;
+void NncgOptions::Read(SettingsReader* reader) {
+  form = ReadRowForm(reader);
+  coloured = reader->Choice("sweep", "coloured", {"symmetric", "coloured"}) == "coloured";
+  const bool is_optimal = reader->Choice("direction", "optimal", {"optimal", "fletcher-reeves"}) == "optimal";
+  direction = is_optimal ? Direction::kOptimal : Direction::kFletcherReeves;
+  self_check = reader->SelfCheck();
 }
 
 template class EngineSolver<NncgOptions, NncgEngine>;

@@ -31,7 +31,7 @@ struct NncgOptions {
 
   /// Options `direction` = optimal | fletcher-reeves, `form` = auto | assembled | matrix-free, `sweep` = symmetric |
   /// coloured, `self_check`.
-  static NncgOptions FromSettings(const Settings& settings);
+  void Read(SettingsReader* reader);
 };
 
 /// Nonsmooth nonlinear conjugate gradients on symmetric projected Gauss-Seidel sweeps. A sweep forward and backward

@@ -64,31 +64,15 @@ class AdaptiveRelaxation {
   double first_change_ = 0;
 };
 
-void CheckRelaxation(const PgsOptions& options) {
-  if (options.relaxation > 0 && options.relaxation < 2) return;
-  throw InputError(std::string(options.adaptive ? "psor: option 'first_relaxation'" : "pgs: option 'relaxation'") +
-                   " must be in (0, 2), found " + std::to_string(options.relaxation));
-}
-
-PgsOptions Read(const Settings& settings, PgsOptions options) {
-  SettingsReader reader(options.adaptive ? "psor" : "pgs", settings);
-  options.form = ReadRowForm(&reader);
-  const std::string sweep = reader.Choice("sweep", "coloured", {"forward", "symmetric", "coloured"});
-  if (sweep == "forward") options.sweep = SweepOrder::kForward;
-  if (sweep == "symmetric") options.sweep = SweepOrder::kSymmetric;
-  options.relaxation =
-      reader.Number(options.adaptive ? "first_relaxation" : "relaxation", options.relaxation, 0.0, 2.0);
-  options.self_check = reader.SelfCheck();
-  reader.Finish();
-  CheckRelaxation(options);
-  return options;
-}
-
 }  // namespace
 
-PgsOptions PgsOptions::FromSettings(const Settings& settings) { return Read(settings, {}); }
-PgsOptions PgsOptions::AdaptiveFromSettings(const Settings& settings) {
-  return Read(settings, {.relaxation = kFirstOfAdaptive, .adaptive = true});
+void PgsOptions::Read(SettingsReader* reader) {
+  form = ReadRowForm(reader);
+  const std::string order = reader->Choice("sweep", "coloured", {"forward", "symmetric", "coloured"});
+  if (order == "forward") sweep = SweepOrder::kForward;
+  if (order == "symmetric") sweep = SweepOrder::kSymmetric;
+  relaxation = reader->Number(adaptive ? "first_relaxation" : "relaxation", relaxation, 0.0, 2.0);
+  self_check = reader->SelfCheck();
 }
 
 class PgsEngine final : public FirstOrderEngine, public RowEngine {
@@ -100,7 +84,9 @@ class PgsEngine final : public FirstOrderEngine, public RowEngine {
                           .end_when_hopeless = options.end_when_hopeless,
                           .default_limit = PgsOptions::kDefaultSweeps}),
         options_(options) {
-    CheckRelaxation(options);
+    if (options.relaxation > 0 && options.relaxation < 2) return;
+    throw InputError(std::string(options.adaptive ? "psor: option 'first_relaxation'" : "pgs: option 'relaxation'") +
+                     " must be in (0, 2), found " + std::to_string(options.relaxation));
   }
 
   static constexpr bool kTakesFriction = true;

@@ -32,11 +32,9 @@ struct PgsOptions {
   bool end_when_hopeless = false;
   bool self_check = true;  ///< SettingsReader::SelfCheck
 
-  /// Options `form` = auto | assembled | matrix-free, `sweep` = forward | symmetric | coloured, `relaxation` and
-  /// `self_check`.
-  static PgsOptions FromSettings(const Settings& settings);
-  /// The same for `psor`, with `first_relaxation` in the place of `relaxation`.
-  static PgsOptions AdaptiveFromSettings(const Settings& settings);
+  /// Options `form` = auto | assembled | matrix-free, `sweep` = forward | symmetric | coloured, `relaxation`, in whose
+  /// place adaptive ones have `first_relaxation`, and `self_check`.
+  void Read(SettingsReader* reader);
 };
 
 /// Projected Gauss-Seidel with a relaxation, constant (`pgs`) or adaptive (`psor`). One sweep visits the rows in turn:

@@ -7,12 +7,6 @@
 
 namespace lcpbench {
 
-ModeNewtonOptions ModeNewtonOptions::FromSettings(const Settings& settings) {
-  SettingsReader reader("mode-newton", settings);
-  reader.Finish();
-  return {};
-}
-
 class ModeNewtonEngine {
  public:
   explicit ModeNewtonEngine(const ModeNewtonOptions& /*options*/) {}

@@ -5,10 +5,7 @@
 namespace lcpbench {
 
 /// Options of ModeNewtonSolver: none.
-struct ModeNewtonOptions {
-  /// @throws InputError for any setting
-  static ModeNewtonOptions FromSettings(const Settings& settings);
-};
+struct ModeNewtonOptions {};
 
 /// Newton's method on the modes of contacts with friction [Alart, Curnier 1991]: the modes that phi - omega has (open,
 /// stick, slip of either sign), then the solution in these modes. Proximal: the system has eps about the iterate on its

@@ -23,15 +23,11 @@ constexpr double kWorthTrying = 0.5;
 
 }  // namespace
 
-HybridOptions HybridOptions::FromSettings(const Settings& settings) {
-  SettingsReader reader("hybrid", settings);
-  HybridOptions options;
+void HybridOptions::Read(SettingsReader* reader) {
   constexpr double kMost = 100000;
-  options.least_iterations = static_cast<int>(reader.Number("least_iterations", options.least_iterations, 0, kMost));
-  options.most_iterations = static_cast<int>(reader.Number("most_iterations", options.most_iterations, 0, kMost));
-  options.self_check = reader.SelfCheck();
-  reader.Finish();
-  return options;
+  least_iterations = static_cast<int>(reader->Number("least_iterations", least_iterations, 0, kMost));
+  most_iterations = static_cast<int>(reader->Number("most_iterations", most_iterations, 0, kMost));
+  self_check = reader->SelfCheck();
 }
 
 class HybridEngine {

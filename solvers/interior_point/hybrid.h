@@ -16,7 +16,7 @@ struct HybridOptions {
   bool self_check = true;  ///< SettingsReader::SelfCheck
 
   /// Names: least_iterations, most_iterations, self_check.
-  static HybridOptions FromSettings(const Settings& settings);
+  void Read(SettingsReader* reader);
 };
 
 /// First-order, then second-order: nonsmooth conjugate gradients (NncgSolver) for as long as they promise to be

@@ -691,16 +691,12 @@ bool InteriorFinish::Sweeps(IpmRun* run, const Eigen::VectorXd& start, double to
 
 }  // namespace
 
-IpmOptions IpmOptions::FromSettings(const Settings& settings) {
-  SettingsReader reader("ipm", settings);
-  IpmOptions options;
-  const std::string space = reader.Choice("space", "auto", {"auto", "contact", "body"});
-  options.space = space == "contact" ? Space::kContact : space == "body" ? Space::kBody : Space::kAutomatic;
-  options.proximal = reader.Number("proximal", options.proximal, 1e-13, 1e-6);
-  options.correctors = static_cast<int>(reader.Number("correctors", options.correctors, 0, 10));
-  options.self_check = reader.SelfCheck();
-  reader.Finish();
-  return options;
+void IpmOptions::Read(SettingsReader* reader) {
+  const std::string chosen = reader->Choice("space", "auto", {"auto", "contact", "body"});
+  space = chosen == "contact" ? Space::kContact : chosen == "body" ? Space::kBody : Space::kAutomatic;
+  proximal = reader->Number("proximal", proximal, 1e-13, 1e-6);
+  correctors = static_cast<int>(reader->Number("correctors", correctors, 0, 10));
+  self_check = reader->SelfCheck();
 }
 
 class IpmEngine {

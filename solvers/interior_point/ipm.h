@@ -31,7 +31,7 @@ struct IpmOptions {
   bool self_check = true;  ///< SettingsReader::SelfCheck; without it rho alone, in scaled variables, decides
 
   /// Names: space (auto, contact, body), proximal [1e-13, 1e-6], correctors [0, 10], self_check.
-  static IpmOptions FromSettings(const Settings& settings);
+  void Read(SettingsReader* reader);
 };
 
 /// Sparse second-order LCP solver on CHOLMOD: an interior point that finds the active set, and an active-set method

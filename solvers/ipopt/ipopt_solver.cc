@@ -641,16 +641,11 @@ bool IpoptEngine::Run(Formulation* formulation, const LcpOptions& options, const
   return at_limit && options.max_iterations > 0;
 }
 
-IpoptOptions IpoptOptions::FromSettings(Program program, const Settings& settings) {
-  SettingsReader reader(program == Program::kQp ? "ipopt-qp" : "ipopt-ncp", settings);
-  IpoptOptions options;
-  options.program = program;
-  const std::string form = reader.Choice("form", "auto", {"auto", "contact", "lifted"});
-  if (form == "contact") options.form = Form::kContact;
-  if (form == "lifted") options.form = Form::kLifted;
-  options.self_check = reader.SelfCheck();
-  reader.Finish();
-  return options;
+void IpoptOptions::Read(SettingsReader* reader) {
+  const std::string chosen = reader->Choice("form", "auto", {"auto", "contact", "lifted"});
+  if (chosen == "contact") form = Form::kContact;
+  if (chosen == "lifted") form = Form::kLifted;
+  self_check = reader->SelfCheck();
 }
 
 void IpoptEngine::Prepare(const LcpProblem& problem) {

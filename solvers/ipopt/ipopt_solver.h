@@ -23,7 +23,7 @@ struct IpoptOptions {
   bool self_check = true;
 
   /// Settings `form` = auto | contact | lifted and `self_check`.
-  static IpoptOptions FromSettings(Program program, const Settings& settings);
+  void Read(SettingsReader* reader);
 };
 
 /// The LCP as a quadratic program, solved by Ipopt's interior point method.

@@ -11,8 +11,8 @@
 
 namespace lcpbench {
 
-/// An own solver: options in its header, an engine in its .cc. The engine is the class that does the work; the
-/// header only declares it:
+/// An own solver: options in its header, with `void Read(SettingsReader* reader)` where settings change them, and an
+/// engine in its .cc. The engine is the class that does the work; the header only declares it:
 ///
 ///     using PgsSolver = EngineSolver<PgsOptions, class PgsEngine>;
 ///     extern template class EngineSolver<PgsOptions, PgsEngine>;
@@ -36,7 +36,7 @@ class EngineSolver : public LcpSolver {
   using Options = SolverOptions;  ///< of this solver, documented beside it
   using Engine = SolverEngine;    ///< what does the work
 
-  /// @throws InputError for options out of their ranges, which FromSettings never makes
+  /// @throws InputError for options out of their ranges
   explicit EngineSolver(const Options& options = {});
   ~EngineSolver() override;
 

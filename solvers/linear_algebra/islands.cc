@@ -14,9 +14,7 @@ void IdleRows::Prepare(const LcpProblem& problem) {
   const Eigen::VectorXd& d = problem.DiagonalA();
   const size_t n = At(problem.size());
   keep_.assign(n, 1);
-  bilateral_.assign(n, 0);
   has_twin_.assign(n, 0);
-  for (const Index i : problem.bilateral_rows()) bilateral_[At(i)] = 1;
   for (Index i = 0; i < problem.size(); ++i) {
     for (SparseMatrix::InnerIterator it(A, i); it; ++it) {
       const Index j = it.col();
@@ -26,7 +24,7 @@ void IdleRows::Prepare(const LcpProblem& problem) {
 }
 
 bool IdleRows::IsIdle(const LcpProblem& problem, Index i) const {
-  if (bilateral_[At(i)] != 0) return false;
+  if (problem.is_bilateral(i)) return false;
   const Eigen::VectorXd& b = problem.b();
   bool pushed_down = b[i] < 0;
   if (pushed_down && has_twin_[At(i)] == 0) return false;
@@ -35,7 +33,7 @@ bool IdleRows::IsIdle(const LcpProblem& problem, Index i) const {
     const Index j = it.col();
     const double a = it.value();
     if (a == 0 || j == i || keep_[At(j)] == 0) continue;
-    if (bilateral_[At(j)] != 0 || a < 0) {
+    if (problem.is_bilateral(j) || a < 0) {
       pushed_down = true;
       if (has_twin_[At(i)] == 0) return false;
     } else if (a == d[i] && a == d[j] && (b[i] > b[j] || (b[i] == b[j] && i > j))) {

@@ -30,7 +30,7 @@ class IdleRows {
  private:
   bool IsIdle(const LcpProblem& problem, Index i) const;
 
-  std::vector<char> bilateral_, has_twin_, keep_;
+  std::vector<char> has_twin_, keep_;
 };
 
 /// A partition of 0, ..., n - 1 that only gets coarser. Only Reset to a larger n than before allocates.

@@ -59,7 +59,10 @@ class PeerTier {
   double Tolerance(const LcpOptions& options) const {
     return chosen_ > 0 ? chosen_ : TierTolerance(key_, options.tolerance);
   }
-  int Iterations(const LcpOptions& options) const { return IterationLimit(options, TierIterations(key_)); }
+  /// @param usual  where the library decides
+  int Iterations(const LcpOptions& options, double usual = 0) const {
+    return IterationLimit(options, is_library_default_ ? usual : TierIterations(key_));
+  }
 
  private:
   std::string key_;

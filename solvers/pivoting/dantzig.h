@@ -15,8 +15,8 @@ enum class DantzigOrder {
 struct DantzigOptions : PivotOptions {
   DantzigOrder order = DantzigOrder::kIndex;  ///< which row is driven next
 
-  /// Those of PivotOptions, and `order` (index, most-negative). @throws InputError for others
-  static DantzigOptions FromSettings(const Settings& settings);
+  /// Those of PivotOptions, and `order` (index, most-negative).
+  void Read(SettingsReader* reader);
 };
 
 /// Incremental pivoting on the dense A with an updated factor of its active block [Baraff 1994, sec. 4].

@@ -738,15 +738,10 @@ double DantzigEngine::NoiseAlongDirection() const {
   return kNoise * sum;
 }
 
-DantzigOptions DantzigOptions::FromSettings(const Settings& settings) {
-  SettingsReader reader("dantzig", settings);
-  DantzigOptions options;
-  options.Read(&reader);
-  if (reader.Choice("order", "index", {"index", "most-negative"}) == "most-negative") {
-    options.order = DantzigOrder::kMostNegative;
-  }
-  reader.Finish();
-  return options;
+void DantzigOptions::Read(SettingsReader* reader) {
+  PivotOptions::Read(reader);
+  const bool is_index = reader->Choice("order", "index", {"index", "most-negative"}) == "index";
+  order = is_index ? DantzigOrder::kIndex : DantzigOrder::kMostNegative;
 }
 
 template class EngineSolver<DantzigOptions, DantzigEngine>;
@@ -951,14 +946,6 @@ LcpStatus LemkeEngine::EnterOrExchange(Index p, LcpResult* result) {
     lcp_.f[p] += step;
     Release(leaving);  // which moves rows of F and the first one outside only, not p
   }
-}
-
-LemkeOptions LemkeOptions::FromSettings(const Settings& settings) {
-  SettingsReader reader("lemke", settings);
-  LemkeOptions options;
-  options.Read(&reader);
-  reader.Finish();
-  return options;
 }
 
 template class EngineSolver<LemkeOptions, LemkeEngine>;

@@ -15,9 +15,6 @@ struct LemkeOptions : PivotOptions {
 
   /// Makes the solver of problems that are not plain, which are refused without it. Not a setting.
   std::function<std::unique_ptr<LcpSolver>()> make_other = {};
-
-  /// Those of PivotOptions. @throws InputError for others
-  static LemkeOptions FromSettings(const Settings& settings);
 };
 
 /// Lexicographic Lemke for symmetric positive semidefinite A, on an updated factor of the active block

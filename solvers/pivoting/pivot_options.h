@@ -19,8 +19,7 @@ struct PivotOptions {
   /// default, and pivoting on them minutes. In [1, 100000].
   Index max_rows = 10'000;
 
- protected:
-  /// Keys `rank_tolerance`, `block_start` (yes, no), `max_rows` and `self_check`. @throws InputError
+  /// Keys `rank_tolerance`, `block_start` (yes, no), `max_rows` and `self_check`.
   void Read(SettingsReader* reader);
 };
 

@@ -9,9 +9,11 @@
 #include "solvers/linear_algebra/tableau_rules.h"
 #include "solvers/rows/fixed_size_bpp.h"
 #include "solvers/rows/kernel.h"
+#include "solvers/rows/profile_kernel.h"
 #include "solvers/rows/two_body_product.h"
 
-/// Internal to solvers/rows/: the kernel of FixedSizeBpp, in an unnamed namespace as vector_register.h says.
+/// Internal to solvers/rows/: the kernel of FixedSizeBpp, in an unnamed namespace as vector_register.h says; and the
+/// kernels of the folder together.
 namespace lcpbench {
 namespace {
 
@@ -204,4 +206,7 @@ bool SolveFewRows(const FewRows& rows, double* f, double* w, double* rho) {
 }
 
 }  // namespace
+
+extern const RowsKernel LCPBENCH_KERNEL(kRowsKernel){&SolveFewRows, &FactorizeProfile, &SolveProfile};
+
 }  // namespace lcpbench

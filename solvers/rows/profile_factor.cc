@@ -8,6 +8,12 @@
 #include "support/array_index.h"
 
 namespace lcpbench {
+
+const RowsKernel& FindRowsKernel(InstructionSet instructions) {
+  static constexpr KernelTable<const RowsKernel*> kKernels{&kRowsKernelSse2, &kRowsKernelAvx2, &kRowsKernelAvx512};
+  return *FindKernel(kKernels, instructions);
+}
+
 void ProfileFactor::Profile::Reserve(Index max_rows) {
   for (auto* v : {&first, &last_below}) v->resize(At(max_rows));
   begin.resize(At(max_rows));

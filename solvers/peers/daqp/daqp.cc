@@ -81,12 +81,10 @@ class Daqp : public QpPeer {
     problem.sense = sense.data();
     Workspace workspace;
     DAQPSettings& settings = *workspace.work.settings;
+    settings.iter_limit = tier().Iterations(options, settings.iter_limit);
     if (!tier().is_library_default()) {
       settings.primal_tol = settings.eta_prox = tier().Tolerance(options);
-      settings.iter_limit = tier().Iterations(options);
       settings.eps_prox = proximal_ * qp.dense_H.diagonal().maxCoeff();
-    } else if (options.max_iterations > 0) {
-      settings.iter_limit = IterationLimit(options, 0);
     }
     Eigen::VectorXd x(n), y(m);
     x.setZero();

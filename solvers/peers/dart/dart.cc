@@ -60,11 +60,8 @@ class Pgs : public LcpSolver {
       if (options.initial_f != nullptr) result->f = *options.initial_f;
     });
     PgsBoxedLcpSolver::Option option = option_;
-    int most = IterationLimit(options, option.mMaxIteration);
-    if (!tier_.is_library_default()) {
-      option.mRelativeDeltaXTolerance = tier_.Tolerance(options);
-      most = tier_.Iterations(options);
-    }
+    const int most = tier_.Iterations(options, option.mMaxIteration);
+    if (!tier_.is_library_default()) option.mRelativeDeltaXTolerance = tier_.Tolerance(options);
     const Deadline deadline(options);
     TimeLibraryCall(options, result, [&] { Sweep(option, most, deadline, result); });
   }

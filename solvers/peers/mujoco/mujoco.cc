@@ -125,9 +125,8 @@ class MuJoCo : public LcpSolver {
         // forces.
         const double weight = options_.solver == mjSOL_PGS ? 1 : regularization_;
         model_->opt.tolerance = weight * tier_.Tolerance(options) * tier_.Tolerance(options);
-        model_->opt.iterations = tier_.Iterations(options);
       }
-      model_->opt.iterations = IterationLimit(options, model_->opt.iterations);
+      model_->opt.iterations = tier_.Iterations(options, model_->opt.iterations);
       data_->pstack = data_->pbase = 0;  // an error of the solve before may have left them anywhere
     });
     TimeLibraryCall(options, result, [&] { mj_fwdConstraint(model_.get(), data_.get()); });

@@ -45,16 +45,14 @@ class Osqp : public QpPeer {
     OSQPSettings settings;
     osqp_set_default_settings(&settings);
     settings.verbose = 0;
+    settings.max_iter = tier().Iterations(options, static_cast<double>(settings.max_iter));
     if (!tier().is_library_default()) {
       settings.eps_abs = settings.eps_rel = tier().Tolerance(options);
-      settings.max_iter = tier().Iterations(options);
       settings.polishing = polishing_ ? 1 : 0;
       settings.rho = rho_;
       settings.scaling = scaling_;
       settings.adaptive_rho = interval_ > 0 ? OSQP_ADAPTIVE_RHO_UPDATE_ITERATIONS : OSQP_ADAPTIVE_RHO_UPDATE_DISABLED;
       if (interval_ > 0) settings.adaptive_rho_interval = interval_;
-    } else if (options.max_iterations > 0) {
-      settings.max_iter = IterationLimit(options, 0);
     }
     Matrix P, A;
     OSQPCscMatrix P_view{}, A_view{};

@@ -59,13 +59,11 @@ class ProxQp : public QpPeer {
     auto& settings = program->settings;
     settings.verbose = false;
     settings.compute_timings = false;
+    settings.max_iter = tier().Iterations(options, static_cast<double>(settings.max_iter));
     if (!tier().is_library_default()) {
       settings.eps_abs = tier().Tolerance(options);
       settings.eps_rel = 0;
-      settings.max_iter = tier().Iterations(options);
       settings.initial_guess = guess_;
-    } else if (options.max_iterations > 0) {
-      settings.max_iter = IterationLimit(options, 0);
     }
     if (warm) settings.initial_guess = InitialGuessStatus::WARM_START;
   }
@@ -74,25 +72,34 @@ class ProxQp : public QpPeer {
   struct Split {
     explicit Split(const QuadraticProgram& qp) {
       for (Index row = 0; row < qp.rows(); ++row) (qp.lower[row] == qp.upper[row] ? equal : unequal).push_back(row);
+      b = qp.lower(equal);
+      l = qp.lower(unequal);
+      u = qp.upper(unequal).cwiseMin(kHuge);
     }
-    static Eigen::VectorXd Take(const Eigen::VectorXd& from, const std::vector<Index>& rows) { return from(rows); }
     std::vector<Index> equal, unequal;
+    Eigen::VectorXd b, l, u;
   };
+
+  // From the start, or from the guess of the options.
+  template <typename Program>
+  static void Solve(const Split& split, const QpStart* start, Program* program) {
+    if (start == nullptr) return program->solve();
+    const Eigen::VectorXd y = -start->y(split.equal);
+    const Eigen::VectorXd z = -start->y(split.unequal);
+    program->solve(start->x, y, z);
+  }
 
   void RunDense(QuadraticProgram& qp, const QpStart* start, const LcpOptions& options, LcpResult* result) const {
     const Index n = qp.variables();
     std::optional<Split> split;
     Eigen::MatrixXd A, C;
-    Eigen::VectorXd b, l, u, x_upper;
+    Eigen::VectorXd x_upper;
     TimeConversion(options, result, [&] {
       split.emplace(qp);
       A.resize(static_cast<Index>(split->equal.size()), n);
       C.resize(static_cast<Index>(split->unequal.size()), n);
       if (A.rows() > 0) A = qp.dense_C(split->equal, Eigen::all);
       if (C.rows() > 0) C = qp.dense_C(split->unequal, Eigen::all);
-      b = qp.lower(split->equal);
-      l = qp.lower(split->unequal);
-      u = qp.upper(split->unequal).cwiseMin(kHuge);
       qp.x_lower = qp.x_lower.cwiseMax(-kHuge);
       x_upper.setConstant(n, kHuge);
     });
@@ -106,19 +113,15 @@ class ProxQp : public QpPeer {
       if (boxes) {
         program->init(qp.dense_H, qp.g, nullopt, nullopt, nullopt, nullopt, nullopt, qp.x_lower, x_upper, true, rho_);
       } else {
-        program->init(qp.dense_H, qp.g, A, b, C, l, u, true, rho_);
+        program->init(qp.dense_H, qp.g, A, split->b, C, split->l, split->u, true, rho_);
       }
-      if (start == nullptr) {
-        program->solve();
-      } else if (boxes) {
+      if (start != nullptr && boxes) {
         // Put where the library keeps a warm start: its `solve` with one refuses multipliers of bounds.
         program->results.x = start->x;
         program->results.z = -start->bound_y;
         program->solve();
       } else {
-        const Eigen::VectorXd y = -Split::Take(start->y, split->equal);
-        const Eigen::VectorXd z = -Split::Take(start->y, split->unequal);
-        program->solve(start->x, y, z);
+        Solve(*split, start, program.get());
       }
     });
     Take(qp, *split, program->results, result);
@@ -129,42 +132,23 @@ class ProxQp : public QpPeer {
     const Index n = qp.variables();
     std::optional<Split> split;
     Matrix H, A, C;
-    Eigen::VectorXd b, l, u;
     TimeConversion(options, result, [&] {
       split.emplace(qp);
       H = qp.H.triangularView<Eigen::Upper>();
       const auto take = [&](const std::vector<Index>& rows) {
-        std::vector<int> place(static_cast<std::size_t>(qp.rows()), -1);
-        for (std::size_t i = 0; i < rows.size(); ++i) place[static_cast<std::size_t>(rows[i])] = static_cast<int>(i);
-        std::vector<Eigen::Triplet<double, int>> entries;
-        for (int column = 0; column < qp.C.outerSize(); ++column) {
-          for (Matrix::InnerIterator it(qp.C, column); it; ++it) {
-            const int row = place[static_cast<std::size_t>(it.row())];
-            if (row >= 0) entries.emplace_back(row, column, it.value());
-          }
-        }
-        Matrix taken(static_cast<Index>(rows.size()), n);
-        taken.setFromTriplets(entries.begin(), entries.end());
-        return taken;
+        Matrix pick(static_cast<Index>(rows.size()), qp.rows());
+        for (Index i = 0; i < pick.rows(); ++i) pick.insert(i, rows[static_cast<std::size_t>(i)]) = 1;
+        return Matrix(pick * qp.C);
       };
       A = take(split->equal);
       C = take(split->unequal);
-      b = qp.lower(split->equal);
-      l = qp.lower(split->unequal);
-      u = qp.upper(split->unequal).cwiseMin(kHuge);
     });
     std::unique_ptr<proxqp::sparse::QP<double, int>> program;
     TimeLibraryCall(options, result, [&] {
       program = std::make_unique<proxqp::sparse::QP<double, int>>(n, A.rows(), C.rows());
       SetOptions(options, start != nullptr, program.get());
-      program->init(H, qp.g, A, b, C, l, u, true, rho_);
-      if (start == nullptr) {
-        program->solve();
-      } else {
-        const Eigen::VectorXd y = -Split::Take(start->y, split->equal);
-        const Eigen::VectorXd z = -Split::Take(start->y, split->unequal);
-        program->solve(start->x, y, z);
-      }
+      program->init(H, qp.g, A, split->b, C, split->l, split->u, true, rho_);
+      Solve(*split, start, program.get());
     });
     Take(qp, *split, program->results, result);
   }

@@ -39,12 +39,11 @@ class Simbody : public LcpSolver {
     double unit = 1;
     TimeConversion(options, result, [&] {
       ImpulseCode::Limits limits;
-      limits.iterations = IterationLimit(options, 0);
+      limits.iterations = tier_.Iterations(options);
       if (!tier_.is_library_default()) {
         const double largest = problem.b().cwiseAbs().maxCoeff();
         if (largest > 0) unit = std::exp2(std::round(std::log2(largest)));
         limits.tolerance = tier_.Tolerance(options);
-        limits.iterations = tier_.Iterations(options);
       }
       const Eigen::VectorXd b = problem.b() / unit;
       code_->Begin(b.data(), limits);

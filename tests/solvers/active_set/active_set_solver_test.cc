@@ -33,7 +33,7 @@ LcpResult SolveWith(const SemismoothNewtonOptions& method, const LcpProblem& pro
   return SolveWith(&solver, problem, options);
 }
 
-BppOptions ByContinuation() { return BppOptions::ActiveSetFromSettings({{"continuation_rows", "1"}}); }
+BppOptions ByContinuation() { return {.continuation_rows = 1}; }
 
 // Blocks alone come back to a set F that they had before.
 LcpProblem CyclingProblem() {

@@ -63,7 +63,8 @@ TEST(Pgs, ReturnsTheBestIterateWhenItDiverges) {
 TEST(Psor, TakesAFifthOfTheSweepsOfGaussSeidelOnAChain) {
   const LcpProblem chain = PressedChain(60);
   const LcpResult plain = IterateNew<PgsSolver>(chain, {}, 1e-9, 0);
-  const LcpResult relaxed = IterateNew<PgsSolver>(chain, PgsOptions::AdaptiveFromSettings({}), 1e-9, 0);
+  const LcpResult relaxed =
+      IterateNew<PgsSolver>(chain, {.relaxation = PgsOptions::kFirstOfAdaptive, .adaptive = true}, 1e-9, 0);
   EXPECT_EQ(plain.status, LcpStatus::kSolved);
   EXPECT_EQ(relaxed.status, LcpStatus::kSolved);
   EXPECT_LE(5 * relaxed.iterations, plain.iterations) << relaxed.iterations << " of " << plain.iterations;

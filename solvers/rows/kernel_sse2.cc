@@ -1,8 +1,0 @@
-#include "solvers/rows/fixed_size_kernel.h"
-#include "solvers/rows/profile_kernel.h"
-
-namespace lcpbench {
-
-extern const RowsKernel kRowsKernelSse2{&SolveFewRows, &FactorizeProfile, &SolveProfile};
-
-}  // namespace lcpbench
