@@ -228,37 +228,6 @@ std::span<const double> NumbersOf(const Eigen::VectorXd& vector) {
   return {vector.data(), static_cast<size_t>(vector.size())};
 }
 
-// The block of a problem that went, for the next one of this thread: an engine makes one a step, and blocks of more
-// than some 1000 bytes are taken and given back in the time of several copies.
-struct SpareBlock {
-  static constexpr size_t kLeast = 1024, kMost = 65536;  // [byte]
-  void* at;
-  size_t bytes;
-  bool has_ended;  // the thread
-};
-constinit thread_local SpareBlock spare = {};
-
-void* TakeBlock(size_t bytes) {
-  if (bytes <= SpareBlock::kLeast || bytes > spare.bytes) return ::operator new(bytes);
-  spare.bytes = 0;
-  return std::exchange(spare.at, nullptr);
-}
-
-void GiveBlock(void* at, size_t bytes) {
-  struct AtEndOfThread {
-    ~AtEndOfThread() {
-      ::operator delete(spare.at);
-      spare = {nullptr, 0, true};
-    }
-  };
-  if (bytes > SpareBlock::kLeast && bytes <= SpareBlock::kMost && bytes > spare.bytes && !spare.has_ended) {
-    static thread_local const AtEndOfThread kEnd;
-    std::swap(at, spare.at);
-    spare.bytes = bytes;
-  }
-  ::operator delete(at);
-}
-
 // Room for so many bytes more behind what is allocated; *room is where they begin.
 template <typename T>
 struct AllocatorWithRoom {
@@ -267,11 +236,11 @@ struct AllocatorWithRoom {
   template <typename Other>
   explicit AllocatorWithRoom(const AllocatorWithRoom<Other>& other) : bytes(other.bytes), room(other.room) {}
   T* allocate(size_t count) {
-    auto* const at = static_cast<std::byte*>(TakeBlock(count * sizeof(T) + bytes));
+    auto* const at = static_cast<std::byte*>(::operator new(count * sizeof(T) + bytes));
     *room = at + count * sizeof(T);
     return reinterpret_cast<T*>(at);
   }
-  void deallocate(T* at, size_t count) { GiveBlock(at, count * sizeof(T) + bytes); }
+  void deallocate(T* at, size_t /*count*/) { ::operator delete(at); }
   size_t bytes;
   std::byte** room;
 };
