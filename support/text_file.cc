@@ -57,11 +57,18 @@ mode_t NewMode() {
 
 }  // namespace
 
-std::string ReadTextFile(const std::string& path) {
+std::string ReadTextFile(const std::string& path, std::size_t most_bytes) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(path + ": cannot be opened for reading");
   try {
-    return {std::istreambuf_iterator<char>(file), {}};
+    std::string text;
+    for (std::istreambuf_iterator<char> byte(file), end; byte != end; ++byte) {
+      if (text.size() == most_bytes) {
+        throw InputError(path + ": longer than " + std::to_string(most_bytes >> 20U) + " MiB");
+      }
+      text += *byte;
+    }
+    return text;
   } catch (const std::ios_base::failure& failure) {
     throw InputError(path + ": cannot be read: " + failure.code().message());
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <limits>
 #include <memory>
 #include <ostream>
 #include <streambuf>
@@ -7,8 +9,8 @@
 
 namespace lcpbench {
 
-/// The whole file. @throws InputError where it cannot be read
-std::string ReadTextFile(const std::string& path);
+/// The whole file. @throws InputError where it cannot be read, or is longer than that [bytes]
+std::string ReadTextFile(const std::string& path, std::size_t most_bytes = std::numeric_limits<std::size_t>::max());
 
 /// Removes what a process that was killed left of a TextOutput in a folder that nobody else writes to.
 void RemoveUnfinished(const std::string& folder);

@@ -12,7 +12,6 @@
 #include "solvers/io/file_ending.h"
 #include "solvers/io/gzip_file.h"
 #include "solvers/io/matrix_market.h"
-#include "solvers/io/text_words.h"
 #include "solvers/linear_algebra/islands.h"
 #include "support/exit_status.h"
 #include "support/input_error.h"
@@ -29,7 +28,9 @@ void Write(const LcpProblem& problem, const std::string& path) {
 }
 
 void WriteJsonLine(const LcpProblem& problem, const std::string& path) {
-  WriteFile(path, [&](std::ostream& file) { file << FormatLcpRecord(problem) << '\n'; });
+  TextOrGzipOutput file(path);
+  file.Write(FormatLcpRecord(problem) + '\n');
+  file.Close();
 }
 
 // The other rows alone.

@@ -173,14 +173,13 @@ bool IsOfCircles(const RecordedStep::Contact& contact) { return IsRound(contact,
 
 // The feature at one end of a contact, in the body's frame: `outward` leaves the body there.
 Feature FeatureAt(const Body& body, Vec2 point, Vec2 outward, double radius) {
-  const auto [cos, sin] = SinCos(body.theta);
-  const auto in_body = [&, rotation = Rotation{cos, -sin}](Vec2 world) { return Rotate(rotation, world - body.x); };
   if (radius != 0) {
-    return ArcEdge{in_body(point - radius * outward), std::abs(radius), radius > 0 ? Side::kConvex : Side::kConcave};
+    return ArcEdge{BodyPoint(body, point - radius * outward), std::abs(radius),
+                   radius > 0 ? Side::kConvex : Side::kConcave};
   }
   // The outward normal is on the right-hand side of a straight edge.
-  const Vec2 along{-outward.y, outward.x};
-  return StraightEdge{in_body(point - along), in_body(point + along)};
+  const Vec2 along = Perp(outward);
+  return StraightEdge{BodyPoint(body, point - along), BodyPoint(body, point + along)};
 }
 
 }  // namespace

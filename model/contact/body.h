@@ -42,6 +42,9 @@ struct Body {
 /// The world point of the body-frame point c.
 inline Vec2 WorldPoint(const Body& body, Vec2 c) { return body.x + Rotate(SinCos(body.theta), c); }
 
+/// The body-frame point that lies at the world point p.
+inline Vec2 BodyPoint(const Body& body, Vec2 p) { return RotateBack(SinCos(body.theta), p - body.x); }
+
 /// "body 3 'name'", for error texts.
 std::string BodyText(std::span<const Body> bodies, std::size_t i);
 

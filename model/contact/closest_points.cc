@@ -36,7 +36,7 @@ struct Round {
   // The angle, in the body frame, of the point with the world-frame outward normal N; none for a vertex.
   std::optional<double> Parameter(Vec2 N) const {
     if (is_vertex) return std::nullopt;
-    const Vec2 u = Rotate({rotation.cos, -rotation.sin}, rho > 0 ? N : -N);
+    const Vec2 u = RotateBack(rotation, rho > 0 ? N : -N);
     return std::atan2(u.y, u.x);
   }
 };

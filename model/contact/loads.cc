@@ -179,7 +179,7 @@ double PotentialEnergy(const Loads& loads, std::span<const Body> bodies) {
   for (const Wrench& wrench : loads.wrenches) {
     const Body& body = bodies[static_cast<std::size_t>(wrench.at.body)];
     if (body.fixed) continue;
-    const Vec2 p = body.x + Rotate(SinCos(body.theta), wrench.at.point);
+    const Vec2 p = WorldPoint(body, wrench.at.point);
     energy -= Dot(wrench.force, p) + wrench.torque * body.theta;
   }
   double of_attraction = 0;

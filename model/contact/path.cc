@@ -85,8 +85,7 @@ PlaceOnPiece FindPlaceOnPiece(const Constraint& joint, std::span<const Body> bod
   const ClosestPoints closest = FindClosestPoints(joint, bodies, Regularity::kNonzeroD);
   const bool on_1 = !IsVertex(joint.feature1);
   const Body& body = bodies[static_cast<std::size_t>(on_1 ? joint.body1 : joint.body2)];
-  const Rotation turn = SinCos(body.theta);
-  const Vec2 foot = Rotate({turn.cos, -turn.sin}, on_1 ? closest.R1 : closest.R2);
+  const Vec2 foot = RotateBack(SinCos(body.theta), on_1 ? closest.R1 : closest.R2);
   const double near = (on_1 ? joint.s1 : joint.s2).value_or((piece.s_begin + piece.s_end) / 2);
   const double s = std::visit(
       [&](const auto& curve) {

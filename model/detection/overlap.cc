@@ -28,7 +28,7 @@ struct PlacedRegion {
   Rotation rotation;
 
   PlacedRegion(const OutlineRegion& of, const Body& body) : region(&of), x(body.x), rotation(SinCos(body.theta)) {}
-  Vec2 ToBody(Vec2 p) const { return Rotate({rotation.cos, -rotation.sin}, p - x); }
+  Vec2 ToBody(Vec2 p) const { return RotateBack(rotation, p - x); }
   Vec2 ToWorld(Vec2 c) const { return x + Rotate(rotation, c); }
   OutlineRegion::Place At(Vec2 p, double accuracy, double shallow = -1) const {
     return region->At(ToBody(p), accuracy, shallow);

@@ -11,7 +11,6 @@ namespace lcpbench {
 namespace {
 
 std::string Text(double value) { return NumberText(value); }
-std::string Text(Vec2 p) { return "(" + Text(p.x) + ", " + Text(p.y) + ")"; }
 std::string Text(const std::array<Vec2, 4>& P) {
   return Text(P[0]) + ", " + Text(P[1]) + ", " + Text(P[2]) + ", " + Text(P[3]);
 }
@@ -49,6 +48,8 @@ std::string WhyInvalidAngles(double s_begin, double s_end, Side side) {
 }
 
 }  // namespace
+
+std::string Text(Vec2 p) { return "(" + NumberText(p.x) + ", " + NumberText(p.y) + ")"; }
 
 std::string WhyInvalid(const OutlinePiece& piece) {
   const auto [curve, s_begin, s_end] = piece;

@@ -118,6 +118,9 @@ std::string WhyInvalid(const OutlinePiece& piece);
 /// @throws InputError, beginning with `where`, unless WhyInvalid is empty
 void RequireValidPiece(const OutlinePiece& piece, const std::string& where);
 
+/// "(x, y)", for error texts: numbers that read back as the same.
+std::string Text(Vec2 p);
+
 /// One line for error texts: the kind and its numbers.
 std::string Describe(const Feature& feature);
 

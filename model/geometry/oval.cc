@@ -203,7 +203,7 @@ std::vector<double> OvalShape::NormalCuts(double s_begin, double s_end) {
 
 SpanPoint OvalShape::AtNormal(Vec2 n, const TurnedPiece& piece) const {
   const double sign = SignOf(side);
-  const Vec2 local = Rotate({piece.turn.cos, -piece.turn.sin}, sign * n);
+  const Vec2 local = RotateBack(piece.turn, sign * n);
   if (m == 2) {
     // The normal at (a cos s, b sin s) is parallel to (cos s / a, sin s / b).
     const Vec2 u = Unit(Vec2{a * local.x, b * local.y});

@@ -21,10 +21,7 @@ struct OvalShape {
   std::string WhyInvalid() const;
   double Reach(double angle) const;
   /// A point in the frame of the oval's axes.
-  Vec2 InAxes(Vec2 p) const {
-    const Rotation r = SinCos(phi);
-    return Rotate({r.cos, -r.sin}, p - center);
-  }
+  Vec2 InAxes(Vec2 p) const { return RotateBack(SinCos(phi), p - center); }
   /// Between its axes an oval's curvature rises or falls in one way, but for the superellipse's blunt corners.
   static std::vector<double> NormalCuts(double s_begin, double s_end);
   SpanPoint AtNormal(Vec2 n, const TurnedPiece& piece) const;

@@ -87,6 +87,8 @@ RotationParts SinCosParts(double theta);
 
 /// R(theta) a.
 constexpr Vec2 Rotate(Rotation r, Vec2 a) { return {r.cos * a.x - r.sin * a.y, r.sin * a.x + r.cos * a.y}; }
+/// R(-theta) a: a vector of the world in the frame that is turned by theta.
+constexpr Vec2 RotateBack(Rotation r, Vec2 a) { return Rotate({r.cos, -r.sin}, a); }
 
 /// The angle of a direction, counter-clockwise from the x axis, in (-pi, pi] [rad]: atan2(y, x) correctly rounded to
 /// nearest by MPFR, hence the same bits on every machine, which std::atan2 does not promise. A few microseconds: for

@@ -84,10 +84,9 @@ TouchPoint ContactWatch::Evaluate(std::span<const Body> bodies, Constraint* cons
 bool ContactWatch::LiesOn(std::span<const Body> bodies, const Constraint& constraint, const TouchPoint& touch) const {
   if (constraint.type == ConstraintType::kRope) return true;
   const auto on = [&](int index, const Feature& feature, Vec2 arm, Vec2 outward) {
-    const Rotation forward = SinCos(At(bodies, index).theta);
-    const Rotation back{forward.cos, -forward.sin};
-    const Vec2 local_arm = Rotate(back, arm);
-    const Vec2 local_normal = Rotate(back, outward);
+    const Rotation turn = SinCos(At(bodies, index).theta);
+    const Vec2 local_arm = RotateBack(turn, arm);
+    const Vec2 local_normal = RotateBack(turn, outward);
     const std::vector<NormalSpan>& spans = spans_[static_cast<std::size_t>(index)];
     return std::any_of(spans.begin(), spans.end(), [&](const NormalSpan& span) {
       if (!(span.feature == feature)) return false;

@@ -3,7 +3,9 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <iomanip>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <tuple>
@@ -16,8 +18,7 @@
 namespace lcpbench {
 namespace {
 
-struct KindName {
-  const char* name;
+struct KindFields {
   RecordedKind kind;
   // Which of the radii the kind has.
   bool radius1;
@@ -25,27 +26,17 @@ struct KindName {
 };
 
 // In the order of RecordedKind.
-constexpr std::array kKinds = {
-    KindName{"vertex_straight", RecordedKind::kVertexStraight, false, false},
-    KindName{"vertex_curved", RecordedKind::kVertexCurved, false, true},
-    KindName{"straight_curved", RecordedKind::kStraightCurved, true, false},
-    KindName{"curved_curved", RecordedKind::kCurvedCurved, true, true},
-    KindName{"vertex_vertex", RecordedKind::kVertexVertex, false, true},
-    KindName{"joint", RecordedKind::kJoint, false, false},
-    KindName{"path_joint", RecordedKind::kPathJoint, false, false},
-    KindName{"rod", RecordedKind::kRod, false, true},
-    KindName{"rope", RecordedKind::kRope, false, true},
+constexpr std::initializer_list<std::pair<const char*, KindFields>> kKinds = {
+    {"vertex_straight", {RecordedKind::kVertexStraight, false, false}},
+    {"vertex_curved", {RecordedKind::kVertexCurved, false, true}},
+    {"straight_curved", {RecordedKind::kStraightCurved, true, false}},
+    {"curved_curved", {RecordedKind::kCurvedCurved, true, true}},
+    {"vertex_vertex", {RecordedKind::kVertexVertex, false, true}},
+    {"joint", {RecordedKind::kJoint, false, false}},
+    {"path_joint", {RecordedKind::kPathJoint, false, false}},
+    {"rod", {RecordedKind::kRod, false, true}},
+    {"rope", {RecordedKind::kRope, false, true}},
 };
-
-const KindName& ParseKind(const JsonField& field) {
-  const std::string name = field.String();
-  std::string expected;
-  for (const KindName& kind : kKinds) {
-    if (name == kind.name) return kind;
-    expected += (expected.empty() ? "one of " : ", ") + std::string(kind.name);
-  }
-  field.Mismatch(expected);
-}
 
 Body ParseReplayBody(const JsonField& field) {
   Body body;
@@ -76,7 +67,8 @@ Vec2 ParseNormal(const JsonField& field) {
 }
 
 RecordedContact ParseContact(const JsonField& field, const std::vector<Body>& bodies) {
-  const KindName& kind = ParseKind(field["kind"]);
+  static_cast<void>(field["kind"].String());  // another value is refused as that
+  const KindFields kind = field["kind"].Choice(kKinds);
   RecordedContact contact;
   contact.kind = kind.kind;
   contact.body1 = field["p"].IndexBelow(bodies.size());
@@ -108,10 +100,7 @@ RecordedContact ParseContact(const JsonField& field, const std::vector<Body>& bo
 }
 
 // The world-frame arm `r` in the frame of `body`.
-Vec2 ToBody(const Body& body, Vec2 r) {
-  const Rotation rotation = SinCos(body.theta);
-  return Rotate({rotation.cos, -rotation.sin}, r);
-}
+Vec2 ToBody(const Body& body, Vec2 r) { return RotateBack(SinCos(body.theta), r); }
 
 Feature VertexAt(const Body& body, Vec2 arm) { return Vertex{ToBody(body, arm)}; }
 
@@ -129,7 +118,7 @@ std::string KindText(const RecordedContact& contact) {
   const bool concave = (contact.kind == RecordedKind::kVertexCurved && contact.radius2 < 0) ||
                        (contact.kind == RecordedKind::kCurvedCurved && (contact.radius1 < 0 || contact.radius2 < 0));
   const bool world = contact.kind == RecordedKind::kJoint && contact.fixed_normal;
-  return std::string(kKinds[static_cast<size_t>(contact.kind)].name) + (concave ? "_concave" : "") +
+  return std::string(std::data(kKinds)[static_cast<size_t>(contact.kind)].first) + (concave ? "_concave" : "") +
          (world ? "_world" : "");
 }
 

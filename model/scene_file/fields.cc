@@ -1,8 +1,7 @@
 #include "model/scene_file/fields.h"
 
 #include <algorithm>
-
-#include "support/number_text.h"
+#include <cmath>
 
 namespace lcpbench {
 
@@ -41,23 +40,9 @@ std::string ReadName(const JsonField& field) {
   return name;
 }
 
-const char* OnlyKey(const JsonField& object, std::initializer_list<const char*> known) {
-  object.RequireOnlyKeys(known);
-  const char* only = nullptr;
-  std::string names;
-  int count = 0;
-  for (const char* key : known) {
-    names += (names.empty() ? "" : ", ") + std::string(key);
-    if (!object.Has(key)) continue;
-    only = key;
-    ++count;
-  }
-  if (count != 1) object.Mismatch("an object with exactly one of the keys " + names);
-  return only;
+bool IsDefault(const OrderedJson& json) {
+  if (json.is_array()) return std::all_of(json.begin(), json.end(), IsDefault);
+  return json == 0 && !std::signbit(json.get<double>());
 }
-
-std::string Text(double value) { return NumberText(value); }
-
-std::string Text(Vec2 p) { return "(" + Text(p.x) + ", " + Text(p.y) + ")"; }
 
 }  // namespace lcpbench

@@ -1,15 +1,24 @@
 #pragma once
 
+#include <algorithm>
 #include <initializer_list>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <type_traits>
+#include <utility>
 
-#include "model/contact/body.h"
+#include "model/contact/system.h"
+#include "model/motion/impact.h"
+#include "model/motion/motion.h"
 #include "support/input_error.h"
 #include "support/json_field.h"
 
 namespace lcpbench {
 
-// What the readers of scene files ask of single values. All throw InputError naming the JSON path.
+// What the readers of scene files ask of single values, and how the writer writes them. Readers throw InputError naming
+// the JSON path.
+
+using OrderedJson = nlohmann::ordered_json;
 
 /// Every number of a scene file lies within +-kLargestNumber, and one that must be positive above 1 / kLargestNumber:
 /// products of a few of them stay within double's range.
@@ -41,12 +50,40 @@ double ReadNumber(const JsonField& object, const char* key, double otherwise, co
 std::string ReadName(const JsonField& field);
 void RequireName(const std::string& name, const JsonField& field);
 
-/// The only key of an object that must have exactly one of the known ones.
-const char* OnlyKey(const JsonField& object, std::initializer_list<const char*> known);
+/// The names of an enumeration's values, for JsonField::Choice and the writer.
+template <class E>
+using Names = std::initializer_list<std::pair<const char*, E>>;
+template <class E>
+constexpr Names<E> kNames = {};
+template <>
+inline constexpr Names<Side> kNames<Side> = {{"left", Side::kConvex}, {"right", Side::kConcave}};
+template <>
+inline constexpr Names<ConstraintType> kNames<ConstraintType> = {{"pin", ConstraintType::kPin},
+                                                                 {"path", ConstraintType::kPathJoint},
+                                                                 {"rod", ConstraintType::kRod},
+                                                                 {"rope", ConstraintType::kRope}};
+template <>
+inline constexpr Names<MotionLevel> kNames<MotionLevel> = {{"acceleration", MotionLevel::kAcceleration},
+                                                           {"velocity", MotionLevel::kVelocity}};
+template <>
+inline constexpr Names<ImpactLaw> kNames<ImpactLaw> = {{"newton", ImpactLaw::kNewton},
+                                                       {"poisson", ImpactLaw::kPoisson}};
 
-/// The same number as text: the shortest that reads back as it.
-std::string Text(double value);
-std::string Text(Vec2 p);
+/// What the library calls to make a point JSON.
+inline void to_json(OrderedJson& json, const Vec2& p) { json = {p.x, p.y}; }  // NOLINT(readability-identifier-naming)
+/// Null for what is absent.
+template <class T>
+OrderedJson ToJson(const T& value) {
+  if constexpr (std::is_enum_v<T>) {
+    return std::ranges::find(kNames<T>, value, &std::pair<const char*, T>::second)->first;
+  } else if constexpr (requires { value.has_value(); }) {
+    return value ? ToJson(*value) : OrderedJson();
+  } else {
+    return value;
+  }
+}
+/// +0, or two of them: exactly what the reader takes for an absent number.
+bool IsDefault(const OrderedJson& json);
 
 /// Calls `action`; what it throws as InputError is thrown as an error of `field`.
 template <class Action>

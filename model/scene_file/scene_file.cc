@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -18,13 +17,15 @@
 #include "model/geometry/feature.h"
 #include "model/motion/make_motion.h"
 #include "model/scene_file/fields.h"
-#include "model/scene_file/shape_reader.h"
+#include "model/scene_file/shape_forms.h"
 #include "model/shape/outline.h"
+#include "support/number_text.h"
+#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = OrderedJson;
 
 // Whether a member is in every file that is read (kRequired), and whether a 0, unless it is -0, is left out of what is
 // written (kOptional). Where a member is absent, the value stays as it is; none is never written.
@@ -96,22 +97,6 @@ constexpr Member<SceneFile> kMotion[] = {{"level", &SceneFile::level, kStated},
                                          {"resting_speed", &SceneFile::resting_speed, kStated, &kNonNegative}};
 constexpr Member<Loads> kGravity[] = {{"gravity", &Loads::gravity, kOptional}};
 
-// The names of an enumeration's values.
-template <class T>
-using Names = std::initializer_list<std::pair<const char*, T>>;
-template <class T>
-constexpr Names<T> kNames = {};
-template <>
-constexpr Names<ConstraintType> kNames<ConstraintType> = {{"pin", ConstraintType::kPin},
-                                                          {"path", ConstraintType::kPathJoint},
-                                                          {"rod", ConstraintType::kRod},
-                                                          {"rope", ConstraintType::kRope}};
-template <>
-constexpr Names<MotionLevel> kNames<MotionLevel> = {{"acceleration", MotionLevel::kAcceleration},
-                                                    {"velocity", MotionLevel::kVelocity}};
-template <>
-constexpr Names<ImpactLaw> kNames<ImpactLaw> = {{"newton", ImpactLaw::kNewton}, {"poisson", ImpactLaw::kPoisson}};
-
 // Calls visit(key, list, members) for the loads of each kind that a world may have many of.
 template <class AnyLoads, class Visit>
 void ForEachKind(AnyLoads* loads, const Visit& visit) {
@@ -159,8 +144,7 @@ struct SceneBodies {
   }
   /// The body-frame point that lies now where a field states, in the world.
   Vec2 ReadPlace(const JsonField& field, int body) const {
-    const Rotation r = SinCos((*this)[body].theta);
-    return InRange(Rotate({r.cos, -r.sin}, ReadVector(field) - (*this)[body].x), field);
+    return InRange(BodyPoint((*this)[body], ReadVector(field)), field);
   }
 };
 
@@ -240,9 +224,9 @@ Vec2 ReadMass(const JsonField& field, const SceneShape* shape, Body* body) {
 
 // What is derived from numbers in range may lie outside: of every body that is read, all numbers can be written.
 void RequireInRange(const Body& body, const JsonField& field) {
-  if (!kPositive.Holds(body.mass)) field.Fail("the mass must lie within 1e-30..1e30, but is " + Text(body.mass));
+  if (!kPositive.Holds(body.mass)) field.Fail("the mass must lie within 1e-30..1e30, but is " + NumberText(body.mass));
   if (!kPositive.Holds(body.inertia))
-    field.Fail("the inertia must lie within 1e-30..1e30, but is " + Text(body.inertia));
+    field.Fail("the inertia must lie within 1e-30..1e30, but is " + NumberText(body.inertia));
   if (!kAnyNumber.Holds(body.x)) field.Fail("the position of the centre of mass must lie within -1e30..1e30");
   if (!kAnyNumber.Holds(body.v)) field.Fail("the velocity of the centre of mass must lie within -1e30..1e30");
   for (const OutlineEdge& edge : body.outline) {
@@ -386,7 +370,7 @@ void ReadPoints(const JsonField& field, const SceneBodies& bodies, Constraint* j
   if (!is_pin) joint->length = Norm(WorldPoint(bodies[joint->body1], p1) - WorldPoint(bodies[joint->body2], p2));
   WithMembers(joint->type, [&](const auto& members) { ReadMembers(field, members, &bodies, joint); });
   if (!is_pin && !kPositive.Holds(joint->length)) {
-    field.Fail("the points coincide (distance " + Text(joint->length) +
+    field.Fail("the points coincide (distance " + NumberText(joint->length) +
                "): expected \"length\", or points apart from each other");
   }
   if (field.Has("speed") && !field.Has("torque_limit")) field["speed"].Fail("needs \"torque_limit\" beside it");
@@ -431,25 +415,6 @@ NamedShapes ReadShapes(const JsonField& field) {
   return shapes;
 }
 
-Json ToJson(double value) { return value; }
-Json ToJson(Vec2 p) { return Json::array({p.x, p.y}); }
-template <class E>
-requires std::is_enum_v<E> Json ToJson(E value) {
-  const auto* const found =
-      std::find_if(kNames<E>.begin(), kNames<E>.end(), [&](const auto& name) { return name.second == value; });
-  return found->first;
-}
-template <class T>
-Json ToJson(const std::optional<T>& value) {
-  return value ? ToJson(*value) : Json();
-}
-
-// +0, or two of them: exactly what the reader takes for an absent number.
-bool IsDefault(const Json& json) {
-  if (json.is_array()) return std::all_of(json.begin(), json.end(), IsDefault);
-  return json == 0 && !std::signbit(json.get<double>());
-}
-
 using BodyNames = std::vector<std::string>;
 
 template <class T>
@@ -466,50 +431,12 @@ void WriteMembers(const T& object, const auto& members, const BodyNames& names, 
   }
 }
 
-// The curve with every number under its name in files, without its range and side.
-Json ToJson(const OutlineCurve& curve) {
-  return std::visit(
-      [](const auto& e) {
-        constexpr bool kIsStraight = std::is_same_v<decltype(e), const StraightEdge&>;
-        Json form;
-        ForEachField(e, [&](const std::string& name, const auto& value) {
-          if constexpr (kIsStraight) {
-            form[name == "a" ? "from" : "to"] = ToJson(value);
-          } else if constexpr (requires { value.x; }) {
-            form[name] = ToJson(value);
-          } else if constexpr (requires { value[0].x; }) {
-            for (const Vec2 p : value) form["points"].push_back(ToJson(p));
-          } else if constexpr (!std::is_same_v<decltype(value), const Side&>) {
-            form[name] = value;
-          }
-        });
-        return Json{{kIsStraight ? "line" : e.kName, form}};
-      },
-      curve);
-}
-
-Json ToJson(const OutlineLoop& loop) {
-  Json path = Json::array();
-  for (const OutlinePiece& piece : loop) {
-    Json& form = path.emplace_back(ToJson(piece.edge)).begin().value();
-    const bool has_default = !std::visit([](const auto& e) { return e.kIsAngle; }, piece.edge);
-    if (has_default && IsDefault(piece.s_begin) && piece.s_end == 1) continue;
-    form["s_begin"] = piece.s_begin;
-    form["s_end"] = piece.s_end;
-  }
-  return path;
-}
-
-// The edge of a path joint is its path, or the whole curve, with the side where it has one.
+// The edge of a path joint is its path, or the whole curve.
 void WriteEnd(const std::string& number, const Feature& feature, const std::vector<OutlineEdge>& path, Json* json) {
-  const auto write_edge = [&](const auto& edge) {
-    Json& written = (*json)["edge" + number];
-    written = path.empty() ? ToJson(OutlineCurve(edge)) : ToJson(path);
-    if constexpr (requires { edge.side; }) {
-      if (path.empty()) written.begin().value()["turns"] = edge.side == Side::kConvex ? "left" : "right";
-    }
-  };
-  std::visit(Overloaded{[&](const Vertex& vertex) { (*json)["point" + number] = ToJson(vertex.p); }, write_edge},
+  std::visit(Overloaded{[&](const Vertex& vertex) { (*json)["point" + number] = ToJson(vertex.p); },
+                        [&](const auto& edge) {
+                          (*json)["edge" + number] = path.empty() ? ToJson(OutlineCurve(edge)) : ToJson(path);
+                        }},
              feature);
 }
 
@@ -615,21 +542,7 @@ SceneFile ParseScene(std::string_view text, const std::string& where) {
   return scene;
 }
 
-SceneFile ReadSceneFile(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw InputError(path + ": cannot be opened for reading");
-  constexpr std::size_t kChunk = std::size_t{1} << 20;
-  std::string text;
-  while (file) {
-    const std::size_t length = text.size();
-    text.resize(length + kChunk);
-    file.read(text.data() + length, static_cast<std::streamsize>(kChunk));
-    text.resize(length + static_cast<std::size_t>(file.gcount()));
-    if (text.size() > kMaxSceneFileBytes) throw InputError(path + ": longer than 512 MiB");
-  }
-  if (file.bad()) throw InputError(path + ": cannot be read");
-  return ParseScene(text, path);
-}
+SceneFile ReadSceneFile(const std::string& path) { return ParseScene(ReadTextFile(path, kMaxSceneFileBytes), path); }
 
 std::string FormatScene(const SceneFile& scene) {
   const World& world = scene.world;

@@ -50,7 +50,7 @@ std::optional<Top> TopForCircle(const Body& cam, double x, double radius) {
       if (std::abs(aside) >= reach) continue;
       const double rise = std::sqrt((reach - aside) * (reach + aside));
       // The arcs of a hull are told from the rest of their circles by the normal: forward of the flanks' normal or not.
-      const Vec2 normal = Rotate({turn.cos, -turn.sin}, (1 / reach) * Vec2{aside, rise});
+      const Vec2 normal = RotateBack(turn, (1 / reach) * Vec2{aside, rise});
       const double limit = SinCos(piece.s_begin).cos;
       const bool is_nose = piece.s_begin < 0;
       if (is_nose == (normal.x > limit)) keep(center.y + rise, *arc);

@@ -138,7 +138,7 @@ std::optional<Mesh> FindMesh(const GearKind& kind1, const Body& gear1, const Gea
     for (const Rotation turn : TurnsToDistance(center1 - axle2, b, reach)) {
       const Vec2 n = (1 / reach) * (axle2 + Rotate(turn, b) - center1);
       if (!HasNormal(feature1, Rotate({turn1.cos, -turn1.sin}, n))) continue;
-      if (!HasNormal(feature2, Rotate({turn.cos, -turn.sin}, -n))) continue;
+      if (!HasNormal(feature2, RotateBack(turn, -n))) continue;
       // All teeth of the new gear are alike: only the angle modulo its pitch counts.
       const double theta = AngleOf({turn.cos, turn.sin});
       const double from_middle = theta + std::round((middle - theta) / pitch2) * pitch2 - middle;

@@ -166,11 +166,6 @@ CircleMeeting MeetingOf(Vec2 center1, double reach1, Vec2 center2, double reach2
   return {center1 + along * unit, unit, reach1 * reach1 - along * along};
 }
 
-Vec2 BodyPoint(const Body& body, Vec2 p) {
-  const Rotation turn = SinCos(body.theta);
-  return Rotate({turn.cos, -turn.sin}, p - body.x);
-}
-
 Vec2 VelocityAt(const Body& body, Vec2 p) { return body.v + body.omega * Perp(p - body.x); }
 
 int AddBody(ContactSystem* system, std::string_view kind, Body body) {

@@ -74,8 +74,6 @@ struct CircleMeeting {
 };
 CircleMeeting MeetingOf(Vec2 center1, double reach1, Vec2 center2, double reach2);
 
-/// The body-frame coordinates of a world point.
-Vec2 BodyPoint(const Body& body, Vec2 p);
 /// The velocity of the body's material point at a world point.
 Vec2 VelocityAt(const Body& body, Vec2 p);
 

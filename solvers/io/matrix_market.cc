@@ -1,26 +1,114 @@
 #include "solvers/io/matrix_market.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <memory>
 #include <set>
-#include <sstream>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "solvers/io/file_ending.h"
 #include "solvers/io/gzip_file.h"
 #include "solvers/io/same_bits.h"
-#include "solvers/io/text_words.h"
 #include "support/input_error.h"
+#include "support/number_text.h"
+#include "support/printable.h"
 
 namespace lcpbench {
 namespace {
 
-constexpr char kComment = '%';
+// The words of a file and their lines. Every refusal is an InputError `name:line: expected ..., found ...`. Memory: one
+// line.
+class TextWords {
+ public:
+  TextWords(std::istream& input, std::string name) : input_(input), name_(std::move(name)) {}
+
+  // Goes to the next line; false at the end of the file.
+  bool NextLine() {
+    const bool is_there = static_cast<bool>(std::getline(input_, line_));
+    if (is_there) {
+      ++number_;
+    } else {
+      line_.clear();
+    }
+    rest_ = line_;
+    return is_there;
+  }
+
+  // The next line that is neither blank nor a comment.
+  bool NextData() {
+    while (NextLine()) {
+      const auto first = line_.find_first_not_of(kSpace);
+      if (first != std::string::npos && line_[first] != '%') return true;
+    }
+    return false;
+  }
+
+  // The next word of this line, "" at its end.
+  std::string_view Word() {
+    const auto begin = std::min(rest_.find_first_not_of(kSpace), rest_.size());
+    const auto end = std::min(rest_.find_first_of(kSpace, begin), rest_.size());
+    const std::string_view word = rest_.substr(begin, end - begin);
+    rest_ = rest_.substr(end);
+    return word;
+  }
+
+  std::int64_t Integer(std::int64_t least, std::int64_t most, const std::string& what) {
+    const std::string_view word = Word();
+    std::int64_t value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    const bool is_whole = error == std::errc() && end == word.data() + word.size();
+    if (is_whole && least <= value && value <= most) return value;
+    Reject(what + " from " + std::to_string(least) + " to " + std::to_string(most), word);
+  }
+
+  double Number() {
+    const std::string_view word = Word();
+    const std::optional<double> value = lcpbench::ParseNumber(word);
+    if (!value) Reject("a finite number", word);
+    return *value;
+  }
+
+  void ExpectEndOfLine() {
+    if (const std::string_view word = Word(); !word.empty()) Reject("the end of the line", word);
+  }
+
+  const std::string& Line() const { return line_; }
+  [[noreturn]] void Reject(const std::string& expected, std::string_view found) const {
+    constexpr std::size_t kLongest = 40;
+    throw InputError(Place() + "expected " + expected + ", found " +
+                     (found.empty() ? "nothing" : "'" + Excerpt(found, kLongest) + "'"));
+  }
+  // The file ends where `expected` should be.
+  [[noreturn]] void RejectEnd(const std::string& expected) const {
+    throw InputError(Place() + "expected " + expected + ", found the end of the file");
+  }
+
+ private:
+  static constexpr std::string_view kSpace = " \t\r\v\f";
+
+  // An empty file ends on its first line.
+  std::string Place() const { return name_ + ":" + std::to_string(std::max<std::size_t>(number_, 1)) + ": "; }
+
+  std::istream& input_;
+  std::string name_;
+  std::string line_;
+  std::string_view rest_;
+  std::size_t number_ = 0;
+};
+
+// 17 significant digits: reading gives the same bits.
+std::string RoundTripDigits(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
 
 std::string Lower(std::string_view word) {
   std::string lower(word);
@@ -45,14 +133,14 @@ void ReadHeader(TextWords* lines, MarketMatrix* matrix) {
   matrix->is_array = require({"coordinate", "array"}) == "array";
   require({"real", "integer"});
   matrix->is_symmetric = require({"general", "symmetric"}) == "symmetric";
-  lines->Expect("");
+  lines->ExpectEndOfLine();
 }
 
 void ReadEntries(TextWords* lines, std::int64_t count, MarketMatrix* matrix) {
   Index i = -1;
   Index j = 0;
   for (std::int64_t k = 0; k < count; ++k) {
-    if (!lines->NextData(kComment)) lines->RejectEnd("entry " + std::to_string(k + 1) + " of " + std::to_string(count));
+    if (!lines->NextData()) lines->RejectEnd("entry " + std::to_string(k + 1) + " of " + std::to_string(count));
     if (!matrix->is_array) {
       i = lines->Integer(1, matrix->rows, "a row") - 1;
       j = lines->Integer(1, matrix->columns, "a column") - 1;
@@ -64,11 +152,11 @@ void ReadEntries(TextWords* lines, std::int64_t count, MarketMatrix* matrix) {
       i = matrix->is_symmetric ? j : 0;
     }
     const double value = lines->Number();
-    lines->Expect("");
+    lines->ExpectEndOfLine();
     matrix->entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
     if (matrix->is_symmetric && i != j) matrix->entries.emplace_back(static_cast<int>(j), static_cast<int>(i), value);
   }
-  if (!lines->NextData(kComment)) return;
+  if (!lines->NextData()) return;
   lines->Reject("the end of the file after " + std::to_string(count) + " entries", lines->Line());
 }
 
@@ -152,7 +240,7 @@ MarketMatrix ReadMarketMatrix(std::istream& input, const std::string& name) {
   TextWords lines(input, name);
   MarketMatrix matrix;
   ReadHeader(&lines, &matrix);
-  if (!lines.NextData(kComment)) lines.RejectEnd("a line with the size");
+  if (!lines.NextData()) lines.RejectEnd("a line with the size");
   constexpr std::int64_t kMost = std::numeric_limits<int>::max() - 1;
   matrix.rows = lines.Integer(0, kMost, "a number of rows");
   matrix.columns = lines.Integer(0, kMost, "a number of columns");
@@ -162,7 +250,7 @@ MarketMatrix ReadMarketMatrix(std::istream& input, const std::string& name) {
   const std::int64_t count = !matrix.is_array      ? lines.Integer(0, kMost, "a number of entries")
                              : matrix.is_symmetric ? matrix.rows * (matrix.rows + 1) / 2
                                                    : matrix.rows * matrix.columns;
-  lines.Expect("");
+  lines.ExpectEndOfLine();
   ReadEntries(&lines, count, &matrix);
   if (!matrix.is_array) RequireNoneTwice(matrix, name);
   return matrix;

@@ -46,11 +46,6 @@ bool IsConvexCurve(const Feature& feature) {
       feature);
 }
 
-Vec2 InBodyFrame(const Body& body, Vec2 world) {
-  const auto [cos, sin] = SinCos(body.theta);
-  return Rotate({cos, -sin}, world - body.x);
-}
-
 /// Calls `change` with both features of every contact, the one that it touches, and the contact point in its body's
 /// frame.
 void ForEachFeature(ContactSystem* system, const auto& change) {
@@ -59,8 +54,8 @@ void ForEachFeature(ContactSystem* system, const auto& change) {
     Constraint& contact = system->constraints[static_cast<size_t>(row.constraint)];
     if (contact.type != ConstraintType::kContact) continue;
     const auto& bodies = system->bodies;
-    change(&contact.feature1, contact.feature2, InBodyFrame(bodies[static_cast<size_t>(contact.body1)], row.p1));
-    change(&contact.feature2, contact.feature1, InBodyFrame(bodies[static_cast<size_t>(contact.body2)], row.p2));
+    change(&contact.feature1, contact.feature2, BodyPoint(bodies[static_cast<size_t>(contact.body1)], row.p1));
+    change(&contact.feature2, contact.feature1, BodyPoint(bodies[static_cast<size_t>(contact.body2)], row.p2));
   }
 }
 

@@ -209,11 +209,6 @@ inline Body RandomBody(Random* random) {
   return body;
 }
 
-inline Vec2 ToBody(const Body& body, Vec2 world) {
-  const Rotation r = SinCos(body.theta);
-  return Rotate({r.cos, -r.sin}, world - body.x);
-}
-
 inline Vec2 ToWorld(const Body& body, Vec2 c) { return body.x + Rotate(SinCos(body.theta), c); }
 
 /// The feature or curve with all its lengths times `scale`.
@@ -271,14 +266,14 @@ inline std::pair<Feature, double> RandomCurve(Shape shape, Random* random) {
 /// @param s       receives the parameter of p on a general curve
 inline Feature FeatureThrough(Shape shape, const Body& body, Vec2 p, Vec2 N, double radius, Random* random,
                               std::optional<double>* s = nullptr) {
-  if (shape == Shape::kVertex) return Vertex{ToBody(body, p)};
-  if (shape == Shape::kConvexArc) return ArcEdge{ToBody(body, p - radius * N), radius, Side::kConvex};
-  if (shape == Shape::kConcaveArc) return ArcEdge{ToBody(body, p + radius * N), radius, Side::kConcave};
+  if (shape == Shape::kVertex) return Vertex{BodyPoint(body, p)};
+  if (shape == Shape::kConvexArc) return ArcEdge{BodyPoint(body, p - radius * N), radius, Side::kConvex};
+  if (shape == Shape::kConcaveArc) return ArcEdge{BodyPoint(body, p + radius * N), radius, Side::kConcave};
   if (shape == Shape::kStraight) {
     const Vec2 along = Perp(N);  // material on the left: N is on the right-hand side of `along`
     const Vec2 a = p - random->Uniform(0.2, 2) * along;
     const Vec2 b = p + random->Uniform(0.2, 2) * along;
-    return StraightEdge{ToBody(body, a), ToBody(body, b)};
+    return StraightEdge{BodyPoint(body, a), BodyPoint(body, b)};
   }
   const auto [curve, parameter] = RandomCurve(shape, random);
   const double scale = radius * std::abs(EvaluateEdge(curve, parameter).kappa);
@@ -288,7 +283,7 @@ inline Feature FeatureThrough(Shape shape, const Body& body, Vec2 p, Vec2 N, dou
   const Vec2 N_body = Rotate({body_turn.cos, -body_turn.sin}, N);
   const Rotation turn = {Dot(at.N, N_body), Cross(at.N, N_body)};
   if (s != nullptr) *s = parameter;
-  return Moved(scaled, turn, ToBody(body, p) - Rotate(turn, at.c));
+  return Moved(scaled, turn, BodyPoint(body, p) - Rotate(turn, at.c));
 }
 
 /// @param d  the gap; every third case is drawn with d = 0 by RandomContact(kind, random)

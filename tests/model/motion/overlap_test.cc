@@ -47,8 +47,8 @@ void ExpectRefusedAtBothLevels(const World& world) {
 Outline Around(const Feature& feature, std::optional<double> s, const Body& body, Vec2 p, Vec2 outward) {
   constexpr double kHalf = 0.05;
   constexpr double kThick = 0.15;
-  const Vec2 c = testing::ToBody(body, p);
-  const Vec2 N = testing::ToBody(body, body.x + outward);
+  const Vec2 c = BodyPoint(body, p);
+  const Vec2 N = BodyPoint(body, body.x + outward);
   const Vec2 along = Perp(N);
   if (IsVertex(feature)) return testing::Polygon({c, c - kThick * N + kThick * along, c - kThick * N - kThick * along});
   OutlinePiece piece{StraightEdge{c - kHalf * along, c + kHalf * along}, 0, 1};

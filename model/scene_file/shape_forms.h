@@ -4,6 +4,7 @@
 #include <string>
 
 #include "model/geometry/feature.h"
+#include "model/scene_file/fields.h"
 #include "model/shape/outline.h"
 #include "model/shape/shapes.h"
 #include "support/json_field.h"
@@ -40,5 +41,10 @@ struct SceneShape {
 /// @param name  what errors call the outline
 /// @throws InputError naming the JSON path, and for geometry the outline and the edge
 SceneShape ReadShape(const JsonField& field, const std::string& name);
+
+/// The whole curve, which ReadEdge reads back.
+OrderedJson ToJson(const OutlineCurve& curve);
+/// The path, which ReadPath reads back as the same edges.
+OrderedJson ToJson(const OutlineLoop& loop);
 
 }  // namespace lcpbench

@@ -1,16 +1,19 @@
-#include "model/scene_file/shape_reader.h"
+#include "model/scene_file/shape_forms.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
-#include "model/scene_file/fields.h"
 #include "model/shape/shapes.h"
+#include "support/number_text.h"
 
 namespace lcpbench {
 namespace {
@@ -19,10 +22,45 @@ constexpr double kFullTurn = 2 * std::numbers::pi;
 // How far a stated point may be from a stated curve, relative to the curve's size: as outlines may be open.
 constexpr double kOnCurve = 1e-9;
 
-// Material lies on the left: inside a curve that turns left.
-Side ReadTurn(const JsonField& object) {
-  return object["turns"].Choice<Side>({{"left", Side::kConvex}, {"right", Side::kConcave}});
+// Calls visit(key, value) for the fields of a curve by their names in files.
+template <class Curve, class Visit>
+void ForEachMember(Curve& curve, const Visit& visit) {
+  ForEachField(curve, [&](const std::string_view name, auto& value) {
+    if constexpr (std::is_same_v<std::remove_const_t<Curve>, StraightEdge>) {
+      visit(name == "a" ? "from" : "to", value);
+    } else if constexpr (std::is_same_v<std::remove_const_t<Curve>, BezierEdge>) {
+      visit("points", value);
+    } else {
+      visit(name == "side" ? "turns" : name.data(), value);
+    }
+  });
 }
+
+void Read(const JsonField& field, Vec2* point) { *point = ReadVector(field); }
+void Read(const JsonField& field, double* length) { *length = ReadNumber(field, kPositive); }
+void Read(const JsonField& field, int* number) { *number = field.Integer(); }
+void Read(const JsonField& field, std::array<Vec2, 4>* points) {
+  const std::vector<JsonField> items = field.Items(points->size());
+  for (std::size_t k = 0; k < items.size(); ++k) Read(items[k], &(*points)[k]);
+}
+
+// Reads what ForEachMember visits, but for the side: how it is stated depends on the form.
+// @param known  the key of what the form need not state
+template <class Curve>
+void ReadCurve(const JsonField& edge, Curve* curve, const std::string& known = "") {
+  ForEachMember(*curve, [&](const char* key, auto& value) {
+    const bool is_angle = key == std::string_view("phi");
+    if ((is_angle || key == known) && !edge.Has(key)) return;
+    if constexpr (std::is_same_v<decltype(value), double&>) {
+      value = ReadNumber(edge[key], is_angle ? kAnyNumber : kPositive);
+    } else if constexpr (!std::is_same_v<decltype(value), Side&>) {
+      Read(edge[key], &value);
+    }
+  });
+}
+
+// Material lies on the left: inside a curve that turns left.
+Side ReadTurn(const JsonField& object) { return object["turns"].Choice(kNames<Side>); }
 
 // From one angle to the other in the sense that the curve turns; from an angle to itself, all the way round.
 template <class Curve>
@@ -73,11 +111,17 @@ DrawnEdge ReadRange(const JsonField& edge, Curve curve) {
   return Whole({curve, begin, end});
 }
 
+// The same where s lies in [0, 1].
+DrawnEdge ReadShare(const JsonField& edge, const OutlineCurve& curve) {
+  return Whole({curve, ReadNumber(edge, "s_begin", 0), ReadNumber(edge, "s_end", 1)});
+}
+
 DrawnEdge ReadLine(const JsonField& line, std::optional<Vec2> begin) {
   line.RequireOnlyKeys({"from", "to", "s_begin", "s_end"});
-  const Vec2 a = line.Has("from") ? ReadVector(line["from"]) : Begin(line, begin);
-  const Vec2 b = ReadVector(line["to"]);
-  return Whole({StraightEdge{a, b}, ReadNumber(line, "s_begin", 0), ReadNumber(line, "s_end", 1)});
+  StraightEdge edge;
+  if (!line.Has("from")) edge.a = Begin(line, begin);
+  ReadCurve(line, &edge, "from");
+  return ReadShare(line, edge);
 }
 
 DrawnEdge ArcAbout(Vec2 center, double radius, Vec2 p, Vec2 q, Side side) {
@@ -119,7 +163,8 @@ DrawnEdge ReadArcFrom(const JsonField& arc, Vec2 p) {
     const double radius = Norm(p - center);
     const double other = Norm(q - center);
     if (!(std::abs(radius - other) <= kOnCurve * std::max(radius, other))) {
-      arc.Fail("begin and end are not equally far from the center, but " + Text(radius) + " and " + Text(other));
+      arc.Fail("begin and end are not equally far from the center, but " + NumberText(radius) + " and " +
+               NumberText(other));
     }
     return ArcAbout(center, radius, p, q, ReadTurn(arc));
   }
@@ -133,8 +178,9 @@ DrawnEdge ReadArc(const JsonField& arc, std::optional<Vec2> begin) {
   arc.RequireOnlyKeys({"to", "bulge", "radius", "turns", "long", "center", "sweep", "s_begin", "s_end"});
   if (arc.Has("bulge") || arc.Has("sweep") || arc.Has("to")) return ReadArcFrom(arc, Begin(arc, begin));
   arc.RequireOnlyKeys({"center", "radius", "s_begin", "s_end", "turns"});
-  const Vec2 center = ReadVector(arc["center"]);
-  return ReadRange(arc, ArcEdge{center, ReadNumber(arc["radius"], kPositive), Side::kConvex});
+  ArcEdge circle;
+  ReadCurve(arc, &circle);
+  return ReadRange(arc, circle);
 }
 
 Vec2 Scaled(const EllipseEdge& e, Vec2 in_axes) { return {in_axes.x / e.a, in_axes.y / e.b}; }
@@ -153,7 +199,7 @@ template <class Oval>
 double ParameterAt(const Oval& oval, Vec2 p, const JsonField& edge) {
   const double size = SizeAt(oval, oval.Shape().InAxes(p));
   if (!(std::abs(size - 1) <= kOnCurve)) {
-    edge.Fail("the point " + Text(p) + " is not on the " + oval.kName + ", but on one " + Text(size) +
+    edge.Fail("the point " + Text(p) + " is not on the " + oval.kName + ", but on one " + NumberText(size) +
               " times as large");
   }
   return oval.AngleAt(p);
@@ -162,7 +208,6 @@ double ParameterAt(const Oval& oval, Vec2 p, const JsonField& edge) {
 // What ellipse and superellipse share: all of the curve stated, with a range of parameters or the points it joins.
 template <class Oval>
 DrawnEdge ReadStatedOval(const JsonField& edge, Oval oval, std::optional<Vec2> begin) {
-  oval.center = ReadVector(edge["center"]);
   if (!edge.Has("to")) return ReadRange(edge, oval);
   const Vec2 p = Begin(edge, begin);
   const Vec2 q = ReadVector(edge["to"]);
@@ -172,9 +217,7 @@ DrawnEdge ReadStatedOval(const JsonField& edge, Oval oval, std::optional<Vec2> b
 
 DrawnEdge ReadEllipse(const JsonField& edge, std::optional<Vec2> begin) {
   EllipseEdge e;
-  e.a = ReadNumber(edge["a"], kPositive);
-  e.b = ReadNumber(edge["b"], kPositive);
-  e.phi = ReadNumber(edge, "phi", 0);
+  ReadCurve(edge, &e, "center");
   if (edge.Has("center")) {
     edge.RequireOnlyKeys({"center", "a", "b", "phi", "to", "turns", "s_begin", "s_end"});
     return ReadStatedOval(edge, e, begin);
@@ -194,13 +237,10 @@ DrawnEdge ReadEllipse(const JsonField& edge, std::optional<Vec2> begin) {
 DrawnEdge ReadSuperellipse(const JsonField& edge, std::optional<Vec2> begin) {
   edge.RequireOnlyKeys({"center", "a", "b", "m", "phi", "to", "turns", "s_begin", "s_end"});
   SuperellipseEdge e;
-  e.a = ReadNumber(edge["a"], kPositive);
-  e.b = ReadNumber(edge["b"], kPositive);
-  e.m = edge["m"].Integer();
+  ReadCurve(edge, &e);
   if (e.m < 2 || e.m % 2 != 0 || e.m > kMaxSuperellipseExponent) {
     edge["m"].Mismatch("an even integer in 2.." + std::to_string(kMaxSuperellipseExponent));
   }
-  e.phi = ReadNumber(edge, "phi", 0);
   return ReadStatedOval(edge, e, begin);
 }
 
@@ -213,23 +253,42 @@ DrawnEdge ReadBezier(const JsonField& edge, std::optional<Vec2> begin) {
     return {{bezier, 0, 1}, bezier.P[3]};
   }
   edge.RequireOnlyKeys({"points", "s_begin", "s_end"});
-  const std::vector<JsonField> points = edge["points"].Items(bezier.P.size());
-  for (std::size_t k = 0; k < points.size(); ++k) bezier.P[k] = ReadVector(points[k]);
-  return Whole({bezier, ReadNumber(edge, "s_begin", 0), ReadNumber(edge, "s_end", 1)});
+  ReadCurve(edge, &bezier);
+  return ReadShare(edge, bezier);
+}
+
+struct CurveForm {
+  const char* key;
+  DrawnEdge (*read)(const JsonField& edge, std::optional<Vec2> begin);
+};
+// In the order of OutlineCurve.
+constexpr CurveForm kCurves[] = {{"line", ReadLine},
+                                 {"arc", ReadArc},
+                                 {"ellipse", ReadEllipse},
+                                 {"superellipse", ReadSuperellipse},
+                                 {"bezier", ReadBezier}};
+static_assert(std::size(kCurves) == std::variant_size_v<OutlineCurve>);
+
+// The form whose key is the only one of an object.
+const auto& OnlyForm(const JsonField& object, const auto& forms) {
+  std::vector<const char*> keys;
+  std::string names;
+  for (const auto& form : forms) {
+    keys.push_back(form.key);
+    names += (names.empty() ? "" : ", ") + std::string(form.key);
+  }
+  object.RequireOnlyKeys(keys);
+  const auto members = object.Members();
+  if (members.size() != 1) object.Mismatch("an object with exactly one of the keys " + names);
+  return *std::ranges::find_if(forms, [&](const auto& form) { return form.key == members[0].first; });
 }
 
 }  // namespace
 
 DrawnEdge ReadEdge(const JsonField& edge, std::optional<Vec2> begin) {
-  const std::string kind = OnlyKey(edge, {"line", "arc", "ellipse", "superellipse", "bezier"});
-  const JsonField form = edge[kind.c_str()];
-  const DrawnEdge drawn = [&] {
-    if (kind == "line") return ReadLine(form, begin);
-    if (kind == "arc") return ReadArc(form, begin);
-    if (kind == "ellipse") return ReadEllipse(form, begin);
-    if (kind == "superellipse") return ReadSuperellipse(form, begin);
-    return ReadBezier(form, begin);
-  }();
+  const CurveForm& curve = OnlyForm(edge, kCurves);
+  const JsonField form = edge[curve.key];
+  DrawnEdge drawn = curve.read(form, begin);
   AtField(form, [&] { RequireValidPiece(drawn.piece, "edge"); });
   return drawn;
 }
@@ -291,7 +350,7 @@ OutlineLoop ReadClosedPath(const JsonField& field) {
 Outline ReadGear(const JsonField& field) {
   field.RequireOnlyKeys({"teeth", "root_radius", "tip_radius", "tip_share", "foot_share", "flank_radius"});
   GearShape gear;
-  if (field.Has("teeth")) gear.teeth = field["teeth"].Integer();
+  if (field.Has("teeth")) Read(field["teeth"], &gear.teeth);
   if (gear.teeth < 3 || gear.teeth > kMostTeeth) {
     field["teeth"].Mismatch("an integer in 3.." + std::to_string(kMostTeeth));
   }
@@ -303,35 +362,37 @@ Outline ReadGear(const JsonField& field) {
   return AtField(field, [&] { return Gear(gear); });
 }
 
-Outline ReadSuperellipseShape(const JsonField& field) {
-  field.RequireOnlyKeys({"a", "b", "m"});
-  const double a = ReadNumber(field["a"], kPositive);
-  const double b = ReadNumber(field["b"], kPositive);
-  const int m = field["m"].Integer();
-  return AtField(field, [&] { return Superellipse(a, b, m); });
+// Reads a ready-made outline by its parameters in the order of the function's: an exponent, or lengths and angles > 0.
+template <class... Parameters, class... Keys>
+auto Made(Outline (*make)(Parameters...), Keys... keys) {
+  return [make, keys...](const JsonField& field) {
+    field.RequireOnlyKeys({keys...});
+    std::tuple<Parameters...> values;
+    std::apply([&](auto&... value) { (Read(field[keys], &value), ...); }, values);
+    return AtField(field, [&] { return std::apply(make, values); });
+  };
 }
 
-// A ready-made outline whose parameters are all lengths or angles > 0, in the order of the function's.
-template <auto shape, class... Keys>
-Outline ReadParameters(const JsonField& field, Keys... keys) {
-  field.RequireOnlyKeys({keys...});
-  const std::array<double, sizeof...(keys)> values{ReadNumber(field[keys], kPositive)...};
-  return AtField(field, [&] { return std::apply(shape, values); });
-}
-
-Outline ReadReadyMade(const std::string& kind, const JsonField& field) {
-  if (kind == "disc") return ReadParameters<&Disc>(field, "radius");
-  if (kind == "box") return ReadParameters<&Box>(field, "width", "height");
-  if (kind == "rounded_box") return ReadParameters<&RoundedBox>(field, "width", "height", "corner_radius");
-  if (kind == "capsule") return ReadParameters<&Capsule>(field, "length", "radius");
-  if (kind == "half_disc") return ReadParameters<&HalfDisc>(field, "radius");
-  if (kind == "d_shape") return ReadParameters<&DShape>(field, "straight", "radius");
-  if (kind == "ring") return ReadParameters<&Ring>(field, "outer_radius", "inner_radius");
-  if (kind == "ellipse") return ReadParameters<&Ellipse>(field, "a", "b");
-  if (kind == "superellipse") return ReadSuperellipseShape(field);
-  if (kind == "gear") return ReadGear(field);
-  if (kind == "cam") return ReadParameters<&Cam>(field, "base_radius", "nose_radius", "distance");
-  return ReadParameters<&Bowl>(field, "outer_radius", "inner_radius", "half_opening");
+struct ShapeForm {
+  const char* key;
+  std::function<Outline(const JsonField& field)> read;
+};
+const std::vector<ShapeForm>& ShapeForms() {
+  static const std::vector<ShapeForm> forms{{"path", {}},  // this and the next one: see ReadShape
+                                            {"chains", {}},
+                                            {"disc", Made(Disc, "radius")},
+                                            {"box", Made(Box, "width", "height")},
+                                            {"rounded_box", Made(RoundedBox, "width", "height", "corner_radius")},
+                                            {"capsule", Made(Capsule, "length", "radius")},
+                                            {"half_disc", Made(HalfDisc, "radius")},
+                                            {"d_shape", Made(DShape, "straight", "radius")},
+                                            {"ring", Made(Ring, "outer_radius", "inner_radius")},
+                                            {"ellipse", Made(Ellipse, "a", "b")},
+                                            {"superellipse", Made(Superellipse, "a", "b", "m")},
+                                            {"gear", ReadGear},
+                                            {"cam", Made(Cam, "base_radius", "nose_radius", "distance")},
+                                            {"bowl", Made(Bowl, "outer_radius", "inner_radius", "half_opening")}};
+  return forms;
 }
 
 Outline ReadChains(const JsonField& field) {
@@ -363,9 +424,8 @@ SceneShape ReadShape(const JsonField& field, const std::string& name) {
   } else if (field.Has("path")) {
     shape.outline = ReadDrawn(field);
   } else {
-    const std::string kind = OnlyKey(field, {"path", "chains", "disc", "box", "rounded_box", "capsule", "half_disc",
-                                             "d_shape", "ring", "ellipse", "superellipse", "gear", "cam", "bowl"});
-    shape.outline = ReadReadyMade(kind, field[kind.c_str()]);
+    const ShapeForm& form = OnlyForm(field, ShapeForms());
+    shape.outline = form.read(field[form.key]);
   }
   shape.outline.name = name;
   if (shape.is_region) {
@@ -375,6 +435,26 @@ SceneShape ReadShape(const JsonField& field, const std::string& name) {
     });
   }
   return shape;
+}
+
+OrderedJson ToJson(const OutlineCurve& curve) {
+  OrderedJson form;
+  const auto write = [&](const char* key, const auto& value) { form[key] = ToJson(value); };
+  std::visit([&](const auto& e) { ForEachMember(e, write); }, curve);
+  return {{kCurves[curve.index()].key, form}};
+}
+
+OrderedJson ToJson(const OutlineLoop& loop) {
+  OrderedJson path = OrderedJson::array();
+  for (const OutlinePiece& piece : loop) {
+    OrderedJson& form = path.emplace_back(ToJson(piece.edge)).begin().value();
+    form.erase("turns");  // the range says it
+    const bool has_default = !std::visit([](const auto& e) { return e.kIsAngle; }, piece.edge);
+    if (has_default && IsDefault(piece.s_begin) && piece.s_end == 1) continue;
+    form["s_begin"] = piece.s_begin;
+    form["s_end"] = piece.s_end;
+  }
+  return path;
 }
 
 }  // namespace lcpbench
