@@ -108,8 +108,7 @@ TEST_P(PairsThatOverlap, AreToldByTheirDepthAndTreatedOrRefused) {
     // What is taken is told as deep as it is.
     world.loads.gravity = {};
     const Mover motion(MotionLevel::kVelocity, world);
-    motion->Advance(1e-3);
-    EXPECT_EQ(motion->status(), MotionStatus::kMoving) << motion->detail();
+    motion.KeepMoving(1e-3);
     EXPECT_NEAR(motion->statistics().worst_penetration, depth, 1e-5 * depth + 1e-14);
   }
 }

@@ -262,8 +262,7 @@ TEST(PathEnds, ABeadRunsRoundAndRoundInASlot) {
       Mover ride(level, world);
       const double speed = std::abs(bead.speed);
       for (int frame = 1; frame <= 10; ++frame) {
-        ride->Advance(0.25 * around / speed);
-        ASSERT_EQ(ride->status(), MotionStatus::kMoving) << ride->detail();
+        ride.KeepMoving(0.25 * around / speed);
         const double way = std::fmod(bead.share * length + bead.speed * ride->time() + 3 * around, around);
         const Vec2 place = WorldPoint(world.bodies[0], PlaceInSlot(bead.path, way));
         const double tolerance =
@@ -301,8 +300,7 @@ TEST(PathEnds, AKinkEndsTheMotionAndATurnBelowItDoesNot) {
     const Rotation slight = SinCos(1e-7);
     bead.path[1] = {StraightEdge{{0, 0}, {slight.cos, slight.sin}}, 0, 1};
     Mover ride(MotionLevel::kAcceleration, WorldOf(bead, &random));
-    ride->Advance(0.9);
-    EXPECT_EQ(ride->status(), MotionStatus::kMoving) << ride->detail();
+    ride.KeepMoving(0.9);
     EXPECT_NE(ride->world().joints[0].piece, bead.piece);
   }
 }
@@ -358,8 +356,7 @@ TEST(PathEnds, AStartBeyondAnEndIsRefused) {
   world.bodies[1].v = {0, -1};
   for (const MotionLevel level : kBothLevels) {
     Mover ride(level, world);
-    ride->Advance(1);
-    EXPECT_EQ(ride->status(), MotionStatus::kMoving);
+    ride.KeepMoving(1);
     EXPECT_NEAR(ride.body(1).x.y, 0, 1e-9);
   }
 }
