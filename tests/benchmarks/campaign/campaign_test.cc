@@ -86,11 +86,10 @@ TEST_F(Campaign, GoesOnAfterAWorkerThatCrashesHangsOrExhaustsMemory) {
 
   Succeed("analyse " + Path("r"));
   for (const auto& [key, worker] : workers) {
-    auto row = Coverage(key);
     const bool good = key == "well";
-    EXPECT_EQ(row["problems"], "2") << key;
-    EXPECT_EQ(row["verified"], good ? "2" : "0") << key;
-    EXPECT_EQ(row["false_successes"], !good && worker.claim == "solved" ? "2" : "0") << key;
+    ExpectHas(Coverage(key), {{"problems", "2"},
+                              {"verified", good ? "2" : "0"},
+                              {"false_successes", !good && worker.claim == "solved" ? "2" : "0"}});
   }
 }
 
@@ -125,9 +124,7 @@ TEST_F(Campaign, AnswersAtTheFloorAreVerifiedAndTimed) {
   const std::vector<Json> cells = Cells();
   ASSERT_EQ(cells.size(), 2U);
   for (const Json& cell : cells) {
-    EXPECT_EQ(cell["passes"], true) << cell.dump();
-    EXPECT_EQ(cell["at_floor"], true) << cell.dump();
-    EXPECT_EQ(cell["false_success"], false) << cell.dump();
+    ExpectHas(cell, {{"passes", true}, {"at_floor", true}, {"false_success", false}});
     EXPECT_GT(cell["rho"], 1e-15);
     EXPECT_LE(cell["rho"], floor);
     EXPECT_EQ(cell["fresh_s"].size(), 2U) << cell.dump();
@@ -142,12 +139,9 @@ TEST_F(Campaign, StricterTiersAreNotTriedAfterTheTimeRanOut) {
   Succeed(campaign);
   const std::vector<Json> cells = Cells();
   ASSERT_EQ(cells.size(), 3U);
-  EXPECT_EQ(cells[0]["tier"], 1e-3);
-  EXPECT_EQ(cells[0]["claim"], "time_limit");
-  EXPECT_EQ(cells[0]["excluded"], "");
+  ExpectHas(cells[0], {{"tier", 1e-3}, {"claim", "time_limit"}, {"excluded", ""}});
   for (const std::size_t k : {1U, 2U}) {
-    EXPECT_EQ(cells[k]["claim"], "excluded") << cells[k].dump();
-    EXPECT_EQ(cells[k]["excluded"], "out of time at the looser tier 1e-03");
+    ExpectHas(cells[k], {{"claim", "excluded"}, {"excluded", "out of time at the looser tier 1e-03"}});
   }
   // What was not tried is no reason not to go on.
   Succeed(campaign + " --resume");

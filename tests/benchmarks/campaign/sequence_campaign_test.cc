@@ -12,7 +12,6 @@
 #include "solvers/io/gzip_file.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
-#include "support/input_error.h"
 #include "tests/benchmarks/command/command_fixture.h"
 
 namespace lcpbench {

@@ -45,8 +45,7 @@ TEST_F(CollectionCommand, WritesProblemsThatAreImportedWithTheSameHashes) {
   EXPECT_EQ(imported["name"], "set");
   EXPECT_EQ(imported["problems"].size(), 4U);
   for (const auto& theirs : imported["problems"]) {
-    EXPECT_EQ(theirs["provenance"], "a test");
-    EXPECT_EQ(theirs["licence"], "CC0-1.0");
+    ExpectHas(theirs, {{"provenance", "a test"}, {"licence", "CC0-1.0"}});
     EXPECT_EQ(theirs["reference"]["kind"], "certified");
     for (const char* field : {"sha256", "rows", "rank", "condition", "fraction_active", "nonzeros_A", "bodies"}) {
       EXPECT_EQ(theirs[field], ours.at(theirs["id"])[field]) << field;
@@ -112,13 +111,11 @@ TEST_F(CollectionCommand, ARecorderOfAUsersOwnEngineGivesProblemsThatAreSolved) 
   ASSERT_EQ(std::system(("/usr/bin/python3 " + example + " 12 200 > " + Path("discs.jsonl")).c_str()), 0);
   for (const char* level : {"velocity", "acceleration"}) {
     Succeed("recording --level " + std::string(level) + " " + Path("discs.jsonl") + " -o " + Path("problems.jsonl"));
-    const std::vector<std::string> problems = Lines(ReadFile(folder_ / "problems.jsonl"));
-    EXPECT_GT(problems.size(), 10U) << level;
-    const CommandOutcome solved = Succeed("solve --solver auto --tolerance 1e-9 " + Path("problems.jsonl"));
-    const std::vector<std::string> answers = Lines(solved.out);
-    ASSERT_EQ(answers.size(), problems.size());
-    for (const std::string& answer : answers)
-      EXPECT_NE(answer.find(R"("status":"solved")"), std::string::npos) << answer;
+    const std::size_t problems = Lines(ReadFile(folder_ / "problems.jsonl")).size();
+    EXPECT_GT(problems, 10U) << level;
+    const std::vector<Json> answers = Answers("solve --solver auto --tolerance 1e-9 " + Path("problems.jsonl"));
+    EXPECT_EQ(answers.size(), problems);
+    for (const Json& answer : answers) EXPECT_EQ(answer["status"], "solved") << answer;
   }
 
   // A mistake in the header is one mistake, however many steps follow.

@@ -174,6 +174,8 @@ TEST(Manifest, OfAnotherFormIsRefusedInOneLine) {
       with("/problems/0/recipe/rows", 0),
       with("/problems/0/sha256", "beef"),
       with("/problems/1/id", good["problems"][0]["id"]),
+      with("/problems/0/recipe/seed", 9007199254740994),
+      with("/problems/0/fraction_active", 1.5),
       with("/fill/0/problems", 4),
       with("/sequences/0/steps", 0),
       with("/sequences/0/problems", 0),

@@ -248,7 +248,8 @@ TEST(AnotherB, IsWhatMoreForceWouldUndo) {
   EXPECT_EQ(change[2], 0);
 }
 
-TEST_P(ChangesOf, SpreadMassesAreMultipliedByOneToTheRatio) {
+TEST_P(ChangesOf, SpreadMassesAreMultipliedByOneToTheRatioAndLeaveProblemsSolvable) {
+  for (const std::uint64_t seed : {1, 2, 3}) Solved(With("mass-ratio", 1e6, seed).problem, 1e-6);
   EXPECT_EQ(With("mass-ratio", 1).problem.inverse_mass(), problem_.inverse_mass());
   for (const double ratio : {10.0, 1e6}) {
     const LcpProblem spread = With("mass-ratio", ratio).problem;
@@ -273,10 +274,6 @@ TEST_P(ChangesOf, SpreadMassesAreMultipliedByOneToTheRatio) {
     EXPECT_NEAR(*most, ratio, 1e-13 * ratio);
     EXPECT_NE(With("mass-ratio", ratio, 4).problem.inverse_mass(), spread.inverse_mass());
   }
-}
-
-TEST_P(ChangesOf, SpreadMassesLeaveProblemsSolvable) {
-  for (const std::uint64_t seed : {1, 2, 3}) Solved(With("mass-ratio", 1e6, seed).problem, 1e-6);
 }
 
 TEST(Changes, CurvatureMatters) {
@@ -319,7 +316,6 @@ TEST(Changes, AreTheSameForTheSameSeedOnly) {
     const LcpProblem a = MakeInstance({"rockers", kRows, 2, {{name, amount}}}).problem;
     EXPECT_EQ(a.id().rfind(id, 0), 0U);
     EXPECT_EQ(ContentHash(a), ContentHash(MakeInstance({"rockers", kRows, 2, {{name, amount}}}).problem)) << name;
-    if (name == "friction") continue;  // all contacts get the same coefficient
     EXPECT_NE(ContentHash(Given("rockers", {{name, amount}}, 2).problem),
               ContentHash(Given("rockers", {{name, amount}}, 3).problem))
         << name;

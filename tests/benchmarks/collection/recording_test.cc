@@ -93,6 +93,42 @@ Eigen::Matrix3d InverseInertia(const Recording& made, std::size_t k) {
   return R * Eigen::Vector3d(inverse[0], inverse[1], inverse[2]).asDiagonal() * R.transpose();
 }
 
+// A row's directions of a body: what its speed counts, and what its impulse does.
+struct Side {
+  int body = -1;
+  Eigen::Vector3d linear;
+  Eigen::Vector3d angular;
+};
+
+struct ExpectedRow {
+  std::string identity;
+  bool is_bilateral = false;
+  double opening = 0;  // [m/s], of a gap
+  std::array<Side, 2> sides;
+};
+
+ExpectedRow RowOf(const Recording& made, const RecordedStep::Contact& contact) {
+  const auto side = [&](int body, double sign) -> Side {
+    if (body < 0) return {};
+    const Eigen::Vector3d normal = sign * Of(contact.normal);
+    const Eigen::Vector3d arm = Of(contact.point) - Of(made.step.bodies[static_cast<std::size_t>(body)].x);
+    return {body, normal, arm.cross(normal)};
+  };
+  return {contact.identity,
+          false,
+          std::max(contact.gap, 0.0) / made.header.time_step,
+          {side(contact.first, -1), side(contact.second, 1)}};
+}
+
+ExpectedRow RowOf(const Recording& made, const RecordedStep::JointRow& joint) {
+  const auto side = [&](int body, std::size_t begin) -> Side {
+    const double* j = joint.J.data() + begin;
+    if (made.header.dimension == 2) return {body, {j[0], j[1], 0}, {0, 0, j[2]}};
+    return {body, {j[0], j[1], j[2]}, {j[3], j[4], j[5]}};
+  };
+  return {joint.identity, !joint.is_limit, 0, {side(joint.first, 0), side(joint.second, joint.J.size() / 2)}};
+}
+
 TEST(Recording, RowsAreTheSpeedsAtWhichBodiesPart) {
   for (const int dimension : {2, 3}) {
     for (unsigned seed = 1; seed <= 50; ++seed) {
@@ -102,76 +138,43 @@ TEST(Recording, RowsAreTheSpeedsAtWhichBodiesPart) {
       ASSERT_EQ(problem.columns_per_body(), dimension == 3 ? 6 : 3);
       Random random(seed + 1000);
       const Eigen::VectorXd f = Eigen::VectorXd::NullaryExpr(problem.size(), [&] { return random.Uniform(-1, 1); });
-      const auto row_of = [&](const std::string& identity) {
-        return static_cast<Index>(std::find(found.identity.begin(), found.identity.end(), identity) -
-                                  found.identity.begin());
+      std::vector<std::pair<Index, ExpectedRow>> rows;
+      const auto expect = [&](const ExpectedRow& row) {
+        const Index place =
+            std::find(found.identity.begin(), found.identity.end(), row.identity) - found.identity.begin();
+        if (place < problem.size()) rows.emplace_back(place, row);
       };
+      for (const RecordedStep::Contact& contact : made.step.contacts) expect(RowOf(made, contact));
+      for (const RecordedStep::JointRow& joint : made.step.joint_rows) expect(RowOf(made, joint));
+      EXPECT_EQ(static_cast<Index>(rows.size()), problem.size());
+
       std::vector<Motion> motion(made.header.bodies.size());
-      const auto push = [&](int body, const Eigen::Vector3d& impulse, const Eigen::Vector3d& turning) {
-        if (body < 0) return;
-        const auto k = static_cast<std::size_t>(body);
-        motion[k].v += made.header.bodies[k].inverse_mass * impulse;
-        motion[k].omega += InverseInertia(made, k) * turning;
+      const auto push = [&](const Side& side, double size) {
+        if (side.body < 0) return;
+        const auto k = static_cast<std::size_t>(side.body);
+        motion[k].v += made.header.bodies[k].inverse_mass * size * side.linear;
+        motion[k].omega += InverseInertia(made, k) * (size * side.angular);
       };
       for (std::size_t k = 0; k < motion.size(); ++k) {
         const RecordedStep::Body& state = made.step.bodies[k];
         motion[k] = {Of(state.v), Of(state.omega)};
-        push(static_cast<int>(k), made.header.time_step * Of(state.force), made.header.time_step * Of(state.torque));
+        push({static_cast<int>(k), Of(state.force), Of(state.torque)}, made.header.time_step);
       }
-      const auto arm = [&](const RecordedStep::Contact& contact, int body) -> Eigen::Vector3d {
-        return Of(contact.point) - Of(made.step.bodies[static_cast<std::size_t>(body)].x);
-      };
-      for (const RecordedStep::Contact& contact : made.step.contacts) {
-        const Index row = row_of(contact.identity);
-        if (row == problem.size()) continue;
-        const Eigen::Vector3d impulse = f[row] * Of(contact.normal);
-        if (contact.first >= 0) push(contact.first, -impulse, -arm(contact, contact.first).cross(impulse));
-        if (contact.second >= 0) push(contact.second, impulse, arm(contact, contact.second).cross(impulse));
-      }
-      // The linear or the angular part of a joint's body, which begins at `begin`.
-      const auto part = [&](const RecordedStep::JointRow& row, std::size_t begin, bool angular) -> Eigen::Vector3d {
-        const double* j = row.J.data() + begin;
-        if (dimension == 2) return angular ? Eigen::Vector3d(0, 0, j[2]) : Eigen::Vector3d(j[0], j[1], 0);
-        return angular ? Eigen::Vector3d(j[3], j[4], j[5]) : Eigen::Vector3d(j[0], j[1], j[2]);
-      };
-      for (const RecordedStep::JointRow& joint : made.step.joint_rows) {
-        const Index row = row_of(joint.identity);
-        if (row == problem.size()) continue;
-        push(joint.first, f[row] * part(joint, 0, false), f[row] * part(joint, 0, true));
-        const std::size_t half = joint.J.size() / 2;
-        push(joint.second, f[row] * part(joint, half, false), f[row] * part(joint, half, true));
+      for (const auto& [place, row] : rows) {
+        for (const Side& side : row.sides) push(side, f[place]);
       }
       Eigen::VectorXd w;
       problem.ComputeW(f, &w);
-      Index seen = 0;
-      for (const RecordedStep::Contact& contact : made.step.contacts) {
-        const Index row = row_of(contact.identity);
-        if (row == problem.size()) continue;
-        double speed = std::max(contact.gap, 0.0) / made.header.time_step;
-        for (const auto& [body, sign] : {std::pair(contact.first, -1.0), std::pair(contact.second, 1.0)}) {
-          if (body < 0) continue;
-          const Motion& moved = motion[static_cast<std::size_t>(body)];
-          speed += sign * Of(contact.normal).dot(moved.v + moved.omega.cross(arm(contact, body)));
+      for (const auto& [place, row] : rows) {
+        double speed = row.opening;
+        for (const Side& side : row.sides) {
+          if (side.body < 0) continue;
+          const Motion& moved = motion[static_cast<std::size_t>(side.body)];
+          speed += side.linear.dot(moved.v) + side.angular.dot(moved.omega);
         }
-        EXPECT_NEAR(w[row], speed, 1e-12) << dimension << ' ' << seed;
-        EXPECT_FALSE(problem.is_bilateral(row));
-        ++seen;
+        EXPECT_NEAR(w[place], speed, 1e-12) << dimension << ' ' << seed;
+        EXPECT_EQ(problem.is_bilateral(place), row.is_bilateral);
       }
-      for (const RecordedStep::JointRow& joint : made.step.joint_rows) {
-        const Index row = row_of(joint.identity);
-        if (row == problem.size()) continue;
-        double speed = 0;
-        for (const auto& [body, begin] :
-             {std::pair(joint.first, std::size_t{0}), std::pair(joint.second, joint.J.size() / 2)}) {
-          if (body < 0) continue;
-          const Motion& moved = motion[static_cast<std::size_t>(body)];
-          speed += part(joint, begin, false).dot(moved.v) + part(joint, begin, true).dot(moved.omega);
-        }
-        EXPECT_NEAR(w[row], speed, 1e-12) << dimension << ' ' << seed;
-        EXPECT_EQ(problem.is_bilateral(row), !joint.is_limit);
-        ++seen;
-      }
-      EXPECT_EQ(seen, problem.size());
     }
   }
 }

@@ -1,16 +1,6 @@
 // What is for measuring only: that it is what its seed draws, and who leaves it out.
 #include "benchmarks/collection/sealed.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <fstream>
-#include <nlohmann/json.hpp>
-#include <set>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "benchmarks/campaign/campaign_plan.h"
 #include "benchmarks/campaign/named_campaigns.h"
 #include "benchmarks/collection/content_hash.h"
@@ -22,13 +12,8 @@
 namespace lcpbench {
 namespace {
 
-nlohmann::json SealedFile() {
-  std::ifstream file(DataFile("sealed"));
-  return nlohmann::json::parse(file);
-}
-
 void ExpectDrawn(const std::string& kind, const std::set<std::string>& among, std::size_t count) {
-  const nlohmann::json file = SealedFile();
+  const nlohmann::json file = nlohmann::json::parse(ReadFile(DataFile("sealed")));
   std::vector<std::pair<std::string, std::string>> drawn;
   for (const std::string& name : among) drawn.emplace_back(TextHash(file.at("seed").dump() + " " + name), name);
   std::ranges::sort(drawn);

@@ -37,6 +37,16 @@ inline std::vector<Json> Records(const std::string& text) {
 inline std::vector<Json> JsonLines(const fs::path& path) { return Records(ReadFile(path)); }
 inline Json ReadJson(const fs::path& path) { return Json::parse(ReadFile(path)); }
 
+/// `found` has these members.
+inline void ExpectHas(const Json& found, const Json& members) {
+  for (const auto& [name, value] : members.items())
+    EXPECT_EQ(found.value(name, Json()), value) << name << " of " << found;
+}
+/// A text, or an error, has this part.
+inline void ExpectPart(const std::string& text, const std::string& part) {
+  EXPECT_NE(text.find(part), std::string::npos) << text << "\nexpected: " << part;
+}
+
 /// A campaign's folder problem by problem: an object per problem, solver and tier with what streams.jsonl says of it in
 /// arrays, in the order of the tasks, and its times `fresh_s` of all passes.
 inline std::vector<Json> CellsOf(const fs::path& folder) {
@@ -113,7 +123,7 @@ class CommandTest : public FolderTest {
     const CommandOutcome outcome = Run(arguments, input);
     EXPECT_EQ(outcome.status, 2) << arguments;
     EXPECT_EQ(outcome.out, "") << arguments;
-    EXPECT_NE(outcome.error.find(text), std::string::npos) << arguments << ": " << outcome.error;
+    ExpectPart(outcome.error, text);
     EXPECT_EQ(Lines(outcome.error).size(), 1U) << outcome.error;
   }
 
@@ -129,14 +139,27 @@ class CommandTest : public FolderTest {
       for (const std::string& line : lines) changed += line + "\n";
       Write(file, changed);
       ExpectMistake(resume, fs::path(file).filename().string() + ":2: ");
-      EXPECT_NE(ReadFile(folder_ / "stderr").find(words), std::string::npos) << ReadFile(folder_ / "stderr");
+      ExpectPart(ReadFile(folder_ / "stderr"), words);
       EXPECT_EQ(ReadFile(folder_ / file), changed);
     }
     Write(file, kept);
   }
 
-  /// Runs the command, with its errors to the file "stderr", until `file` has grown by so many bytes, so that it is in
-  /// the midst of its work however fast the machine is; then it gets the signal, alone or with its process group,
+  /// The command in the background, the first of a process group, with its errors to a file. @return its process
+  pid_t Start(const std::string& arguments, const std::string& errors) const {
+    const pid_t child = fork();
+    if (child == 0) {
+      setpgid(0, 0);
+      const std::string command = "exec " + program_ + " " + arguments + " > /dev/null 2> " + Path(errors);
+      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      _exit(127);
+    }
+    setpgid(child, child);  // whoever is first
+    return child;
+  }
+
+  /// Lets the command run, with its errors to the file "stderr", until `file` has grown by so many bytes, so that it is
+  /// in the midst of its work however fast the machine is; then it gets the signal, alone or with its process group,
   /// `once` or until it has ended.
   /// @return its status, as waitpid gives it
   int RunUntil(const std::string& file, std::uintmax_t growth, int signal, bool whole_group,
@@ -155,14 +178,7 @@ class CommandTest : public FolderTest {
       return beside;
     };
     const std::uintmax_t enough = size() + growth;
-    const pid_t child = fork();
-    if (child == 0) {
-      setpgid(0, 0);
-      const std::string command = "exec " + program_ + " " + arguments + " > /dev/null 2> " + Path("stderr");
-      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
-      _exit(127);
-    }
-    setpgid(child, child);  // whoever is first
+    const pid_t child = Start(arguments, "stderr");
     int status = 0;
     bool is_sent = false;
     while (waitpid(child, &status, WNOHANG) == 0) {

@@ -133,7 +133,7 @@ TEST_F(Command, MistakesAreOneLineAndStatusTwo) {
 TEST_F(Command, BudgetsEndAMotionAndKeepWhatItMet) {
   const CommandOutcome sequence = Run("sequence tall-stacks --size 60 --steps 1000000 --budget 0.2");
   EXPECT_EQ(sequence.status, 1);
-  EXPECT_NE(sequence.error.find("stopped: not finished within 0.2 s"), std::string::npos) << sequence.error;
+  ExpectPart(sequence.error, "stopped: not finished within 0.2 s");
   EXPECT_FALSE(Records(sequence.out).empty());
   ExpectMistake("scene tall-stacks --size 60 --time 1e6 --budget 0.2", "not finished within 0.2 s");
 }
@@ -153,7 +153,7 @@ TEST_F(Command, OfManyBadLinesTenReasonsAreToldEachOnce) {
     const CommandOutcome outcome = Run("solve --solver dantzig -", bad + kProblem);
     EXPECT_EQ(outcome.status, 2);
     EXPECT_EQ(Lines(outcome.error).size(), told) << outcome.error;
-    EXPECT_NE(outcome.error.find(std::string("<stdin>: and") + left + "more\n"), std::string::npos) << outcome.error;
+    ExpectPart(outcome.error, std::string("<stdin>: and") + left + "more\n");
     EXPECT_EQ(Records(outcome.out).size(), 1U);
   }
 }
@@ -185,7 +185,7 @@ TEST_F(Command, FormatsAreToldByEndingsWhateverTheirCaseAndTextMayBeCompressed) 
   const std::string problem = Run("generate gear-train --size 12 --seed 3").out;
   const Json given = Json::parse(problem);
   for (const std::string ending : {"mtx", "MTX", "Mtx", "mtx.gz", "MTX.GZ", "mTx.gZ", "dat", "Dat.Gz", "HDF5", "h5",
-                                   "jsonl", "JSONL", "jsonl.gz", "JSONL.GZ", "json", "gz"}) {
+                                   "jsonl", "JSONL", "jsonl.gz", "JSONL.GZ", "json", "gz", "qps", "mps"}) {
     SCOPED_TRACE(ending);
     const std::string file = Path("p." + ending);
     Succeed("convert - -o " + file, problem);
@@ -195,6 +195,7 @@ TEST_F(Command, FormatsAreToldByEndingsWhateverTheirCaseAndTextMayBeCompressed) 
     const Json back = Answer("convert " + file);
     for (const char* field : {"n", "b", "bilateral"}) EXPECT_EQ(back[field], given[field]) << field;
     EXPECT_EQ(Answer("solve --solver auto " + file)["verdict"]["passes"], true);
+    EXPECT_EQ(Answer("certify " + file)["certified"], true);
     fs::remove(file);
   }
   for (const auto& [ending, format] : {std::pair{"hdf5.gz", "hdf5"}, {"H5.GZ", "hdf5"}, {"npz.gz", "npz"}}) {
@@ -203,6 +204,9 @@ TEST_F(Command, FormatsAreToldByEndingsWhateverTheirCaseAndTextMayBeCompressed) 
     ExpectMistake("convert - -o " + file, told, problem);
     for (const char* command : {"convert ", "solve --solver auto ", "recommend "}) ExpectMistake(command + file, told);
   }
+  // Programs of npz have no rows of joints.
+  Succeed("convert - -o " + Path("p.npz"), kProblem);
+  ExpectHas(Answer("convert " + Path("p.npz")), {{"b", {-5, -4}}, {"A", Answer("convert -", kProblem)["A"]}});
   Succeed("convert - -o " + Path("q.QPS"), problem);
   Succeed("convert - -o " + Path("q.qps.gz"), problem);
   TextInput unpacked(Path("q.qps.gz"));
@@ -213,8 +217,7 @@ TEST_F(Command, ReportedFilesAreReadByTheirEndingsAndNumbers) {
   const std::string reports = std::string(LCPBENCH_SOURCE_DIR) + "/tests/data/reports/";
   const Json answer = Answer("solve --solver auto " + reports + "UP.MTX");
   EXPECT_EQ(answer["id"], "UP");
-  EXPECT_NEAR(answer["f"][0].get<double>(), 0.2, 1e-12);
-  EXPECT_NEAR(answer["f"][1].get<double>(), 0.6, 1e-12);
+  for (const auto& [row, f] : {std::pair{0, 0.2}, {1, 0.6}}) EXPECT_NEAR(answer["f"][row], f, 1e-12);
   EXPECT_EQ(Answer("convert " + reports + "under.mtx")["A"]["val"], Json({0.0, 0.0, 0.0, 3.0}));
 }
 
@@ -223,7 +226,7 @@ TEST_F(Command, SolveJudgesEveryLineAndKeepsGoingAfterABadOne) {
   const CommandOutcome outcome = Run("solve --solver dantzig " + Path("problems.jsonl"));
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(Lines(outcome.error).size(), 1u);
-  EXPECT_NE(outcome.error.find("problems.jsonl:2"), std::string::npos);
+  ExpectPart(outcome.error, "problems.jsonl:2");
   const std::vector<Json> lines = Records(outcome.out);
   ASSERT_EQ(lines.size(), 2u);
   const Json& first = lines[0];
@@ -247,12 +250,9 @@ TEST_F(Command, SolveJudgesByTheToleranceAloneUnlessAskedForTheFloor) {
   const double floor = by_floor["metrics"]["floor"].get<double>();
   EXPECT_NEAR(floor, by_floor["metrics"]["answer_floor"].get<double>(), 1e-3 * floor);
   EXPECT_EQ(by_tolerance["f"], by_floor["f"]);
-  EXPECT_FALSE(by_tolerance["verdict"]["at_floor"].get<bool>());
-  EXPECT_FALSE(by_tolerance["verdict"]["passes"].get<bool>());
-  EXPECT_NE(by_tolerance["detail"].get<std::string>().find("1e-09 is below the rounding floor"), std::string::npos)
-      << by_tolerance["detail"];
-  EXPECT_TRUE(by_floor["verdict"]["passes"].get<bool>());
-  EXPECT_TRUE(by_floor["verdict"]["at_floor"].get<bool>());
+  ExpectHas(by_tolerance["verdict"], {{"at_floor", false}, {"passes", false}});
+  ExpectPart(by_tolerance["detail"], "1e-09 is below the rounding floor");
+  ExpectHas(by_floor["verdict"], {{"passes", true}, {"at_floor", true}});
 }
 
 TEST_F(Command, EverySolverSolvesWhatGenerateWrites) {
@@ -271,24 +271,17 @@ TEST_F(Command, EverySolverSolvesWhatGenerateWrites) {
 }
 
 TEST_F(Command, CertifyAnswersInFractions) {
-  const CommandOutcome outcome = Succeed("certify -", R"({"id":"p","A":[[2,1],[1,"7/3"]],"b":[-5,"-1/3"]})"
-                                                      "\n"
-                                                      R"({"id":"q","A":[[1,-1],[-1,1]],"b":[-1,0]})");
-  const std::vector<Json> lines = Records(outcome.out);
+  const std::vector<Json> lines = Answers("certify -", R"({"id":"p","A":[[2,1],[1,"7/3"]],"b":[-5,"-1/3"]})"
+                                                       "\n"
+                                                       R"({"id":"q","A":[[1,-1],[-1,1]],"b":[-1,0]})");
   ASSERT_EQ(lines.size(), 2u);
-  const Json& solved = lines[0];
-  EXPECT_EQ(solved["status"], "solved");
-  EXPECT_EQ(solved["certified"], true);
-  EXPECT_EQ(solved["w_exact"], Json({"0", "13/6"}));
-  EXPECT_EQ(solved["f_exact"], Json({"5/2", "0"}));
-  EXPECT_EQ(solved["f_unique"], true);
-  EXPECT_EQ(solved["rank_A"], 2);
-  const Json& infeasible = lines[1];
-  EXPECT_EQ(infeasible["status"], "infeasible");
-  EXPECT_EQ(infeasible["certified"], true);
-  EXPECT_EQ(infeasible["ray_exact"], Json({"1", "1"}));
-  const CommandOutcome none = Succeed("certify -", R"({"id":"p","A":[[1,2],[2,1]],"b":[-1,-1]})");
-  EXPECT_EQ(Json::parse(none.out)["certified"], false);
+  ExpectHas(lines[0], {{"status", "solved"}, {"certified", true}, {"f_unique", true}, {"rank_A", 2}});
+  ExpectHas(lines[0], {{"w_exact", Json::array({"0", "13/6"})}, {"f_exact", Json::array({"5/2", "0"})}});
+  ExpectHas(lines[1], {{"status", "infeasible"}, {"certified", true}, {"ray_exact", Json::array({"1", "1"})}});
+  EXPECT_EQ(Answer("certify -", R"({"id":"p","A":[[1,2],[2,1]],"b":[-1,-1]})")["certified"], false);
+  const std::string nearly = R"({"id":"p","A":[[2,1],[1.00000001,2]],"b":[-1,-1]})";
+  ExpectMistake("certify -", "symmetric", nearly);
+  EXPECT_EQ(Answer("certify --symmetrize 1e-6 -", nearly)["certified"], true);
   const Json rounded = Json::parse(Run("certify --rounded -", kProblem).out);
   EXPECT_FALSE(rounded.contains("w_exact"));
   EXPECT_EQ(rounded["w"], Json({0.0, 0.0}));
@@ -300,44 +293,22 @@ TEST_F(Command, CertifyProvesModesOfFriction) {
       R"({"id":"p","A":[[1,0],[0,1]],"b":[-2,3],"friction":{"row":[1],"normal":[0],"mu":["1/2"]}})";
   const std::string same = R"({"id":"p","A":[[1,0],[0,1]],"b":[-2,3],"friction":{"row":[1],"normal":[0],"mu":[0.5]}})";
   const Json all = Answer("certify -", block);
-  EXPECT_EQ(all["complete"], true);
+  ExpectHas(all, {{"complete", true}, {"f_unique", true}});
   EXPECT_EQ(all["pieces"][0]["vertices"][0], Json({"2", "-1"}));
-  EXPECT_EQ(all["f_unique"], true);
   const Json one = Answer("certify --modes-up-to 0 -", block);
-  EXPECT_EQ(one["complete"], false);
-  EXPECT_EQ(one["tried"], 0);
+  ExpectHas(one, {{"complete", false}, {"tried", 0}});
   const Json bounded = Answer("certify --exact-up-to 0 -", same);
   EXPECT_EQ(bounded["status"], "bounded");
   EXPECT_LT(bounded["f_bound"], 1e-12);
   for (const Json& answer : {all, one, bounded}) {
-    EXPECT_EQ(answer["certified"], true);
-    EXPECT_EQ(answer["proof"], "modes");
-    EXPECT_EQ(answer["modes"], "C+");
+    ExpectHas(answer, {{"certified", true}, {"proof", "modes"}, {"modes", "C+"}});
     EXPECT_NEAR(answer["f"][1], -1, 1e-12);
   }
   // Two rows that carry the same load: doubles prove a problem nearby only.
   const Json nearby = Answer("certify --exact-up-to 0 -", R"({"id":"p","J":[[1],[1],[0]],"invM":[1],"b":[-2,-2,0],)"
                                                           R"("friction":{"row":[2],"normal":[0],"mu":[0.5]}})");
-  EXPECT_EQ(nearby["certified"], false);
-  EXPECT_EQ(nearby["proof"], "nearby problem");
+  ExpectHas(nearby, {{"certified", false}, {"proof", "nearby problem"}});
   EXPECT_LT(nearby["b_shift"], 1e-12);
-}
-
-TEST_F(Command, CertifyTakesEveryFormatThatSolveDoes) {
-  const std::string problem = Run("generate disc-pile --size 12 --seed 3").out;
-  const Json expected = Answer("certify -", problem);
-  EXPECT_EQ(expected["certified"], true);
-  for (const char* name : {"p.mtx", "p.hdf5", "p.h5", "p.dat", "p.jsonl"}) {
-    Succeed("convert - -o " + Path(name), problem);
-    const Json answer = Answer("certify " + Path(name));
-    EXPECT_EQ(answer["certified"], true) << name;
-    // Some formats hold A, which is rounded, in place of J and the masses.
-    ASSERT_EQ(answer["w"].size(), 12u);
-    for (std::size_t i = 0; i < 12; ++i) EXPECT_NEAR(answer["w"][i], expected["w"][i], 1e-9) << name;
-  }
-  const std::string nearly = R"({"id":"p","A":[[2,1],[1.00000001,2]],"b":[-1,-1]})";
-  ExpectMistake("certify -", "symmetric", nearly);
-  EXPECT_EQ(Json::parse(Run("certify --symmetrize 1e-6 -", nearly).out)["certified"], true);
 }
 
 // A plank on four legs: f is one of many, and the one of least norm shares equally.
@@ -366,17 +337,14 @@ TEST_F(Command, CertifyBoundsWhatIsTooLargeToBeExact) {
   const Json& answer = exact[0];
   const Json& pile = bounded[0];
   EXPECT_EQ(answer["status"], "solved");
-  EXPECT_EQ(pile["status"], "bounded");
-  EXPECT_EQ(pile["certified"], true);
+  ExpectHas(pile, {{"status", "bounded"}, {"certified", true}, {"energy_shift", 0}});
   EXPECT_LT(pile["w_bound"], 1e-40);
-  EXPECT_EQ(pile["energy_shift"], 0);
   for (const char* field : {"id", "n", "w", "f", "f_unique"}) EXPECT_EQ(pile[field], answer[field]) << field;
   EXPECT_EQ(pile["f_exact"].size(), 40u);
   // One rounding away from a solution.
   EXPECT_EQ(exact[1]["status"], "infeasible");
   const Json& bearing = bounded[1];
-  EXPECT_EQ(bearing["certified"], false);
-  EXPECT_EQ(bearing["proof"], "nearby problem");
+  ExpectHas(bearing, {{"certified", false}, {"proof", "nearby problem"}});
   EXPECT_GT(bearing["energy_shift"], 0);
   EXPECT_FALSE(Records(Run("certify --exact-up-to 0 --rounded -", problems).out).at(0).contains("f_exact"));
 }
@@ -411,24 +379,11 @@ TEST_F(Command, SymmetrizeMakesSymmetricWhatNearlyIsAndNotesTheAmount) {
   EXPECT_FALSE(made[1].contains("symmetrized"));
   EXPECT_EQ(made[1]["A"]["val"], Json({1.0, 2.0, 1.0}));
   // It stays with the problem, and comes to the answer.
-  EXPECT_EQ(Json::parse(Run("convert -", made[0].dump()).out)["symmetrized"], 0.015625);
-  Json answer = Json::parse(Run("solve --solver dantzig -", made[0].dump()).out);
-  EXPECT_EQ(answer["symmetrized"], 0.015625);
-  EXPECT_EQ(answer["status"], "solved");
+  EXPECT_EQ(Answer("convert -", made[0].dump())["symmetrized"], 0.015625);
+  ExpectHas(Answer("solve --solver dantzig -", made[0].dump()), {{"symmetrized", 0.015625}, {"status", "solved"}});
   Succeed("convert - -o " + Path("p.dat"), R"({"id":"p","A":[[4,1.0625],[1,4]],"b":[-1,2]})");
   EXPECT_EQ(Json::parse(Run("solve --solver dantzig " + Path("p.dat")).out)["status"], "unsupported");
-  answer = Json::parse(Run("solve --solver dantzig --symmetrize 0.1 " + Path("p.dat")).out);
-  EXPECT_EQ(answer["symmetrized"], 0.015625);
-}
-
-TEST_F(Command, ConvertWritesAndReadsQuadraticPrograms) {
-  for (const char* name : {"p.qps", "p.mps", "p.npz"}) {
-    Succeed("convert - -o " + Path(name), kProblem);
-    const Json back = Answer("convert " + Path(name));
-    EXPECT_EQ(back["b"], Json({-5.0, -4.0})) << name;
-    EXPECT_EQ(back["A"], Json::parse(Run("convert -", kProblem).out)["A"]) << name;
-  }
-  EXPECT_EQ(ReadFile(Path("p.qps")), ReadFile(Path("p.mps")));
+  EXPECT_EQ(Answer("solve --solver dantzig --symmetrize 0.1 " + Path("p.dat"))["symmetrized"], 0.015625);
 }
 
 TEST_F(Command, ReadersHaveOptionsForFclibFiles) {

@@ -77,14 +77,11 @@ TEST_F(TunedSettings, RunBesideTheDefaults) {
   // None for a solver whose default stays, and for one that the campaign has not.
   const auto solvers = SolversOf("c");
   ASSERT_EQ(solvers.size(), 4U);
-  const auto& tuned = solvers.at("pgs-tuned");
-  EXPECT_EQ(tuned["setting"], "variant");
-  EXPECT_EQ(tuned["base"], "pgs");
-  EXPECT_EQ(tuned["settings"], (Json{{"9 rows", "relaxation=1.3,sweep=forward"}}));
-  const auto campaign = ReadJson(folder_ / "c" / "campaign.json");
-  EXPECT_EQ(campaign["tuning"]["file"], "tuned.json");
-  EXPECT_EQ(campaign["tuning"]["sha256"].get<std::string>().size(), 64U);
-  EXPECT_EQ(campaign["tuning"]["budget"], 5);
+  ExpectHas(solvers.at("pgs-tuned"), {{"setting", "variant"}, {"base", "pgs"}});
+  EXPECT_EQ(solvers.at("pgs-tuned")["settings"], (Json{{"9 rows", "relaxation=1.3,sweep=forward"}}));
+  const Json tuning = ReadJson(folder_ / "c" / "campaign.json")["tuning"];
+  ExpectHas(tuning, {{"file", "tuned.json"}, {"budget", 5}});
+  EXPECT_EQ(tuning["sha256"].get<std::string>().size(), 64U);
   // The worker process knows it too, and it sweeps otherwise.
   std::map<std::string, int> iterations;
   for (const auto& cell : CellsOf(folder_ / "c")) {

@@ -3,7 +3,6 @@
 #include <openssl/evp.h>
 #include <zlib.h>
 
-#include "support/input_error.h"
 #include "tests/benchmarks/command/command_fixture.h"
 #include "tests/benchmarks/drawing/free_flight.h"
 

@@ -80,16 +80,6 @@ TEST(PiecePath, EndsWhereThePieceEnds) {
   }
 }
 
-TEST(Pictures, TurnBodiesAndMirrorTheirFrames) {
-  ContactSystem system;
-  system.name = "turned";
-  system.bodies = {MakeBox({}, 2, 1, 1)};
-  system.bodies[0].theta = kPi / 6;
-  const std::string svg = Drawn(system);
-  // A point (1, 0) of the body lies right of its centre and, y pointing down on the page, above.
-  EXPECT_NE(svg.find("transform=\"matrix(0.866025 -0.500000 -0.500000 -0.866025 "), std::string::npos);
-}
-
 TEST(Pictures, FillHolesColourEveryKindOfEdgeAndDrawJointsLoadsAndDrivenBodies) {
   World world = Exhibition();
   world.bodies[0].v = {1, 0};  // so that no body is at rest
@@ -156,6 +146,23 @@ TEST(RenderSvg, ShowsConesAndWhatSlides) {
     ExpectWellFormed(svg);
     EXPECT_NE(svg.find(">friction cone<"), std::string::npos) << family.key;
   }
+}
+
+// y points down on the page.
+TEST(Pictures, TurnBodiesAndMirrorTheirFramesAndVectors) {
+  ContactSystem system;
+  system.name = "turned";
+  system.bodies = {MakeBox({}, 2, 1, 1), MakeFixed("lift")};
+  system.bodies[0].theta = kPi / 6;
+  system.bodies[1].v = {0, 1};
+  const std::string svg = Drawn(system);
+  // A point (1, 0) of the body lies right of its centre and above.
+  EXPECT_NE(svg.find("transform=\"matrix(0.866025 -0.500000 -0.500000 -0.866025 "), std::string::npos);
+  const std::regex arrow("M[-0-9.]+ ([-0-9.]+)L[-0-9.]+ ([-0-9.]+)\" fill=\"none\" stroke=\"" +
+                         std::string(kDrivenFill[1]) + "\"");
+  std::smatch up;
+  ASSERT_TRUE(std::regex_search(svg, up, arrow)) << svg;
+  EXPECT_GT(std::stod(up[1]), std::stod(up[2]));
 }
 
 // A disc of 2 kg on a floor bears its weight.

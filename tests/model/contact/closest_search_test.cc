@@ -15,24 +15,22 @@ std::vector<PairKind> GeneralPairKinds() {
 
 class EverySearch : public ::testing::TestWithParam<PairKind> {};
 
-TEST_P(EverySearch, FindsTheContactWithoutAnyStart) {
+TEST_P(EverySearch, WithoutAnyStartFindsStationaryPointsOnceEachAndMeansTheMinimumNextToTheNominalGap) {
   OverRandomContacts(GetParam(), kSearches, 1, [](const ContactCase& c, Random*) {
     const StationaryPoints found = SearchStationaryPoints(c.Placed1(), c.Placed2(), {});
     const bool is_there = std::any_of(found.points.begin(), found.points.end(), [&](const ClosestPoints& p) {
       return std::abs(p.d - c.d) < kRoundingOfSearch && Norm(p.n - c.n) < 1e-11;
     });
     EXPECT_TRUE(is_there) << found.points.size() << " other points found; " << found.failure;
-  });
-}
-
-TEST_P(EverySearch, EveryPointFoundIsStationaryAndNoneIsFoundTwice) {
-  OverRandomContacts(GetParam(), kSearches, 2, [](const ContactCase& c, Random*) {
-    const std::vector<ClosestPoints> points = SearchStationaryPoints(c.Placed1(), c.Placed2(), {}).points;
-    for (const ClosestPoints& p : points) {
+    for (const ClosestPoints& p : found.points) {
       EXPECT_NEAR(Norm(p.n), 1, 1e-15);
       EXPECT_LE(Norm((c.body1.x + p.R1) - (c.body2.x + p.R2) - p.d * p.n), 1e-13);
-      for (const ClosestPoints& q : points) {
+      for (const ClosestPoints& q : found.points) {
         EXPECT_TRUE(&p == &q || Norm(p.R1 - q.R1) + Norm(p.R2 - q.R2) > 1e-8);
+      }
+      for (const double nominal : {c.d, -1.0, 0.5}) {
+        const double d = c.Closest({{}, {}, nominal}).d;
+        EXPECT_TRUE(p.D() <= 1e-6 || std::abs(p.d - nominal) >= std::abs(d - nominal) - kRoundingOfSearch);
       }
     }
   });
@@ -68,44 +66,8 @@ TEST_P(EverySearch, OneStartOfTwoIsEnough) {
   });
 }
 
-TEST_P(EverySearch, WithoutStartTheMinimumNextToTheNominalGapIsMeant) {
-  OverRandomContacts(GetParam(), kSearches, 5, [](const ContactCase& c, Random*) {
-    for (const double nominal : {c.d, -1.0, 0.5}) {
-      const double d = c.Closest({{}, {}, nominal}).d;
-      for (const ClosestPoints& p : SearchStationaryPoints(c.Placed1(), c.Placed2(), {}).points) {
-        EXPECT_TRUE(p.D() <= 1e-6 || std::abs(p.d - nominal) >= std::abs(d - nominal) - kRoundingOfSearch);
-      }
-    }
-  });
-}
-
 INSTANTIATE_TEST_SUITE_P(Search, EverySearch, ::testing::ValuesIn(GeneralPairKinds()),
                          ::testing::PrintToStringParamName());
-
-// Dense sampling of both outlines, for ovals that lie apart: there the least distance is the smallest gap found.
-TEST(Search, SmallestGapOfOvalsThatLieApartIsTheirDistance) {
-  Random random(7);
-  for (int i = 0; i < 30; ++i) {
-    const auto oval = [&]() -> Feature {
-      return RandomCurve(random.Uniform(0, 1) < 0.5 ? Shape::kConvexEllipse : Shape::kConvexSuperellipse, &random)
-          .first;
-    };
-    const Feature first = oval();
-    const Feature second = oval();
-    const Vec2 x2 = {random.Uniform(5, 9), random.Uniform(-3, 3)};
-    double least = kInfinity;
-    constexpr int kPoints = 600;
-    std::vector<Vec2> outline2;
-    for (int k = 0; k < kPoints; ++k) outline2.push_back(x2 + EvaluateEdge(second, 2 * kPi * k / kPoints).c);
-    for (int k = 0; k < kPoints; ++k) {
-      const Vec2 p = EvaluateEdge(first, 2 * kPi * k / kPoints).c;
-      for (const Vec2 q : outline2) least = std::min(least, Norm(p - q));
-    }
-    const double d = FindClosestPoints({first, {0, 0}, {}}, {second, x2, {}}, {{}, {}, least}).d;
-    EXPECT_LE(d, least + kRoundingOfSearch);
-    EXPECT_NEAR(d, least, 1e-3);
-  }
-}
 
 // The evolute of an ellipse parts the plane: four normals to the ellipse pass through a point inside it, two outside.
 TEST(Search, FindsAllFourNormalsFromAPointWithinTheEvolute) {

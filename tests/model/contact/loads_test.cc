@@ -147,18 +147,6 @@ TEST(Loads, MomentaAndEnergyAreThoseOfMovableBodies) {
   EXPECT_DOUBLE_EQ(AngularMomentum(bodies), 2 * (1 * -1 - 2 * 4) + 1.5);
 }
 
-TEST(Loads, DampersVanishInRigidMotion) {
-  Random random(5);
-  std::vector<Body> bodies = RandomBodies(&random);
-  const Vec2 v = RandomVector(&random, 3);
-  for (Body& body : bodies) {
-    body.omega = 1.7;
-    body.v = v + body.omega * Perp(body.x);
-  }
-  ApplyDamper({RandomAttachment(&random, 0), RandomAttachment(&random, 1), 5}, bodies);
-  for (const Body& body : bodies) EXPECT_NEAR(Norm(body.force) + std::abs(body.torque), 0, 1e-12);
-}
-
 TEST(Loads, ASpringPullsWhenLongAndPushesWhenShort) {
   std::vector<Body> bodies(2);
   bodies[1].x = {3, 0};

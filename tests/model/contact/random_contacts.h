@@ -153,6 +153,8 @@ class Random {
   std::mt19937 engine_;
 };
 
+inline Vec2 UnitVector(double angle) { return LiftRotation<double>(SinCos(angle)); }
+
 /// A pair of bodies whose features have gap d at a known place, with random velocities.
 struct ContactCase {
   Body body1;
@@ -291,9 +293,7 @@ inline ContactCase RandomContact(const PairKind& kind, double d, Random* random)
   ContactCase c;
   c.body1 = RandomBody(random);
   c.body2 = RandomBody(random);
-  const double angle = random->Uniform(-3.2, 3.2);
-  const Rotation r = SinCos(angle);
-  c.n = {r.cos, r.sin};
+  c.n = UnitVector(random->Uniform(-3.2, 3.2));
   c.d = d;
   c.p2 = random->Vector(3);
   c.p1 = c.p2 + d * c.n;

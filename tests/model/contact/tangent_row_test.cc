@@ -145,24 +145,17 @@ ContactSystem WithFriction(ContactSystem system, double mu) {
   return system;
 }
 
-TEST(TangentRow, OfNoFrictionIsNone) {
+// Normal rows stay where they were among normal rows, bit by bit; every contact has its tangent row after them, and
+// none without friction.
+TEST(TangentRow, StandsAfterTheNormalRowOfItsContactWhereThereIsFriction) {
   for (const SceneFamily& family : AllScenes()) {
     const ContactSystem system = family.generate(20, 3);
     const AssembledLcp without = AssembleContactLcp(system);
-    const AssembledLcp with = AssembleContactLcp(system, Friction::kRows);
-    EXPECT_EQ(with.problem.b(), without.problem.b()) << family.key;
-    EXPECT_EQ(with.problem.DenseA(), without.problem.DenseA()) << family.key;
-    EXPECT_TRUE(with.problem.is_plain());
-    const AssembledLcp instant = AssembleInstant(system, 0.01);
-    EXPECT_EQ(instant.problem.b(), without.problem.b()) << family.key;
-  }
-}
-
-// Normal rows stay where they were among normal rows, bit by bit; every contact has its tangent row after them.
-TEST(TangentRow, StandsAfterTheNormalRowOfItsContact) {
-  for (const SceneFamily& family : AllScenes()) {
-    const ContactSystem system = family.generate(20, 3);
-    const AssembledLcp without = AssembleContactLcp(system);
+    for (const AssembledLcp& same : {AssembleContactLcp(system, Friction::kRows), AssembleInstant(system, 0.01)}) {
+      EXPECT_EQ(same.problem.b(), without.problem.b()) << family.key;
+      EXPECT_EQ(same.problem.DenseA(), without.problem.DenseA()) << family.key;
+      EXPECT_TRUE(same.problem.is_plain());
+    }
     const AssembledLcp with = AssembleContactLcp(WithFriction(system, 0.3), Friction::kRows);
     std::size_t other = 0;
     std::size_t tangent = 0;

@@ -85,12 +85,7 @@ TEST(Detection, LongOutlinesTouchWhereAllPairsOfTheirSpansDo) {
   for (int k = 0; k < 300; ++k) {
     const auto polygon = [&](int most, bool round) {
       const int count = 10 + testing::RandomInteger(most, &random);
-      std::vector<Vec2> corners;
-      for (int i = 0; i < count; ++i) {
-        const Rotation u = SinCos(2 * kPi * i / count);
-        corners.push_back((round ? 1 : random.Uniform(0.7, 1)) * Vec2{u.cos, u.sin});
-      }
-      return testing::Polygon(corners);
+      return testing::Polygon(testing::RandomCorners(count, {}, round ? 1 : 0.85, true, 0, round ? 0 : 0.17, &random));
     };
     GearShape shape;
     shape.teeth = 5 + testing::RandomInteger(40, &random);
@@ -119,12 +114,8 @@ TEST(Detection, LongOutlinesTouchWhereAllPairsOfTheirSpansDo) {
 // All pairs of these spans would take hours.
 TEST(Detection, OutlinesOfManyVerticesTouchSoon) {
   constexpr int kCorners = 40'000;
-  std::vector<Vec2> corners;
-  for (int i = 0; i < kCorners; ++i) {
-    const Rotation u = SinCos(2 * kPi * i / kCorners);
-    corners.push_back({u.cos, u.sin});
-  }
-  const Outline outline = testing::Polygon(corners);
+  testing::Random random(1);
+  const Outline outline = testing::Polygon(testing::RandomCorners(kCorners, {}, 1, true, 0, 0, &random));
   // With the ends of edges that are nearly flush.
   const std::size_t found = Workshop({{outline, {}}, {outline, {2 + 1e-7, 0}, kPi / kCorners}}).Detect(0.5, 0.5).size();
   EXPECT_GE(found, 1u);
@@ -153,9 +144,8 @@ TEST(Detection, ManyBodiesInOneTrackTouchItOnceEach) {
   for (int k = 0; k < count; ++k) {
     // Ellipses standing with their tips on the track, discs between them.
     const double angle = 2 * kPi * k / count;
-    const Rotation u = SinCos(angle);
     const double a = k % 2 == 0 ? 0.3 : 0.2;
-    shop.Add({k % 2 == 0 ? Ellipse(a, 0.2) : Disc(a), (5 - a - 1e-7) * Vec2{u.cos, u.sin}, angle});
+    shop.Add({k % 2 == 0 ? Ellipse(a, 0.2) : Disc(a), (5 - a - 1e-7) * testing::UnitVector(angle), angle});
   }
   const auto contacts = shop.Detect();
   ASSERT_EQ(contacts.size(), static_cast<std::size_t>(count));

@@ -58,8 +58,7 @@ Configuration RandomConfiguration(EdgeKind kind1, EdgeKind kind2, bool inside, R
   c.outline1 = {"first", {RandomLoopOfKind(kind1, inside ? 2.0 : 1.0, !inside, random)}};
   c.outline2 = {"second", {RandomLoopOfKind(kind2, inside ? random->Uniform(0.2, 0.6) : 1.0, true, random)}};
   c.pose1 = {random->Vector(3), random->Uniform(-3, 3)};
-  const Rotation u = SinCos(random->Uniform(-3.14, 3.14));
-  const Vec2 direction{u.cos, u.sin};
+  const Vec2 direction = UnitVector(random->Uniform(-3.14, 3.14));
   c.pose2 = {c.pose1.x - (inside ? 0.0 : 4.0) * direction, random->Uniform(-3, 3)};
   const double gap = 0.02 * random->Uniform(0.2, 1);
   c.reach = random->Uniform(0.02, 0.4);
@@ -110,6 +109,7 @@ class Comparison {
                          << m.at_vertex1 << m.at_vertex2 << ", reach " << c_.reach;
     }
     for (std::size_t k = 0; k < detected.size(); ++k) {
+      EXPECT_LE(detected[k].closest.d, c_.reach) << name_;
       for (std::size_t i = 0; i < k; ++i)
         EXPECT_FALSE(AreSame(detected[i], detected[k])) << name_ << ": reported twice";
       if (used[k] || detected[k].is_flush_end || detected[k].closest.d > c_.reach * (1 - 1e-9)) continue;
@@ -204,9 +204,9 @@ TEST(NarrowPhaseOfShapes, FindsTheMinimaThatDenseSamplingFinds) {
     for (const Outline& shape2 : shapes) {
       for (int k = 0; k < cases; ++k) {
         Configuration c{shape1, shape2, {random.Vector(3), random.Uniform(-3, 3)}, {}, random.Uniform(0.02, 0.4)};
-        const Rotation u = SinCos(random.Uniform(-3.14, 3.14));
-        c.pose2 = {c.pose1.x - 5.0 * Vec2{u.cos, u.sin}, random.Uniform(-3, 3)};
-        Approach(&c, {u.cos, u.sin}, 0.01);
+        const Vec2 direction = UnitVector(random.Uniform(-3.14, 3.14));
+        c.pose2 = {c.pose1.x - 5.0 * direction, random.Uniform(-3, 3)};
+        Approach(&c, direction, 0.01);
         Comparison(c, shape1.name + " and " + shape2.name + ", case " + std::to_string(k)).Run(&tally);
       }
     }

@@ -9,11 +9,7 @@
 namespace lcpbench {
 namespace {
 
-World WithOneBody(Vec2 x, Vec2 v) {
-  Body body = Movable(Disc(0.5), x);
-  body.v = v;
-  return WorldWith("one", {Floor(), body}, {});
-}
+World WithOneBody(Vec2 x, Vec2 v) { return WorldWith("one", {Floor(), Movable(Disc(0.5), x, 0, v)}, {}); }
 
 void ExpectStalled(const Mover& mover, const std::string& why) {
   EXPECT_EQ(mover->status(), MotionStatus::kStalled);
@@ -31,8 +27,7 @@ TEST(Advance, ABodyWhoseWayIsBelowTheSpacingOfDoublesEndsTheMotion) {
     // At rest it has nowhere to go, and nearer there is a way.
     for (const World& world : {WithOneBody({1, 1e29}, {}), WithOneBody({1, 1e6}, {0, 1})}) {
       Mover mover(level, world);
-      mover->Advance(0.1);
-      EXPECT_EQ(mover->status(), MotionStatus::kMoving) << mover->detail();
+      mover.KeepMoving(0.1);
     }
   }
 }
@@ -106,9 +101,9 @@ TEST(Advance, ExtremeWorldsComeToAnEnd) {
     std::vector<Body> bodies = {Floor()};
     for (int i = 0; i < 3; ++i) {
       const Outline shapes[] = {Disc(0.5), Box(1, 0.6), Ellipse(0.7, 0.4), Capsule(0.8, 0.2)};
-      Body body = Movable(shapes[(k + i) % 4], {number(1), number(1 + i)}, number(0.3));
-      body.v = {number(1), number(1)};
-      body.omega = number(1);
+      const Vec2 x{number(1), number(1 + i)};
+      const double theta = number(0.3);
+      Body body = Movable(shapes[(k + i) % 4], x, theta, {number(1), number(1)}, number(1));
       body.mass *= std::abs(number(1));
       body.inertia *= std::abs(number(1));
       bodies.push_back(body);

@@ -83,8 +83,7 @@ TEST(FrictionMotion, KeepsTheEnergyLawInEveryStep) {
     });
     for (int k = 0; k < 20; ++k) {
       const int met = steps;
-      driven->Advance(kStep);
-      ASSERT_EQ(driven->status(), MotionStatus::kMoving) << driven->detail();
+      driven.KeepMoving(kStep);
       if (steps == met) continue;
       const std::vector<Body>& bodies = driven->world().bodies;
       EXPECT_NEAR(energy(bodies, FreeVelocity(bodies, 0)) - before, expected, 1e-8 * (scale + 1e-6)) << k;
@@ -103,8 +102,7 @@ TEST(FrictionMotion, KeepsWhatRestsWhereItIs) {
                                      WorldOf(LockedCams(1, 0.3, 3, 0.6))};
   for (const World& world : scenes) {
     const Mover driven = Drive(world, 1.0 / 60, "auto");
-    driven->Advance(2);
-    ASSERT_EQ(driven->status(), MotionStatus::kMoving) << driven->detail();
+    driven.KeepMoving(2);
     double creep = 0;
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
       creep = std::max(creep, Norm(driven.body(i).x - world.bodies[i].x));
@@ -118,8 +116,7 @@ TEST(FrictionMotion, KeepsBodiesInATurningDrumAtItsOwnStep) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const Mover driven = Drive(StartScene("drum", 20, seed), FindScene("drum").step, "auto");
     const double omega = driven.body(0).omega;
-    driven->Advance(2);
-    EXPECT_EQ(driven->status(), MotionStatus::kMoving) << seed << " " << driven->detail();
+    driven.KeepMoving(2);
     EXPECT_EQ(driven.body(0).omega, omega);
   }
 }

@@ -28,8 +28,7 @@ class DrivenWorld {
   void AdvanceTo(double time) {
     const double duration = time - motion_->time();
     step_ = duration / std::ceil(duration / kMotorStep - 1e-9);
-    motion_->Advance(duration);
-    ASSERT_EQ(motion_->status(), MotionStatus::kMoving) << motion_->detail();
+    motion_.KeepMoving(duration);
     ASSERT_EQ(motion_->statistics().failed_solves, 0);
   }
   const Body& body(std::size_t i) const { return motion_.body(i); }

@@ -6,6 +6,7 @@
 #include "solvers/registry.h"
 #include "tests/model/contact/random_contacts.h"
 #include "tests/model/motion/mover.h"
+#include "tests/model/scenes/scene_checks.h"
 #include "tests/model/shape/random_outlines.h"
 #include "tests/support/refusal.h"
 
@@ -108,8 +109,7 @@ TEST_P(PairsThatOverlap, AreToldByTheirDepthAndTreatedOrRefused) {
     // What is taken is told as deep as it is.
     world.loads.gravity = {};
     const Mover motion(MotionLevel::kVelocity, world);
-    motion->Advance(1e-3);
-    EXPECT_EQ(motion->status(), MotionStatus::kMoving) << motion->detail();
+    motion.KeepMoving(1e-3);
     EXPECT_NEAR(motion->statistics().worst_penetration, depth, 1e-5 * depth + 1e-14);
   }
 }
@@ -173,36 +173,7 @@ TEST(Overlap, OfABodyWithinAnotherIsRefused) {
   }
 }
 
-// Dense points of an outline and the winding number around a point, straight from the curves' formulas.
-struct Sampled {
-  Sampled(const Body& body) {
-    for (const OutlineLoop& loop : OutlineOf(body).loops) {
-      loops.emplace_back();
-      for (const OutlinePiece& piece : loop) {
-        constexpr int kSamples = 60;
-        for (int k = 0; k < kSamples; ++k) {
-          const double s = piece.s_begin + (piece.s_end - piece.s_begin) * k / kSamples;
-          loops.back().push_back(WorldPoint(body, CurvePoint(piece.edge, s)));
-        }
-      }
-    }
-  }
-  // The distance to the polygons, < 0 outside.
-  double Depth(Vec2 p) const {
-    double least = 1e30;
-    double angle = 0;
-    for (const std::vector<Vec2>& loop : loops) {
-      for (std::size_t k = 0; k < loop.size(); ++k) {
-        const Vec2 a = loop[k] - p;
-        const Vec2 b = loop[(k + 1) % loop.size()] - p;
-        least = std::min(least, DistanceToSegment({}, a, b));
-        angle += std::atan2(Cross(a, b), Dot(a, b));
-      }
-    }
-    return angle > 3 ? least : -least;
-  }
-  std::vector<std::vector<Vec2>> loops;
-};
+constexpr int kSamples = 60;  // of a piece
 
 TEST(OutlineRegion, KnowsDepthsAsDenseSamplesDo) {
   Random random(8);
@@ -210,7 +181,7 @@ TEST(OutlineRegion, KnowsDepthsAsDenseSamplesDo) {
     const Outline outline = RandomOutline(&random);
     Body body;
     body.outline = AllPieces(outline);
-    const Sampled sampled(body);
+    const testing::Solid sampled(body, kSamples);
     const OutlineRegion region(OutlineOf(body), random.Uniform(0.01, 0.3));
     for (int j = 0; j < 40; ++j) {
       const Vec2 p = CurvePoint(outline.loops[0][0].edge, outline.loops[0][0].s_begin) + random.Vector(1.5);
@@ -221,8 +192,8 @@ TEST(OutlineRegion, KnowsDepthsAsDenseSamplesDo) {
 
 // The greatest of the common points' distances from either outline, on a grid.
 double DepthOnAGrid(const World& world, double spacing) {
-  const Sampled one(world.bodies[0]);
-  const Sampled two(world.bodies[1]);
+  const testing::Solid one(world.bodies[0], kSamples);
+  const testing::Solid two(world.bodies[1], kSamples);
   double depth = 0;
   for (double x = -2; x < 2; x += spacing) {
     for (double y = -2; y < 2; y += spacing) {

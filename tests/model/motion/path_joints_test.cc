@@ -71,8 +71,7 @@ TEST(PathJoints, KeepTheirPlaceInMotionAtBothLevels) {
     for (const std::uint64_t seed : {1ULL, 2ULL}) {
       const World world = StartScene("oval-train", 5, seed);
       const Mover motion(level, world);
-      motion->Advance(0.3);
-      ASSERT_EQ(motion->status(), MotionStatus::kMoving) << motion->detail();
+      motion.KeepMoving(0.3);
       int joints = 0;
       for (std::size_t k = 0; k < world.joints.size(); ++k) {
         if (world.joints[k].type != ConstraintType::kPathJoint) continue;

@@ -14,17 +14,6 @@
 namespace lcpbench {
 namespace {
 
-Body At(Body body, Vec2 x, Vec2 v = {}, double omega = 0) {
-  body.x = x;
-  body.v = v;
-  body.omega = omega;
-  return body;
-}
-
-Body DiscBody(double radius, Vec2 x, Vec2 v = {}, double omega = 0) {
-  return At(MakeBody(Disc(radius), 10), x, v, omega);
-}
-
 /// A fixed body with straight edges a-b, b-c, ...; material on the left.
 Body Walls(const std::vector<Vec2>& corners) {
   Body walls = MakeFixed("walls");
@@ -39,7 +28,7 @@ World FallingDiscs(int count, std::uint64_t seed) {
   for (int i = 0; i < count; ++i) {
     const double radius = random.Uniform(0.07, 0.13);
     const double x = random.Uniform(-0.3, 0.3);
-    bodies.push_back(DiscBody(radius, {x, 0.15 + 0.3 * i}));
+    bodies.push_back(Movable(Disc(radius), {x, 0.15 + 0.3 * i}));
   }
   return WorldWith("test", std::move(bodies), {0, -kG});
 }
@@ -47,7 +36,7 @@ World FallingDiscs(int count, std::uint64_t seed) {
 TEST(VelocityMotion, FallsFreelyByTheSumOfItsSteps) {
   VelocityOptions options;
   options.step = 1.0 / 128;  // exact sums
-  Mover driven(WorldWith("test", {DiscBody(0.1, {0, 5}, {1, 2}, 3)}, {0, -8}), options);
+  Mover driven(WorldWith("test", {Movable(Disc(0.1), {0, 5}, 0, {1, 2}, 3)}, {0, -8}), options);
   const int n = 100;
   driven->Advance(n * options.step);
   const Body& body = driven.body(0);
@@ -61,7 +50,7 @@ TEST(VelocityMotion, FallsFreelyByTheSumOfItsSteps) {
 }
 
 TEST(VelocityMotion, HoldsARestingBodyByItsWeight) {
-  const std::vector<Body> bodies{DiscBody(0.3, {0, 0.3}), At(MakeBody(Box(0.8, 0.4), 10), {0, 0.2})};
+  const std::vector<Body> bodies{Movable(Disc(0.3), {0, 0.3}), Movable(Box(0.8, 0.4), {0, 0.2})};
   for (const Body& body : bodies) {
     Mover driven(MotionLevel::kVelocity, WorldWith("test", {Walls({{5, 0}, {-5, 0}}), body}, {0, -kG}));
     int steps = 0;
@@ -165,8 +154,8 @@ TEST(VelocityMotion, ConservesMomentumAndAngularMomentumWithoutLoads) {
     for (int i = 0; i < 12; ++i) {
       const Vec2 place{0.5 * (i % 4) - 0.75, 0.5 * (i / 4) - 0.5};
       const Vec2 inward = -1 * place;
-      const Body shape = i % 3 == 0 ? MakeBody(Box(0.3, 0.2), 10) : MakeBody(Disc(0.12), 20);
-      bodies.push_back(At(shape, place, inward, random.Uniform(-2, 2)));
+      const Outline shape = i % 3 == 0 ? Box(0.3, 0.2) : Disc(0.12);
+      bodies.push_back(Movable(shape, place, 0, inward, random.Uniform(-2, 2)));
     }
     const World world = WorldWith("test", bodies, {});
     VelocityOptions options;
@@ -176,7 +165,7 @@ TEST(VelocityMotion, ConservesMomentumAndAngularMomentumWithoutLoads) {
     driven->set_observer([&](const MotionProblem& met) { impulse += met.result.f.sum(); });
     driven->Advance(1);
     const auto& after = driven->world().bodies;
-    EXPECT_GT(impulse, 1);  // they did meet
+    EXPECT_GT(impulse, 0.05);  // they did meet
     const double scale = impulse + 1;
     EXPECT_NEAR(Momentum(after).x, Momentum(bodies).x, 1e-12 * scale);
     EXPECT_NEAR(Momentum(after).y, Momentum(bodies).y, 1e-12 * scale);
@@ -195,7 +184,8 @@ TEST(VelocityMotion, SlidesInAConcaveTrackWithAnErrorOfOrderOne) {
   const Rotation start = SinCos(1.0);
   Body rail = MakeFixed("rail");
   rail.outline = {FullCircle({}, track, Side::kConcave)};
-  const World world = WorldWith("test", {rail, DiscBody(radius, {length * start.sin, -length * start.cos})}, {0, -kG});
+  const World world =
+      WorldWith("test", {rail, Movable(Disc(radius), {length * start.sin, -length * start.cos})}, {0, -kG});
   const double quarter = std::sqrt(length / kG) * std::comp_ellint_1(SinCos(0.5).sin);
   const double speed = std::sqrt(2 * kG * length * (1 - start.cos));
   std::vector<double> place_errors;
@@ -225,7 +215,7 @@ TEST(VelocityMotion, KeepsAChainOfPinsTogetherToTheSquareOfTheStep) {
   std::vector<Body> bodies{MakeFixed("ceiling")};
   World world;
   for (int i = 0; i < 6; ++i) {
-    bodies.push_back(At(MakeBody(Box(2 * half, 0.1), 10), {half * (2 * i + 1), 0}));
+    bodies.push_back(Movable(Box(2 * half, 0.1), {half * (2 * i + 1), 0}));
   }
   world = WorldWith("test", bodies, {0, -kG});
   for (int i = 0; i < 6; ++i) {
@@ -255,7 +245,8 @@ TEST(VelocityMotion, CarriesBodiesOnALiftWithAPrescribedAcceleration) {
   Body lift = Walls({{1, 0}, {-1, 0}});
   lift.v = {0.5, -0.25};
   lift.acceleration = {0, 2};
-  Mover driven(MotionLevel::kVelocity, WorldWith("test", {lift, DiscBody(0.1, {0, 0.1}, {0, -0.25})}, {0, -kG}));
+  Mover driven(MotionLevel::kVelocity,
+               WorldWith("test", {lift, Movable(Disc(0.1), {0, 0.1}, 0, {0, -0.25})}, {0, -kG}));
   driven->Advance(1);
   const Body& moved = driven.body(0);
   EXPECT_NEAR(moved.x.x, 0.5, 1e-12);
@@ -273,7 +264,7 @@ TEST(VelocityMotion, ReportsTheRayOfWallsThatCloseOnADiscAndGoesOn) {
   left.v = {0.1, 0};
   right.x = {0.11, 0};
   right.v = {-0.1, 0};
-  Mover driven(MotionLevel::kVelocity, WorldWith("test", {left, right, DiscBody(0.1, {0, 0})}, {}));
+  Mover driven(MotionLevel::kVelocity, WorldWith("test", {left, right, Movable(Disc(0.1), {0, 0})}, {}));
   int rays = 0;
   int solved = 0;
   driven->set_observer([&](const MotionProblem& met) {
@@ -296,7 +287,7 @@ TEST(VelocityMotion, ReportsTheRayOfWallsThatCloseOnADiscAndGoesOn) {
 
 TEST(VelocityMotion, LeavesADiscInPeaceThatIsWiderThanItsSlot) {
   const Body slot = Walls({{0.0999, 1}, {0.0999, -1}, {-0.0999, -1}, {-0.0999, 1}});
-  Mover driven(MotionLevel::kVelocity, WorldWith("test", {slot, DiscBody(0.1, {0, 0})}, {0, -kG}));
+  Mover driven(MotionLevel::kVelocity, WorldWith("test", {slot, Movable(Disc(0.1), {0, 0})}, {0, -kG}));
   driven->Advance(0.1);
   const MotionStatistics& statistics = driven->statistics();
   EXPECT_EQ(statistics.unsolvable, 100);
@@ -309,9 +300,9 @@ TEST(VelocityMotion, LeavesADiscInPeaceThatIsWiderThanItsSlot) {
 TEST(VelocityMotion, DoesNotPushACornerOutThroughTheFaceAroundTheNextCorner) {
   // The upper box overhangs: its lower left corner rests on the lower one, 1 cm from that one's right side.
   const Body floor = Walls({{5, 0}, {-5, 0}});
-  Body lower = At(MakeBody(Box(1, 0.2), 100), {0, 0.1 - 1e-6});
-  Body upper = At(MakeBody(Box(1, 0.2), 100), {0.99, 0.3 - 3e-6});
-  Body prop = At(MakeBody(Box(0.2, 0.2), 100), {1.2, 0.1 - 1e-6});
+  Body lower = Movable(Box(1, 0.2), {0, 0.1 - 1e-6});
+  Body upper = Movable(Box(1, 0.2), {0.99, 0.3 - 3e-6});
+  Body prop = Movable(Box(0.2, 0.2), {1.2, 0.1 - 1e-6});
   lower.fixed = prop.fixed = true;
   const World world = WorldWith("test", {floor, lower, prop, upper}, {0, -kG});
   Mover driven(MotionLevel::kVelocity, world);
@@ -334,11 +325,13 @@ TEST(VelocityMotion, LetsNothingThroughAtTenDiametersAStep) {
   options.step = 1e-2;
   for (const double e : {0.0, 1.0}) {
     options.restitution = e;
-    Mover driven(WorldWith("test", {Walls({{50, 0}, {-50, 0}}), DiscBody(0.1, {0, 7.3}, {30, -200})}, {}), options);
+    Mover driven(WorldWith("test", {Walls({{50, 0}, {-50, 0}}), Movable(Disc(0.1), {0, 7.3}, 0, {30, -200})}, {}),
+                 options);
     for (int k = 0; k < 20; ++k) {
       driven->Advance(0.01);
       EXPECT_GT(driven.body(1).x.y, 0.1 - 1e-12);
     }
+    EXPECT_NEAR(driven.body(1).v.y, 200 * e, 1e-9);
   }
 }
 
@@ -373,19 +366,6 @@ TEST_P(VelocityMotionSolvers, DriveASmallPileWithVerifiedAnswers) {
 
 INSTANTIATE_TEST_SUITE_P(All, VelocityMotionSolvers, testing::ValuesIn(OwnSolversAndAPeerOfEachLibrary()),
                          SolverTestName);
-
-TEST(VelocityMotion, StartsFromTheImpulsesOfTheStepBefore) {
-  VelocityOptions options;
-  options.step = 4e-3;
-  std::int64_t sweeps[2] = {0, 0};
-  for (const bool warm : {false, true}) {
-    options.warm_start = warm;
-    Mover driven(FallingDiscs(10, 3), options, "pgs");
-    driven->set_observer([&](const MotionProblem& met) { sweeps[warm] += met.result.iterations; });
-    driven->Advance(2);
-  }
-  EXPECT_LT(sweeps[1], sweeps[0] / 2);
-}
 
 TEST(VelocityMotion, RefusesOptionsOutsideTheirRanges) {
   const World world = FallingDiscs(1, 1);
@@ -442,7 +422,7 @@ TEST(RowMatching, TellsPlacesOfOnePairOfFeaturesApartByTheirNormals) {
 // Solved again every step, a gap rate of zero shrinks by rounding down to numbers without digits, on which no answer is
 // accurate: they do not reach the solver.
 TEST(VelocityMotion, TakesSpeedsBeyondAllDigitsForZero) {
-  World world = WorldWith("test", {Walls({{0, 10}, {0, -10}}), DiscBody(0.1, {0, 0}, {3e-310, 0})}, {0, -kG});
+  World world = WorldWith("test", {Walls({{0, 10}, {0, -10}}), Movable(Disc(0.1), {0, 0}, 0, {3e-310, 0})}, {0, -kG});
   world.joints = {{ConstraintType::kPathJoint, 1, 0, Vertex{}, StraightEdge{{0, 10}, {0, -10}}}};
   Mover driven(MotionLevel::kVelocity, world);
   int steps = 0;

@@ -36,14 +36,16 @@ inline constexpr double kSceneSize = 0.02;
 /// up to the bulges between its points. It shares nothing with contact detection but the curves' points.
 class Solid {
  public:
-  explicit Solid(const Body& body) : x_(body.x) {
+  /// @param least  points of a piece
+  explicit Solid(const Body& body, int least = 1) : x_(body.x) {
     for (const OutlineLoop& loop : OutlineOf(body).loops) {
       std::vector<Vec2>& polygon = polygons_.emplace_back();
       for (const OutlinePiece& piece : loop) {
         // Long walls and floors have points so close that nothing which lies in them can miss all.
         const bool is_angle = std::visit([](const auto& e) { return e.kIsAngle; }, piece.edge);
         const double per_parameter = is_angle ? 20 : body.fixed ? 120 : 4;
-        const int samples = 1 + static_cast<int>(per_parameter * std::abs(piece.s_end - piece.s_begin));
+        const int samples =
+            std::max(least, 1 + static_cast<int>(per_parameter * std::abs(piece.s_end - piece.s_begin)));
         for (int k = 0; k <= samples; ++k) {
           const Vec2 p = CurvePoint(piece.edge, piece.s_begin + (piece.s_end - piece.s_begin) * k / samples);
           reach_ = std::max(reach_, Norm(p));
@@ -70,12 +72,22 @@ class Solid {
     }
     return inside;
   }
+  /// The distance to the polygons, < 0 outside.
+  double Depth(Vec2 p) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::vector<Vec2>& polygon : polygons_) {
+      for (std::size_t k = 0; k < polygon.size(); ++k) {
+        least = std::min(least, DistanceToSegment(p, polygon[k], polygon[(k + 1) % polygon.size()]));
+      }
+    }
+    return Contains(p) ? least : -least;
+  }
   /// Whether p and all points at that distance from it lie inside.
   bool ContainsAround(Vec2 p, double distance) const {
     constexpr int kDirections = 8;
     for (int k = 0; k < kDirections; ++k) {
-      const Rotation u = SinCos(2 * std::numbers::pi * k / kDirections);
-      if (!Contains(p + distance * Vec2{u.cos, u.sin})) return false;
+      const Vec2 u = LiftRotation<double>(SinCos(2 * std::numbers::pi * k / kDirections));
+      if (!Contains(p + distance * u)) return false;
     }
     return true;
   }

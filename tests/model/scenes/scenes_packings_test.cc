@@ -15,19 +15,12 @@
 namespace lcpbench {
 namespace {
 
-struct RandomOvalPlace {
+PlacedOval RandomOval(Random* random) {
   PlacedOval oval;
-  double theta;
-};
-
-RandomOvalPlace RandomOval(Random* random) {
-  RandomOvalPlace made;
-  made.oval.a = random->Uniform(0.07, 0.15);
-  made.oval.b = made.oval.a * random->Uniform(0.45, 0.95);
-  made.theta = random->Uniform(-kPi, kPi);
-  const Rotation u = SinCos(made.theta);
-  made.oval.u = {u.cos, u.sin};
-  return made;
+  oval.a = random->Uniform(0.07, 0.15);
+  oval.b = oval.a * random->Uniform(0.45, 0.95);
+  oval.u = Direction(random->Uniform(-kPi, kPi));
+  return oval;
 }
 
 // The support function's derivative by the normal's angle is the arm along the tangent, its second the radius of
@@ -36,20 +29,16 @@ TEST(OvalSupports, AreStationaryWhereTheBoundaryIs) {
   Random random(2);
   constexpr double kStep = 1e-4;
   for (int i = 0; i < 200; ++i) {
-    const PlacedOval oval = RandomOval(&random).oval;
+    const PlacedOval oval = RandomOval(&random);
     const double angle = random.Uniform(-kPi, kPi);
-    const auto at = [&](double s) {
-      const Rotation n = SinCos(s);
-      return SupportOf(oval, {n.cos, n.sin});
-    };
-    const Rotation n = SinCos(angle);
+    const auto at = [&](double s) { return SupportOf(oval, Direction(s)); };
+    const Vec2 n = Direction(angle);
     const OvalSupport here = at(angle);
     const double along = Dot(here.arm, oval.u) / oval.a;
     const double across = Cross(oval.u, here.arm) / oval.b;
     EXPECT_NEAR(along * along + across * across, 1, 1e-14);
-    EXPECT_NEAR(here.h, Dot(here.arm, {n.cos, n.sin}), 1e-15);
-    EXPECT_NEAR((at(angle + kStep).h - at(angle - kStep).h) / (2 * kStep), Dot(here.arm, Perp(Vec2{n.cos, n.sin})),
-                1e-7);
+    EXPECT_NEAR(here.h, Dot(here.arm, n), 1e-15);
+    EXPECT_NEAR((at(angle + kStep).h - at(angle - kStep).h) / (2 * kStep), Dot(here.arm, Perp(n)), 1e-7);
     EXPECT_NEAR((at(angle + kStep).h - 2 * here.h + at(angle - kStep).h) / (kStep * kStep) + here.h, here.radius, 1e-6);
   }
 }

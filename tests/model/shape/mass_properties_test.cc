@@ -146,29 +146,6 @@ TEST(MassProperties, SuperellipseHasTheGammaFunctionForm) {
   }
 }
 
-TEST(MassProperties, SuperellipseOfExponentTwoIsTheEllipseAlsoInPieces) {
-  Random random(2);
-  for (int k = 0; k < 300; ++k) {
-    const double a = random.Uniform(0.2, 2);
-    const double b = random.Uniform(0.2, 2);
-    const double phi = random.Uniform(-4, 4);
-    const Vec2 center = random.Vector(2);
-    const double t0 = random.Uniform(-4, 4);
-    const double t1 = t0 + random.Uniform(0.4, 6.2);
-    // The polar angle on the same branch as the eccentric angle.
-    const auto polar = [&](double t) {
-      const double s = std::atan2(b * std::sin(t), a * std::cos(t));
-      return s + 2 * kPi * std::round((t - s) / (2 * kPi));
-    };
-    const EllipseEdge ellipse{center, a, b, phi, Side::kConvex};
-    const SuperellipseEdge super{center, a, b, 2, phi, Side::kConvex};
-    const OutlinePiece chord = Line(CurvePoint(ellipse, t1), CurvePoint(ellipse, t0));
-    const Outline p{"ellipse", {{{ellipse, t0, t1}, chord}}};
-    const Outline q{"superellipse", {{{super, polar(t0), polar(t1)}, chord}}};
-    ExpectSame(ComputeMassProperties(q, 1), ComputeMassProperties(p, 1), 1e-12);
-  }
-}
-
 TEST(MassProperties, BezierParabolaHasClosedForm) {
   // y = 1 - x^2 over the x axis: area 4/3, centroid 2/5, integral of x^2 4/15, of y^2 32/105.
   const Vec2 left{-1, 0};
@@ -235,7 +212,7 @@ TEST(MassProperties, AgreeWithFinePolygonsForEveryMixtureOfEdges) {
   }
 }
 
-TEST(MassProperties, DoNotDependOnPlaceDirectionOrSubdivision) {
+TEST(MassProperties, FollowTheOutlineWhereverItIsHoweverLargeAndCut) {
   Random random(4);
   for (int k = 0; k < 300; ++k) {
     SCOPED_TRACE(k);
@@ -243,39 +220,23 @@ TEST(MassProperties, DoNotDependOnPlaceDirectionOrSubdivision) {
     const MassProperties p = ComputeMassProperties(outline, 2);
     const double angle = random.Uniform(-3, 3);
     const Vec2 shift = random.Vector(3);
-    const Outline moved = Transformed(outline, angle, shift);
-    const MassProperties q = ComputeMassProperties(moved, 2);
-    EXPECT_NEAR(Norm(q.center - shift - Rotate(SinCos(angle), p.center)), 0, kAccurate);
-    EXPECT_NEAR(q.mass / p.mass, 1, kAccurate);
-    EXPECT_NEAR(q.inertia / p.inertia, 1, kAccurate);
+    MassProperties expected = p;
+    expected.center = Rotate(SinCos(angle), p.center) + shift;
+    ExpectSame(ComputeMassProperties(Transformed(outline, angle, shift), 2), expected, kAccurate);
     ExpectSame(ComputeMassProperties(Subdivided(outline, &random), 2), p, kAccurate);
-  }
-}
-
-TEST(MassProperties, ScalingByAPowerOfTwoIsExact) {
-  Random random(5);
-  for (int k = 0; k < 50; ++k) {
-    const Outline outline = RandomOutline(&random);
-    const MassProperties p = ComputeMassProperties(outline, 1);
     const double scale = 0x1p20;
-    const MassProperties q = ComputeMassProperties(Scaled(outline, scale), 1);
-    EXPECT_EQ(q.area, scale * scale * p.area);
-    EXPECT_EQ(q.inertia, scale * scale * scale * scale * p.inertia);
-    EXPECT_EQ(q.center.x, scale * p.center.x);
-  }
-}
-
-TEST(MassProperties, CenteredOutlineHasItsCentreOfMassAtTheOrigin) {
-  Random random(6);
-  for (int k = 0; k < 50; ++k) {
-    const Outline outline = RandomOutline(&random);
-    const Body body = MakeBody(outline, 1.5);
-    const MassProperties p = ComputeMassProperties(Centered(outline), 1.5);
-    EXPECT_NEAR(Norm(p.center), 0, kExact);
-    EXPECT_NEAR(p.inertia / body.inertia, 1, kAccurate);
-    EXPECT_NEAR(p.mass / body.mass, 1, kAccurate);
-    EXPECT_EQ(body.x.x, ComputeMassProperties(outline, 1.5).center.x);
-    EXPECT_NO_THROW(RequireValid(Centered(outline)));
+    const MassProperties scaled = ComputeMassProperties(Scaled(outline, scale), 2);
+    EXPECT_EQ(scaled.area, scale * scale * p.area);
+    EXPECT_EQ(scaled.inertia, scale * scale * scale * scale * p.inertia);
+    EXPECT_EQ(scaled.center.x, scale * p.center.x);
+    const Outline centered = Centered(outline);
+    EXPECT_NO_THROW(RequireValid(centered));
+    expected.center = {};
+    ExpectSame(ComputeMassProperties(centered, 2), expected, kAccurate);
+    const Body body = MakeBody(outline, 2);
+    EXPECT_EQ(body.x, p.center);
+    EXPECT_NEAR(body.inertia / p.inertia, 1, kAccurate);
+    EXPECT_NEAR(body.mass / p.mass, 1, kAccurate);
   }
 }
 

@@ -114,7 +114,7 @@ TEST(OutlineChecks, RefuseOutlinesWithoutEdges) {
   Refuses(hole, {"hole 1", "no edges"});
 }
 
-TEST(OutlineChecks, RefuseOpenOutlinesBeyondTheTolerance) {
+TEST(OutlineChecks, RefuseOpenOutlinesBeyondTheToleranceAndLengthsWithoutDigits) {
   const auto gap = [](double size) {
     return Outline{"gap",
                    {{Line({0, 0}, {1, 0}), Line({1, 0}, {1, 1}), Line({1, 1}, {0, 1 + size}), Line({0, 1}, {0, 0})}}};
@@ -123,6 +123,7 @@ TEST(OutlineChecks, RefuseOpenOutlinesBeyondTheTolerance) {
   Refuses(gap(1e-8), {"edge 2", "open outline", "edge 3"});
   Refuses({"line", {{Line({0, 0}, {1, 0})}}}, {"edge 0", "open outline"});
   Refuses({"arc", {{Arc({}, 1, 0, 6)}}}, {"edge 0", "open outline"});
+  Refuses(Scaled(Polygon({{0, 0}, {1, 0}, {0, 1}}), 1e-61), {"lengths must be above 1e-60"});
 }
 
 TEST(OutlineChecks, RefuseSelfIntersections) {
@@ -200,8 +201,7 @@ TEST(OutlineChecks, TakeLittleTimeForManyHolesOrTooMuchAtOnePlace) {
   std::vector<Vec2> corners;
   constexpr int kSpikes = 40'000;
   for (int k = 0; k < kSpikes; ++k) {
-    const Rotation u = SinCos(2 * kPi * k / kSpikes);
-    corners.push_back((k % 2 == 0 ? 1 : 1e-2) * Vec2{u.cos, u.sin});
+    corners.push_back((k % 2 == 0 ? 1 : 1e-2) * UnitVector(2 * kPi * k / kSpikes));
   }
   Refuses(Polygon(corners), {"too much lies at one place"});
 }

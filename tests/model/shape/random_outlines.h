@@ -76,8 +76,8 @@ inline std::vector<Vec2> RandomCorners(int count, Vec2 center, double radius, bo
   std::vector<Vec2> corners;
   for (int k = 0; k < count; ++k) {
     const double turn = (k + random->Uniform(-scatter, scatter)) / count;
-    const Rotation u = SinCos(2 * std::numbers::pi * (counter_clockwise ? turn : -turn));
-    corners.push_back(center + (radius * random->Uniform(1 - spread, 1 + spread)) * Vec2{u.cos, u.sin});
+    const Vec2 u = UnitVector(2 * kPi * (counter_clockwise ? turn : -turn));
+    corners.push_back(center + (radius * random->Uniform(1 - spread, 1 + spread)) * u);
   }
   return corners;
 }

@@ -74,19 +74,12 @@ TEST(Shapes, BowlIsARingSectorWithRoundLips) {
 
 TEST(Shapes, CamHasTheAreaOfTwoSectorsAndTwoTrapezia) {
   const double R = 1;
-  const double r = 0.4;
   const double d = 1.5;
-  const double angle = std::acos((R - r) / d);
-  const double tangent = d * std::sin(angle);
-  const double area = R * R * (kPi - angle) + r * r * angle + tangent * (R + r);
-  EXPECT_NEAR(ComputeMassProperties(Cam(R, r, d), 1).area / area, 1, 1e-13);
-}
-
-TEST(Shapes, CamOfEqualCirclesIsACapsule) {
-  const MassProperties cam = ComputeMassProperties(Cam(0.5, 0.5, 2), 1);
-  const MassProperties capsule = ComputeMassProperties(Capsule(2, 0.5), 1);
-  EXPECT_NEAR(cam.area, capsule.area, 1e-14);
-  EXPECT_NEAR(cam.inertia, capsule.inertia, 1e-14);
+  for (const double r : {0.4, 1.0}) {
+    const double angle = std::acos((R - r) / d);
+    const double area = R * R * (kPi - angle) + r * r * angle + d * std::sin(angle) * (R + r);
+    EXPECT_NEAR(ComputeMassProperties(Cam(R, r, d), 1).area / area, 1, 1e-13);
+  }
 }
 
 TEST(Shapes, GearLiesBetweenItsCirclesAndRepeatsByTooth) {
