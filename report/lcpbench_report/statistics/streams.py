@@ -1,18 +1,17 @@
 """Reads streams.jsonl, and makes of its lines what a compact record has: columns of the table of cells, and launches."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import ReportError
-from .fields import check_fields, check_numbers, check_places, check_record, check_run, check_word
+from .fields import check_fields, check_numbers, check_places, check_record, check_word
 from .jsonl import read_lines
 from .launches import launch_rows
-from .model import AGAIN, FLAGS, FRESH, JUDGE, JUDGED, KINDS, LAWS, OUT, PART_TIMES, PARTS, TASK_BUDGET, Campaign, Task
-from .steps import UNSUPPORTED
+from .model import (AGAIN, FLAGS, FRESH, JUDGE, JUDGED, KINDS, LAWS, OUT, PART_TIMES, PARTS, TASK_BUDGET, UNSUPPORTED, Campaign,
+                    Task)
 
 
 @dataclass
@@ -38,22 +37,19 @@ class _Part:
     passes: dict[str, dict[int, _Pass]] = field(default_factory=dict)  # kind -> number of the launch -> pass
 
 
-def read_streams(path: Path, campaign: Campaign, note: Callable[[str], None]) -> list[Task]:
+def read_streams(path: Path, campaign: Campaign) -> list[Task]:
     """Passes may come before the judge line of their problems: processes that share a folder end as they like.
 
     @throws ReportError for the first thing that does not fit
     """
-    solvers = [key for key, solver in campaign.solvers.items() if solver["available"]]
     classes = {key: [campaign.problems[name] for name in names] for key, names in campaign.classes.items()}
-    sizes = {key: len(problems) for key, problems in classes.items()}
     seen: dict[tuple, set[int]] = {}
     tasks: dict[tuple, dict[tuple[int, int], _Part]] = {}
     passes: list[tuple[str, dict, tuple, tuple[int, int]]] = []
-    for number, line in read_lines(path, note):
-        place = f"{path.name}:{number}"
+    for place, line in read_lines(path, campaign.notes.append):
         record = check_record(place, line, "line")
         check_word(place, record, "kind", KINDS)
-        key, first, count = check_run(place, record, campaign.info["tiers"], solvers, sizes)
+        key, first, count = campaign.run_of(place, record)
         if record["kind"] != JUDGE:
             passes.append((place, record, key, (first, count)))
             continue
