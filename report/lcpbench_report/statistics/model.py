@@ -74,7 +74,7 @@ class Task:
     columns: dict[str, np.ndarray] = field(default_factory=dict)  # of the table of cells, and "changed": in a launch
     launches: list[dict] = field(default_factory=list)  # rows of launches.launch_rows, in one task of a class
     spent_s: float = 0.0  # in all its solves
-    details: dict[int, str] = field(default_factory=dict)  # of streams, by row: why it is not plainly solved and verified
+    details: dict[int, str] = field(default_factory=dict)  # of streams, by such numbers: why it is not plainly verified
 
 
 @dataclass
