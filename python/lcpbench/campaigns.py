@@ -196,8 +196,8 @@ def _reasons(campaign) -> pd.DataFrame:
     import pandas as pd
 
     classes = campaign.classes
-    found = [(classes[task.size_class][task.at[row]], task.solver, task.tier, detail)
-             for task in campaign.tasks for row, detail in task.details.items()]
+    found = [(classes[task.size_class][number], task.solver, task.tier, detail)
+             for task in campaign.tasks for number, detail in task.details.items()]
     return pd.DataFrame(found, columns=["problem", "solver", "tier", "detail"])
 
 

@@ -51,9 +51,8 @@ def compact(folder: Path, output: Path) -> dict[str, int]:
             shutil.copyfile(folder / CAMPAIGN, beside)
         for name, (order, *digits) in _FILES.items():
             if is_there(folder / name):
-                lines = [(order(line), number, _rounded(line, *digits)) for number, line in
-                         read_lines(folder / name, lambda note: None)]
-                written[name] = _bytes(line for *_, line in sorted(lines, key=lambda line: line[:2]))
+                lines = sorted((line for _, line in read_lines(folder / name, lambda note: None)), key=order)
+                written[name] = _bytes(_rounded(line, *digits) for line in lines)
         if is_there(folder / STREAMS_FILE) or is_there(folder / records.FILE):
             lines = [line for of in (False, True) for line in records.lines(campaign, measured(campaign, of))]
             written[records.FILE] = _bytes(sorted(lines, key=lambda line: (

@@ -8,6 +8,7 @@ A block of lines has its markers on lines of their own; a number within a senten
 import json
 import os
 import re
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +19,7 @@ from .headline_table import Headline
 from .inputs import Inputs
 from .sentences import say
 from .statistics.rivals import PORTFOLIO
-from .table import Table
+from .table import Table, code
 
 BLOCK = re.compile(r"<!-- numbers:([a-z-]+) -->(.*?)<!-- end -->", re.DOTALL)
 FIGURE = Path("report/reference/headline.svg")  # below the repository
@@ -66,24 +67,10 @@ def fill(text: str, page: Page) -> str:
 def _headline(page: Page) -> str:
     """What README shows: caption, where we win, figure, where we lose, and a row per instruction set."""
     table, flags = shown_tables.outcomes(page.found), shown_tables.single_peers(page.inputs, page.found)
-    return "\n".join([markdown.short_caption(page.inputs, page.found), "", *([table.markdown()] if table else []),
+    return "\n".join([say("short_caption", inputs=page.inputs, found=page.found), "", *([table.markdown()] if table else []),
                       f"![{_ALT}]({page.link(FIGURE)})", "",
                       summary.losses(page.found) if table else summary.peers(page.found),
                       *(["", say("single_words"), "", flags.markdown()] if flags else [])])
-
-
-def _streams(page: Page) -> str:
-    """1000 problems up to 30 rows, 256 up to 100 rows"""
-    largest = {of["stream"]: of["most"] for of in page.info["size_classes"] if of["stream"]}
-    return say("streams", classes=list(largest.items()))
-
-
-def _limits(page: Page) -> str:
-    rules: dict[tuple, list[str]] = {}
-    for limit in page.info.get("size_limits", []):
-        rules.setdefault((limit["reason"], limit["largest"]), []).append(f"`{limit['solver']}`")
-    return "; ".join(f"{reason}: to {largest} rows ({formats.plural(len(who), 'solver or setting', 'solvers and settings')})"
-                     for (reason, largest), who in rules.items())
 
 
 def _tuning(page: Page) -> str:
@@ -98,10 +85,6 @@ def _tuning(page: Page) -> str:
     count = len({of["solver"] for of in tuned["solvers"]})
     return say("tuning", tuned=tuned, tried=[len(of["tried"]) for of in tuned["solvers"]], solvers=count, where=where,
                rest=count - len(changed))
-
-
-def _keys(keys) -> str:
-    return ", ".join(map(shown_tables.key, keys))
 
 
 def _peers(page: Page) -> list[dict]:
@@ -134,11 +117,11 @@ BLOCKS: dict[str, Callable[[Page], str]] = {
     # The conventions, the table by size class, false successes, and the table of all solvers.
     "headline-details": lambda page: markdown.full_headline(page.inputs, page.found),
     "ablation": lambda page: markdown.ablation(page.inputs),
-    "streams": _streams,
-    "limits": _limits,
+    "streams": lambda page: say("streams", classes={of["stream"]: of["most"] for of in page.info["size_classes"] if of["stream"]}),
+    "limits": lambda page: say("limits", rules=Counter((of["reason"], of["largest"]) for of in page.info.get("size_limits", []))),
     "manifests": lambda page: formats.words([f"`{of['name']}` {of['version']}" for of in page.info.get("manifests", [])]),
     "tuning": _tuning,
-    "own-keys": lambda page: _keys(of["key"] for of in peers.facts()["own"]),
+    "own-keys": lambda page: ", ".join(code(of["key"]) for of in peers.facts()["own"]),
     "peer-projects": lambda page: formats.words(list(dict.fromkeys(of["library"] for of in peers.facts()["peers"]
                                                                if of["key"] != PORTFOLIO))),
     "own-solvers": lambda page: _solver_table(page, peers.facts()["own"]),

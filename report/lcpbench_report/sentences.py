@@ -6,6 +6,7 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from . import formats
+from .statistics.rivals import PORTFOLIO
 from .table import code, html, markdown
 
 
@@ -37,7 +38,8 @@ ENVIRONMENT.filters |= {of.__name__: of for of in (
     formats.power, formats.seconds, formats.share_of, formats.percent, formats.residual, formats.ratio, formats.times,
     formats.size_class, formats.plural, formats.words, rows_of, told, few, solvers, code, html, markdown)}
 ENVIRONMENT.filters["interval"] = lambda of: formats.with_interval(*of)
-ENVIRONMENT.globals["DASH"] = formats.DASH
+ENVIRONMENT.filters["split"] = str.split
+ENVIRONMENT.globals |= {"DASH": formats.DASH, "PORTFOLIO": PORTFOLIO}
 
 
 def render(template: str, block: str = "", **facts) -> str:

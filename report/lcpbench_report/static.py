@@ -23,7 +23,8 @@ def write_static(inputs: Inputs, folder: Path) -> list[Path]:
     """
     written = []
     for figure in charts.figures(inputs):
-        if chart := next(iter(figure.views.values()))():
+        first = next(iter(figure.views.values()), lambda: None)  # none where every problem is to break something
+        if chart := first():
             written += drawing.save(chart, folder / "figures", figure.name)
     return written + write_tables(inputs, folder / "tables")
 

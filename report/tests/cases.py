@@ -7,8 +7,14 @@ import tempfile
 import unittest
 from collections.abc import Callable
 from pathlib import Path
+from unittest import mock
 
 import report
+from lcpbench_report.charts import plotly
+from lcpbench_report.inputs import Inputs, load_inputs
+from lcpbench_report.statistics.load import load_campaign
+from lcpbench_report.statistics.model import Campaign
+from lcpbench_report.web import page
 
 
 class FolderCase(unittest.TestCase):
@@ -27,6 +33,13 @@ class FolderCase(unittest.TestCase):
         for word in told:
             self.assertIn(word, error)
 
+    def expect(self, by: str, status: int, *words: str, more: tuple = ()) -> None:
+        """What `report.py compare` tells of the folders `old` and `new` has these words."""
+        found, text, error = run("compare", "--by", by, self.old, self.new, *more)
+        self.assertEqual((found, error), (status, ""), text)
+        for word in words:
+            self.assertIn(word, text)
+
 
 class SharedFolderCase(unittest.TestCase):
     """All tests of a class have one folder, `path`."""
@@ -38,6 +51,23 @@ class SharedFolderCase(unittest.TestCase):
         temporary = tempfile.TemporaryDirectory()
         cls.addClassCleanup(temporary.cleanup)
         cls.path = Path(temporary.name)
+
+
+def campaign_of(write: Callable[..., Path], *arguments, **more) -> Campaign:
+    """What is read of a folder that `write` fills."""
+    with tempfile.TemporaryDirectory() as folder:
+        return load_campaign(write(Path(folder), *arguments, **more))
+
+
+def inputs_of(write: Callable[..., Path], *arguments, **more) -> Inputs:
+    with tempfile.TemporaryDirectory() as folder:
+        return load_inputs([write(Path(folder), *arguments, **more)])
+
+
+def page_of(inputs: Inputs, *pictures) -> str:
+    """Without Plotly's script, which takes a second and says nothing here."""
+    with mock.patch.object(plotly, "script", return_value=""):
+        return page.render(inputs, *pictures)
 
 
 def run(*words) -> tuple[int, str, str]:

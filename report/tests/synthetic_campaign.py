@@ -2,14 +2,14 @@
 
 import itertools
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from lcpbench_report.statistics.model import LAWS
+from lcpbench_report.statistics.model import FLAGS, JUDGED, LAWS
 
 TIERS = (1e-3, 1e-6, 1e-9)
 SIZES = (10, 20, 50, 100, 200, 500)
@@ -23,10 +23,6 @@ EXPONENT = 1.5  # of the time over the rows
 TIME_LIMIT = 10.0
 FIRST, AGAIN = 3.0, 0.5  # times of the solve that is judged, and of another b, over the fresh one
 PARTS = {"problem_s": 0.25, "prepare_s": 0.5, "convert_s": 0.0, "solve_s": 0.25}  # of the fresh time
-METRICS = ("rho", "backward_error", "w_error", "f_error")
-JUDGED = (*METRICS, "best_tier", "iterations", "first_s", "factor_share")
-FLAGS = ("passes", "at_floor", "below_floor", "false_success", "false_infeasible", "proved_infeasible",
-         "infeasible_within_rounding")
 
 
 @dataclass
@@ -77,7 +73,7 @@ def cells_of(times: pd.DataFrame, tier: float = 1e-6, **columns) -> pd.DataFrame
 
 def write_campaign(folder: Path, factors: dict[str, float], seed: int = 1, tiers=TIERS, noise: Noise | None = None,
                    copies: int = COPIES, change: Callable[[dict], dict] = lambda record: record, run: int = 0,
-                   solvers: dict[str, dict] | None = None,
+                   solvers: dict[str, dict] | None = None, peers: Collection[str] = (),
                    change_problem: Callable[[dict], dict] = lambda record: record, info: dict | None = None) -> Path:
     """Fills `folder` and returns it. Besides `copies` problems for every family and size there is an engine's problem,
     which does not count.
@@ -85,13 +81,14 @@ def write_campaign(folder: Path, factors: dict[str, float], seed: int = 1, tiers
     @param factors  time of every solver over that of the first
     @param change   what becomes of a cell's record (_cell) before it is put into its task's lines: fail, exclude, ...
     @param run      of the same campaign: the problems are as difficult, the noise is another
-    @param solvers  what the entries of solvers in campaign.json have besides: {"peer": {"origin": "peer"}}
+    @param solvers  what the entries of solvers in campaign.json have besides: {"slow": {"base": "quick"}}
+    @param peers    solvers of other projects
     @param change_problem  what becomes of a problem's record
     @param info  what campaign.json has besides
     """
     noise = noise or Noise()
     folder.mkdir(parents=True, exist_ok=True)
-    entries = [solver_entry(key) | (solvers or {}).get(key, {}) for key in factors]
+    entries = [solver_entry(key, origin="peer" if key in peers else "own") | (solvers or {}).get(key, {}) for key in factors]
     described = campaign_info(list(tiers), seed, [*entries, solver_entry("absent", False)], noise.passes) | (info or {})
     (folder / "campaign.json").write_text(json.dumps(described), encoding="utf-8")
     problems = [_problem(f"{family}-{rows}-{copy}", "main", family, rows)
@@ -215,9 +212,8 @@ def _problem(name: str, chosen_set: str, family: str, rows: int) -> dict:
 def _cell(problem: str, solver: str, tier: float, times: list[float]) -> dict:
     """What is known of one cell: the members of a judge line's arrays and of its exceptions, a time for every pass, and
     which passes were disturbed."""
-    return {"problem": problem, "solver": solver, "tier": tier, "excluded": "", "claim": "solved", "passes": True,
-            "at_floor": False, "below_floor": False, "false_success": False, "false_infeasible": False,
-            "proved_infeasible": False, "infeasible_within_rounding": False, "reason": "", "detail": "",
+    return {"problem": problem, "solver": solver, "tier": tier, "excluded": "", "claim": "solved",
+            **{flag: flag == "passes" for flag in FLAGS}, "reason": "", "detail": "",
             "rho": tier / 3, "backward_error": tier / 2, "w_error": tier,
             "f_error": None, "best_tier": tier, "iterations": 7, "first_s": FIRST * times[0],
             "factor_share": 0.5, "fresh_s": times, "disturbed": []}

@@ -11,7 +11,6 @@ import pandas as pd
 
 from lcpbench_report import studies
 from lcpbench_report.inputs import Inputs, load_inputs
-from .cases import edit_lines
 from .synthetic_campaign import TIERS, Noise, exclude, fail, write_campaign
 from .synthetic_steps import SEQUENCES, STEPS, one_pass, write_sequences
 
@@ -19,6 +18,9 @@ SCENE, LEVEL = "disc-pile", "velocity"
 SLIPPING = ("slabs", "arch")  # scenes with friction
 STARTED = "2026-01-02T03:04:05Z"
 
+# Of the page and of files, in order.
+FIGURES = ["time-by-size", "metrics", "front", "profiles", "accuracy", "precision", "coverage", "pathological", "scaling", "latency",
+           "deadline", "motion", "friction-motion"]
 
 # ----- three solvers: for pages and decisions
 
@@ -40,13 +42,10 @@ def spoiled(record: dict) -> dict:
 
 def write_cells(folder: Path) -> Path:
     """A campaign in which the engine's problem is a pathological one."""
-    solvers = {key: {"method": f"the method of {key} <&>"} | ({"origin": "peer"} if key in PEERS else {})
-               for key in FACTORS}
-    write_campaign(folder, FACTORS, change=spoiled, noise=Noise(passes=3), copies=2, solvers=solvers,
-                   info={"started": STARTED, "environment": _ENVIRONMENT})
-    edit_lines(folder / "problems.jsonl", lambda problem: problem | ({"set": "pathological"}
-                                                                     if problem["set"] == "engine" else {}))
-    return folder
+    return write_campaign(folder, FACTORS, change=spoiled, noise=Noise(passes=3), copies=2, peers=PEERS,
+                          solvers={key: {"method": f"the method of {key} <&>"} for key in FACTORS},
+                          change_problem=lambda of: of | ({"set": "pathological"} if of["set"] == "engine" else {}),
+                          info={"started": STARTED, "environment": _ENVIRONMENT})
 
 
 def write_steps(folder: Path) -> Path:
@@ -60,6 +59,12 @@ def write_steps(folder: Path) -> Path:
     return write_sequences(folder, passes, solvers=(("auto", "own"), ("pgs", "own"), ("ode-dantzig", "peer")))
 
 
+def _moved(scene: str, solver: str, tolerance: float, step: int) -> dict:
+    return {"scene": scene, "level": LEVEL, "size": 20, "seed": 1, "solver": solver, "tolerance": tolerance, "step": step,
+            "time": step * 1e-2, "energy": 1.0, "energy_error": 0.0, "penetration": 0.0, "joint_error": 0.0, "stopped": "",
+            "solve_time_s": 1e-5 * step, "solves": step, "failed": 0, "not_passed": 0, "false_successes": 0}
+
+
 def write_motion(folder: Path) -> Path:
     """Without friction, in the columns of the time when there was none."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -67,11 +72,8 @@ def write_motion(folder: Path) -> Path:
     for solver, tolerance, error in (("auto", 1e-6, 1e-9), ("pgs", 1e-3, 1e-4), ("pgs", 1e-6, 1e-7)):
         stopped = "not finite" if tolerance == 1e-3 else ""
         for step in range(50 if stopped else 100):
-            rows.append({"scene": SCENE, "level": LEVEL, "size": 20, "seed": 1, "solver": solver, "tolerance": tolerance,
-                         "step": step, "time": step * 1e-2, "energy": 1.0, "energy_error": error * step,
-                         "penetration": error * (step % 7), "joint_error": 0.0, "distance": error, "rho": error,
-                         "solve_time_s": 1e-5 * step, "solves": step, "failed": 0, "not_passed": 0, "false_successes": 0,
-                         "stopped": stopped})
+            rows.append(_moved(SCENE, solver, tolerance, step) | {
+                "energy_error": error * step, "penetration": error * (step % 7), "distance": error, "rho": error, "stopped": stopped})
     pd.DataFrame(rows).to_csv(folder / studies.MOTION_FILE, index=False)
     return folder
 
@@ -83,11 +85,9 @@ def write_friction_motion(folder: Path) -> Path:
     for scene, (solver, limit, start, creep) in itertools.product(SLIPPING, (("auto", 0, "warm", 0.0), ("pgs", 10, "warm", 1e-3),
                                                                              ("pgs", 10, "cold", 1e-2))):
         for step in range(20):
-            rows.append({"scene": scene, "level": LEVEL, "size": 20, "seed": 1, "solver": solver, "tolerance": 1e-6,
-                         "step": step, "time": step * 1e-2, "energy": 1.0, "energy_error": 0.0, "penetration": 0.0,
-                         "joint_error": math.nan, "distance": creep * step, "rho": creep, "lost_gap": creep / 10 if step else math.nan,
-                         "creep": creep * step if step else math.nan, "created": 0.0, "max_iterations": limit, "start": start,
-                         "solve_time_s": 1e-5 * step, "solves": step, "failed": 0, "not_passed": 0, "false_successes": 0, "stopped": ""})
+            rows.append(_moved(scene, solver, 1e-6, step) | {
+                "joint_error": math.nan, "distance": creep * step, "rho": creep, "lost_gap": creep / 10 if step else math.nan,
+                "creep": creep * step if step else math.nan, "created": 0.0, "max_iterations": limit, "start": start})
     pd.DataFrame(rows, columns=list(studies.MOTION_COLUMNS)).to_csv(folder / studies.MOTION_FILE, index=False)
     return folder
 
@@ -140,7 +140,7 @@ def write_problems(folder: Path, change=None, tiers=TIERS) -> Path:
                           "grid": "mass ratio" if index % 4 == 1 else ""}
 
     return write_campaign(folder, MANY, copies=2, tiers=tiers, change=change or fail_some, change_problem=of_sets,
-                          solvers={key: {"origin": "peer"} for key in MANY if key not in OWN},
+                          peers=set(MANY) - set(OWN),
                           info={"environment": ENVIRONMENT, "started": STARTED})
 
 

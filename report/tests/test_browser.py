@@ -7,10 +7,8 @@ from lcpbench_report.charts import plotly
 from lcpbench_report.web import gallery
 from lcpbench_report.web.page import render
 from .cases import SharedFolderCase
-from .synthetic_report import whole_inputs, write_pictures
+from .synthetic_report import FIGURES, whole_inputs, write_pictures
 
-FIGURES = {"time-by-size", "metrics", "front", "profiles", "accuracy", "precision", "coverage", "pathological", "scaling",
-           "latency", "deadline", "motion", "friction-motion"}
 _CHROMIUM, _DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 _PATIENCE_S = 300  # of a busy machine
 

@@ -13,7 +13,7 @@ from lcpbench_report.errors import ReportError
 from lcpbench_report.style import Look
 from .cases import FolderCase, SharedFolderCase
 from .synthetic_campaign import cells_of
-from .synthetic_report import whole_inputs
+from .synthetic_report import FIGURES, whole_inputs
 
 LINE, HOLLOW, DOT = Look("#123456", "o"), Look("#654321", "s", (0, (5, 2)), False), Look("#000000", "D", None)
 
@@ -93,8 +93,7 @@ class OfInputs(SharedFolderCase):
         return {trace.name: trace for panel in chart.panels for trace in panel.traces}
 
     def test_there_is_a_figure_for_every_part_with_something_to_be_seen_first(self):
-        self.assertEqual([*self.figures], ["time-by-size", "metrics", "front", "profiles", "accuracy", "precision", "coverage",
-                                           "pathological", "scaling", "latency", "deadline", "motion", "friction-motion"])
+        self.assertEqual([*self.figures], FIGURES)
         for name, figure in self.figures.items():
             chart = next(iter(figure.views.values()))()
             self.assertTrue(any(len(trace.x) for panel in chart.panels for trace in panel.traces), name)

@@ -1,6 +1,5 @@
 """Two campaigns of one plan: is a regression told when there is one, and only then?"""
 
-import tempfile
 import unittest
 from pathlib import Path
 from unittest import mock
@@ -12,7 +11,7 @@ from lcpbench_report.statistics import changes, pairwise
 from lcpbench_report.statistics.intervals import holm
 from lcpbench_report.statistics.load import load_campaign
 from lcpbench_report.statistics.model import Campaign
-from .cases import FolderCase, edit_info, edit_lines, run
+from .cases import FolderCase, campaign_of, edit_info, edit_lines, run
 from .synthetic_campaign import COPIES, FAMILIES, TIERS, Noise, exclude, fail, only, slower, write_campaign
 
 FACTORS = {"a": 1.0, "b": 2.0, "c": 3.0}
@@ -91,10 +90,9 @@ class Truth(unittest.TestCase):
         return [changes.compare_campaigns(*pair) for pair in self._pairs(seeds, change)]
 
     def _pairs(self, seeds: int, change=lambda record: record, copies: int = COPIES) -> list[tuple[Campaign, Campaign]]:
-        with tempfile.TemporaryDirectory() as folder:
-            return [tuple(load_campaign(write_campaign(Path(folder), FACTORS, seed, (TIER,), NOISE, copies, run=run,
-                                                       change=change if run else lambda record: record))
-                          for run in range(2)) for seed in range(seeds)]
+        return [tuple(campaign_of(write_campaign, FACTORS, seed, (TIER,), NOISE, copies, run=run,
+                                  change=change if run else lambda record: record)
+                      for run in range(2)) for seed in range(seeds)]
 
 
 class Summary(FolderCase):
@@ -106,21 +104,17 @@ class Summary(FolderCase):
         self.new = self._write("new", run=1)
 
     def test_nothing_new(self):
-        status, text, error = self._run()
-        self.assertEqual((status, error), (0, ""))
-        self.assertIn("**No regression** in 147 cells.", text)
-        self.assertIn("No cell lost its verified answer", text)
-        self.assertIn("same environment", text)
-        self.assertNotIn("Only in one", text)
+        self.expect("changes", 0, "**No regression** in 147 cells.", "No cell lost its verified answer", "same environment")
+        self.assertNotIn("Only in one", run("compare", self.old, self.new)[1])
 
     def test_a_new_false_success_is_a_regression_however_it_was_before(self):
         for before in (lambda record: record, fail):
             with self.subTest(before=before):
                 self.old = self._write("old", change=only("b", VICTIM, before))
                 self.new = self._write("new", change=only("b", VICTIM, lambda record: fail(record, "solved")))
-                self.expect(1, "1 new false success", f"`solve/{VICTIM}/b/1e-06`")
+                self.expect("changes", 1, "1 new false success", f"`solve/{VICTIM}/b/1e-06`")
         self.old = self._write("old", change=only("b", VICTIM, lambda record: fail(record, "solved")))
-        self.assertEqual(self._run()[0], 0)  # it lied before
+        self.expect("changes", 0)  # it lied before
 
     def test_what_one_change_is_told_as(self):
         for status, change, *words in (
@@ -133,28 +127,28 @@ class Summary(FolderCase):
                 (1, only("a", "", fail), "49 cells verified before and not now", "... and 29 more.")):
             with self.subTest(words=words):
                 self.new = self._write("new", change=change)
-                self.expect(status, *words)
+                self.expect("changes", status, *words)
 
     def test_an_answer_that_is_found_is_no_regression(self):
         self.old = self._write("old", change=only("b", VICTIM, fail))
-        self.expect(0, "Verified now, and not before")
+        self.expect("changes", 0, "Verified now, and not before")
 
     def test_what_only_one_has_is_told_and_judged_by_nothing(self):
         drop(self.new, lambda record: record["solver"] == "c")
         drop(self.old, lambda record: record["size_class"] == "7-12" and record["solver"] == "a")
-        self.expect(0, "| `c` | OLD | 49 |", "| `a` | NEW | 8 |", "in 90 cells")
+        self.expect("changes", 0, "| `c` | OLD | 49 |", "| `a` | NEW | 8 |", "in 90 cells")
 
     def test_other_builds_of_one_plan_are_compared_and_named(self):
         first, *others = edit_info(self.new, environment_hash="1", environment={
             "git_commit": "abc", "libraries": {"Eigen": "3.4.1"}})["solvers"]
         edit_info(self.new, solvers=[first | {"library_version": "2.0"}, *others, first | {"key": "newcomer"}])
-        self.expect(0, "| git_commit |  | abc |")
+        self.expect("changes", 0, "| git_commit |  | abc |")
 
     def test_how_a_setting_is_called_may_differ(self):
         first, *others = edit_info(self.new)["solvers"]
         # Older folders lack the last two.
         edit_info(self.new, solvers=[first | {"setting": "default", "base": "", "settings": {}}, *others])
-        self.assertEqual(self._run()[0], 0)
+        self.expect("changes", 0)
 
     def test_mixed_plans_are_refused_in_one_line(self):
         info = edit_info(self.new)
@@ -176,22 +170,12 @@ class Summary(FolderCase):
         self._expect_refused("nowhere")
 
     def test_the_summary_goes_into_a_file(self):
-        out = self._run()[1]
-        status, text, _ = self._run("-o", str(self.folder / "summary.md"))
-        self.assertEqual((status, text), (0, ""))
+        out = run("compare", self.old, self.new)[1]
+        self.assertEqual(run("compare", self.old, self.new, "-o", self.folder / "summary.md"), (0, "", ""))
         self.assertEqual((self.folder / "summary.md").read_text(encoding="utf-8"), out)
 
     def _write(self, name: str, **arguments) -> Path:
         return write_campaign(self.folder / name, FACTORS, tiers=(TIER,), noise=NOISE, **arguments)
-
-    def _run(self, *more: str) -> tuple[int, str, str]:
-        return run("compare", self.old, self.new, *more)
-
-    def expect(self, status: int, *words: str) -> None:
-        found, text, _ = self._run()
-        self.assertEqual(found, status)
-        for word in words:
-            self.assertIn(word, text)
 
     def _expect_refused(self, *words: str) -> None:
         self.assert_refused("compare", self.old, self.new, told=words)

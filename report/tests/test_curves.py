@@ -1,17 +1,16 @@
 """The curves of `solver_curves`: what is read, which peers a figure shows, and what the page says."""
 
 import math
-from unittest import mock
+import unittest
 
 import pandas as pd
 
 from lcpbench_report import peers, studies
-from lcpbench_report.charts import curves, drawing, plotly
+from lcpbench_report.charts import curves, drawing
 from lcpbench_report.compact import compact
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
-from lcpbench_report.web import page
-from .cases import FolderCase
+from .cases import FolderCase, inputs_of, page_of
 from .synthetic_report import write_cells
 
 
@@ -70,19 +69,16 @@ class Curves(FolderCase):
         inputs = load_inputs([write_cells(self.folder / "campaign")], curves=write_curves(self.folder / "curves"))
         for figure in curves.figures(inputs):
             self.assertEqual(len(drawing.save(figure.views[()](), self.folder, figure.name)), 2)
-        with mock.patch.object(plotly, "script", return_value=""):
-            text = page.render(inputs)
+        text = page_of(inputs)
         for name in studies.CURVES:
             self.assertEqual(text.count(f'id="figure-curve-{name}"'), 1)
         without = load_inputs([self.folder / "campaign"])
         self.assertEqual(list(curves.figures(without)), [])
 
 
-class Peers(FolderCase):
+class Peers(unittest.TestCase):
     def test_the_page_has_every_peer_and_says_who_is_left_out(self):
-        inputs = load_inputs([write_cells(self.folder / "campaign")])
-        with mock.patch.object(plotly, "script", return_value=""):
-            text = page.render(inputs)
+        text = page_of(inputs_of(write_cells))
         section = text[text.index('<section id="peers">'):]
         section = section[:section.index("</section>")]
         self.assertGreater(len(peers.facts()["peers"]), 50)

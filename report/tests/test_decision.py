@@ -9,7 +9,7 @@ from lcpbench_report import choice, fairness, shown_tables, summary
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.statistics.launches import TOGETHER
-from .cases import FolderCase
+from .cases import FolderCase, inputs_of
 from .synthetic_campaign import cells_of, fail, only, write_campaign
 from .synthetic_report import whole_inputs, write_all
 from .synthetic_steps import STEPS
@@ -106,20 +106,18 @@ class WholeReport(unittest.TestCase):
 
 class Parts(FolderCase):
     def test_what_was_never_asked_is_below_the_tier_and_no_false_success(self):
-        inputs = load_inputs([write_campaign(
-            self.folder, {"auto": 1.0, "clp": 2.0, "clp-default": 2.0}, copies=1,
-            change=lambda record: record if record["solver"] == "auto" else fail(record, "solved"),
-            solvers={"clp": {"origin": "peer"}, "clp-default": {"origin": "peer", "tolerance": "default"}})])
+        inputs = inputs_of(write_campaign, {"auto": 1.0, "clp": 2.0, "clp-default": 2.0}, copies=1,
+                           change=lambda record: record if record["solver"] == "auto" else fail(record, "solved"),
+                           peers=("clp", "clp-default"), solvers={"clp-default": {"tolerance": "default"}})
         text = summary.false_successes(inputs)
         each = len(inputs.problems) * len(inputs.tiers)
         self.assertIn(f"0 in {each} solves of ours, {each} in {each} of other projects' solvers that were asked", text)
         self.assertIn(f"end below it in {each} of {each} solves", text)
 
     def test_ablations_stand_in_their_own_table_and_nowhere_else(self):
-        entry = {"origin": "own", "ablation": "no-self-check", "base": "auto"}
-        inputs = load_inputs([write_campaign(
-            self.folder, {"auto": 1.0, "pgs": 3.0, "auto-unchecked": 0.5}, copies=2, solvers={"auto-unchecked": entry},
-            change=only("auto-unchecked", "piles-20-1", lambda record: fail(record, "solved")))])
+        inputs = inputs_of(write_campaign, {"auto": 1.0, "pgs": 3.0, "auto-unchecked": 0.5}, copies=2,
+                           solvers={"auto-unchecked": {"ablation": "no-self-check", "base": "auto"}},
+                           change=only("auto-unchecked", "piles-20-1", lambda record: fail(record, "solved")))
         (row,) = shown_tables.ablation(inputs, all_only=True).rows
         solver, version, rows, _, time, _, false = row
         self.assertEqual((solver, version, rows, false), ("auto", "without its own check", "all", "1, 0"))

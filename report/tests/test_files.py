@@ -4,7 +4,6 @@ import os
 import resource
 import subprocess
 import sys
-import unittest
 from pathlib import Path
 
 from lcpbench_report.files import replaced, write_text
@@ -59,7 +58,3 @@ class Files(FolderCase):
                     preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0)))
         self.assertEqual(full, (3, f"compare: error: {output}: File too large\n"))
         self.assertEqual((output.read_text(), self.names()), ("old", ["a", "changes.md"]))
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,13 +1,9 @@
 """Problems with friction: how they are counted, and that they stand in a section of their own alone."""
 
-import unittest
-from unittest import mock
-
 import numpy as np
 import pandas as pd
 
 from lcpbench_report import choice, formats, markdown, shown_tables, summary
-from lcpbench_report.charts import plotly
 from lcpbench_report.compact import compact
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.statistics.cells import EXCLUDED, VERIFIED
@@ -15,8 +11,7 @@ from lcpbench_report.statistics.coverage import coverage_table
 from lcpbench_report.statistics.friction import friction_table, refusers
 from lcpbench_report.statistics.model import ERROR_PARTS
 from lcpbench_report.statistics.means import mean_table
-from lcpbench_report.web import page
-from .cases import SharedFolderCase
+from .cases import SharedFolderCase, inputs_of, page_of
 from .synthetic_campaign import TIERS, fail, write_campaign
 
 FACTORS = {"pgs": 1.0, "relaxation": 2.0, "dantzig": 3.0}
@@ -103,13 +98,12 @@ class Friction(SharedFolderCase):
         pd.testing.assert_frame_equal(means[0][means[0]["set"] == "counted"], means[1][means[1]["set"] == "counted"])
 
     def test_the_section_is_there_where_there_are_such_problems(self):
-        plain = load_inputs([write_campaign(self.path / "plain", FACTORS, copies=1)])
-        with mock.patch.object(plotly, "script", return_value=""):
-            for inputs, there in ((self.inputs, True), (plain, False)):
-                text, lines = page.render(inputs), markdown.render(inputs, [])
-                self.assertEqual(('id="friction"' in text, "## Friction" in lines), (there, there))
-                self.assertEqual("Not taken by `dantzig`." in lines, there)
-            self.assertEqual([find(inputs) for find in (shown_tables.friction_classes, summary.friction)], [None, ""])
+        plain = inputs_of(write_campaign, FACTORS, copies=1)
+        for inputs, there in ((self.inputs, True), (plain, False)):
+            text, lines = page_of(inputs), markdown.render(inputs, [])
+            self.assertEqual(('id="friction"' in text, "## Friction" in lines), (there, there))
+            self.assertEqual("Not taken by `dantzig`." in lines, there)
+        self.assertEqual([find(plain) for find in (shown_tables.friction_classes, summary.friction)], [None, ""])
         rows = {row[0]: row for row in shown_tables.friction(self.inputs).rows}
         self.assertEqual(list(rows), ["`pgs`", "`relaxation`, relaxed law"])
         self.assertTrue(rows["`pgs`"][2].endswith("· ✗ 2"), rows)
@@ -139,7 +133,3 @@ class Friction(SharedFolderCase):
         compact(self.folder, small)
         table = friction_table(load_inputs([small]).cells, "pgs").set_index(["solver", "tier"])
         pd.testing.assert_frame_equal(table.sort_index(), self.table.sort_index(), rtol=0.01)
-
-
-if __name__ == "__main__":
-    unittest.main()

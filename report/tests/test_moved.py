@@ -11,23 +11,19 @@ from .cases import FolderCase, edit_lines, run
 from .synthetic_campaign import Noise, fail, only, slower, write_campaign
 
 FACTORS = {"auto": 1.0, "pgs": 3.0, "ode-dantzig": 2.0, "peer-portfolio": 1.5}
-PEERS = {key: {"origin": "peer"} for key in ("ode-dantzig", "peer-portfolio")}
+PEERS = ("ode-dantzig", "peer-portfolio")
 
 
 class Moved(FolderCase):
     def write(self, name: str, **arguments):
-        return write_campaign(self.folder / name, FACTORS, tiers=(1e-6,), copies=2, solvers=PEERS,
+        return write_campaign(self.folder / name, FACTORS, tiers=(1e-6,), copies=2, peers=PEERS,
                               noise=Noise(problem=0.01, passes=10), **arguments)
 
     def test_two_runs_agree_and_what_became_slower_does_not(self):
-        old, new = self.write("old"), self.write("new", run=1)
-        status, text, error = run("compare", "--by", "moved", old, new)
-        self.assertEqual((status, error), (0, ""))
-        self.assertIn("0 are beyond both", text)
-        for words in ("`auto / peer-portfolio`", "`auto / fastest`", "`ode-dantzig`", "101–300"):
-            self.assertIn(words, text)
+        self.old, self.new = self.write("old"), self.write("new", run=1)
+        self.expect("moved", 0, "0 are beyond both", "`auto / peer-portfolio`", "`auto / fastest`", "`ode-dantzig`", "101–300")
         slow = self.write("slow", run=1, change=only("auto", "-50-", lambda record: slower(record, 1.5)))
-        status, text, _ = run("compare", "--by", "moved", old, slow)
+        status, text, _ = run("compare", "--by", "moved", self.old, slow)
         self.assertEqual(status, 1)
         self.assertRegex(text, r"\| 31–100 \| `auto / peer-portfolio` \| .* \+\d\d\.\d % \| \*\*no\*\* \|")
 
@@ -63,6 +59,6 @@ class Moved(FolderCase):
 
     def test_runs_without_anything_in_common_are_refused(self):
         old, new = self.write("old"), self.write("new")
-        edit_lines(new / "streams.jsonl", lambda line: None if line["solver"] != "pgs" else line)
-        edit_lines(old / "streams.jsonl", lambda line: None if line["solver"] == "pgs" else line)
+        for folder, of_pgs in ((old, False), (new, True)):
+            edit_lines(folder / "streams.jsonl", lambda line, of_pgs=of_pgs: line if (line["solver"] == "pgs") == of_pgs else None)
         self.assert_refused("compare", "--by", "moved", old, new, told=("in common",))

@@ -2,16 +2,14 @@
 
 import math
 import unittest
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from lcpbench_report import summary
-from lcpbench_report.inputs import load_inputs
 from lcpbench_report.shown_tables import origins, sealed
 from lcpbench_report.statistics.origins import LARGEST_LOSS, origin_table, rank_table
-from .cases import FolderCase
+from .cases import inputs_of
 from .synthetic_campaign import cells_of, fail, slower, write_campaign
 
 FACTORS = {"first": 1.0, "second": 2.0, "third": 4.0, "fourth": 8.0}
@@ -88,20 +86,15 @@ def of_engines(solver: str, change):
                            else record)
 
 
-class Said(FolderCase):
-    def _inputs(self, change=lambda record: record):
-        def to_engines(problem: dict) -> dict:
-            return problem | ({"origin": "recorded"} if problem["problem"].endswith(_ENGINES) else {})
-        return load_inputs([write_campaign(Path(self.folder) / "c", FACTORS, tiers=(1e-6,), copies=4, change=change,
-                                           change_problem=to_engines)])
+class Said(unittest.TestCase):
+    def _inputs(self, change=lambda record: record, what: dict = {"origin": "recorded"}, **more):  # noqa: B006
+        """@param what  what is known of problems of engines"""
+        return inputs_of(write_campaign, FACTORS, tiers=(1e-6,), change=change, change_problem=lambda of: of | (
+            what if of["problem"].endswith(_ENGINES) else {}), **more)
 
     def test_sealed_problems_stand_beside_the_open_ones(self):
-        def seal(problem: dict) -> dict:
-            return problem | ({"family": "engine a"} if problem["problem"].endswith(_ENGINES) else {})
-        peers = {"second": {"origin": "peer"}, "third": {"origin": "peer"}}
-        folder = write_campaign(Path(self.folder) / "c", FACTORS, tiers=(1e-6,), copies=4, solvers=peers, change_problem=seal,
-                                change=of_engines("second", fail), info={"sealed": ["engine"]})
-        text = sealed(load_inputs([folder])).markdown()
+        text = sealed(self._inputs(of_engines("second", fail), {"family": "engine a"}, peers=("second", "third"),
+                                   info={"sealed": ["engine"]})).markdown()
         self.assertIn("sealed: problems", text)
         row = [cell.strip() for cell in text.splitlines()[2].strip("|").split("|")]
         self.assertEqual([row[1], row[2], row[4], row[5]], ["4", "100\u202f%"] * 2)
@@ -125,10 +118,6 @@ class Said(FolderCase):
         self.assertRegex(text.replace("\u202f", " "), r"\| `second` \| 100 % · (1\.9|2\.0)\d× \| 0 % · ✗ \|")
 
     def test_one_origin_has_no_such_table(self):
-        inputs = load_inputs([write_campaign(Path(self.folder) / "d", FACTORS, tiers=(1e-6,))])
+        inputs = inputs_of(write_campaign, FACTORS, tiers=(1e-6,))
         self.assertIsNone(origins(inputs))
         self.assertEqual(summary.origins(inputs), "")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -7,14 +7,10 @@ from unittest import mock
 
 from lcpbench_report.charts import plotly
 from lcpbench_report.errors import ReportError
-from lcpbench_report.inputs import load_inputs
 from lcpbench_report.web import gallery, page
-from .cases import FolderCase, SharedFolderCase, run
+from .cases import FolderCase, SharedFolderCase, inputs_of, page_of, run
 from .synthetic_campaign import write_campaign
 from .synthetic_report import FACTORS, whole_inputs, write_pictures, write_steps
-
-# Plotly's script takes a second and says nothing here.
-NO_BUNDLE = mock.patch.object(plotly, "script", return_value="")
 
 
 def data_of(text: str) -> dict:
@@ -26,14 +22,12 @@ class Page(SharedFolderCase):
     def setUpClass(cls):
         super().setUpClass()
         cls.inputs = whole_inputs()
-        with NO_BUNDLE:
-            cls.pictures = gallery.read(write_pictures(cls.path / "pictures"))
-            cls.text = page.render(cls.inputs, cls.pictures)
+        cls.pictures = gallery.read(write_pictures(cls.path / "pictures"))
+        cls.text = page_of(cls.inputs, cls.pictures)
         cls.data = data_of(cls.text)
 
     def test_the_same_results_give_the_same_page(self):
-        with NO_BUNDLE:
-            self.assertEqual(page.render(self.inputs, self.pictures), self.text)
+        self.assertEqual(page_of(self.inputs, self.pictures), self.text)
 
     def test_text_of_the_data_is_escaped(self):
         self.assertIn("the method of pgs &lt;&amp;&gt;", self.text)
@@ -49,8 +43,7 @@ class Page(SharedFolderCase):
             self.assertIn(word, self.text)
 
     def test_parts_that_are_absent_have_no_section(self):
-        with NO_BUNDLE:
-            text = page.render(load_inputs([write_steps(self.path / "steps")]))
+        text = page_of(inputs_of(write_steps))
         self.assertNotIn('id="performance"', text)
         self.assertIn('id="sequences"', text)
         self.assertNotIn("figure-motion", text)
@@ -93,7 +86,7 @@ class Script(FolderCase):
         slower = FACTORS | {"pgs": 2 * FACTORS["pgs"]}
         old, new = (write_campaign(self.folder / str(run), factors, tiers=(1e-6,), run=run)
                     for run, factors in enumerate((FACTORS, slower)))
-        with NO_BUNDLE:
+        with mock.patch.object(plotly, "script", return_value=""):
             self.assertEqual(run("report", new, "--previous", old, "-o", self.folder / "out" / "index.html")[0], 0)
         text = (self.folder / "out" / "summary.md").read_text(encoding="utf-8")
         part = text[text.index("## Compared with an earlier run"):]

@@ -14,11 +14,10 @@ from lcpbench_report import static
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.static import write_static
 from lcpbench_report.table import Table, code, html, latex, markdown
-from .cases import SharedFolderCase
-from .synthetic_report import FAILING, write_friction_motion, write_motion, write_problems, write_steps
+from .cases import SharedFolderCase, inputs_of
+from .synthetic_campaign import write_campaign
+from .synthetic_report import FAILING, FIGURES, write_friction_motion, write_motion, write_problems, write_steps
 
-FIGURES = {"time-by-size", "metrics", "front", "profiles", "accuracy", "precision", "coverage", "pathological", "scaling",
-           "latency", "deadline", "motion", "friction-motion"}
 TABLES = {"headline", "front", "coverage", "sequences"}
 _DRAWN = "{http://www.w3.org/2000/svg}path"
 
@@ -33,7 +32,7 @@ class Static(SharedFolderCase):
 
     def test_every_figure_is_there_twice_and_what_is_returned_was_written(self):
         for suffix in (".svg", ".pdf"):
-            self.assertEqual({path.stem for path in self.written if path.suffix == suffix}, FIGURES)
+            self.assertEqual({path.stem for path in self.written if path.suffix == suffix}, set(FIGURES))
         on_disk = {path for path in (self.path / "out").rglob("*") if path.is_file()}
         self.assertEqual(set(self.written), on_disk)
 
@@ -59,11 +58,11 @@ class Static(SharedFolderCase):
         names = {path.stem for path in static.write_tables(inputs, self.path / "less") if path.suffix == ".tex"}
         self.assertEqual(names, TABLES - {"sequences"})
 
-    def test_of_sequences_alone_there_are_those_tables_only(self):
-        inputs = load_inputs([write_steps(self.path / "alone")])
-        written = write_static(inputs, self.path / "steps")
-        self.assertEqual({path.stem for path in written if path.suffix in (".svg", ".tex")},
-                         {"latency", "deadline", "sequences"})
+    def test_of_sequences_or_of_problems_apart_alone_there_are_their_parts_only(self):
+        apart = inputs_of(write_campaign, {"auto": 1.0, "pgs": 2.0}, copies=1, change_problem=lambda of: of | {"set": "pathological"})
+        for inputs, there in ((inputs_of(write_steps), {"latency", "deadline", "sequences"}), (apart, {"pathological", "scaling"})):
+            written = write_static(inputs, self.path / "alone")
+            self.assertEqual({path.stem for path in written if path.suffix in (".svg", ".tex")}, there)
 
     def test_csv_tables_are_those_of_the_analysis(self):
         table = pd.read_csv(self.path / "out/tables/coverage.csv")

@@ -1,10 +1,8 @@
 """Weights and intervals: of medians of clustered problems, of a cell's time, of shares."""
 
 import math
-import tempfile
 import unittest
 import unittest.mock
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -14,8 +12,8 @@ from lcpbench_report.statistics.cells import measured
 from lcpbench_report.statistics.streams import median_of_passes
 from lcpbench_report.statistics.intervals import Bootstrap, interval_of, share_interval
 from lcpbench_report.statistics.launches import COLUMNS, Levels
-from lcpbench_report.statistics.load import load_campaign
 from lcpbench_report.statistics.weighted import quantiles, weighted_median, weighted_quantile
+from .cases import campaign_of
 from .synthetic_campaign import Noise, fail, write_campaign
 
 INF, NAN = math.inf, math.nan
@@ -177,9 +175,7 @@ class Launches(unittest.TestCase):
             record |= {"fresh_s": [first, 1.2 * second, third]}
             return fail(record) if record["problem"] in ("piles-10-0", "chains-20-0") else record
 
-        with tempfile.TemporaryDirectory() as folder:
-            campaign = load_campaign(write_campaign(Path(folder), {"a": 1.0}, tiers=(1e-6,), copies=10, change=change,
-                                                    noise=Noise(0.001, passes=3)))
+        campaign = campaign_of(write_campaign, {"a": 1.0}, tiers=(1e-6,), copies=10, change=change, noise=Noise(0.001, passes=3))
         table = measured(campaign).launches.set_index(["size_class", "launch"])
         np.testing.assert_allclose([table.loc[("7-12", k), "level"] for k in (1, 2, 3)], [0, math.log(1.2), 0], atol=3e-3)
         cells = measured(campaign).cells

@@ -10,8 +10,7 @@ import pandas as pd
 from lcpbench_report.errors import ReportError
 from lcpbench_report.statistics import pairwise
 from lcpbench_report.statistics.intervals import holm
-from lcpbench_report.statistics.load import load_campaign
-from .cases import FolderCase
+from .cases import campaign_of
 from .synthetic_campaign import Noise, cells_of, median_times, write_campaign
 
 INF = math.inf
@@ -183,24 +182,22 @@ class Truth(unittest.TestCase):
                          != pairwise.NO_DIFFERENCE).any()) for seed in range(seeds))
 
 
-class Calibration(FolderCase):
-    def campaign(self, factors: dict[str, float]):
-        return load_campaign(write_campaign(self.folder / "c", factors, tiers=(1e-6,), solvers={
-            key: {"base": "plain", "settings": settings} for key, settings in VARIANTS.items()}))
+class Calibration(unittest.TestCase):
+    def rows(self, **factors: float) -> pd.DataFrame:
+        campaign = campaign_of(write_campaign, {"plain": 1.0} | factors, tiers=(1e-6,), solvers={
+            key: {"base": "plain", "settings": settings} for key, settings in VARIANTS.items()})
+        return pairwise.calibration_table(campaign).set_index("variant")
 
     def test_truth_is_found(self):
-        table = pairwise.calibration_table(self.campaign({"plain": 1.0, "again": 1.0, "slow": 1.1, "other": 2.0}))
-        rows = table.set_index("variant")
+        rows = self.rows(again=1.0, slow=1.1, other=2.0)
         self.assertEqual(sorted(rows.index), ["again", "slow"])  # nobody knows how much another setting should take
         self.assertTrue(rows["right"].all())
         self.assertAlmostEqual(rows.loc["slow", "ratio"], 1.1, delta=0.02)
         self.assertLess(rows.loc["slow", "ratio_low"], rows.loc["slow", "ratio_high"])
 
     def test_a_false_alarm_and_a_miss_are_wrong(self):
-        rows = pairwise.calibration_table(self.campaign({"plain": 1.0, "again": 1.2, "slow": 1.0})).set_index("variant")
-        self.assertFalse(rows.loc["again", "right"].any())
-        self.assertFalse(rows.loc["slow", "right"].any())
+        self.assertFalse(self.rows(again=1.2, slow=1.0)["right"].any())
 
     def test_campaigns_without_variants_are_refused(self):
         with self.assertRaisesRegex(ReportError, "variant"):
-            pairwise.calibration_table(self.campaign({"plain": 1.0, "other": 2.0}))
+            self.rows(other=2.0)

@@ -145,8 +145,8 @@ class Folder(SharedFolderCase):
     def setUpClass(cls):
         super().setUpClass()
         write_campaign(cls.path, cls.FACTORS, tiers=(1e-6,), change=cls.change,
-                       solvers={"peer": {"origin": "peer"}, "bare": {"ablation": "no-self-check", "base": "own"},
-                                "checked": {"ablation": "checked", "base": "peer", "origin": "peer"}})
+                       peers=("peer", "checked"), solvers={"bare": {"ablation": "no-self-check", "base": "own"},
+                                                           "checked": {"ablation": "checked", "base": "peer"}})
         cls.campaign, cls.inputs = load_campaign(cls.path), load_inputs([cls.path])
         of_all, of_ablations = measured(cls.campaign), measured(cls.campaign, True)
         cls.cells, cls.ablated, cls.levels = of_all.cells, of_ablations.cells, levels_of(of_all, of_ablations)

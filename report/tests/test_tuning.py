@@ -12,10 +12,9 @@ import pandas as pd
 
 from lcpbench_report.errors import ReportError
 from lcpbench_report.statistics.jsonl import write_object
-from lcpbench_report.statistics.load import load_campaign
 from lcpbench_report.tuning import campaign, choice
 from lcpbench_report.tuning.space import Space, draw, load_spaces
-from .cases import FolderCase, json_of
+from .cases import FolderCase, campaign_of, json_of
 from .synthetic_campaign import Noise, cells_of, median_times, write_campaign
 
 SPACE = Space("pgs", {"sweep": ["coloured", "forward", "symmetric"], "relaxation": ["1", "1.2", "1.4", "1.6"]})
@@ -214,13 +213,14 @@ class Mistakes(FolderCase):
 class Record(FolderCase):
     """What is written of a campaign, from its files to the file."""
 
+    def describe(self, sizes: list[int], *say) -> dict:
+        self.campaign = campaign_of(write_campaign, {"lemke": 1.0, "lemke-try1": 0.5}, tiers=(1e-6,), noise=Noise(problem=0.02))
+        return choice.describe(self.campaign, {"lemke": SMALL}, {"lemke": draw(SMALL, 8, 1)},
+                               choice.Asked(8, 1, DATA / "tuning.json", sizes, 21), ["standard"], "2026-01-01", *say)
+
     def test_says_what_was_tried_and_what_is_chosen(self):
-        write_campaign(self.folder / "c", {"lemke": 1.0, "lemke-try1": 0.5}, tiers=(1e-6,), noise=Noise(problem=0.02))
-        asked = choice.Asked(8, 1, DATA / "tuning.json", [10], 21)
         said: list[str] = []
-        made = choice.describe(load_campaign(self.folder / "c"), {"lemke": SMALL},
-                               {"lemke": draw(SMALL, asked.budget, asked.seed)}, asked, ["standard"], "2026-01-01",
-                               said.append)
+        made = self.describe([10], said.append)
         write_object(self.folder / "tuned.json", made)
         read = json_of(self.folder / "tuned.json")
         self.assertEqual(read, json.loads(json.dumps(made)))
@@ -236,14 +236,11 @@ class Record(FolderCase):
         self.assertIn("block_start=yes", said[0])
 
     def test_every_size_has_a_choice_of_its_own_on_the_problems_nearest_to_it(self):
-        write_campaign(self.folder / "c", {"lemke": 1.0, "lemke-try1": 0.5}, tiers=(1e-6,), noise=Noise(problem=0.02))
-        loaded = load_campaign(self.folder / "c")
         sizes = [4, 40, 400]
-        made = choice.describe(loaded, {"lemke": SMALL}, {"lemke": draw(SMALL, 8, 1)},
-                               choice.Asked(8, 1, DATA / "tuning.json", sizes, 21), [], "2026-01-01")["solvers"]
+        made = self.describe(sizes)["solvers"]
         self.assertEqual([one["rows"] for one in made], sizes)
-        self.assertEqual(sum(one["tried"][0]["problems"] for one in made), len(loaded.problems))
-        rows = [problem["rows"] for problem in loaded.problems.values()]
+        rows = [problem["rows"] for problem in self.campaign.problems.values()]
+        self.assertEqual(sum(one["tried"][0]["problems"] for one in made), len(rows))
         for one in made:
             near = sum(abs(math.log(n / one["rows"])) == min(abs(math.log(n / size)) for size in sizes) for n in rows)
             self.assertEqual(one["tried"][0]["problems"], near)

@@ -3,6 +3,7 @@
 import importlib.util
 import runpy
 import sys
+import tempfile
 import unittest
 from pathlib import Path
 
@@ -23,6 +24,13 @@ StoredProblem, FormatError = formats.StoredProblem, formats.FormatError
 
 
 class FormatTest(unittest.TestCase):
+    """Every test has a new `folder`."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
     def assertRefusal(self, place, words, call, *arguments, **options):
         """The call raises a FormatError of one line that begins with the place and has the words."""
         with self.assertRaises(FormatError) as caught:

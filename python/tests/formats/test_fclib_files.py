@@ -1,9 +1,5 @@
 """FCLib's HDF5 files: round trips bit for bit, what leads out of a file, and one line for whatever is wrong."""
 
-import tempfile
-import unittest
-from pathlib import Path
-
 import h5py
 import numpy as np
 from scipy.sparse import csr_array
@@ -38,9 +34,7 @@ def _example():
 
 class FclibFiles(FormatTest):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        super().setUp()
         self.path = self.folder / "p.hdf5"
 
     def read(self, contents, **options):
@@ -263,7 +257,3 @@ class FclibFiles(FormatTest):
         for k in range(40):
             self.path.write_bytes(whole[:len(whole) * k // 40])
             self.assertRefused("expected")
-
-
-if __name__ == "__main__":
-    unittest.main()

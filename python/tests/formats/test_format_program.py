@@ -7,23 +7,15 @@ import resource
 import signal
 import struct
 import subprocess
-import tempfile
 import time
-import unittest
-from pathlib import Path
 
 import numpy as np
-from stored_problems import ROOT, StoredProblem, difference, formats, generated, program
+from stored_problems import ROOT, FormatTest, StoredProblem, difference, formats, generated, program
 
 _PROGRAM = ["/usr/bin/python3", str(ROOT / "python/lcpbench/formats")]
 
 
-class FormatProgram(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
+class FormatProgram(FormatTest):
     def ask(self, *requests):
         """@param requests  each a record, and bytes behind it"""
         sent = b"".join(json.dumps(record).encode() + b"\n" + more for record, more in requests)
@@ -130,7 +122,3 @@ class FormatProgram(unittest.TestCase):
                 time.process_time()
         (self.folder / "file.h5").write_bytes(b"")
         self.assertEqual(program.confined(self.folder / "file.h5", endless, lambda kind, pieces: None), "did not end in time")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,40 +1,22 @@
 """The law of fuzz.py for the seeds and some changes of them, the same ones every time."""
 
 import random
-import tempfile
-import unittest
-from pathlib import Path
 
 import fuzz
+from stored_problems import FormatTest
 
 
-class MutatedFiles(unittest.TestCase):
-    def assertLaw(self, kind, count):
-        corpus, chance, read = fuzz.seeds(kind), random.Random(1), 0
-        with tempfile.TemporaryDirectory() as name:
-            for content in corpus:
-                broken, _ = fuzz.broken_law(Path(name), kind, content, {})
-                self.assertEqual(broken, "")
-            for k in range(count):
-                content = fuzz.mutated(kind, corpus, chance)
-                broken, is_read = fuzz.broken_law(Path(name), kind, content, fuzz.options_for(kind, chance))
-                self.assertEqual(broken, "", f"{k}: {content!r}")
-                read += is_read
-        self.assertGreater(read, count // 100)
-        self.assertLess(read, count)
-
-    def test_hdf5(self):
-        self.assertLaw("hdf5", 100)  # a process each
-
-    def test_siconos(self):
-        self.assertLaw("dat", 1000)
-
-    def test_qps(self):
-        self.assertLaw("qps", 1000)
-
-    def test_npz(self):
-        self.assertLaw("npz", 500)
-
-
-if __name__ == "__main__":
-    unittest.main()
+class MutatedFiles(FormatTest):
+    def test_the_law_holds(self):
+        for kind, count in (("hdf5", 100), ("dat", 1000), ("qps", 1000), ("npz", 500)):  # of the first each has a process
+            corpus, chance, read = fuzz.seeds(kind), random.Random(1), 0
+            with self.subTest(kind):
+                for content in corpus:
+                    self.assertEqual(fuzz.broken_law(self.folder, kind, content, {})[0], "")
+                for k in range(count):
+                    content = fuzz.mutated(kind, corpus, chance)
+                    broken, is_read = fuzz.broken_law(self.folder, kind, content, fuzz.options_for(kind, chance))
+                    self.assertEqual(broken, "", f"{k}: {content!r}")
+                    read += is_read
+                self.assertGreater(read, count // 100)
+                self.assertLess(read, count)

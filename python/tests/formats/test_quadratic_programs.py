@@ -2,14 +2,11 @@
 
 import io
 import pickle
-import tempfile
-import unittest
 import zipfile
-from pathlib import Path
 
 import numpy as np
 import scipy.sparse
-from stored_problems import FormatError, FormatTest, StoredProblem, difference, formats, generated, quadratic
+from stored_problems import FormatError, FormatTest, StoredProblem, difference, formats, generated, quadratic, refusals
 
 
 def _npz(**arrays):
@@ -23,11 +20,6 @@ def _qps(*lines):
 
 
 class QuadraticPrograms(FormatTest):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
     def load(self, name, content, **options):
         path = self.folder / name
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
@@ -155,23 +147,9 @@ class QuadraticPrograms(FormatTest):
             self.assertEqual(self.load("p.qps", sense + "\n" + _qps("QUADOBJ", " f1 f1 1")).b.tolist(), [-1, 2])
 
     def test_what_is_wrong_with_a_qps_file_is_told_with_its_line(self):
-        sense = "expected MIN or MINIMIZE, as an LCP is that of a least value, found"
-        for lines, words in (([" RHS c1 3"], ":8: expected a row of the section ROWS, found 'c1'"), (["RANGES", " r c1 1"], ":9: expected no constraints"),
-                             (["BOUNDS", " BV B f1"], "expected a bound LO, UP, FX, FR, MI or PL, found 'BV'"),
-                             (["BOUNDS", " UP B f1 -4"], "a lower bound before"), (["BOUNDS", " FR 3"], "a bound's kind, set, column, found 'FR 3'"),
-                             (["BOUNDS", " FR f3 0"], "a bound's kind, set, column, found 'FR f3 0'"),
-                             (["BOUNDS", " UP f1"], "a bound's kind, set, column and value, found 'UP f1'"),
-                             (["BOUNDS", " UP B f1 1", " UP f2 1"], "the name of a set in every bound, or in none, found 'UP f2 1'"),
-                             (["BOUNDS", " LO B f1 5", " UP B f1 4"], "bounds with a number between them, found 5.0 and 4.0 of variable 1"),
-                             (["BOUNDS", " LO B f1 nan"], "a finite number, found 'nan'"), (["BOUNDS", " LO B f1 1e999"], "found '1e999'"),
-                             (["QUADOBJ", " f1 f3 4"], "a column of the sections COLUMNS or BOUNDS, found 'f3'"),
-                             (["QUADOBJ", " f1 f2 1", " f2 f1 1"], "every pair of columns once in QUADOBJ, found 'f1 f2'"),
-                             (["QUADOBJ", " f2 f2 1 f1 1 f2 1"], "every pair of columns once"), (["QMATRIX", " f1 f2 1"], "a symmetric matrix"),
-                             (["QUADOBJ", " f1 f2"], "columns with their values"), (["QUADOBJ", "QMATRIX"], "every section once"),
-                             (["OBJSENSE", " MAX"], f":9: {sense} 'MAX'"), (["OBJSENSE MAXIMIZE"], f":8: {sense} 'MAXIMIZE'"),
-                             (["QMATRIX", " f1 f1 1e308", " f1 f1 1e308"], "whose sum is finite")):
+        for lines, words in refusals("qps"):
             with self.subTest(lines):
-                self.assertRefused("p.qps", _qps(*lines), words)
+                self.assertRefused("p.qps", _qps(*lines.split(r"\n")), words)
         self.assertRefused("p.qps", _qps().replace("ENDATA\n", ""), ":7: expected ENDATA, found the end of the file")
         self.assertRefused("p.qps", _qps().replace(" N obj", " N obj\n L c1"), "rows N, of which the first is the objective, and no constraints")
         self.assertRefused("p.qps", _qps().replace(" N obj", " N obj\n N obj"), ":4: expected every row once, found 'obj'")
@@ -253,7 +231,3 @@ class QuadraticPrograms(FormatTest):
                     np.lib.format.write_array_header_2_0(file, {"descr": "<f8", "fortran_order": False, "shape": shape})
                     file.write(bytes(1000))
             self.assertRefused("p.npz", stream.getvalue(), "P: expected")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,7 +1,6 @@
 """Siconos' text files: round trips bit for bit, and one line for whatever is wrong with a file."""
 
 import codecs
-import unittest
 
 import numpy as np
 from stored_problems import FormatError, FormatTest, StoredProblem, difference, formats, generated, refusals, siconos
@@ -155,7 +154,3 @@ class SiconosText(FormatTest):
         bounded = {"row": np.array([0]), "lower": np.array([-1.0]), "upper": np.array([1.0])}
         with self.assertRaisesRegex(FormatError, "problem 'b' has bounded rows, which the format has no place for; expected JSON lines"):
             siconos.write(StoredProblem("b", np.ones(1), A=np.ones((1, 1)), bounded=bounded))
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -13,8 +13,7 @@ import pandas as pd
 
 from .launches import COLUMNS as LAUNCH_COLUMNS
 from .launches import KEY as KEY_OF_LAUNCHES
-from .model import DEFAULT, FLAGS, JUDGED, LAWS, METRICS, PART_TIMES, Campaign, Task
-from .steps import NOT_ASKED, UNSUPPORTED
+from .model import DEFAULT, FLAGS, JUDGED, LAWS, METRICS, NOT_ASKED, PART_TIMES, UNSUPPORTED, Campaign, Task
 
 VERIFIED = "verified"
 FALSE_SUCCESS = "false success"

@@ -52,6 +52,11 @@ def by_solver(cells: pd.DataFrame) -> dict[str, pd.DataFrame]:
     return {solver: own.set_index("problem") for solver, own in cells.groupby("solver", sort=False)}
 
 
+def fastest_of_each(cells: pd.DataFrame) -> pd.DataFrame:
+    """The rows with the least time of every problem, by problem: inf where nobody is verified."""
+    return cells.sort_values("time_s", kind="stable").drop_duplicates("problem").set_index("problem")
+
+
 def ratio(first: pd.DataFrame, second: pd.DataFrame, tier: float, bootstrap: Bootstrap, levels: Levels) -> dict:
     """RATIO: weighted median of the ratios of times by problem, with its interval, where the second is verified.
 

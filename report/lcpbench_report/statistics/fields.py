@@ -5,7 +5,6 @@ A kind is a word of _KINDS; a "?" behind it allows null.
 
 import json
 import math
-from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
@@ -112,19 +111,3 @@ def check_tier(place: str, tiers: list[float], found: float) -> float:
         if math.isclose(tier, found, rel_tol=1e-6):
             return tier
     raise ReportError(place, f"tier is {found!r}", "a tier of campaign.json")
-
-
-def check_run(place: str, record: dict, tiers: list[float], solvers: Collection[str],
-              sizes: dict[str, int]) -> tuple[tuple[str, str, float], int, int]:
-    """Solver, size class and tier of a line; the first of its problems in the class, and how many they are.
-
-    @param sizes  size class -> its problems
-    """
-    check_word(place, record, "solver", solvers)
-    check_word(place, record, "size_class", sizes)
-    first, count, whole = int(record["first"]), int(record["count"]), sizes[record["size_class"]]
-    tier = check_tier(place, tiers, record["tier"])
-    if not 1 <= count <= whole - first:
-        raise ReportError(place, f"keys 'first' and 'count' are {first} and {count}",
-                          f"some of the {whole} problems of this size class")
-    return (record["solver"], record["size_class"], tier), first, count

@@ -40,8 +40,8 @@ def write_object(path: Path, value: dict) -> None:
     write_text(path, text_of(value) + "\n")
 
 
-def read_lines(path: Path, note: Callable[[str], None]) -> Iterator[tuple[int, object]]:
-    """Line numbers and what stands there. Lazily: a campaign's cells may fill hundreds of megabytes.
+def read_lines(path: Path, note: Callable[[str], None]) -> Iterator[tuple[str, object]]:
+    """File and line, for messages, and what stands there. Lazily: a campaign's cells may fill hundreds of megabytes.
 
     Where the file is not there, but one with the ending .xz is, that is read: results that are kept (compact.py).
     A torn last line, that is one without a line break that is not JSON, is passed over with a note.
@@ -52,14 +52,15 @@ def read_lines(path: Path, note: Callable[[str], None]) -> Iterator[tuple[int, o
     try:
         with path.open("rb") if path.is_file() else lzma.open(packed(path), "rb") as file:
             for number, line in enumerate(file, start=1):
+                place = f"{path.name}:{number}"
                 try:
                     value = _DECODER.decode(line.decode("utf-8"))
                 except ValueError as error:  # of which UnicodeDecodeError and JSONDecodeError are kinds
                     if not line.endswith(b"\n"):
-                        note(f"{path.name}:{number}: the last line is torn, and was ignored")
+                        note(f"{place}: the last line is torn, and was ignored")
                         return
-                    raise ReportError(f"{path.name}:{number}", str(error), "a line of JSON") from error
-                yield number, value
+                    raise ReportError(place, str(error), "a line of JSON") from error
+                yield place, value
     except (lzma.LZMAError, EOFError) as error:
         raise ReportError(packed(path).name, str(error), "a file compressed by xz") from error
 

@@ -8,7 +8,7 @@ only; they count like others. Quantiles interpolate linearly between order stati
 """
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,8 +16,7 @@ import pandas as pd
 from scipy import stats
 
 from .intervals import CONFIDENCE, RESAMPLES, SEED, share_interval
-from .model import Campaign
-from .steps import PassRuns, Round
+from .model import Campaign, PassRuns, Round
 from .weighted import effective_number
 
 ALL = "all"  # the value of the column `size` for sequences of all sizes
@@ -66,43 +65,39 @@ def latency_by_solver_table(campaign: Campaign) -> pd.DataFrame:
     rows = []
     passes = list(_judged(campaign))  # with a deadline at the tier asked for alone
     cold = {(one.sequence["sequence"], one.solver, one.tier): one for one in passes if one.mode == "cold"}
-    for (solver, mode, tier), own in _grouped(passes, lambda one: (one.solver, one.mode, one.tier)):
-        for size, chosen in _by_size(own):
-            run = [one for one in chosen if not one.runs.excluded]
-            row = {"solver": solver, "tier": tier, "mode": mode, "size": size, "sequences": len(run),
-                   "excluded": len(chosen) - len(run)}
-            if run:
-                row |= _of_passes(run)
-            if mode == "warm":
-                row |= _warm_gain([ratios for one in run for ratios in _cold_over_warm(one, cold)])
-            rows.append(row)
+    for (solver, mode, tier), size, chosen in _parts(passes, lambda one: (one.solver, one.mode, one.tier)):
+        run = [one for one in chosen if not one.runs.excluded]
+        row = {"solver": solver, "tier": tier, "mode": mode, "size": size, "sequences": len(run),
+               "excluded": len(chosen) - len(run)}
+        if run:
+            row |= _of_passes(run)
+        if mode == "warm":
+            row |= _warm_gain([ratios for one in run for ratios in _cold_over_warm(one, cold)])
+        rows.append(row)
     return pd.DataFrame(rows, columns=SOLVER_COLUMNS)
 
 
 def deadline_table(campaign: Campaign) -> pd.DataFrame:
     """A row per solver, deadline, size and tier that answers are judged at; all rounds. `in_time`: steps whose answer
     came by the deadline; errors are of these answers, infinite where an answer is not finite."""
-    passes = [JudgedPass(campaign.sequences[sequence], solver, tier, mode, runs)
-              for (sequence, solver, tier, mode), runs in campaign.passes.items()
-              if runs.deadline_s is not None and not runs.excluded]
+    passes = [one for one in _judged(campaign) if one.runs.deadline_s is not None and not one.runs.excluded]
     rows = []
-    for (solver, deadline), own in _grouped(passes, lambda one: (one.solver, one.runs.deadline_s)):
-        for size, chosen in _by_size(own):
-            rounds = [r for one in chosen for r in one.rounds]
-            in_time = [~r.late & ~np.isnan(r.latency_s) for r in rounds]
-            answered, steps = int(sum(map(np.sum, in_time))), sum(map(len, in_time))
-            shared = {"solver": solver, "deadline_s": deadline, "size": size, "sequences": len(chosen), "steps": steps,
-                      "in_time": answered, "in_time_share": answered / steps}
-            rho = np.concatenate([_or_infinite(r.rho)[there] for r, there in zip(rounds, in_time)])
-            w_error = np.concatenate([r.w_error[there] for r, there in zip(rounds, in_time)])
-            shared |= _quantiles(rho, _LEVELS, "rho_")
-            shared |= _quantiles(w_error[~np.isnan(w_error)], {"p99": 0.99, "max": 1.0}, "w_error_")
-            alike = effective_number([one.sequence["steps"] for one in chosen], np.arange(len(chosen)))
-            for tier in sorted(rounds[0].verified, reverse=True):
-                verified = int(sum(r.verified[tier].sum() for r in rounds))
-                low, high = share_interval(verified / steps, alike)
-                rows.append(shared | {"tier": tier, "verified": verified, "verified_share": verified / steps,
-                                      "verified_low": low, "verified_high": high})
+    for (solver, deadline), size, chosen in _parts(passes, lambda one: (one.solver, one.runs.deadline_s)):
+        rounds = [r for one in chosen for r in one.rounds]
+        in_time = [~r.late & ~np.isnan(r.latency_s) for r in rounds]
+        answered, steps = int(sum(map(np.sum, in_time))), sum(map(len, in_time))
+        shared = {"solver": solver, "deadline_s": deadline, "size": size, "sequences": len(chosen), "steps": steps,
+                  "in_time": answered, "in_time_share": answered / steps}
+        rho = np.concatenate([_or_infinite(r.rho)[there] for r, there in zip(rounds, in_time)])
+        w_error = np.concatenate([r.w_error[there] for r, there in zip(rounds, in_time)])
+        shared |= _quantiles(rho, _LEVELS, "rho_")
+        shared |= _quantiles(w_error[~np.isnan(w_error)], {"p99": 0.99, "max": 1.0}, "w_error_")
+        alike = effective_number([one.sequence["steps"] for one in chosen], np.arange(len(chosen)))
+        for tier in sorted(rounds[0].verified, reverse=True):
+            verified = int(sum(r.verified[tier].sum() for r in rounds))
+            low, high = share_interval(verified / steps, alike)
+            rows.append(shared | {"tier": tier, "verified": verified, "verified_share": verified / steps,
+                                  "verified_low": low, "verified_high": high})
     return pd.DataFrame(rows, columns=DEADLINE_COLUMNS)
 
 
@@ -171,16 +166,12 @@ def _warm_gain(ratios: list[np.ndarray]) -> dict[str, float]:
     return gain | {"warm_gain_low": float(interval.low), "warm_gain_high": float(interval.high)}
 
 
-def _grouped(passes: Iterable[JudgedPass], key) -> list[tuple]:
-    """By key, in order; keys that are numbers come largest first (tiers) where they are last."""
+def _parts(passes: Iterable[JudgedPass], key: Callable) -> Iterator[tuple[tuple, str, list[JudgedPass]]]:
+    """By key, in order, and by size, and of all sizes; what is last of a key, a number, comes largest first (tiers)."""
     found: dict[tuple, list[JudgedPass]] = {}
     for one in passes:
         found.setdefault(key(one), []).append(one)
-    return sorted(found.items(), key=lambda item: (*item[0][:-1], -item[0][-1]))
-
-
-def _by_size(passes: list[JudgedPass]) -> Iterator[tuple[str, list[JudgedPass]]]:
-    sizes = sorted({one.sequence["rows"] for one in passes})
-    for size in sizes:
-        yield str(size), [one for one in passes if one.sequence["rows"] == size]
-    yield ALL, passes
+    for of_key, own in sorted(found.items(), key=lambda item: (*item[0][:-1], -item[0][-1])):
+        for size in sorted({one.sequence["rows"] for one in own}):
+            yield of_key, str(size), [one for one in own if one.sequence["rows"] == size]
+        yield of_key, ALL, own

@@ -5,7 +5,6 @@ Nothing is repaired in silence: what does not fit raises ReportError naming file
 
 import math
 from collections import Counter
-from collections.abc import Callable
 from pathlib import Path
 
 from ..errors import ReportError
@@ -38,15 +37,14 @@ def load_campaign(folder: Path, apart: str = "") -> Campaign:
     """
     if not folder.is_dir():
         raise ReportError(str(folder), "no such folder", "a campaign's folder")
-    notes: list[str] = []
-    campaign = Campaign(_read_info(folder / "campaign.json"), {}, [], notes)
+    campaign = Campaign(_read_info(folder / "campaign.json"))
     has_problems = any(is_there(folder / name) for name in (PROBLEMS_FILE, STREAMS_FILE))
     if has_problems or not is_there(folder / STEPS_FILE):
-        campaign.problems = _read_problems(folder / PROBLEMS_FILE, campaign.info, apart, notes.append)
+        campaign.problems = _read_problems(folder / PROBLEMS_FILE, campaign, apart)
         read, file = (read_records, RECORDS_FILE) if is_there(folder / RECORDS_FILE) else (read_streams, STREAMS_FILE)
-        campaign.tasks = read(folder / file, campaign, notes.append)
+        campaign.tasks = read(folder / file, campaign)
     campaign.sequences = read_sequences(campaign.info, "campaign.json")
-    campaign.passes = read_passes(folder / STEPS_FILE, campaign.info, campaign.sequences, notes.append)
+    campaign.passes = read_passes(folder / STEPS_FILE, campaign)
     return campaign
 
 
@@ -72,11 +70,10 @@ def _read_info(path: Path) -> dict:
     return info
 
 
-def _read_problems(path: Path, info: dict, apart: str, note: Callable[[str], None]) -> dict[str, dict]:
+def _read_problems(path: Path, campaign: Campaign, apart: str) -> dict[str, dict]:
     problems: dict[str, dict] = {}
-    classes = {of["key"]: of for of in info["size_classes"]}
-    for number, line in read_lines(path, note):
-        place = f"{path.name}:{number}"
+    classes = {of["key"]: of for of in campaign.info["size_classes"]}
+    for place, line in read_lines(path, campaign.notes.append):
         record = check_record(place, line, "problem")
         for key, words in (("reference", _REFERENCES), ("origin", ORIGINS), ("size_class", classes)):
             check_word(place, record, key, words)

@@ -1,10 +1,12 @@
 """A campaign in memory, whether its folder has streams or compact records: columns of the table of cells."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
-from .steps import PassKey, PassRuns
+from ..errors import ReportError
+from .fields import check_tier, check_word
 
 PROBLEMS_FILE, STREAMS_FILE = "problems.jsonl", "streams.jsonl"
 # What a solver takes for the tier: its method has no tolerance; the tier's is passed on; the library's own one.
@@ -30,6 +32,36 @@ PART_TIMES = ("problem_s", "prepare_s", "convert_s", "solve_s")
 FLAGS = ("passes", "at_floor", "below_floor", "false_success", "false_infeasible", "proved_infeasible",
          "infeasible_within_rounding")
 
+# The solver does not take a problem as it is given (without J, with bilateral rows), and says so by this claim: no
+# failure. A sequence that has such a step is not asked of it as a whole.
+NOT_ASKED, UNSUPPORTED = "not asked", "unsupported"
+
+# (sequence, solver, tier asked for, mode)
+PassKey = tuple[str, str, float, str]
+
+
+@dataclass
+class Round:
+    """One pass over a sequence. Arrays have an entry per step; what was not reached is NaN."""
+
+    verified: dict[float, np.ndarray]  # by judged tier
+    false_successes: dict[float, int]
+    late: np.ndarray
+    preempted: np.ndarray  # the solver lost the processor to something else
+    unsupported: bool  # some step
+    latency_s: np.ndarray  # what each step takes: one interval from the caller's arrays to f
+    rho: np.ndarray  # NaN: none, for it came late or is not finite
+    w_error: np.ndarray
+
+
+@dataclass
+class PassRuns:
+    """One cell of the sequences, in all its rounds."""
+
+    deadline_s: float | None
+    excluded: str = ""
+    rounds: dict[int, Round] = field(default_factory=dict)
+
 
 @dataclass
 class Task:
@@ -42,7 +74,7 @@ class Task:
     columns: dict[str, np.ndarray] = field(default_factory=dict)  # of the table of cells, and "changed": in a launch
     launches: list[dict] = field(default_factory=list)  # rows of launches.launch_rows, in one task of a class
     spent_s: float = 0.0  # in all its solves
-    details: dict[int, str] = field(default_factory=dict)  # of streams, by row: why it is not plainly solved and verified
+    details: dict[int, str] = field(default_factory=dict)  # of streams, by such numbers: why it is not plainly verified
 
 
 @dataclass
@@ -50,9 +82,9 @@ class Campaign:
     """One campaign's folder, checked."""
 
     info: dict  # campaign.json
-    problems: dict[str, dict]
-    tasks: list[Task]
-    notes: list[str]  # what was passed over
+    problems: dict[str, dict] = field(default_factory=dict)
+    tasks: list[Task] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)  # what was passed over
     sequences: dict[str, dict] = field(default_factory=dict)  # of campaign.json, by name
     passes: dict[PassKey, PassRuns] = field(default_factory=dict)  # over the sequences
 
@@ -60,7 +92,12 @@ class Campaign:
     def solvers(self) -> dict[str, dict]:
         return {solver["key"]: solver for solver in self.info["solvers"]}
 
-    @property
+    @cached_property
+    def available(self) -> list[str]:
+        """Keys of the solvers that were in the build."""
+        return [solver["key"] for solver in self.info["solvers"] if solver["available"]]
+
+    @cached_property
     def classes(self) -> dict[str, list[str]]:
         """Size class -> its problems, in the order that tasks refer to."""
         found: dict[str, list[str]] = {of["key"]: [] for of in self.info["size_classes"]}
@@ -75,3 +112,17 @@ class Campaign:
             most = np.array([one["most"] or np.inf for one in self.info["size_classes"]])
             rows = most[np.searchsorted(most, rows)]
         return np.minimum(np.maximum(limits["time_per_row_s"] * rows, limits["least_s"]), limits["most_s"])
+
+    def run_of(self, place: str, record: dict) -> tuple[tuple[str, str, float], int, int]:
+        """Solver, size class and tier of a line; the first of its problems in the class, and how many they are.
+
+        @throws ReportError where the campaign has none such
+        """
+        check_word(place, record, "solver", self.available)
+        check_word(place, record, "size_class", self.classes)
+        first, count, whole = int(record["first"]), int(record["count"]), len(self.classes[record["size_class"]])
+        tier = check_tier(place, self.info["tiers"], record["tier"])
+        if not 1 <= count <= whole - first:
+            raise ReportError(place, f"keys 'first' and 'count' are {first} and {count}",
+                              f"some of the {whole} problems of this size class")
+        return (record["solver"], record["size_class"], tier), first, count

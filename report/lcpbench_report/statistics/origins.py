@@ -16,14 +16,13 @@ import pandas as pd
 from scipy import stats
 
 from .cells import NOT_ASKED, VERIFIED
+from .class_times import RATIO, fastest_of_each, ratio
 from .groups import COUNTED, GROUP, groups
 from .intervals import Bootstrap, interval_of, share_with_interval
 from .launches import Levels
 from .model import LITERATURE, ORIGINS, TASK_BUDGET
-from .weighted import weighted_median
 
-COLUMNS = [*GROUP, "origin", "solver", "problems", "weight", "verified_share", "verified_low", "verified_high", "ratio",
-           "ratio_low", "ratio_high"]
+COLUMNS = [*GROUP, "origin", "solver", "problems", "weight", "verified_share", "verified_low", "verified_high", *RATIO]
 RANK_COLUMNS = [*GROUP, "origin", "other", "problems", "other_problems", "solvers", "correlation", "correlation_low",
                 "correlation_high"]
 LARGEST_LOSS = math.log(1000)
@@ -36,20 +35,15 @@ def origin_table(cells: pd.DataFrame, levels: Levels = Levels()) -> pd.DataFrame
     fastest verified solver of each problem, over the problems that anyone solved; inf where it fails on half. Of sets
     that do not count only literature; problems that had no turn within a task's budget are left out."""
     rows = []
-    for label, turns in _turns(cells):
+    for label, turns, fastest in _turns(cells):
         for origin, own in _by_origin(turns):
             if label["set"] != COUNTED and origin != LITERATURE:
                 continue
             bootstrap = Bootstrap(own)
-            for solver, mine in own.groupby("solver", sort=False):
-                solved = mine[np.isfinite(mine["fastest_s"])]
-                ratios, weights, tier = solved["time_s"] / solved["fastest_s"], solved["weight"], label["tier"]
-                over, under = (levels.shift(solved[of].to_numpy(), solved["size_class"], tier, weights) for of in ("solver", "fastest"))
-                low, high = bootstrap.median(solved["problem"], ratios, weights, over - under)
-                rows.append(label | {"origin": origin, "solver": solver, "problems": len(mine),
-                                     "weight": mine["weight"].sum(), "ratio": weighted_median(ratios, weights),
-                                     "ratio_low": low, "ratio_high": high}
-                            | share_with_interval(mine["verdict"] == VERIFIED, mine["weight"], mine["base"], "verified_share", "verified"))
+            rows += [label | {"origin": origin, "solver": solver, "problems": len(mine), "weight": mine["weight"].sum()}
+                     | ratio(mine.set_index("problem"), fastest, label["tier"], bootstrap, levels)
+                     | share_with_interval(mine["verdict"] == VERIFIED, mine["weight"], mine["base"], "verified_share", "verified")
+                     for solver, mine in own.groupby("solver", sort=False)]
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
@@ -57,7 +51,8 @@ def rank_table(cells: pd.DataFrame) -> pd.DataFrame:
     """A row per group and pair of origins that have size classes in common: Spearman's correlation of the rankings of
     the solvers that had a turn on LEAST_PROBLEMS problems of either or more."""
     rows = []
-    for label, turns in _turns(cells[cells["counts"].astype(bool)]):
+    for label, turns, fastest in _turns(cells[cells["counts"].astype(bool)]):
+        turns = turns.assign(fastest_s=turns["problem"].map(fastest["time_s"]))
         for (first, own), (second, other) in itertools.combinations(_by_origin(turns), 2):
             common = set(own["size_class"]) & set(other["size_class"])
             own, other = (some[some["size_class"].isin(common)] for some in (own, other))
@@ -80,11 +75,10 @@ def rank_table(cells: pd.DataFrame) -> pd.DataFrame:
 
 
 def _turns(cells: pd.DataFrame):
-    """Label and cells of every group, with the least time of each problem (inf where nobody is verified) and whose it is."""
+    """Label and cells of every group, and those of the fastest solver of each problem."""
     for label, of_group in groups(cells):
         turns = of_group[(of_group["excluded"] != TASK_BUDGET) & (of_group["verdict"] != NOT_ASKED)]
-        first = turns.sort_values("time_s", kind="stable").drop_duplicates("problem").set_index("problem")
-        yield label, turns.assign(fastest_s=turns["problem"].map(first["time_s"]), fastest=turns["problem"].map(first["solver"]))
+        yield label, turns, fastest_of_each(turns)
 
 
 def _by_origin(cells: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:

@@ -16,7 +16,7 @@ Times t are whole numbers k >= 0, t = 1 ns 1.005^k, and -1 is infinite; residual
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +25,7 @@ import pandas as pd
 from ..errors import ReportError
 from ..formats import short
 from .cells import CHANGED, Measured
-from .fields import check_fields, check_run
+from .fields import check_fields
 from .jsonl import read_lines
 from .launches import KEY, MEDIANS, OF_LAUNCH, TOGETHER
 from .model import ERROR_PARTS, FLAGS, Campaign, Task
@@ -101,15 +101,12 @@ def _whole(codes: np.ndarray) -> np.ndarray:
     return found
 
 
-def read_records(path: Path, campaign: Campaign, note: Callable[[str], None]) -> list[Task]:
+def read_records(path: Path, campaign: Campaign) -> list[Task]:
     """@throws ReportError for the first thing that does not fit"""
-    solvers = [key for key, solver in campaign.solvers.items() if solver["available"]]
-    sizes = {key: len(problems) for key, problems in campaign.classes.items()}
     tasks, seen = [], set()
-    for number, line in read_lines(path, note):
-        place = f"{path.name}:{number}"
+    for place, line in read_lines(path, campaign.notes.append):
         record = check_fields(place, line, _LINE)
-        key, first, count = check_run(place, record, campaign.info["tiers"], solvers, sizes)
+        key, first, count = campaign.run_of(place, record)
         if (*key, first) in seen:
             raise ReportError(place, "these problems are there twice", "a line per solver, size class and tier")
         seen.add((*key, first))

@@ -19,7 +19,7 @@ from collections.abc import Collection
 import numpy as np
 import pandas as pd
 
-from .class_times import ALL, RATIO, by_solver, classes, ratio
+from .class_times import ALL, RATIO, by_solver, classes, fastest_of_each, ratio
 from .groups import GROUP
 from .intervals import Bootstrap
 from .launches import Levels
@@ -110,7 +110,7 @@ def _rows(cells: pd.DataFrame, own: Collection[str], ours: str, tier: float, lev
               for key, of in tried.items() if len(of) >= min(LEAST_TURNS, problems)}
     front = pareto_front(points)
     rivals = {key: tried[key].set_index("problem") for key in dict.fromkeys([*front, PORTFOLIO]) if key in tried}
-    rivals[FASTEST] = peers.sort_values("time_s", kind="stable").drop_duplicates("problem").set_index("problem")
+    rivals[FASTEST] = fastest_of_each(peers)
     bootstrap, rows = Bootstrap(cells), []
     groups = mine["origin"].map(ORIGIN_GROUPS)
     for key, theirs in rivals.items():

@@ -1,8 +1,6 @@
 """Reads steps.jsonl, the passes of solvers over sequences, and checks it against campaign.json."""
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -10,40 +8,12 @@ import numpy as np
 from ..errors import ReportError
 from .fields import check_fields, check_numbers, check_places, check_record, check_tier, check_word
 from .jsonl import is_there, read_lines
+from .model import NOT_ASKED, UNSUPPORTED, Campaign, PassKey, PassRuns, Round
 
 FILE = "steps.jsonl"
-# The solver does not take a problem as it is given (without J, with bilateral rows), and says so by this claim: no
-# failure. A sequence that has such a step is not asked of it as a whole.
-NOT_ASKED, UNSUPPORTED = "not asked", "unsupported"
 OUTCOMES = ("completed", "budget", "crashed", "killed", "out_of_memory")
 _SEQUENCE = {"sequence": "name", "set": "name", "family": "name", "rows": "count", "most_rows": "count",
              "steps": "count"}
-
-# (sequence, solver, tier asked for, mode)
-PassKey = tuple[str, str, float, str]
-
-
-@dataclass
-class Round:
-    """One pass over a sequence. Arrays have an entry per step; what was not reached is NaN."""
-
-    verified: dict[float, np.ndarray]  # by judged tier
-    false_successes: dict[float, int]
-    late: np.ndarray
-    preempted: np.ndarray  # the solver lost the processor to something else
-    unsupported: bool  # some step
-    latency_s: np.ndarray  # what each step takes: one interval from the caller's arrays to f
-    rho: np.ndarray  # NaN: none, for it came late or is not finite
-    w_error: np.ndarray
-
-
-@dataclass
-class PassRuns:
-    """One cell of the sequences, in all its rounds."""
-
-    deadline_s: float | None
-    excluded: str = ""
-    rounds: dict[int, Round] = field(default_factory=dict)
 
 
 def read_sequences(info: dict, place: str) -> dict[str, dict]:
@@ -57,19 +27,16 @@ def read_sequences(info: dict, place: str) -> dict[str, dict]:
     return sequences
 
 
-def read_passes(path: Path, info: dict, sequences: dict[str, dict],
-                note: Callable[[str], None]) -> dict[PassKey, PassRuns]:
+def read_passes(path: Path, campaign: Campaign) -> dict[PassKey, PassRuns]:
     """@returns nothing where there is no such file: a campaign without sequences"""
     passes: dict[PassKey, PassRuns] = {}
     if not is_there(path):
         return passes
-    tiers = info["tiers"]
-    solvers = [solver["key"] for solver in info["solvers"] if solver["available"]]
-    for number, line in read_lines(path, note):
-        place = f"{path.name}:{number}"
+    tiers, sequences = campaign.info["tiers"], campaign.sequences
+    for place, line in read_lines(path, campaign.notes.append):
         record = check_record(place, line, "pass")
         check_word(place, record, "sequence", sequences)
-        check_word(place, record, "solver", solvers)
+        check_word(place, record, "solver", campaign.available)
         key = (record["sequence"], record["solver"], check_tier(place, tiers, record["tier"]), record["mode"])
         runs = passes.setdefault(key, PassRuns(record["deadline_s"]))
         index = int(record["round"])

@@ -1,194 +1,148 @@
 """Reads streams.jsonl, and makes of its lines what a compact record has: columns of the table of cells, and launches."""
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import ReportError
-from .fields import check_fields, check_numbers, check_places, check_record, check_run, check_word
+from .fields import check_fields, check_numbers, check_places, check_record, check_word
 from .jsonl import read_lines
 from .launches import launch_rows
-from .model import AGAIN, FLAGS, FRESH, JUDGE, JUDGED, KINDS, LAWS, OUT, PART_TIMES, PARTS, TASK_BUDGET, Campaign, Task
-from .steps import UNSUPPORTED
+from .model import (AGAIN, FLAGS, FRESH, JUDGE, JUDGED, KINDS, LAWS, OUT, PART_TIMES, PARTS, TASK_BUDGET, UNSUPPORTED, Campaign,
+                    Task)
 
 
-@dataclass
-class _Pass:
-    """Arrays have an entry for each problem, NaN where there is none."""
+class _Run:
+    """A solver on a size class at a tier, whose lines come part by part. Arrays have an entry for each problem of the
+    class, NaN where there is none."""
 
-    times: dict[str, np.ndarray]  # name of the array -> [s]
-    failed: list[int]  # problems whose answer changed, and is not verified
-    disturbed: bool = False  # by the machine, also when run again
+    def __init__(self, problems: int):
+        self.rules: dict[tuple[int, int], str] = {}  # first and count of a part -> the rule that excludes it, or ""
+        self.columns: dict[str, np.ndarray] = {key: np.full(problems, math.nan) for key in (*JUDGED, *LAWS, "peak_bytes")}
+        self.columns |= {key: np.zeros(problems, dtype=bool) for key in FLAGS}
+        self.columns |= {key: np.full(problems, "", dtype=object) for key in ("excluded", "claim")}
+        self.details: dict[int, str] = {}
+        self.seen: set[tuple] = set()  # kind and number of a pass, and its part
+        self.times: dict[str, dict[int, np.ndarray]] = {key: {} for key in ("fresh_s", *PART_TIMES, "again_s")}  # by number
+        self.disturbed: dict[int, np.ndarray] = {}  # by the machine, also when run again
+        self.failed = {kind: np.zeros(problems, dtype=bool) for kind in (FRESH, AGAIN)}  # the answer changed in a pass
 
-
-@dataclass
-class _Part:
-    """Consecutive problems of a task, as they were run."""
-
-    first: int
-    count: int
-    excluded: str = ""  # the rule, where it was not run
-    attempted: int = 0  # so many of its problems had their turn
-    judged: dict[str, np.ndarray] = field(default_factory=dict)  # JUDGED, some LAWS -> of the attempted ones
-    exceptions: list[dict] = field(default_factory=list)  # what is not plainly solved and verified, by `at`
-    peak_bytes: float = math.nan
-    passes: dict[str, dict[int, _Pass]] = field(default_factory=dict)  # kind -> number of the launch -> pass
+    def of_passes(self, key: str, at: np.ndarray) -> np.ndarray:
+        """Passes x problems."""
+        found = self.times[key]
+        return np.array([found[number][at] for number in sorted(found)]).reshape(len(found), len(at))
 
 
-def read_streams(path: Path, campaign: Campaign, note: Callable[[str], None]) -> list[Task]:
+def read_streams(path: Path, campaign: Campaign) -> list[Task]:
     """Passes may come before the judge line of their problems: processes that share a folder end as they like.
 
     @throws ReportError for the first thing that does not fit
     """
-    solvers = [key for key, solver in campaign.solvers.items() if solver["available"]]
-    classes = {key: [campaign.problems[name] for name in names] for key, names in campaign.classes.items()}
-    sizes = {key: len(problems) for key, problems in classes.items()}
-    seen: dict[tuple, set[int]] = {}
-    tasks: dict[tuple, dict[tuple[int, int], _Part]] = {}
+    runs: dict[tuple, _Run] = {}
     passes: list[tuple[str, dict, tuple, tuple[int, int]]] = []
-    for number, line in read_lines(path, note):
-        place = f"{path.name}:{number}"
+    for place, line in read_lines(path, campaign.notes.append):
         record = check_record(place, line, "line")
         check_word(place, record, "kind", KINDS)
-        key, first, count = check_run(place, record, campaign.info["tiers"], solvers, sizes)
+        key, first, count = campaign.run_of(place, record)
         if record["kind"] != JUDGE:
             passes.append((place, record, key, (first, count)))
             continue
-        if not seen.setdefault(key, set()).isdisjoint(range(first, first + count)):
+        run = runs.setdefault(key, _Run(len(campaign.classes[key[1]])))
+        if any(begin < first + count and first < begin + others for begin, others in run.rules):
             raise ReportError(place, "a problem of this task is judged twice", "a judge line per task")
-        seen[key].update(range(first, first + count))
-        tasks.setdefault(key, {})[first, count] = _judged(place, record, _Part(first, count))
+        _judge(place, record, run, first, count)
     for place, record, key, part in passes:
-        if part not in tasks.get(key, {}):
+        if key not in runs or part not in runs[key].rules:
             raise ReportError(place, "the task has no judge line", "one for every task")
-        _add_pass(place, record, tasks[key][part])
-    return [_task(Task(*key, np.concatenate([np.arange(of.first, of.first + of.count) for of in parts.values()])),
-                  list(parts.values()), classes[key[1]]) for key, parts in tasks.items()]
+        _add_pass(place, record, runs[key], part)
+    return [_task(key, run, [campaign.problems[name] for name in campaign.classes[key[1]]]) for key, run in runs.items()]
 
 
-def _judged(place: str, record: dict, part: _Part) -> _Part:
+def _judge(place: str, record: dict, run: _Run, first: int, count: int) -> None:
     if record["pass"] != 0:
         raise ReportError(place, f"key 'pass' is {record['pass']}", "0 where the kind is judge")
-    part.excluded = record["excluded"]
-    if part.excluded:
-        return part
+    columns, rule = run.columns, record["excluded"]
+    run.rules[first, count] = rule
+    if rule:
+        columns["excluded"][first:first + count] = rule
+        return
     check_record(place, record, "judge", "attempted", "peak_bytes", "exceptions")
-    part.attempted = int(record["attempted"])
-    if part.attempted > part.count:
-        raise ReportError(place, f"key 'attempted' is {part.attempted}", f"{part.count}, the key 'count', at most")
+    attempted = int(record["attempted"])
+    if attempted > count:
+        raise ReportError(place, f"key 'attempted' is {attempted}", f"{count}, the key 'count', at most")
+    had_turn = slice(first, first + attempted)
     for key in (*JUDGED, *(key for key in LAWS if key in record)):
-        part.judged[key] = check_numbers(place, record, "judge", key, part.attempted)
-    there = f"{place}: exceptions"
-    check_places(there, [check_fields(there, one, {"at": "count"})["at"] for one in record["exceptions"]], part.attempted)
-    for one in record["exceptions"]:
-        check_record(f"{there} at {one['at']}", one, "exception", *(("claim", "passes", "reason") * (one.get("claim") == OUT)))
-    part.exceptions = record["exceptions"]
-    part.peak_bytes = math.nan if record["peak_bytes"] is None else float(record["peak_bytes"])
+        columns[key][had_turn] = check_numbers(place, record, "judge", key, attempted)
+    columns["peak_bytes"][first:first + count] = math.nan if record["peak_bytes"] is None else record["peak_bytes"]
+    columns["excluded"][had_turn.stop:first + count] = TASK_BUDGET
+    columns["claim"][had_turn], columns["passes"][had_turn] = "solved", True
+    _except(f"{place}: exceptions", record["exceptions"], run, first, attempted)
     # It may be the only time of a problem: ratios and logarithms are made of it.
-    plain = np.ones(part.attempted, dtype=bool)
-    plain[[one["at"] for one in part.exceptions if not one["passes"]]] = False
-    if not (part.judged["first_s"][plain] > 0).all():
+    if not (columns["first_s"][had_turn][columns["passes"][had_turn]] > 0).all():
         raise ReportError(place, "key 'first_s' has none", "a number > 0 where a solve passes")
-    return part
 
 
-def _add_pass(place: str, record: dict, part: _Part) -> None:
-    kind, number = record["kind"], int(record["pass"])
+def _except(place: str, exceptions: list, run: _Run, first: int, attempted: int) -> None:
+    """What is not plainly solved and verified."""
+    check_places(place, [check_fields(place, one, {"at": "count"})["at"] for one in exceptions], attempted)
+    for one in exceptions:
+        at, out = first + one["at"], one.get("claim") == OUT
+        check_record(f"{place} at {one['at']}", one, "exception", *(("claim", "passes", "reason") * out))
+        for key in ("claim", *FLAGS):
+            run.columns[key][at] = False if out else one.get(key, False)
+        if out:
+            run.columns["excluded"][at], run.columns["claim"][at] = one["reason"], ""
+        run.details[at] = one.get("detail", "")
+
+
+def _add_pass(place: str, record: dict, run: _Run, part: tuple[int, int]) -> None:
+    kind, number, (first, count) = record["kind"], int(record["pass"]), part
     if number < 1:
         raise ReportError(place, f"key 'pass' is {number}", f"1 or more where the kind is {kind}")
-    of_kind = part.passes.setdefault(kind, {})
-    if number in of_kind:
+    if (kind, number, part) in run.seen:
         raise ReportError(place, f"pass {number} of this kind and task is there twice", "a line per task and pass")
-    if part.excluded:
-        raise ReportError(place, f"the task is excluded: {part.excluded}", "no pass of it")
-    times = {key: check_numbers(place, record, kind, key, part.count)
-             for key in (PART_TIMES if kind == PARTS else (f"{kind}_s",))}
+    run.seen.add((kind, number, part))
+    if run.rules[part]:
+        raise ReportError(place, f"the task is excluded: {run.rules[part]}", "no pass of it")
+    problems = len(run.columns["claim"])
+    for key in PART_TIMES if kind == PARTS else (f"{kind}_s",):
+        times = run.times[key].setdefault(number, np.full(problems, math.nan))
+        times[first:first + count] = check_numbers(place, record, kind, key, count)
     if kind == PARTS:
-        of_kind[number] = _Pass(times, [])
         return
     check_record(place, record, kind, "failed")
-    failed = check_places(f"{place}: failed", record["failed"], part.count)
-    disturbed = False
+    failed = check_places(f"{place}: failed", record["failed"], count)
+    run.failed[kind][first + np.array(failed, dtype=int)] = True
     if kind == FRESH:
         check_record(place, record, kind, "disturbance")
-        if record["disturbance"] is not None:
-            disturbed = check_record(f"{place}: disturbance", record["disturbance"], "disturbance", "disturbed")["disturbed"]
-    of_kind[number] = _Pass(times, failed, disturbed)
+        disturbed = record["disturbance"] is not None and check_record(
+            f"{place}: disturbance", record["disturbance"], "disturbance", "disturbed")["disturbed"]
+        run.disturbed.setdefault(number, np.zeros(problems, dtype=bool))[first:first + count] = disturbed
 
 
-def _task(task: Task, parts: list[_Part], problems: list[dict]) -> Task:
+def _task(key: tuple[str, str, float], run: _Run, problems: list[dict]) -> Task:
     """@param problems  of the class"""
-    ends = np.cumsum([0, *(part.count for part in parts)])
-    placed = [(part, slice(low, high)) for part, low, high in zip(parts, ends, ends[1:])]
-    columns = _verdicts(placed, ends[-1])
-    fresh, disturbed = _times(placed, ends[-1], FRESH, "fresh_s")
+    at = np.concatenate([np.arange(first, first + count) for first, count in run.rules])
+    columns = {name: values[at] for name, values in run.columns.items()}
+    numbers, fresh = sorted(run.disturbed), run.of_passes("fresh_s", at)
+    disturbed = np.array([run.disturbed[number][at] for number in numbers], dtype=bool).reshape(fresh.shape)
     known = ~np.isnan(fresh)
     # Launches that the machine disturbed are left out where there are others.
     calm = known & ~disturbed
     columns |= {"timed": known.sum(axis=0), "disturbed": (known & disturbed).sum(axis=0),
                 "fresh_s": median_of_passes(np.where(calm | ~calm.any(axis=0), fresh, math.nan)),
-                **{key: median_of_passes(_times(placed, ends[-1], PARTS, key)[0]) for key in PART_TIMES},
-                "again_s": median_of_passes(_times(placed, ends[-1], AGAIN, "again_s")[0]),
-                "changed": _failed(placed, ends[-1], FRESH)}
-    columns["again_s"][_failed(placed, ends[-1], AGAIN)] = math.inf
+                **{name: median_of_passes(run.of_passes(name, at)) for name in (*PART_TIMES, "again_s")},
+                "changed": run.failed[FRESH][at]}
+    columns["again_s"][run.failed[AGAIN][at]] = math.inf
     passes = columns["passes"] & ~columns["changed"]
     unasked = (columns["claim"] == UNSUPPORTED) & ~passes & ~columns["false_success"]
-    counts, weights = (np.array([problems[at][key] for at in task.at]) for key in ("counts", "weight"))
+    counts, weights = (np.array([problems[number][name] for number in at]) for name in ("counts", "weight"))
     of = (columns["excluded"] == "") & ~unasked & (counts.astype(bool) if counts.any() else True)
-    task.launches = launch_rows(_numbers(parts, FRESH), fresh[:, of], disturbed[:, of], passes[of], weights[of].astype(float),
-                                {key: columns[key][of] for key in ("fresh_s", "first_s", "again_s", *PART_TIMES)})
-    task.spent_s = float(sum(np.nansum(times) for part in parts for times in (part.judged.get("first_s", 0.0), *(
-        times for of_kind in part.passes.values() for one in of_kind.values() for times in one.times.values()))))
-    task.details = {place.start + one["at"]: one.get("detail", "") for part, place in placed for one in part.exceptions}
-    task.columns = columns
-    return task
-
-
-def _verdicts(placed: list[tuple[_Part, slice]], total: int) -> dict[str, np.ndarray]:
-    columns: dict[str, np.ndarray] = {key: np.full(total, math.nan) for key in (*JUDGED, *LAWS, "peak_bytes")}
-    columns |= {key: np.zeros(total, dtype=bool) for key in FLAGS}
-    columns |= {key: np.full(total, "", dtype=object) for key in ("excluded", "claim")}
-    for part, place in placed:
-        run = slice(place.start, place.start + part.attempted)
-        columns["peak_bytes"][place] = part.peak_bytes
-        columns["excluded"][run.stop:place.stop] = part.excluded or TASK_BUDGET
-        columns["claim"][run], columns["passes"][run] = "solved", True
-        for key, values in part.judged.items():
-            columns[key][run] = values
-        for one in part.exceptions:
-            row, out = place.start + one["at"], one["claim"] == OUT
-            for key in ("claim", *FLAGS):
-                columns[key][row] = False if out else one.get(key, False)
-            if out:
-                columns["excluded"][row], columns["claim"][row] = one["reason"], ""
-    return columns
-
-
-def _numbers(parts: list[_Part], kind: str) -> list[int]:
-    """Of launches."""
-    return sorted({number for part in parts for number in part.passes.get(kind, ())})
-
-
-def _times(placed: list[tuple[_Part, slice]], total: int, kind: str, key: str) -> tuple[np.ndarray, np.ndarray]:
-    """Launches x problems: times, and whether the machine disturbed the launch."""
-    numbers = {number: index for index, number in enumerate(_numbers([part for part, _ in placed], kind))}
-    times, disturbed = np.full((len(numbers), total), math.nan), np.zeros((len(numbers), total), dtype=bool)
-    for part, place in placed:
-        for number, one in part.passes.get(kind, {}).items():
-            times[numbers[number], place], disturbed[numbers[number], place] = one.times[key], one.disturbed
-    return times, disturbed
-
-
-def _failed(placed: list[tuple[_Part, slice]], total: int, kind: str) -> np.ndarray:
-    """Whether the answer changed in a launch."""
-    found = np.zeros(total, dtype=bool)
-    for part, place in placed:
-        for one in part.passes.get(kind, {}).values():
-            found[place.start + np.array(one.failed, dtype=int)] = True
-    return found
+    launches = launch_rows(numbers, fresh[:, of], disturbed[:, of], passes[of], weights[of].astype(float),
+                           {name: columns[name][of] for name in ("fresh_s", "first_s", "again_s", *PART_TIMES)})
+    spent = sum(np.nansum(times) for of_key in run.times.values() for times in of_key.values())
+    return Task(*key, at, columns, launches, float(np.nansum(columns["first_s"]) + spent), run.details)
 
 
 def median_of_passes(times: np.ndarray) -> np.ndarray:
