@@ -25,6 +25,13 @@ inline LcpResult SolveWith(LcpSolver* solver, const LcpProblem& problem, const L
   return result;
 }
 
+/// The same from the problem's arrays.
+inline LcpResult SolveArraysWith(LcpSolver* solver, const LcpProblem& problem, const LcpOptions& options = {}) {
+  LcpResult result;
+  solver->SolveArrays(ProblemArrays::Of(problem), options, &result);
+  return result;
+}
+
 /// One solve by a solver of the registry.
 inline LcpResult SolveBy(std::string_view key, const LcpProblem& problem, double tolerance = LcpOptions{}.tolerance,
                          const Settings& settings = {}) {

@@ -35,7 +35,7 @@ LcpProblem Definite(Index n, unsigned seed) { return PlantedProblem(n, static_ca
 
 VectorXd RandomVector(Index n, double low, double high, unsigned seed) {
   std::mt19937_64 random(seed);
-  return VectorXd::NullaryExpr(n, [&] { return Uniform(&random, low, high); });
+  return UniformVector(&random, n, low, high);
 }
 
 // Powers of two: nothing rounds.
