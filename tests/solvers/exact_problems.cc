@@ -72,9 +72,14 @@ TestProblem MostlyDegenerate(unsigned seed) {
                &random);
 }
 
+// Singular, with w = 0 for all its many solutions: f = 1, and each of the many other f with the same A f.
 TestProblem AllDegenerate(unsigned seed) {
-  const LcpProblem problem = FullyDegenerate(seed, 30);
-  return {problem, {LcpReference::Status::kSolved, VectorXd::Zero(problem.size()), std::nullopt}};
+  TestRandom random(seed);
+  const Index n = random.Integer(2, 30);
+  const MatrixXd G = IntegerMatrix(n, random.Integer(1, 4), 1, &random);
+  const MatrixXd A = G * G.transpose();
+  return {LcpProblem::FromDense("degenerate", A, -A * VectorXd::Ones(n), {}, SymmetricPsd()),
+          {LcpReference::Status::kSolved, VectorXd::Zero(n), std::nullopt}};
 }
 
 // Bodies in a row, each touching the next: A is tridiagonal.
@@ -180,9 +185,7 @@ TestProblem PlantedExactly(unsigned seed, Index largest, bool wide_masses) {
 LcpProblem InfeasibleExactly(unsigned seed, Index largest) {
   TestRandom random(seed);
   const Index n = random.Integer(2, static_cast<int>(largest));
-  const Index rank = random.Integer(1, static_cast<int>(n));
-  MatrixXd G(n, rank);
-  for (Index i = 0; i < G.size(); ++i) G(i) = random.Integer(-3, 3);
+  MatrixXd G = IntegerMatrix(n, random.Integer(1, static_cast<int>(n)), 3, &random);
   // The last row closes a nonnegative combination of rows: y = (y_0, ..., 1), G^T y = 0.
   VectorXd y = VectorXd::Zero(n);
   y[n - 1] = 1;
@@ -203,25 +206,12 @@ LcpProblem InfeasibleExactly(unsigned seed, Index largest) {
   return LcpProblem::FromDense("infeasible", A, b, RowBounds::WithBilateralRows(n, bilateral), SymmetricPsd());
 }
 
-LcpProblem FullyDegenerate(unsigned seed, Index largest) {
-  TestRandom random(seed);
-  const Index n = random.Integer(2, static_cast<int>(largest));
-  MatrixXd G(n, random.Integer(1, 4));
-  for (Index i = 0; i < G.size(); ++i) G(i) = random.Integer(-1, 1);
-  const MatrixXd A = G * G.transpose();
-  // Every w is 0 at f = 1, and for each of the many other f with the same A f.
-  return LcpProblem::FromDense("degenerate", A, -A * VectorXd::Ones(n), {}, SymmetricPsd());
-}
-
 std::span<const ExactFamily> SolvableFamilies() { return kSolvable; }
 std::span<const ExactFamily> UnsolvableFamilies() { return kUnsolvable; }
 
 TestProblem Rescaled(const TestProblem& test, const VectorXd& rows, double of_A, double of_b) {
-  const LcpProblem& problem = test.problem;
-  TestProblem rescaled{LcpProblem::FromDense(problem.id() + "-rescaled",
-                                             of_A * (rows.asDiagonal() * problem.DenseA() * rows.asDiagonal()),
-                                             of_b * rows.cwiseProduct(problem.b()), problem.bounds(), problem.facts()),
-                       {test.reference.status, std::nullopt, std::nullopt}};
+  TestProblem rescaled{ScaleRows(test.problem, rows, of_A), {test.reference.status, std::nullopt, std::nullopt}};
+  rescaled.problem = rescaled.problem.WithB(of_b * rescaled.problem.b());
   if (test.reference.w.has_value()) rescaled.reference.w = of_b * rows.cwiseProduct(*test.reference.w);
   return rescaled;
 }

@@ -7,12 +7,15 @@
 
 namespace lcpbench {
 
-/// Small integers and chances, the same on every machine with one standard library.
+/// Numbers and chances, the same on every machine with one standard library.
 class TestRandom {
  public:
   explicit TestRandom(unsigned seed) : engine_(seed) {}
-  int Integer(int low, int high) { return std::uniform_int_distribution<int>(low, high)(engine_); }
-  bool Chance(double probability) { return std::uniform_real_distribution<double>(0, 1)(engine_) < probability; }
+  int Integer(Index low, Index high) {
+    return static_cast<int>(std::uniform_int_distribution<Index>(low, high)(engine_));
+  }
+  double Uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine_); }
+  bool Chance(double probability) { return Uniform(0, 1) < probability; }
 
  private:
   std::mt19937 engine_;
@@ -25,9 +28,6 @@ TestProblem PlantedExactly(unsigned seed, Index largest, bool wide_masses);
 
 /// An unsolvable problem of 2 to `largest` rows, some of them bilateral, with A and b exact in double.
 LcpProblem InfeasibleExactly(unsigned seed, Index largest);
-
-/// A singular problem of 2 to `largest` rows with w = 0 for all its many solutions, f = 1 being one of them.
-LcpProblem FullyDegenerate(unsigned seed, Index largest);
 
 /// A kind of problems with exact A and b; the same seed gives the same problem.
 struct ExactFamily {

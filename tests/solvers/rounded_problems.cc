@@ -2,9 +2,10 @@
 
 #include <Eigen/Core>
 #include <cmath>
-#include <random>
 #include <string>
 #include <vector>
+
+#include "tests/solvers/exact_problems.h"
 
 namespace lcpbench {
 namespace {
@@ -12,22 +13,12 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double Uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine_); }
-  Index Integer(Index low, Index high) { return std::uniform_int_distribution<Index>(low, high)(engine_); }
-
- private:
-  std::mt19937 engine_;
-};
-
 SparseMatrix Sparse(const MatrixXd& dense) { return dense.sparseView(); }
 
 }  // namespace
 
 LcpProblem NearlyParallelRows(unsigned seed) {
-  Random random(seed);
+  TestRandom random(seed);
   const Index n = random.Integer(2, 8);
   const double angle = std::pow(10.0, -random.Uniform(3, 9));
   // Powers of ten make cells such as 1 + 1e-12, in which every sum ends on the same few bits.
@@ -65,7 +56,7 @@ LcpProblem NearlyParallelRows(unsigned seed) {
 }
 
 TwoJoints NearlyParallelJoints(unsigned seed) {
-  Random random(seed);
+  TestRandom random(seed);
   const double angle = std::pow(10.0, -random.Uniform(2, 7));
   const double a = random.Uniform(0.5, 2);
   const double stretch = random.Uniform(0.5, 2);
@@ -87,7 +78,7 @@ TwoJoints NearlyParallelJoints(unsigned seed) {
 }
 
 LcpProblem RedundantLinkage(unsigned seed) {
-  Random random(seed);
+  TestRandom random(seed);
   const double angle = std::pow(10.0, -random.Uniform(0, 8)) * (random.Integer(0, 1) == 0 ? 1 : -1);
   const double rate = random.Uniform(-5, 5);
   const double off = std::pow(10.0, -random.Uniform(11, 16));
@@ -121,10 +112,8 @@ LcpProblem RedundantLinkage(unsigned seed) {
     inverse_mass[3 * body + 2] = random.Uniform(0.5, 5);
     weight[3 * body + 1] = -9.81;
   }
-  std::vector<Index> joints(static_cast<size_t>(n));
-  for (Index i = 0; i < n; ++i) joints[static_cast<size_t>(i)] = i;
   return LcpProblem::FromFactors("redundant-linkage-" + std::to_string(seed), Sparse(J), inverse_mass,
-                                 J * weight + velocity_terms, RowBounds::WithBilateralRows(n, joints));
+                                 J * weight + velocity_terms, RowBounds::WithBilateralRows(n, EveryRow(n)));
 }
 
 }  // namespace lcpbench

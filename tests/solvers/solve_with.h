@@ -10,10 +10,25 @@
 
 namespace lcpbench {
 
+/// An answer as a solver hands it out.
+inline LcpResult Claim(const Eigen::VectorXd& f, LcpStatus status = LcpStatus::kSolved) {
+  LcpResult result;
+  result.status = status;
+  result.f = f;
+  return result;
+}
+
 /// One solve by a solver that may have solved others.
 inline LcpResult SolveWith(LcpSolver* solver, const LcpProblem& problem, const LcpOptions& options = {}) {
   LcpResult result;
   solver->Solve(problem, options, &result);
+  return result;
+}
+
+/// The same from the problem's arrays.
+inline LcpResult SolveArraysWith(LcpSolver* solver, const LcpProblem& problem, const LcpOptions& options = {}) {
+  LcpResult result;
+  solver->SolveArrays(ProblemArrays::Of(problem), options, &result);
   return result;
 }
 

@@ -133,8 +133,7 @@ class SolverTest : public testing::TestWithParam<SolverEntry> {
           EXPECT_TRUE(verdict.passes || result.model == FrictionModel::kRelaxation) << verdict.reason;
         }
       }
-      LcpResult of_arrays;
-      solver_->SolveArrays(ProblemArrays::Of(problem), {.tolerance = 1e-6, .time_limit_s = 5}, &of_arrays);
+      const LcpResult of_arrays = SolveArraysWith(solver_.get(), problem, {.tolerance = 1e-6, .time_limit_s = 5});
       EXPECT_EQ(of_arrays.status, result.status);
       EXPECT_EQ(of_arrays.f, result.f);
     }

@@ -8,6 +8,7 @@
 #include <random>
 #include <utility>
 
+#include "support/array_index.h"
 #include "tests/solvers/io/read_lcp_file.h"
 
 namespace lcpbench {
@@ -52,6 +53,10 @@ std::vector<Index> EveryRow(Index n) {
 
 double Uniform(std::mt19937_64* random, double low, double high) {
   return low + (high - low) * static_cast<double>((*random)() >> 11) * 0x1p-53;
+}
+
+Eigen::VectorXd UniformVector(std::mt19937_64* random, Index n, double low, double high) {
+  return Eigen::VectorXd::NullaryExpr(n, [&] { return Uniform(random, low, high); });
 }
 
 MatrixFacts SymmetricPsd() {
@@ -134,24 +139,49 @@ std::vector<TestProblem> GeneratedProblems() {
   return problems;
 }
 
-LcpProblem PermuteRows(const LcpProblem& problem, const std::vector<Index>& order) {
-  const Index n = problem.size();
-  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation(static_cast<int>(n));
-  for (Index i = 0; i < n; ++i) permutation.indices()[order[static_cast<size_t>(i)]] = static_cast<int>(i);
-  const SparseMatrix J = permutation * problem.J();
-  const Eigen::VectorXd b = permutation * problem.b();
+LcpProblem RowsOf(const LcpProblem& problem, const std::vector<Index>& rows, Eigen::VectorXd factor) {
+  const auto m = static_cast<Index>(rows.size());
+  if (factor.size() == 0) factor.setOnes(m);
+  std::vector<std::vector<Index>> places(At(problem.size()));
+  Triplets picked;
+  Eigen::VectorXd b(m);
   std::vector<Index> bilateral;
-  for (Index i = 0; i < n; ++i) {
-    if (problem.is_bilateral(order[static_cast<size_t>(i)])) bilateral.push_back(i);
+  for (Index k = 0; k < m; ++k) {
+    const Index row = rows[At(k)];
+    places[At(row)].push_back(k);
+    picked.emplace_back(static_cast<int>(k), static_cast<int>(row), factor[k]);
+    b[k] = factor[k] * problem.b()[row];
+    if (problem.is_bilateral(row)) bilateral.push_back(k);
   }
-  return LcpProblem::FromFactors(problem.id() + "-permuted", J, problem.inverse_mass(), b,
-                                 RowBounds::WithBilateralRows(n, bilateral));
+  RowBounds bounds = RowBounds::WithBilateralRows(m, bilateral);
+  for (const FrictionRow& row : problem.friction_rows()) {
+    for (size_t j = 0; j < places[At(row.row)].size(); ++j) {
+      const Index tangent = places[At(row.row)][j], normal = places[At(row.normal)].at(j);
+      const double ratio = factor[normal] / factor[tangent];
+      bounds.friction.push_back(
+          {tangent, normal, row.mu * std::abs(ratio), static_cast<signed char>(ratio < 0 ? -row.slip : row.slip)});
+    }
+  }
+  for (const BoundedRow& row : problem.bounded_rows()) {
+    for (const Index k : places[At(row.row)]) {
+      const auto [lower, upper] = std::minmax({row.lower / factor[k], row.upper / factor[k]});
+      bounds.bounded.push_back({k, lower, upper});
+    }
+  }
+  return problem.WithRows(MatrixOf(m, problem.size(), picked), b, bounds);
 }
 
 LcpProblem ScaleRows(const LcpProblem& problem, const Eigen::VectorXd& scale, double mass_scale) {
-  const SparseMatrix J = scale.asDiagonal() * problem.J();
-  return LcpProblem::FromFactors(problem.id() + "-scaled", J, mass_scale * problem.inverse_mass(),
-                                 scale.cwiseProduct(problem.b()), problem.bounds());
+  const LcpProblem scaled = RowsOf(problem, EveryRow(problem.size()), scale);
+  RowBounds bounds = scaled.bounds();
+  for (BoundedRow& row : bounds.bounded) {
+    row.lower /= mass_scale;
+    row.upper /= mass_scale;
+  }
+  if (!problem.has_factors()) {
+    return LcpProblem::FromDense(problem.id(), mass_scale * scaled.DenseA(), scaled.b(), bounds, problem.facts());
+  }
+  return LcpProblem::FromFactors(problem.id(), scaled.J(), mass_scale * problem.inverse_mass(), scaled.b(), bounds);
 }
 
 LcpProblem Compose(const std::vector<LcpProblem>& parts, unsigned seed) {
@@ -185,7 +215,7 @@ LcpProblem Compose(const std::vector<LcpProblem>& parts, unsigned seed) {
   std::vector<Index> order = EveryRow(rows);
   std::mt19937 random(seed);
   for (size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random() % k]);
-  return PermuteRows(ordered, order);
+  return RowsOf(ordered, order);
 }
 
 LcpProblem Column(Index n, unsigned seed) {
@@ -235,24 +265,17 @@ LcpProblem DiscPile(Index n, unsigned seed) {
 
 LcpProblem JammedColumn(Index n, unsigned seed) {
   const LcpProblem column = Column(n, seed);
-  Triplets entries;
-  for (Index i = 0; i < n; ++i) {
-    for (SparseMatrix::InnerIterator it(column.J(), i); it; ++it) {
-      entries.emplace_back(static_cast<int>(i), static_cast<int>(it.col()), it.value());
-    }
-  }
-  const int top = 3 * static_cast<int>(n - 1);
-  entries.emplace_back(static_cast<int>(n), top, 1.0);
-  entries.emplace_back(static_cast<int>(n + 1), top, -1.0);
+  SparseMatrix J = column.J();
+  J.conservativeResize(n + 2, J.cols());
+  J.coeffRef(n, 3 * (n - 1)) = 1;
+  J.coeffRef(n + 1, 3 * (n - 1)) = -1;
   Eigen::VectorXd b(n + 2);
   b << column.b(), -1.0, 0.5;
-  return LcpProblem::FromFactors("jam", MatrixOf(n + 2, column.J().cols(), entries), column.inverse_mass(), b);
+  return LcpProblem::FromFactors("jam", J, column.inverse_mass(), b);
 }
 
 StackedColumn MakeStackedColumn(Index n, double ratio) {
   constexpr double kGravity = 9.81;
-  SparseMatrix J(n, 3 * n);
-  J.reserve(Eigen::VectorXi::Constant(n, 2));
   Eigen::VectorXd inverse_mass(3 * n);
   std::vector<long double> f(static_cast<size_t>(n));
   long double above = 0;
@@ -262,14 +285,10 @@ StackedColumn MakeStackedColumn(Index n, double ratio) {
     above += 1 / static_cast<long double>(1 / mass);  // the mass that the problem holds, not the one it was made from
     f[static_cast<size_t>(i)] = kGravity * above;
   }
-  for (Index i = 0; i < n; ++i) {
-    if (i > 0) J.insert(i, 3 * i - 2) = -1;
-    J.insert(i, 3 * i + 1) = 1;
-  }
   // Between bodies that fall alike gaps do not change.
   Eigen::VectorXd b = Eigen::VectorXd::Zero(n);
   b[0] = -kGravity;
-  return {LcpProblem::FromFactors("column", J, inverse_mass, b), f};
+  return {LcpProblem::FromFactors("column", Column(n, 0).J(), inverse_mass, b), f};
 }
 
 }  // namespace lcpbench

@@ -27,6 +27,7 @@ SparseMatrix MatrixOf(Index rows, Index columns, const Triplets& entries);
 std::vector<Index> EveryRow(Index n);
 /// The same on every machine.
 double Uniform(std::mt19937_64* random, double low, double high);
+Eigen::VectorXd UniformVector(std::mt19937_64* random, Index n, double low, double high);
 
 /// The exact LCPs of tests/data/oracle.
 std::vector<TestProblem> OracleProblems();
@@ -44,10 +45,11 @@ std::vector<TestProblem> GeneratedProblems();
 /// @param degenerate_every every k-th row has f = w = 0; 0 for none
 TestProblem PlantedProblem(Index n, int bodies, unsigned seed, int bilateral_every, int degenerate_every);
 
-/// The same problem with rows in the order `order` (row i of the new one is row order[i] of the old one).
-LcpProblem PermuteRows(const LcpProblem& problem, const std::vector<Index>& order);
+/// Row k is factor[k] (1 where there is no vector) times row rows[k] of `problem`, with its law in the new unit. Where
+/// rows come several times, the j-th of a friction row belongs to the j-th of its normal.
+LcpProblem RowsOf(const LcpProblem& problem, const std::vector<Index>& rows, Eigen::VectorXd factor = {});
 
-/// J -> S J, b -> S b, and inverse mass times `mass_scale`.
+/// J -> S J, b -> S b, and inverse mass, or A, times `mass_scale`; laws come along.
 LcpProblem ScaleRows(const LcpProblem& problem, const Eigen::VectorXd& scale, double mass_scale);
 
 /// One problem of independent parts given by factors, its rows shuffled by `seed`.

@@ -113,13 +113,11 @@ TEST(AutoSolver, TakesAProblemByFactorsByItsRows) {
     solver.Prepare(problem);
     for (const double factor : {1.0, -0.5, 3.0}) {  // one preparation serves every b
       const LcpProblem other = problem.WithB(factor * problem.b());
-      LcpResult result;
-      solver.Solve(other, {}, &result);
+      const LcpResult result = SolveWith(&solver, other);
       ExpectSolved(other, result);
       EXPECT_EQ(result.detail, "rows");
-      LcpResult from_arrays;
-      AutoSolver().SolveArrays(ProblemArrays::Of(other), {}, &from_arrays);
-      EXPECT_EQ(result.f, from_arrays.f);
+      AutoSolver fresh;
+      EXPECT_EQ(result.f, SolveArraysWith(&fresh, other).f);
     }
   }
 }
@@ -129,16 +127,10 @@ TEST(AutoSolver, ArraysOfAnotherProblemDoNotSpoilWhatWasPrepared) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const LcpProblem problem = DiscPile(20 + static_cast<Index>(seed), seed);
     AutoSolver solver;
-    LcpResult result;
-    solver.Solve(problem, {}, &result);
-    {
-      const ProblemArrays others = ProblemArrays::Of(DiscPile(40, seed + 100));
-      LcpResult other;
-      solver.SolveArrays(others, {}, &other);
-    }
+    SolveWith(&solver, problem);
+    SolveArraysWith(&solver, DiscPile(40, seed + 100));
     const LcpProblem with_b = problem.WithB(2 * problem.b());
-    solver.Solve(with_b, {}, &result);
-    ExpectSolved(with_b, result);
+    ExpectSolved(with_b, SolveWith(&solver, with_b));
   }
 }
 

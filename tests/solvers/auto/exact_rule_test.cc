@@ -77,13 +77,9 @@ TEST(ExactRule, SolvesWhatTheRoundedExactSolutionSolves) {
       if (random.Chance(0.1)) bilateral.push_back(i);
     }
     const LcpProblem problem = NearlyParallel(seed, n, RowBounds::WithBilateralRows(n, bilateral));
-    ExactOptions answer_only;
-    answer_only.answer_only = true;
-    const ExactAnswer exact = SolveExactly(ExactFrom(problem), answer_only);
+    const ExactAnswer exact = SolveExactly(ExactFrom(problem), {.answer_only = true});
     for (const double tolerance : {1e-6, 1e-9}) {
-      LcpOptions options;
-      options.tolerance = tolerance;
-      const LcpResult result = Ask(problem, options);
+      const LcpResult result = Ask(problem, {.tolerance = tolerance});
       ExpectNothingFalse(problem, result, tolerance);
       if (exact.status != ExactAnswer::Status::kSolved) continue;
       if (PassesTier(ComputeMetrics(problem, Rounded(exact.f)), tolerance)) {
@@ -122,10 +118,8 @@ TEST(ExactRule, SolvesFrictionOfNearlyParallelContacts) {
     problem = problem.WithB(Eigen::VectorXd::Zero(2 * contacts));
     problem.ComputeW(f, &Af);
     problem = problem.WithB(w - Af);
-    LcpOptions options;
-    options.time_limit_s = 10;
-    const LcpResult result = Ask(problem, options);
-    ExpectNothingFalse(problem, result, options.tolerance);
+    const LcpResult result = Ask(problem, {.time_limit_s = 10});
+    ExpectNothingFalse(problem, result, LcpOptions{}.tolerance);
     solved += result.status == LcpStatus::kSolved ? 1 : 0;
     ++all;
   }
@@ -135,25 +129,19 @@ TEST(ExactRule, SolvesFrictionOfNearlyParallelContacts) {
 TEST(ExactRule, KeepsTheTimeLimit) {
   const LcpProblem problem = NearlyParallel(7, 160, {});
   for (const double limit : {0.1, 0.5}) {
-    LcpOptions options;
-    options.time_limit_s = limit;
-    options.now = &CpuSeconds;
     const double start = CpuSeconds();
-    const LcpResult result = Ask(problem, options);
-    const double taken = CpuSeconds() - start;
-    EXPECT_LT(taken, 1.05 * limit + 0.01) << result.detail;
-    ExpectNothingFalse(problem, result, options.tolerance);
+    const LcpResult result = Ask(problem, {.time_limit_s = limit, .now = &CpuSeconds});
+    EXPECT_LT(CpuSeconds() - start, 1.05 * limit + 0.01) << result.detail;
+    ExpectNothingFalse(problem, result, LcpOptions{}.tolerance);
   }
 }
 
 TEST(ExactRule, IsNotAskedBeyondItsSizesNorWithALimitOfIterations) {
-  LcpOptions options;
-  EXPECT_EQ(Ask(NearlyParallel(1, kMostRowsOfExact + 1, {}), options).detail, "");
+  EXPECT_EQ(Ask(NearlyParallel(1, kMostRowsOfExact + 1, {}), {}).detail, "");
   RowBounds bounds;
   for (Index c = 0; c <= kMostContactsOfExact; ++c) bounds.friction.push_back({2 * c + 1, 2 * c, 0.5});
-  EXPECT_EQ(Ask(NearlyParallel(1, 2 * kMostContactsOfExact + 2, bounds), options).detail, "");
-  options.max_iterations = 10;
-  EXPECT_EQ(Ask(NearlyParallel(1, 3, {}), options).detail, "");
+  EXPECT_EQ(Ask(NearlyParallel(1, 2 * kMostContactsOfExact + 2, bounds), {}).detail, "");
+  EXPECT_EQ(Ask(NearlyParallel(1, 3, {}), {.max_iterations = 10}).detail, "");
 }
 
 }  // namespace

@@ -16,6 +16,8 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/step/step_solver.h"
 #include "tests/solvers/io/read_lcp_file.h"
+#include "tests/solvers/lcp/same_problem.h"
+#include "tests/solvers/solve_with.h"
 #include "tests/solvers/step/random_step.h"
 #include "tests/support/refusal.h"
 
@@ -81,12 +83,6 @@ Eigen::VectorXd ForcesOf(const Answers& answers, const Batch& batch, std::size_t
   return Eigen::Map<const Eigen::VectorXd>(answers.f.data() + batch.start[k], batch.start[k + 1] - batch.start[k]);
 }
 
-bool SameBits(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
-           return x == y && std::signbit(x) == std::signbit(y);
-         });
-}
-
 // Solved wherever one after another solves, and right by the verifier, whose w is that of one after another.
 void ExpectAsOneByOne(const Answers& answers, Batch* batch) {
   StepSolver solver;
@@ -102,10 +98,7 @@ void ExpectAsOneByOne(const Answers& answers, Batch* batch) {
     EXPECT_LE(answers.of[k].rho, 4 * kTolerance);
     EXPECT_GE(answers.of[k].iterations, 0);
     const LcpProblem problem = batch->Problem(k);
-    LcpResult result;
-    result.status = LcpStatus::kSolved;
-    result.f = ForcesOf(answers, *batch, k);
-    const Verdict verdict = Verify(problem, result, kTolerance);
+    const Verdict verdict = Verify(problem, Claim(ForcesOf(answers, *batch, k)), kTolerance);
     EXPECT_TRUE(verdict.passes) << "problem " << k << ", rows " << n << ", rho " << verdict.metrics.rho;
     const Eigen::VectorXd root = problem.DiagonalA().cwiseSqrt().unaryExpr([](double d) { return d > 0 ? d : 1.0; });
     EXPECT_LE((verdict.metrics.w - w).cwiseQuotient(root).norm(), 1e-6 * (1 + problem.b().cwiseQuotient(root).norm()));
@@ -231,10 +224,8 @@ TEST_P(RowBatchTest, ClaimsNothingWrongOfExtremeNumbers) {
     for (std::size_t k = 0; k < batch.size(); ++k) {
       if (answers.of[k].status != LcpStatus::kSolved) continue;
       ++solved;
-      LcpResult result;
-      result.status = LcpStatus::kSolved;
-      result.f = ForcesOf(answers, batch, k);
-      EXPECT_TRUE(Verify(batch.Problem(k), result, kTolerance).passes) << k << ", " << power;
+      EXPECT_TRUE(Verify(batch.Problem(k), Claim(ForcesOf(answers, batch, k)), kTolerance).passes)
+          << k << ", " << power;
     }
   }
   EXPECT_GT(solved, 200);
@@ -243,8 +234,8 @@ TEST_P(RowBatchTest, ClaimsNothingWrongOfExtremeNumbers) {
 // Rounding of A may be all that is left of a row: then it says nothing of the row's backward error.
 TEST_P(RowBatchTest, ClaimsNothingWrongOfRowsWhoseTermsCancel) {
   Batch batch(6, false);
-  for (const LcpRecord& record : ReadLcpFile(LCPBENCH_SOURCE_DIR "/tests/data/reports/terms-that-cancel.jsonl")) {
-    const StepArrays recorded = StepArrays::Of(record.problem);
+  for (const LcpProblem& problem : ReportedProblems("terms-that-cancel")) {
+    const StepArrays recorded = StepArrays::Of(problem);
     std::mt19937 engine(1);
     for (int k = 0; k < 50; ++k) {
       StepArrays turned = recorded;
@@ -256,9 +247,7 @@ TEST_P(RowBatchTest, ClaimsNothingWrongOfRowsWhoseTermsCancel) {
     StepSolver solver({.tolerance = tolerance, .instructions = GetParam()});
     const Answers answers = SolveBatch(&solver, &batch);
     for (std::size_t k = 0; k < batch.size(); ++k) {
-      LcpResult result;
-      result.status = answers.of[k].status == LcpStatus::kSolved ? LcpStatus::kSolved : LcpStatus::kIterationLimit;
-      result.f = ForcesOf(answers, batch, k);
+      const LcpResult result = Claim(ForcesOf(answers, batch, k), answers.of[k].status);
       EXPECT_FALSE(Verify(batch.Problem(k), result, tolerance).false_success) << k << " at " << tolerance;
     }
   }

@@ -170,17 +170,12 @@ DerivativeCase CopiedFrictionCase(unsigned seed) {
   for (unsigned next = seed + 1000; test.f[0] == 0 || test.change.mu->size() > 2; next += 1000) {
     test = FrictionCase(next, false);
   }
-  const Index n = test.problem.size();
-  SparseMatrix P(n + 2, n);
-  for (Index i = 0; i < n + 2; ++i) P.insert(i, i < n ? i : i - n) = 1;
-  RowBounds bounds = test.problem.bounds();
-  bounds.bilateral.resize(At(n + 2), 0);
-  FrictionRow copy = bounds.friction.front();
-  copy.row = n + 1;
-  copy.normal = n;
-  bounds.friction.push_back(copy);
-  test.problem = test.problem.WithRows(P, P * test.problem.b(), bounds);
-  test.f = (P * test.f).eval();
+  std::vector<Index> rows = EveryRow(test.problem.size());
+  rows.insert(rows.end(), {0, 1});
+  SparseMatrix P(static_cast<Index>(rows.size()), test.problem.size());
+  for (size_t k = 0; k < rows.size(); ++k) P.insert(static_cast<Index>(k), rows[k]) = 1;
+  test.problem = RowsOf(test.problem, rows);
+  test.f = test.f(rows).eval();
   test.f.head(2) *= 0.75;
   test.f.tail(2) *= 0.25;
   test.change.J = SparseMatrix(P * *test.change.J);

@@ -29,9 +29,7 @@ double RelativeError(const Eigen::VectorXd& found, const Eigen::VectorXd& exact)
 
 Eigen::VectorXd Weights(Index n, unsigned seed) {
   std::mt19937_64 random(seed);
-  Eigen::VectorXd weights(n);
-  for (double& weight : weights) weight = Uniform(&random, -1, 1);
-  return weights;
+  return UniformVector(&random, n, -1, 1);
 }
 
 // The gradient along a direction.
@@ -147,22 +145,14 @@ TEST(Derivative, FollowsUnitsOfRows) {
     std::mt19937 random(seed);
     Eigen::VectorXd scale(test.problem.size());
     for (double& value : scale) value = std::ldexp(1, static_cast<int>(random() % 13) - 6);
-    RowBounds bounds = test.problem.bounds();
+    const LcpProblem scaled = ScaleRows(test.problem, scale, 1);
     ProblemChange change = test.change;
-    for (size_t k = 0; k < bounds.friction.size(); ++k) {
-      const double ratio = scale[bounds.friction[k].normal] / scale[bounds.friction[k].row];
-      bounds.friction[k].mu *= ratio;
-      (*change.mu)[static_cast<Index>(k)] *= ratio;
-    }
-    for (BoundedRow& row : bounds.bounded) {
-      row.lower /= scale[row.row];
-      row.upper /= scale[row.row];
+    for (size_t k = 0; k < scaled.friction_rows().size(); ++k) {
+      const FrictionRow& row = scaled.friction_rows()[k];
+      (*change.mu)[static_cast<Index>(k)] *= scale[row.normal] / scale[row.row];
     }
     change.J = scale.asDiagonal() * *test.change.J;
     change.b = scale.cwiseProduct(*test.change.b);
-    const LcpProblem scaled =
-        LcpProblem::FromFactors("scaled", scale.asDiagonal() * test.problem.J(), test.problem.inverse_mass(),
-                                scale.cwiseProduct(test.problem.b()), bounds);
     const Derivative one(test.problem, test.f), other(scaled, test.f.cwiseQuotient(scale));
     EXPECT_EQ(one.degenerate(), other.degenerate());
     const SolutionChange of_one = one.Jvp(test.change), of_other = other.Jvp(change);

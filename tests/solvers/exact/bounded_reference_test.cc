@@ -13,6 +13,7 @@
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
 #include "solvers/exact/exact_solver.h"
+#include "solvers/exact/mode_system.h"
 #include "support/input_error.h"
 #include "tests/solvers/solve_with.h"
 #include "tests/solvers/test_problems.h"
@@ -24,14 +25,6 @@ using Proof = BoundedReference::Proof;
 
 Rational Square(const Rational& x) { return x * x; }
 
-std::vector<Rational> Gaps(const ExactLcp& lcp, const std::vector<Rational>& f) {
-  std::vector<Rational> w = lcp.b;
-  for (Index i = 0; i < lcp.size; ++i) {
-    for (Index j = 0; j < lcp.size; ++j) w[At(i)] += lcp.A[At(i * lcp.size + j)] * f[At(j)];
-  }
-  return w;
-}
-
 Rational Diagonal(const ExactLcp& lcp, Index i) {
   const Rational& diagonal = lcp.A[At(i * lcp.size + i)];
   return diagonal > 0 ? diagonal : Rational(1);
@@ -39,8 +32,8 @@ Rational Diagonal(const ExactLcp& lcp, Index i) {
 
 // |f - g|_A^2
 Rational EnergyOfDifference(const ExactLcp& lcp, const std::vector<Rational>& f, const std::vector<Rational>& g) {
-  const std::vector<Rational> w_f = Gaps(lcp, f);
-  const std::vector<Rational> w_g = Gaps(lcp, g);
+  const std::vector<Rational> w_f = GapsOf(lcp, f);
+  const std::vector<Rational> w_g = GapsOf(lcp, g);
   Rational energy = 0;
   for (size_t i = 0; i < f.size(); ++i) energy += (f[i] - g[i]) * (w_f[i] - w_g[i]);
   return energy;
@@ -57,12 +50,7 @@ ExactLcp WithGaps(ExactLcp lcp, const std::vector<Rational>& w, const std::vecto
   return lcp;
 }
 
-ExactAnswer Exactly(const ExactLcp& lcp) {
-  ExactOptions options;
-  options.guess = GuessBySolvers;
-  options.answer_only = true;
-  return SolveExactly(lcp, options);
-}
+ExactAnswer Exactly(const ExactLcp& lcp) { return SolveExactly(lcp, {.answer_only = true, .guess = GuessBySolvers}); }
 
 double SizeOfLoads(const LcpProblem& problem) {
   const auto root = [](double diagonal) { return diagonal > 0 ? std::sqrt(diagonal) : 1; };
@@ -72,7 +60,7 @@ double SizeOfLoads(const LcpProblem& problem) {
 // Every statement of the reference, against the exact answer of the problem that it names.
 void ExpectProved(const LcpProblem& problem, const BoundedReference& reference) {
   const ExactLcp lcp = ExactFrom(problem);
-  const std::vector<Rational> w = Gaps(lcp, reference.f);
+  const std::vector<Rational> w = GapsOf(lcp, reference.f);
   if (reference.proof == Proof::kNearbyProblem) {
     std::vector<Rational> feasible(w.size());
     for (Index i = 0; i < lcp.size; ++i) {
@@ -155,9 +143,7 @@ TEST(BoundedReference, BoundsHoldFromAnyStart) {
       ExpectProved(problem, RefineReference(problem, start, {}));
     }
     ExpectProved(problem, RefineReference(problem, Eigen::VectorXd::Zero(24), {}));
-    BoundedOptions hurried;
-    hurried.time_limit_s = 0;
-    ExpectProved(problem, RefineReference(problem, solved, hurried));
+    ExpectProved(problem, RefineReference(problem, solved, {.time_limit_s = 0}));
   }
 }
 
@@ -188,9 +174,7 @@ TEST(BoundedReference, PivotsTellWhichOfTheDependentRowsAreActive) {
       const Eigen::VectorXd start = SolveBy("auto", problem, 1e-12).f;
       const BoundedReference with = RefineReference(problem, start, {});
       ExpectProved(problem, with);
-      BoundedOptions no_pivots;
-      no_pivots.most_dependent_rows = 0;
-      const BoundedReference without = RefineReference(problem, start, no_pivots);
+      const BoundedReference without = RefineReference(problem, start, {.most_dependent_rows = 0});
       ExpectProved(problem, without);
       EXPECT_EQ(without.pivots, 0);
       told += with.pivots > 0 && with.proof == Proof::kActiveRows && without.dependent > 0 ? 1 : 0;

@@ -32,11 +32,7 @@ std::vector<Rational> Exact(const Json& values) {
 
 class ExactLcpTest : public testing::TestWithParam<bool> {
  protected:
-  static ExactOptions Options() {
-    ExactOptions options;
-    if (GetParam()) options.guess = GuessBySolvers;
-    return options;
-  }
+  static ExactOptions Options() { return {.guess = GetParam() ? GuessBySolvers : decltype(ExactOptions::guess)()}; }
 };
 
 INSTANTIATE_TEST_SUITE_P(Guess, ExactLcpTest, testing::Bool(),

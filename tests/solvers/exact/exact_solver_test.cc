@@ -37,13 +37,9 @@ void ExpectSameBits(const LcpResult& one, const LcpResult& other) {
 // f is that of a search of its own; w, and f where there is only one, must be those of any exact answer.
 void ExpectTheExactAnswer(const LcpProblem& problem) {
   SCOPED_TRACE(problem.id());
-  ExactOptions options;
-  options.guess = GuessBySolvers;
   const ExactLcp exact = ExactFrom(problem);
-  const ExactAnswer expected = SolveExactly(exact, options);
-  ExactOptions answer_only;
-  answer_only.answer_only = true;
-  const ExactAnswer bare = SolveExactly(exact, answer_only);
+  const ExactAnswer expected = SolveExactly(exact, {.guess = GuessBySolvers});
+  const ExactAnswer bare = SolveExactly(exact, {.answer_only = true});
   EXPECT_EQ(FindFault(exact, bare), "");
   EXPECT_EQ(bare.status, expected.status);
   EXPECT_EQ(bare.w, expected.w);
@@ -111,13 +107,10 @@ TEST(ExactSolver, NeitherTheProblemBeforeNorAWarmStartChangesABit) {
       SCOPED_TRACE(problem.id());
       const LcpResult fresh = SolveAfresh(problem);
       ExpectSameBits(fresh, SolveWith(&used, problem));
-      LcpOptions options;
-      options.initial_f = &fresh.f;
-      ExpectSameBits(fresh, SolveWith(&used, problem, options));
+      ExpectSameBits(fresh, SolveWith(&used, problem, {.initial_f = &fresh.f}));
       // Some of the 40 rows of a roller bearing contradict themselves; nothing else asks for the tolerance.
       if (!fresh.detail.empty()) continue;
-      options.tolerance = 1e-15;
-      ExpectSameBits(fresh, SolveWith(&used, problem, options));
+      ExpectSameBits(fresh, SolveWith(&used, problem, {.tolerance = 1e-15, .initial_f = &fresh.f}));
     }
   }
 }
@@ -159,11 +152,8 @@ TEST(ExactSolver, DrivesAMotionToTheSameProblemsTwice) {
 }
 
 TEST(ExactSolver, EndsAtTheTimeLimit) {
-  LcpOptions options;
-  options.time_limit_s = 1;
-  static double now = 0;
-  options.now = [] { return now += 1; };
-  const LcpResult result = SolveAfresh(AssembleContactLcp(GenerateScene("disc-pile", 20, 1)).problem, options);
+  const LcpResult result = SolveAfresh(AssembleContactLcp(GenerateScene("disc-pile", 20, 1)).problem,
+                                       {.time_limit_s = 1, .now = &TickingClock});
   EXPECT_EQ(result.status, LcpStatus::kTimeLimit);
   EXPECT_EQ(result.f, Eigen::VectorXd::Zero(20));
 }

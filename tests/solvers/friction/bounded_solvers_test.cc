@@ -14,22 +14,12 @@
 #include "solvers/registry.h"
 #include "tests/solvers/exact_problems.h"
 #include "tests/solvers/friction/friction_records.h"
+#include "tests/solvers/solve_with.h"
 
 namespace lcpbench {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-LcpResult SolveWith(LcpSolver* solver, const LcpProblem& problem, std::int64_t iterations = 0,
-                    const Eigen::VectorXd* start = nullptr) {
-  LcpOptions options;
-  options.tolerance = 1e-9;
-  options.max_iterations = iterations;
-  options.initial_f = start;
-  LcpResult result;
-  solver->Solve(problem, options, &result);
-  return result;
-}
 
 // A = G G^T of any rank with small integers, in one of the three forms. Bounds are finite, infinite, equal, or far;
 // some rows are unilateral or joints. b = G v + c with c as solvability needs it, or, in one of four problems, any.
@@ -37,15 +27,14 @@ LcpProblem BoxProblem(unsigned seed, int largest) {
   TestRandom random(seed);
   const Index n = random.Integer(1, largest);
   const Index r = random.Integer(1, static_cast<int>(n) + 2);
-  SparseMatrix G(n, r);
-  std::vector<Eigen::Triplet<double, int>> entries;
+  Triplets entries;
   const double density = std::min(1.0, 4.0 / static_cast<double>(r));
   for (int i = 0; i < n; ++i) {
     for (int k = 0; k < r; ++k) {
       if (random.Chance(density)) entries.emplace_back(i, k, random.Integer(-3, 3));
     }
   }
-  G.setFromTriplets(entries.begin(), entries.end());
+  const SparseMatrix G = MatrixOf(n, r, entries);
   Eigen::VectorXd v(r);
   for (double& x : v) x = random.Integer(-9, 9);
   Eigen::VectorXd b = G * v;
@@ -77,11 +66,9 @@ LcpProblem BoxProblem(unsigned seed, int largest) {
   }
   const std::string id = "box-" + std::to_string(seed);
   if (seed % 3 == 0) return LcpProblem::FromFactors(id, G, Eigen::VectorXd::Ones(r), b, bounds);
-  MatrixFacts facts;
-  facts.symmetric = facts.positive_semidefinite = true;
   const SparseMatrix A = G * SparseMatrix(G.transpose());
-  if (seed % 3 == 1) return LcpProblem::FromSparse(id, A, b, bounds, facts);
-  return LcpProblem::FromDense(id, A, b, bounds, facts);
+  if (seed % 3 == 1) return LcpProblem::FromSparse(id, A, b, bounds, SymmetricPsd());
+  return LcpProblem::FromDense(id, A, b, bounds, SymmetricPsd());
 }
 
 // A method that cannot fail by its nature, or one that has a limit on its sweeps.
@@ -120,7 +107,7 @@ TEST(BoundedSolvers, AgreeOnBoxProblems) {
     for (auto& [key, taken] : solvers) {
       if (!taken.is_direct && seed % 4 != 0) continue;
       const std::string what = key + " " + problem.id();
-      const LcpResult result = SolveWith(taken.solver.get(), problem, taken.is_direct ? 0 : 1000);
+      const LcpResult result = SolveWith(taken.solver.get(), problem, {.max_iterations = taken.is_direct ? 0 : 1000});
       const Verdict verdict = Verify(problem, result, 1e-9);
       EXPECT_FALSE(verdict.false_success) << what << " " << verdict.reason;
       EXPECT_FALSE(verdict.false_infeasible) << what;
@@ -153,7 +140,7 @@ TEST(BoundedSolvers, GiveTheExactAnswers) {
     ASSERT_NE(exact.status, ExactAnswer::Status::kUnknown);
     const bool is_solvable = exact.is_solved();
     for (auto& [key, taken] : solvers) {
-      const LcpResult result = SolveWith(taken.solver.get(), problem, taken.is_direct ? 0 : 1000);
+      const LcpResult result = SolveWith(taken.solver.get(), problem, {.max_iterations = taken.is_direct ? 0 : 1000});
       const std::string what = key + " " + problem.id() + " " + result.detail;
       const LcpStatus right = is_solvable ? LcpStatus::kSolved : LcpStatus::kInfeasible;
       EXPECT_TRUE(result.status == right || (!taken.is_direct && result.status != LcpStatus::kSolved))
@@ -178,10 +165,11 @@ TEST(BoundedSolvers, StartWarm) {
       if (!taken.is_direct) continue;
       const LcpResult cold = SolveWith(taken.solver.get(), problem);
       if (cold.status != LcpStatus::kSolved) continue;
-      const LcpResult warm = SolveWith(taken.solver.get(), problem, 0, &cold.f);
+      const LcpResult warm = SolveWith(taken.solver.get(), problem, {.initial_f = &cold.f});
       EXPECT_EQ(warm.status, LcpStatus::kSolved) << key << " " << problem.id() << " " << warm.detail;
       const Eigen::VectorXd far = Eigen::VectorXd::Constant(problem.size(), seed % 2 == 0 ? 1e3 : -1e3);
-      EXPECT_EQ(SolveWith(taken.solver.get(), problem, 0, &far).status, LcpStatus::kSolved) << key << problem.id();
+      const LcpResult from_far = SolveWith(taken.solver.get(), problem, {.initial_f = &far});
+      EXPECT_EQ(from_far.status, LcpStatus::kSolved) << key << problem.id();
     }
   }
 }

@@ -9,6 +9,8 @@
 #include <random>
 #include <string>
 
+#include "tests/solvers/test_problems.h"
+
 namespace lcpbench {
 namespace {
 
@@ -55,8 +57,7 @@ class World {
   Index contacts() const { return static_cast<Index>(bounds_.friction.size()); }
 
   LcpProblem Problem(const std::string& id) const {
-    SparseMatrix J(rows_, static_cast<Index>(inverse_mass_.size()));
-    J.setFromTriplets(entries_.begin(), entries_.end());
+    const SparseMatrix J = MatrixOf(rows_, static_cast<Index>(inverse_mass_.size()), entries_);
     const Eigen::VectorXd W =
         Eigen::Map<const Eigen::VectorXd>(inverse_mass_.data(), static_cast<Index>(inverse_mass_.size()));
     Eigen::VectorXd v(W.size());
@@ -89,7 +90,7 @@ class World {
   std::vector<Point> at_, force_;
   std::vector<Eigen::Vector3d> velocity_;
   std::vector<double> inverse_mass_, c_;
-  std::vector<Eigen::Triplet<double, int>> entries_;
+  Triplets entries_;
   std::vector<Index> bilateral_;
   RowBounds bounds_;
   Index rows_ = 0;

@@ -10,14 +10,18 @@
 #include "solvers/lcp/range_scaling.h"
 #include "solvers/lcp/verify.h"
 #include "tests/solvers/friction/friction_records.h"
+#include "tests/solvers/lcp/same_problem.h"
+#include "tests/solvers/solve_with.h"
+#include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
 namespace {
 
-LcpReference WithFloorOf(const LcpProblem& problem, const Eigen::VectorXd& f) {
+// Beside the rounding floor of the right answer.
+Metrics MetricsOf(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& right) {
   LcpReference reference;
-  reference.floor = RoundingFloor(problem, f);
-  return reference;
+  reference.floor = RoundingFloor(problem, right);
+  return ComputeMetrics(problem, f, &reference);
 }
 
 TEST(FrictionVerdict, ExactAnswersPassEveryTier) {
@@ -25,8 +29,7 @@ TEST(FrictionVerdict, ExactAnswersPassEveryTier) {
   for (const FrictionRecord& record : FrictionRecords()) {
     for (const Eigen::VectorXd& f : KnownSolutions(record)) {
       SCOPED_TRACE(record.problem().id());
-      const LcpReference reference = WithFloorOf(record.problem(), f);
-      const Metrics m = ComputeMetrics(record.problem(), f, &reference);
+      const Metrics m = MetricsOf(record.problem(), f, f);
       for (const double tier : kTiers) EXPECT_TRUE(PassesTier(m, tier)) << m.rho << " " << m.backward_error;
       ++judged;
     }
@@ -47,9 +50,8 @@ TEST(FrictionVerdict, WrongAnswersPassNoTier) {
     if (record.json.contains("models")) {
       for (const auto& [name, model] : record.json["models"].items()) wrong.push_back(ToVector(model["f_exact"]));
     }
-    const LcpReference reference = WithFloorOf(record.problem(), right);
     for (const Eigen::VectorXd& f : wrong) {
-      const Metrics m = ComputeMetrics(record.problem(), f, &reference);
+      const Metrics m = MetricsOf(record.problem(), f, right);
       if (m.rho <= 1e-3) continue;
       ++refused;
       for (const double tier : kTiers) EXPECT_FALSE(PassesTier(m, tier));
@@ -143,22 +145,6 @@ TEST(FrictionVerdict, SolutionsLoseEnergy) {
   EXPECT_GE(judged, 200);
 }
 
-// The problem and f with row i in a unit `row`[i] times smaller and masses `mass` times larger.
-LcpProblem InOtherUnits(const LcpProblem& problem, const Eigen::VectorXd& row, double mass) {
-  RowBounds bounds = problem.bounds();
-  for (FrictionRow& friction : bounds.friction) friction.mu *= row[friction.normal] / row[friction.row];
-  for (BoundedRow& bounded : bounds.bounded) {
-    bounded.lower *= mass / row[bounded.row];
-    bounded.upper *= mass / row[bounded.row];
-  }
-  if (!problem.has_factors()) {
-    const Eigen::MatrixXd A = row.asDiagonal() * problem.DenseA() * row.asDiagonal();
-    return LcpProblem::FromDense("units", A / mass, row.cwiseProduct(problem.b()), bounds);
-  }
-  const SparseMatrix J = row.asDiagonal() * problem.J();
-  return LcpProblem::FromFactors("units", J, problem.inverse_mass() / mass, row.cwiseProduct(problem.b()), bounds);
-}
-
 TEST(FrictionVerdict, UnitsDoNotMatter) {
   std::mt19937 random(7);
   ForEachDisturbed([&random](const LcpProblem& problem, const Eigen::VectorXd& f) {
@@ -168,7 +154,7 @@ TEST(FrictionVerdict, UnitsDoNotMatter) {
     // Rows whose A_ii is 0 have the unit that they are given in, and rho is absolute where b is 0.
     if ((problem.DiagonalA().array() == 0).any() || problem.b().isZero(0)) return;
     const Metrics before = ComputeMetrics(problem, f);
-    const Metrics after = ComputeMetrics(InOtherUnits(problem, row, mass), mass * f.cwiseQuotient(row));
+    const Metrics after = ComputeMetrics(ScaleRows(problem, row, 1 / mass), mass * f.cwiseQuotient(row));
     EXPECT_NEAR(after.rho, before.rho, 1e-12 * before.rho) << problem.id();
     EXPECT_NEAR(after.backward_error, before.backward_error, 1e-12 * before.backward_error) << problem.id();
     EXPECT_NEAR(after.dissipation, before.dissipation, 1e-12 * before.dissipation) << problem.id();
@@ -180,31 +166,14 @@ TEST(FrictionVerdict, UnitsDoNotMatter) {
 TEST(FrictionVerdict, MirrorAndOrderDoNotMatter) {
   std::mt19937 random(9);
   ForEachDisturbed([&random](const LcpProblem& problem, const Eigen::VectorXd& f) {
-    const Index n = problem.size();
-    Eigen::PermutationMatrix<Eigen::Dynamic> order(n);
-    order.setIdentity();
-    std::shuffle(order.indices().begin(), order.indices().end(), random);
-    RowBounds bounds;
-    bounds.bilateral.assign(static_cast<size_t>(n), 0);
-    for (const Index i : problem.bilateral_rows()) bounds.bilateral[static_cast<size_t>(order.indices()[i])] = 1;
-    Eigen::VectorXd sign = Eigen::VectorXd::Ones(n);
-    for (FrictionRow row : problem.friction_rows()) {
-      sign[row.row] = -1;
-      row.slip = static_cast<signed char>(-row.slip);
-      row.row = order.indices()[row.row];
-      row.normal = order.indices()[row.normal];
-      bounds.friction.push_back(row);
-    }
-    for (BoundedRow row : problem.bounded_rows()) {
-      row.row = order.indices()[row.row];
-      bounds.bounded.push_back(row);
-    }
-    const Eigen::MatrixXd A = sign.asDiagonal() * problem.DenseA() * sign.asDiagonal();
-    const LcpProblem turned =
-        LcpProblem::FromDense("turned", order * A * order.transpose(), order * sign.cwiseProduct(problem.b()), bounds);
-    const LcpProblem same = LcpProblem::FromDense("same", problem.DenseA(), problem.b(), problem.bounds());
+    const LcpProblem same = InForm(problem, MatrixForm::kDense);
+    std::vector<Index> order = EveryRow(f.size());
+    std::ranges::shuffle(order, random);
+    Eigen::VectorXd sign = Eigen::VectorXd::Ones(f.size());
+    for (const FrictionRow& row : problem.friction_rows()) sign[row.row] = -1;
+    const Eigen::VectorXd signs = sign(order);
     const Metrics before = ComputeMetrics(same, f);
-    const Metrics after = ComputeMetrics(turned, order * sign.cwiseProduct(f));
+    const Metrics after = ComputeMetrics(RowsOf(same, order, signs), signs.cwiseProduct(f(order)));
     // Sums in another order round otherwise.
     EXPECT_NEAR(after.rho, before.rho, 1e-12 * before.rho + 1e-17) << problem.id();
     EXPECT_NEAR(after.backward_error, before.backward_error, 1e-12 * before.backward_error + 1e-17) << problem.id();
@@ -215,22 +184,16 @@ TEST(FrictionVerdict, MirrorAndOrderDoNotMatter) {
 // A problem without friction rows but with empty laws is plain; with a bounded row [0, inf) it is not, and a solution
 // of one is a solution of the other.
 TEST(FrictionVerdict, UnilateralAndBoundedRowsHaveTheSameSolutions) {
-  std::mt19937 random(3);
-  std::normal_distribution<double> normal;
-  for (int round = 0; round < 200; ++round) {
-    const Index n = 1 + round % 6;
-    Eigen::MatrixXd root(n, n);
-    for (double& x : root.reshaped()) x = normal(random);
-    const Eigen::MatrixXd A = root * root.transpose() + Eigen::MatrixXd::Identity(n, n);
-    Eigen::VectorXd f = Eigen::VectorXd::Zero(n), w = f;
-    for (Index i = 0; i < n; ++i) (random() % 2 == 0 ? f : w)[i] = std::abs(normal(random));
-    const LcpProblem plain = LcpProblem::FromDense("plain", A, w - A * f);
+  std::mt19937_64 random(3);
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    const LcpProblem plain = PlantedProblem(1 + seed % 6, 6, seed, 0, 0).problem;
+    const Eigen::VectorXd f = SolveBy("dantzig", plain).f;
     RowBounds bounds;
-    for (Index i = 0; i < n; ++i) bounds.bounded.push_back({i, 0, std::numeric_limits<double>::infinity()});
+    for (Index i = 0; i < f.size(); ++i) bounds.bounded.push_back({i, 0, std::numeric_limits<double>::infinity()});
     const LcpProblem bounded = plain.WithBounds(bounds);
     for (const double disturbance : {0.0, 1e-2, 1.0}) {
       Eigen::VectorXd g = f;
-      for (double& x : g) x += disturbance * normal(random);
+      for (double& x : g) x += disturbance * Uniform(&random, -1, 1);
       // S is |D^-1/2 b| for both: bounds that are infinite do not limit what counts of b.
       EXPECT_NEAR(ComputeMetrics(bounded, g).rho, ComputeMetrics(plain, g).rho, 1e-14);
     }
@@ -269,9 +232,7 @@ TEST(FrictionVerdict, RaysProveOnlyWhereFrictionIsNotInThem) {
 
 TEST(FrictionVerdict, InfeasibleNeedsARay) {
   for (const FrictionRecord& record : FrictionRecords()) {
-    LcpResult claim;
-    claim.status = LcpStatus::kInfeasible;
-    claim.f = Eigen::VectorXd::Zero(record.problem().size());
+    LcpResult claim = Claim(Eigen::VectorXd::Zero(record.problem().size()), LcpStatus::kInfeasible);
     EXPECT_TRUE(Verify(record.problem(), claim, 1e-6, &record.parsed.reference).false_infeasible)
         << record.problem().id();
     if (!record.json.contains("ray_exact")) continue;
@@ -289,75 +250,24 @@ TEST(FrictionVerdict, ASplitContactKeepsItsAnswer) {
     const LcpProblem& problem = record.problem();
     if (!problem.has_factors() || problem.friction_rows().empty()) continue;
     const FrictionRow row = problem.friction_rows().front();
-    const Index n = problem.size();
-    Eigen::MatrixXd J(n + 2, problem.J().cols());
-    J << Eigen::MatrixXd(problem.J()), Eigen::MatrixXd(problem.J()).row(row.normal),
-        Eigen::MatrixXd(problem.J()).row(row.row);
-    Eigen::VectorXd b(n + 2);
-    b << problem.b(), problem.b()[row.normal], problem.b()[row.row];
-    RowBounds bounds = problem.bounds();
-    if (!bounds.bilateral.empty()) bounds.bilateral.resize(static_cast<size_t>(n) + 2, 0);
-    bounds.friction.push_back({n + 1, n, row.mu, row.slip});
-    // Several tangents a contact: the others stay with the first.
     if (std::ranges::count(problem.friction_rows(), row.normal, &FrictionRow::normal) > 1) continue;
-    const LcpProblem split =
-        LcpProblem::FromFactors("split", J.sparseView(1.0, 0.0), problem.inverse_mass(), b, bounds);
+    std::vector<Index> rows = EveryRow(problem.size());
+    rows.insert(rows.end(), {row.normal, row.row});
+    const LcpProblem split = RowsOf(problem, rows);
     for (const Eigen::VectorXd& f : KnownSolutions(record)) {
-      Eigen::VectorXd halves(n + 2);
-      halves << f, f[row.normal] / 2, f[row.row] / 2;
-      halves[row.normal] /= 2;
-      halves[row.row] /= 2;
-      const LcpReference reference = WithFloorOf(split, halves);
-      EXPECT_TRUE(PassesTier(ComputeMetrics(split, halves, &reference), 1e-9)) << problem.id();
+      Eigen::VectorXd halves = f(rows);
+      for (const Index i : {row.normal, row.row}) halves[i] /= 2;
+      halves.tail(2) /= 2;
+      EXPECT_TRUE(PassesTier(MetricsOf(split, halves, halves), 1e-9)) << problem.id();
     }
   }
 }
 
-TEST(FrictionRows, AreCheckedAndNamed) {
-  const LcpProblem plain = LcpProblem::FromDense("p", Eigen::Matrix4d::Identity(), Eigen::Vector4d::Ones());
-  const auto refusal = [&plain](RowBounds bounds) -> std::string {
-    try {
-      plain.WithBounds(std::move(bounds));
-    } catch (const std::exception& error) {
-      return error.what();
-    }
-    return "taken";
-  };
-  const double nan = std::nan("");
-  const double infinity = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(refusal({.friction = {{1, 0, 0.5}, {3, 2, 0}}}), "taken");
-  EXPECT_EQ(refusal({.friction = {{3, 0, 0.5, 1}, {1, 0, 0.5}}, .bounded = {{2, -infinity, infinity}}}), "taken");
-  const std::pair<RowBounds, const char*> wrong[] = {
-      {{.friction = {{1, 0, -0.5}}}, "friction: row 1: mu is -0.5"},
-      {{.friction = {{1, 0, nan}}}, "friction: row 1: mu is"},
-      {{.friction = {{1, 0, infinity}}}, "friction: row 1: mu is inf"},
-      {{.friction = {{1, 4, 1}}}, "friction: row 1: normal is 4"},
-      {{.friction = {{1, -1, 1}}}, "friction: row 1: normal is -1"},
-      {{.bilateral = {1, 0, 0, 0}, .friction = {{1, 0, 1}}}, "friction: row 1: normal is 0, expected a unilateral row"},
-      {{.friction = {{1, 1, 1}}}, "friction: row 1: normal is 1, expected a unilateral row"},
-      {{.friction = {{1, 0, 1}, {1, 2, 1}}}, "friction: row 1 is listed twice"},
-      {{.friction = {{7, 0, 1}}}, "friction: row 7 is outside [0, 4)"},
-      {{.bilateral = {0, 1, 0, 0}, .friction = {{1, 0, 1}}}, "friction: row 1 is a bilateral row already"},
-      {{.friction = {{1, 0, 1, 2}}}, "friction: row 1: slip is 2"},
-      {{.friction = {{1, 0, 1}}, .bounded = {{1, 0, 1}}}, "bounded: row 1 is a friction row already"},
-      {{.bounded = {{1, 2, 1}}}, "bounded: row 1: lower is 2"},
-      {{.bounded = {{1, nan, 1}}}, "bounded: row 1: lower is"},
-      {{.bounded = {{1, infinity, infinity}}}, "bounded: row 1: lower is inf"},
-      {{.bounded = {{1, -infinity, -infinity}}}, "bounded: row 1: lower is -inf"},
-  };
-  for (const auto& [bounds, text] : wrong) EXPECT_NE(refusal(bounds).find(text), std::string::npos) << refusal(bounds);
-}
-
-TEST(FrictionRows, FilesReturnTheSameProblem) {
+TEST(FrictionRows, FilesAndArraysReturnTheSameProblem) {
   for (const FrictionRecord& record : FrictionRecords()) {
-    const LcpRecord again = ParseLcpRecord(FormatLcpRecord(record.problem()), "again");
-    EXPECT_EQ(again.problem.friction_rows(), record.problem().friction_rows());
-    EXPECT_EQ(again.problem.bounded_rows(), record.problem().bounded_rows());
-    EXPECT_EQ(again.problem.bilateral_rows(), record.problem().bilateral_rows());
-    EXPECT_EQ(again.problem.b(), record.problem().b());
-    const LcpProblem by_arrays = LcpProblem::FromArrays(ProblemArrays::Of(record.problem()));
-    EXPECT_EQ(by_arrays.friction_rows(), record.problem().friction_rows());
-    EXPECT_EQ(by_arrays.bounded_rows(), record.problem().bounded_rows());
+    const LcpProblem& problem = record.problem();
+    EXPECT_EQ(DifferenceOfProblems(ParseLcpRecord(FormatLcpRecord(problem), "again").problem, problem), "");
+    EXPECT_EQ(DifferenceOfProblems(LcpProblem::FromArrays(ProblemArrays::Of(problem)), problem), "");
   }
 }
 
@@ -371,7 +281,7 @@ TEST(FrictionRows, ScalingOfRangeTakesLawsAlong) {
     Eigen::VectorXd row(record.problem().size());
     for (double& x : row) x = std::ldexp(1.0, static_cast<int>(random() % 200) - 100);
     const double mass = std::ldexp(1.0, 220);
-    const LcpProblem extreme = InOtherUnits(record.problem(), row, mass);
+    const LcpProblem extreme = ScaleRows(record.problem(), row, 1 / mass);
     const RangeScaling scaling(extreme);
     LcpResult result;
     LcpOptions options;
@@ -385,8 +295,7 @@ TEST(FrictionRows, ScalingOfRangeTakesLawsAlong) {
           const double unit = extreme.b()[largest] == 0 ? 1 : scaled.b()[largest] / (extreme.b()[largest] * s[largest]);
           found->f = unit * f.cwiseQuotient(s);
           found->status = LcpStatus::kSolved;
-          const LcpReference reference = WithFloorOf(scaled, found->f);
-          EXPECT_TRUE(PassesTier(ComputeMetrics(scaled, found->f, &reference), 1e-9)) << record.problem().id();
+          EXPECT_TRUE(PassesTier(MetricsOf(scaled, found->f, found->f), 1e-9)) << record.problem().id();
         });
     solved += result.status == LcpStatus::kSolved ? 1 : 0;
   }

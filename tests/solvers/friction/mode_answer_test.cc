@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <algorithm>
+#include <boost/multiprecision/eigen.hpp>
+#include <boost/multiprecision/gmp.hpp>
 #include <cmath>
 #include <random>
 #include <set>
@@ -49,10 +52,7 @@ TEST(ModeAnswer, HasThePiecesOfEveryRecord) {
     if (!record.json.contains("pieces") && record.is_solved()) continue;
     SCOPED_TRACE(record.problem().id());
     const ExactLcp problem = ParseExactLcp(record.line, "record");
-    ExactOptions options;
-    options.most_modes = 65536;
-
-    const ExactAnswer answer = SolveByModes(problem, options);
+    const ExactAnswer answer = SolveByModes(problem, {.most_modes = 65536});
     ASSERT_TRUE(answer.complete);
     EXPECT_EQ(answer.is_solved(), record.is_solved());
     if (!record.is_solved()) {
@@ -85,14 +85,11 @@ TEST(ModeAnswer, HasThePiecesOfEveryRecord) {
     if (!has_lines) {
       EXPECT_TRUE(found == known);
     }
-    if (record.json.contains("components")) {
-      EXPECT_EQ(answer.components, record.json["components"].get<Index>());
-    }
-    if (record.json.contains("f_unique")) {
-      EXPECT_EQ(answer.f_unique, record.json["f_unique"].get<bool>());
-    }
-    if (record.json.contains("w_unique")) {
-      EXPECT_EQ(answer.w_unique, record.json["w_unique"].get<bool>());
+    EXPECT_EQ(answer.components, record.json.value("components", answer.components));
+    for (const auto& [key, is_unique] : {std::pair("f_unique", answer.f_unique), {"w_unique", answer.w_unique}}) {
+      if (record.json.contains(key)) {
+        EXPECT_EQ(is_unique, record.json[key].get<bool>()) << key;
+      }
     }
   }
   EXPECT_GE(solved, 90);
@@ -111,9 +108,7 @@ TEST(ModeAnswer, ThePathEndsInASolution) {
     if (!takes) continue;
     SCOPED_TRACE(record.problem().id());
     const ExactLcp problem = ParseExactLcp(record.line, "record");
-    ExactOptions options;
-    options.most_modes = 0;
-    ExactAnswer answer = SolveByModes(problem, options);
+    ExactAnswer answer = SolveByModes(problem, {.most_modes = 0});
     EXPECT_FALSE(answer.complete);
     if (answer.is_solved()) {
       EXPECT_TRUE(record.is_solved());
@@ -124,10 +119,10 @@ TEST(ModeAnswer, ThePathEndsInASolution) {
       EXPECT_FALSE(answer.detail.empty());
     }
     if (!record.is_solved() || !record.json.contains("f_exact")) continue;
-    options.guessed_modes = [&] {
+    const auto guess = [&] {
       return std::vector<std::string>{ModesOf(record.problem(), ToVector(record.json["f_exact"]))};
     };
-    answer = SolveByModes(problem, options);
+    answer = SolveByModes(problem, {.most_modes = 0, .guessed_modes = guess});
     from_guess += answer.steps == 0 ? 1 : 0;
   }
   EXPECT_GE(solved, 85);
@@ -160,27 +155,30 @@ ExactLcp RandomProblem(Index contacts, int coordinates, std::mt19937* random, st
   return ParseExactLcp(*line, "random");
 }
 
+// Rationals as Eigen takes them.
+using Fraction = boost::multiprecision::number<boost::multiprecision::gmp_rational, boost::multiprecision::et_off>;
+using FractionMatrix = Eigen::Matrix<Fraction, Eigen::Dynamic, Eigen::Dynamic>;
+using FractionVector = Eigen::Matrix<Fraction, Eigen::Dynamic, 1>;
+
 // Another algorithm: every complementary basis of the LCP of four rows a contact (p, beta+, beta-, sigma).
 std::vector<RationalVector> BasicSolutions(const ExactLcp& problem) {
-  const Index contacts = problem.size / 2, m = 4 * contacts;
-  std::vector<RationalVector> M(At(m), RationalVector(At(m)));
-  RationalVector q(At(m));
-  const auto a = [&](Index i, Index j) -> const Rational& { return problem.A[At(i * problem.size + j)]; };
-  for (Index i = 0; i < contacts; ++i) {
-    q[At(4 * i)] = problem.b[At(2 * i)];
-    q[At(4 * i + 1)] = problem.b[At(2 * i + 1)];
-    q[At(4 * i + 2)] = -problem.b[At(2 * i + 1)];
-    for (Index j = 0; j < contacts; ++j) {
-      const int sign[3] = {1, 1, -1};
-      for (int r = 0; r < 3; ++r) {
-        for (int c = 0; c < 3; ++c) {
-          M[At(4 * i + r)][At(4 * j + c)] = sign[r] * sign[c] * a(2 * i + (r > 0 ? 1 : 0), 2 * j + (c > 0 ? 1 : 0));
-        }
-      }
-    }
-    M[At(4 * i + 1)][At(4 * i + 3)] = M[At(4 * i + 2)][At(4 * i + 3)] = 1;
-    M[At(4 * i + 3)][At(4 * i)] = problem.friction[At(i)].mu;
-    M[At(4 * i + 3)][At(4 * i + 1)] = M[At(4 * i + 3)][At(4 * i + 2)] = -1;
+  const Index n = problem.size, m = 2 * n;
+  FractionMatrix A(n, n), E = FractionMatrix::Zero(n, m);
+  FractionVector b(n);
+  for (Index i = 0; i < n; ++i) {
+    b[i] = problem.b[At(i)];
+    for (Index j = 0; j < n; ++j) A(i, j) = problem.A[At(i * n + j)];
+  }
+  for (Index i = 0; i < n / 2; ++i) {
+    E(2 * i, 4 * i) = E(2 * i + 1, 4 * i + 1) = 1;
+    E(2 * i + 1, 4 * i + 2) = -1;
+  }
+  FractionMatrix M = E.transpose() * A * E;
+  const FractionVector q = E.transpose() * b;
+  for (Index i = 0; i < n / 2; ++i) {
+    M(4 * i + 1, 4 * i + 3) = M(4 * i + 2, 4 * i + 3) = 1;
+    M(4 * i + 3, 4 * i) = problem.friction[At(i)].mu;
+    M(4 * i + 3, 4 * i + 1) = M(4 * i + 3, 4 * i + 2) = -1;
   }
   std::vector<RationalVector> solutions;
   for (std::uint64_t basis = 0; basis < std::uint64_t{1} << static_cast<unsigned>(m); ++basis) {
@@ -188,48 +186,18 @@ std::vector<RationalVector> BasicSolutions(const ExactLcp& problem) {
     for (Index i = 0; i < m; ++i) {
       if ((basis >> static_cast<unsigned>(i) & 1U) != 0) in.push_back(i);
     }
-    // Gauss elimination of M_BB z = -q_B.
-    const size_t size = in.size();
-    std::vector<RationalVector> rows;
-    for (const Index i : in) {
-      rows.emplace_back();
-      for (const Index j : in) rows.back().push_back(M[At(i)][At(j)]);
-      rows.back().push_back(-q[At(i)]);
+    FractionVector z = FractionVector::Zero(m);
+    if (!in.empty()) {
+      Eigen::FullPivLU<FractionMatrix> factor(M(in, in));
+      factor.setThreshold(0);
+      if (!factor.isInvertible()) continue;
+      const FractionVector right = -q(in);
+      z(in) = factor.solve(right);
     }
-    bool is_singular = false;
-    for (size_t k = 0; k < size && !is_singular; ++k) {
-      size_t p = k;
-      while (p < size && rows[p][k] == 0) ++p;
-      is_singular = p == size;
-      if (is_singular) break;
-      std::swap(rows[p], rows[k]);
-      for (size_t i = 0; i < size; ++i) {
-        if (i == k || rows[i][k] == 0) continue;
-        const Rational factor = rows[i][k] / rows[k][k];
-        for (size_t j = k; j <= size; ++j) rows[i][j] -= factor * rows[k][j];
-      }
-    }
-    if (is_singular) continue;
-    RationalVector z(At(m));
-    bool is_solution = true;
-    for (size_t k = 0; k < size && is_solution; ++k) {
-      z[At(in[k])] = rows[k][size] / rows[k][k];
-      is_solution = z[At(in[k])] >= 0;
-    }
-    for (Index i = 0; i < m && is_solution; ++i) {
-      Rational w = q[At(i)];
-      for (Index j = 0; j < m; ++j) {
-        if (z[At(j)] != 0) w += M[At(i)][At(j)] * z[At(j)];
-      }
-      is_solution = w >= 0;
-    }
-    if (!is_solution) continue;
-    RationalVector f;
-    for (Index i = 0; i < contacts; ++i) {
-      f.push_back(z[At(4 * i)]);
-      f.push_back(z[At(4 * i + 1)] - z[At(4 * i + 2)]);
-    }
-    solutions.push_back(std::move(f));
+    const FractionVector w = M * z + q;
+    if (z.minCoeff() < 0 || w.minCoeff() < 0) continue;
+    const FractionVector f = E * z;
+    solutions.emplace_back(f.begin(), f.end());
   }
   return solutions;
 }
@@ -267,9 +235,7 @@ TEST(ModeAnswer, AgreesWithAllComplementaryBases) {
         for (const RationalVector& f : vertices) EXPECT_TRUE(basic_set.contains(f));
       }
       // And the path finds one of them.
-      ExactOptions path;
-      path.most_modes = 0;
-      const ExactAnswer one = SolveByModes(problem, path);
+      const ExactAnswer one = SolveByModes(problem, {.most_modes = 0});
       if (one.is_solved()) {
         EXPECT_EQ(FindFaultOfModes(problem, one.modes, one.f), "");
       }

@@ -11,6 +11,7 @@
 #include "solvers/exact/rational.h"
 #include "solvers/lcp/law_metrics.h"
 #include "solvers/lcp/verify.h"
+#include "tests/solvers/solve_with.h"
 
 namespace lcpbench {
 namespace {
@@ -265,10 +266,7 @@ TEST(VerdictOverTheRange, AGapBesideALargeForceCounts) {
   for (const double size : {1.0, 1e10, 1e20, 1e100}) {
     const LcpProblem problem = LcpProblem::FromDense("large", Eigen::Matrix2d{{1, -1}, {-1, 1}}, Eigen::Vector2d(1, -2),
                                                      {.bounded = {{0, 0, size}, {1, 0, size}}});
-    LcpResult claim;
-    claim.status = LcpStatus::kSolved;
-    claim.f = Eigen::Vector2d::Constant(size);
-    const Verdict verdict = Verify(problem, claim, 1e-6);
+    const Verdict verdict = Verify(problem, Claim(Eigen::Vector2d::Constant(size)), 1e-6);
     EXPECT_FALSE(verdict.passes);
     EXPECT_TRUE(verdict.false_success);
     EXPECT_NEAR(verdict.metrics.rho, std::sqrt(size > 1 ? 0.2 : 0.5), 1e-15);

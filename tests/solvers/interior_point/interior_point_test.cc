@@ -177,30 +177,18 @@ TEST(Ipm, ARowThatIsNonzeroBesideAZeroDiagonalIsUnsupported) {
   EXPECT_EQ(SolveWith(&solver, indefinite).status, LcpStatus::kUnsupported);
 }
 
-TEST(Ipm, StartsThatSayNothingAreColdOnes) {
-  for (const Space space : {Space::kContact, Space::kBody}) {
-    IpmSolver solver(InSpace(space));
-    for (unsigned seed = 0; seed < 10; ++seed) {
-      const LcpProblem problem = DiscPile(200, seed);
-      const LcpResult cold = SolveWith(&solver, problem);
-      std::mt19937_64 random(seed);
-      Eigen::VectorXd start(problem.size());
-      for (double& f : start) f = Uniform(&random, 0, 1e4);
-      const LcpResult warm = SolveWith(&solver, problem, {.initial_f = &start});
-      EXPECT_EQ(warm.f, cold.f);
-      EXPECT_EQ(warm.iterations, cold.iterations);
-    }
-  }
+// Other masses and loads on the same rows.
+LcpProblem WithFactors(const LcpProblem& before, const Eigen::VectorXd& of_masses, const Eigen::VectorXd& push) {
+  return LcpProblem::FromFactors("later", before.J(), before.inverse_mass().cwiseProduct(of_masses),
+                                 before.b() + before.J() * push, before.bounds());
 }
 
 // Masses and loads a little later.
 LcpProblem Drifted(const LcpProblem& before, double drift, unsigned seed) {
   std::mt19937_64 random(seed);
-  Eigen::VectorXd inverse_mass = before.inverse_mass();
-  for (double& m : inverse_mass) m *= 1 + 0.5 * drift * Uniform(&random, -1, 1);
-  Eigen::VectorXd push(before.J().cols());
-  for (double& a : push) a = drift * Uniform(&random, -5, 5);
-  return LcpProblem::FromFactors("drifted", before.J(), inverse_mass, before.b() + before.J() * push, before.bounds());
+  const Index columns = before.J().cols();
+  const Eigen::VectorXd of_masses = UniformVector(&random, columns, 1 - 0.5 * drift, 1 + 0.5 * drift);
+  return WithFactors(before, of_masses, drift * UniformVector(&random, columns, -5, 5));
 }
 
 // Another set is tried only where the first one is nearly right.
@@ -248,33 +236,15 @@ TEST(Ipm, WarmStartsCostFewFactorizationsMoreThanColdOnes) {
 // Other masses, other loads, the same contacts.
 LcpProblem OtherValues(const LcpProblem& problem, unsigned seed) {
   std::mt19937_64 random(seed);
-  SparseMatrix J = problem.J();
-  for (Index i = 0; i < problem.size(); ++i) {
-    for (SparseMatrix::InnerIterator it(J, i); it; ++it) it.valueRef() *= Uniform(&random, 0.9, 1.1);
-  }
-  Eigen::VectorXd inverse_mass = problem.inverse_mass();
-  for (double& m : inverse_mass) m *= Uniform(&random, 0.1, 10);
-  Eigen::VectorXd push(J.cols());
-  for (double& a : push) a = Uniform(&random, -1, 1);
-  return LcpProblem::FromFactors("other", J, inverse_mass, problem.b() + J * push, problem.bounds());
+  const Eigen::VectorXd scale = UniformVector(&random, problem.size(), 0.9, 1.1);
+  const Eigen::VectorXd of_masses = UniformVector(&random, problem.J().cols(), 0.1, 10);
+  return WithFactors(ScaleRows(problem, scale, 1), of_masses, UniformVector(&random, problem.J().cols(), -1, 1));
 }
 
 void ExpectGapsOfAFreshSolver(const LcpProblem& problem, Space space, const LcpResult& result) {
   IpmSolver fresh(InSpace(space));
   ExpectSameGaps(problem, result, SolveWith(&fresh, problem));
   EXPECT_EQ(fresh.statistics().analyses, 1);
-}
-
-LcpProblem RowsOf(const LcpProblem& problem, const std::vector<Index>& rows) {
-  Triplets entries;
-  Eigen::VectorXd b(static_cast<Index>(rows.size()));
-  for (size_t k = 0; k < rows.size(); ++k) {
-    b[static_cast<Index>(k)] = problem.b()[rows[k]];
-    for (SparseMatrix::InnerIterator it(problem.J(), rows[k]); it; ++it) {
-      entries.emplace_back(static_cast<int>(k), static_cast<int>(it.col()), it.value());
-    }
-  }
-  return LcpProblem::FromFactors("rows", MatrixOf(b.size(), problem.J().cols(), entries), problem.inverse_mass(), b);
 }
 
 LcpProblem WithoutRow(const LcpProblem& problem, Index row) {
@@ -328,9 +298,8 @@ TEST(Ipm, ContactGraphsThatChangeALittleGiveTheSameGaps) {
       IpmSolver kept(InSpace(space));
       kept.SetInSequence(true);
       SolveWith(&kept, before);
-      for (const LcpProblem& problem :
-           {WithoutRow(before, 199), before, PermuteRows(before, order), WithANewPair(before), before,
-            DiscPile(kRows, seed + 1), DiscPile(kRows - 10, seed)}) {
+      for (const LcpProblem& problem : {WithoutRow(before, 199), before, RowsOf(before, order), WithANewPair(before),
+                                        before, DiscPile(kRows, seed + 1), DiscPile(kRows - 10, seed)}) {
         ExpectGapsOfAFreshSolver(problem, space, SolveWith(&kept, problem));
       }
     }
@@ -462,16 +431,26 @@ TEST(Hybrid, ASmallDriftTakesNoMoreFactorizationsThanACold) {
 }
 
 // As many iterations as without it, and the same bits.
-TEST(Hybrid, AStartThatIsNoBetterThanNothingIsPassedOver) {
+void ExpectPassedOver(LcpSolver* solver, const LcpProblem& problem, const Eigen::VectorXd& start) {
+  const LcpResult cold = SolveWith(solver, problem);
+  const LcpResult warm = SolveWith(solver, problem, {.initial_f = &start});
+  EXPECT_EQ(warm.f, cold.f);
+  EXPECT_EQ(warm.iterations, cold.iterations);
+}
+
+TEST(Starts, ThatSayNothingArePassedOver) {
+  for (const Space space : {Space::kContact, Space::kBody}) {
+    IpmSolver solver(InSpace(space));
+    for (unsigned seed = 0; seed < 10; ++seed) {
+      std::mt19937_64 random(seed);
+      ExpectPassedOver(&solver, DiscPile(200, seed), UniformVector(&random, 200, 0, 1e4));
+    }
+  }
   for (LcpProblem (*const generate)(Index, unsigned) : {&Column, &DiscPile}) {
+    const LcpProblem problem = generate(kRows, 6);
+    HybridSolver solver;
     for (const double size : {1.0, 1e6}) {
-      HybridSolver solver;
-      const LcpProblem problem = generate(kRows, 6);
-      const LcpResult cold = SolveWith(&solver, problem);
-      const Eigen::VectorXd start = Eigen::VectorXd::Constant(kRows, size * problem.b().cwiseAbs().maxCoeff());
-      const LcpResult warm = SolveWith(&solver, problem, {.initial_f = &start});
-      EXPECT_EQ(warm.iterations, cold.iterations);
-      EXPECT_EQ(warm.f, cold.f);
+      ExpectPassedOver(&solver, problem, Eigen::VectorXd::Constant(kRows, size * problem.b().cwiseAbs().maxCoeff()));
     }
   }
 }

@@ -16,4 +16,13 @@ inline std::vector<LcpRecord> ReadLcpFile(const std::string& path) {
   return records;
 }
 
+/// Problems of tests/data/reports.
+inline std::vector<LcpProblem> ReportedProblems(const std::string& name) {
+  std::vector<LcpProblem> problems;
+  for (const LcpRecord& record : ReadLcpFile(LCPBENCH_SOURCE_DIR "/tests/data/reports/" + name + ".jsonl")) {
+    problems.push_back(record.problem);
+  }
+  return problems;
+}
+
 }  // namespace lcpbench

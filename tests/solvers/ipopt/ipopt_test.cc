@@ -50,8 +50,7 @@ TEST_P(Ipopt, PrintsNothingNotEvenAtTheFirstSolve) {
 }
 
 TEST_P(Ipopt, WarmStartAtTheSolutionTakesNoIterationAndNearItFewer) {
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::mt19937_64 random(5);
   std::int64_t cold_iterations = 0;
   std::int64_t warm_iterations = 0;
   for (unsigned seed = 0; seed < 10; ++seed) {
@@ -59,8 +58,7 @@ TEST_P(Ipopt, WarmStartAtTheSolutionTakesNoIterationAndNearItFewer) {
     const LcpResult cold = Solve(problem, 1e-6);
     ASSERT_EQ(cold.status, LcpStatus::kSolved);
     EXPECT_EQ(Solve(problem, 1e-6, {}, &cold.f).iterations, 0);
-    Eigen::VectorXd near = cold.f;
-    for (double& force : near) force *= 1 + 1e-4 * uniform(random);
+    const Eigen::VectorXd near = cold.f + 1e-4 * cold.f.cwiseProduct(UniformVector(&random, 20, -1, 1));
     const LcpResult warm = Solve(problem, 1e-6, {}, &near);
     EXPECT_EQ(warm.status, LcpStatus::kSolved) << warm.detail;
     cold_iterations += cold.iterations;
@@ -92,8 +90,7 @@ TEST_P(Ipopt, SolvesAfterEveryKindOfEndingAreAsFresh) {
 
 // Mehrotra mode used to crash in Ipopt's restoration phase; redundant joints lead there.
 TEST_P(Ipopt, RedundantJointsNeverCrashAndNeverLie) {
-  std::mt19937 random(7);
-  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::mt19937_64 random(7);
   int solved = 0;
   const int count = 60;
   for (int sample = 0; sample < count; ++sample) {
@@ -102,8 +99,7 @@ TEST_P(Ipopt, RedundantJointsNeverCrashAndNeverLie) {
     std::vector<Index> bilateral;
     int n = 0;
     for (int body = 0; body < bodies; ++body) {
-      Eigen::VectorXd row(6);
-      for (double& value : row) value = uniform(random);
+      const Eigen::VectorXd row = UniformVector(&random, 6, -1, 1);
       for (const double scale : {1.0, -1.0, 2.0, 0.5}) {
         if (scale != 0.5) bilateral.push_back(n);
         for (int k = 0; k < 3; ++k) entries.emplace_back(n, 3 * body + k, scale * row[k]);
@@ -113,12 +109,11 @@ TEST_P(Ipopt, RedundantJointsNeverCrashAndNeverLie) {
     }
     const Index columns = Index{3} * bodies;
     const SparseMatrix J = MatrixOf(n, columns, entries);
-    Eigen::VectorXd inverse_mass(columns);
-    Eigen::VectorXd acceleration(columns);
-    for (double& value : inverse_mass) value = std::pow(10.0, 2 * uniform(random));
-    for (double& value : acceleration) value = uniform(random);
-    const LcpProblem problem = LcpProblem::FromFactors("joints", J, inverse_mass, J * acceleration,
-                                                       RowBounds::WithBilateralRows(n, bilateral));
+    const Eigen::VectorXd inverse_mass =
+        UniformVector(&random, columns, -2, 2).unaryExpr([](double x) { return std::pow(10.0, x); });
+    const LcpProblem problem =
+        LcpProblem::FromFactors("joints", J, inverse_mass, J * UniformVector(&random, columns, -1, 1),
+                                RowBounds::WithBilateralRows(n, bilateral));
     for (const char* form : {"auto", "lifted"}) {
       const LcpResult result = Solve(problem, 1e-9, {{"form", form}});
       EXPECT_FALSE(Verify(problem, result, 1e-9).false_success) << sample << ' ' << form;

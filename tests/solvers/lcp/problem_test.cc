@@ -57,16 +57,30 @@ Eigen::MatrixXd SumOverColumns(const Eigen::MatrixXd& J, const Eigen::VectorXd& 
   return A;
 }
 
+// By every form, and in rows of a caller that have room for more.
+void ExpectA(const LcpProblem& problem, const Eigen::MatrixXd& expected) {
+  constexpr Index kMore = 5;
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  EXPECT_EQ(problem.DenseA(), expected);
+  EXPECT_EQ(Eigen::MatrixXd(problem.SparseA()), expected);
+  EXPECT_EQ(problem.DiagonalA(), expected.diagonal());
+  Rows padded = Rows::Constant(problem.size(), problem.size() + kMore, -1);
+  AssembleDenseA(ProblemArrays::Of(problem), padded.data(), padded.cols());
+  EXPECT_EQ(padded.leftCols(problem.size()), expected);
+  EXPECT_TRUE(padded.rightCols(kMore).isZero(0));
+}
+
 TEST(LcpProblem, EveryEntryOfASumsOverAscendingColumnsOfJ) {
   for (unsigned seed = 0; seed < 50; ++seed) {
     for (const Entries entries : {Entries::kIntegers, Entries::kReals, Entries::kScattered}) {
       const LcpProblem problem = RandomFactors(1 + seed % 17, 1 + static_cast<int>(seed % 6), seed, entries);
-      const Eigen::MatrixXd expected = SumOverColumns(Eigen::MatrixXd(problem.J()), problem.inverse_mass());
-      EXPECT_EQ(problem.DenseA(), expected);
-      EXPECT_EQ(Eigen::MatrixXd(problem.SparseA()), expected);
-      EXPECT_EQ(problem.DiagonalA(), expected.diagonal());
+      Eigen::MatrixXd A = SumOverColumns(Eigen::MatrixXd(problem.J()), problem.inverse_mass());
+      ExpectA(problem, A);
       EXPECT_TRUE(problem.has_two_body_rows() || entries == Entries::kScattered);
       EXPECT_TRUE(problem.facts().symmetric && problem.facts().positive_semidefinite);
+      A(0, A.cols() - 1) += 17;  // rows after rows
+      ExpectA(LcpProblem::FromDense("d", A, problem.b()), A);
+      ExpectA(LcpProblem::FromSparse("s", A.sparseView(), problem.b()), A);
     }
   }
   EXPECT_FALSE(RandomFactors(40, 10, 7, Entries::kScattered).has_two_body_rows());
@@ -85,78 +99,42 @@ TEST(LcpProblem, FullJacobiansGiveTheSameBits) {
           inverse_mass[k] = Uniform(&random, 0, 1) < 0.2 ? 0 : Uniform(&random, 0.1, 10);
           for (Index i = 0; i < n; ++i) J(i, k) = Uniform(&random, 0, 1) < share ? Uniform(&random, -1, 1) : 0;
         }
-        const Eigen::MatrixXd expected = SumOverColumns(J, inverse_mass);
-        const SparseMatrix sparse_J = J.sparseView();
-        const LcpProblem problem = LcpProblem::FromFactors("", sparse_J, inverse_mass, Eigen::VectorXd::Zero(n));
-        EXPECT_EQ(problem.DenseA(), expected);
-        EXPECT_EQ(Eigen::MatrixXd(problem.SparseA()), expected);
+        const LcpProblem problem = LcpProblem::FromFactors("", J.sparseView(), inverse_mass, Eigen::VectorXd::Zero(n));
+        ExpectA(problem, SumOverColumns(J, inverse_mass));
         EXPECT_TRUE(problem.SparseA().nonZeros() == n * n || share < 1 || inverse_mass.isZero(0));
-        std::vector<double> rows(static_cast<size_t>(n * (n + 5)), -1.0);
-        AssembleDenseA(ProblemArrays::Of(problem), rows.data(), n + 5);
-        using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-        const Eigen::Map<const Rows> padded(rows.data(), n, n + 5);
-        EXPECT_EQ(padded.leftCols(n), expected);
-        EXPECT_TRUE(padded.rightCols(5).isZero(0));
       }
     }
   }
 }
 
-TEST(LcpProblem, AssemblyPadsEveryRowWithZeros) {
-  const LcpProblem factors = RandomFactors(7, 4, 5);
-  Eigen::MatrixXd A = factors.DenseA();
-  A(0, 6) = 17;  // rows after rows
-  const Eigen::VectorXd b = factors.b();
-  for (const LcpProblem& problem :
-       {factors, LcpProblem::FromSparse("s", A.sparseView(), b), LcpProblem::FromDense("d", A, b)}) {
-    std::vector<double> rows(7 * 12, -1.0);
-    AssembleDenseA(ProblemArrays::Of(problem), rows.data(), 12);
-    for (Index i = 0; i < 7; ++i) {
-      for (Index j = 0; j < 12; ++j) {
-        EXPECT_EQ(rows[static_cast<size_t>(12 * i + j)], j < 7 ? problem.DenseA()(i, j) : 0.0);
-      }
-    }
-  }
-}
-
-TEST(LcpProblem, ArraysMakeTheProblemTheyWereTakenOf) {
-  const LcpProblem factors = RandomFactors(9, 4, 3);
-  const RowBounds joints = RowBounds::WithBilateralRows(9, {0, 4});
-  MatrixFacts facts;
-  facts.rank = 7;
-  for (const LcpProblem& problem :
-       {factors, LcpProblem::FromFactors("f", factors.J(), factors.inverse_mass(), factors.b(), joints),
-        LcpProblem::FromSparse("s", factors.SparseA(), factors.b(), joints, facts),
-        LcpProblem::FromDense("d", factors.DenseA(), factors.b(), joints, facts)}) {
-    const LcpProblem copy = LcpProblem::FromArrays(ProblemArrays::Of(problem));
-    EXPECT_EQ(copy.id(), problem.id());
-    EXPECT_EQ(copy.given_form(), problem.given_form());
-    EXPECT_EQ(DifferenceOfProblems(copy, problem), "");
-    EXPECT_EQ(copy.facts().rank, problem.facts().rank);
-    EXPECT_EQ(copy.facts().symmetric, problem.facts().symmetric);
-  }
-}
-
-// What an engine pays that makes a problem a step: one piece of memory, and the kinds of rows while they are checked.
-TEST(LcpProblem, ArraysAreKeptInOnePiece) {
-  if (!AllocationsAreCounted()) GTEST_SKIP() << "allocations are not counted";
-  const LcpProblem factors = RandomFactors(9, 4, 3);
+// An engine that makes a problem a step pays for one piece of memory, and for the kinds of rows while they are checked.
+TEST(LcpProblem, ArraysMakeTheProblemTheyWereTakenOfInOnePiece) {
+  const LcpProblem plain = RandomFactors(9, 4, 3);
   RowBounds bounds = RowBounds::WithBilateralRows(9, {0, 4});
   bounds.friction = {{3, 2, 0.5}, {1, 2, 0.5}};
   bounds.bounded = {{8, -1, 1}, {6, 0, 2}};
+  MatrixFacts facts;
+  facts.rank = 7;
   const std::string id = "a name too long to be kept within a string";
   for (const LcpProblem& problem :
-       {LcpProblem::FromFactors(id, factors.J(), factors.inverse_mass(), factors.b(), bounds),
-        LcpProblem::FromSparse(id, factors.SparseA(), factors.b(), bounds),
-        LcpProblem::FromDense(id, factors.DenseA(), factors.b(), bounds)}) {
+       {plain, LcpProblem::FromFactors(id, plain.J(), plain.inverse_mass(), plain.b(), bounds),
+        LcpProblem::FromSparse(id, plain.SparseA(), plain.b(), bounds, facts),
+        LcpProblem::FromDense(id, plain.DenseA(), plain.b(), bounds, facts)}) {
     const ProblemArrays arrays = ProblemArrays::Of(problem);
     const long before = AllocationCount();
     CountAllocations(true);
     const LcpProblem made = LcpProblem::FromArrays(arrays);
     CountAllocations(false);
     EXPECT_LE(AllocationCount() - before, 2);
-    EXPECT_EQ(DifferenceOfProblems(made, problem), "");
     EXPECT_EQ(made.view().value.data(), made.WithB(made.b()).view().value.data());
+    for (const LcpProblem& copy : {made, problem.CopyOfGivenForm()}) {
+      EXPECT_FALSE(copy.SharesMatrixWith(problem));
+      EXPECT_EQ(copy.id(), problem.id());
+      EXPECT_EQ(copy.given_form(), problem.given_form());
+      EXPECT_EQ(DifferenceOfProblems(copy, problem), "");
+      EXPECT_EQ(copy.facts().rank, problem.facts().rank);
+      EXPECT_EQ(copy.facts().symmetric, problem.facts().symmetric);
+    }
   }
 }
 
@@ -263,6 +241,7 @@ TEST(LcpProblem, BadLawsAreRefusedByRowAndField) {
     arrays.bounded = bounds.bounded;
     ExpectRefused([&] { LcpProblem::FromArrays(arrays); }, words, text);
   };
+  EXPECT_NO_THROW(plain.WithBounds({{}, {{2, 0, 0, 1}, {1, 0, 0.5}}, {{3, -kInfinity, kInfinity}}}));
   expect({{1, 0, -1e-9}}, {}, "friction: row 1: mu is -1e-09, expected a finite number >= 0");
   expect({{1, 0, kNaN}}, {}, "friction: row 1: mu is nan");
   expect({{1, 0, kInfinity}}, {}, "friction: row 1: mu is inf");
@@ -296,13 +275,6 @@ TEST(LcpProblem, SymmetryIsToldAtAnyScale) {
     EXPECT_FALSE(with(unit * A).IsNumericallySymmetric()) << unit;
     EXPECT_TRUE(with(unit * A.cwiseAbs()).IsNumericallySymmetric()) << unit;
   }
-}
-
-TEST(LcpProblem, CopyOfGivenFormIsTheSameProblemAnew) {
-  const LcpProblem problem = RandomFactors(9, 4, 3);
-  const LcpProblem copy = problem.CopyOfGivenForm();
-  EXPECT_FALSE(copy.SharesMatrixWith(problem));
-  EXPECT_EQ(DifferenceOfProblems(copy, problem), "");
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -13,48 +12,35 @@
 
 #include "solvers/lcp/exact_sum.h"
 #include "solvers/lcp/residual.h"
+#include "tests/solvers/solve_with.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
 namespace {
+
+using Eigen::VectorXd;
 
 constexpr double kUnitRoundoff = 0x1p-53;
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 LcpProblem Diagonal(std::initializer_list<double> diagonal, std::initializer_list<double> b, MatrixFacts facts = {}) {
-  Eigen::VectorXd d = Eigen::Map<const Eigen::VectorXd>(diagonal.begin(), static_cast<Index>(diagonal.size()));
-  Eigen::VectorXd rhs = Eigen::Map<const Eigen::VectorXd>(b.begin(), static_cast<Index>(b.size()));
+  VectorXd d = Eigen::Map<const VectorXd>(diagonal.begin(), static_cast<Index>(diagonal.size()));
+  VectorXd rhs = Eigen::Map<const VectorXd>(b.begin(), static_cast<Index>(b.size()));
   return LcpProblem::FromDense("diagonal", d.asDiagonal(), rhs, {}, facts);
 }
 
-LcpResult Claim(LcpStatus status, Eigen::VectorXd f) {
-  LcpResult result;
-  result.status = status;
-  result.f = std::move(f);
-  return result;
+// Rows of full rank, as a rule.
+LcpProblem Definite(Index n, unsigned seed) { return PlantedProblem(n, static_cast<int>(n), seed, 0, 0).problem; }
+
+VectorXd RandomVector(Index n, double low, double high, unsigned seed) {
+  std::mt19937_64 random(seed);
+  return UniformVector(&random, n, low, high);
 }
 
-LcpResult Solved(Eigen::VectorXd f) { return Claim(LcpStatus::kSolved, std::move(f)); }
-
-// A symmetric positive definite A, a planted solution with f and w complementary, b = w - A f.
-struct PlantedAnswer {
-  LcpProblem problem;
-  Eigen::VectorXd f;
-  Eigen::VectorXd w;
-};
-
-PlantedAnswer Plant(Index n, unsigned seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  Eigen::MatrixXd root(n, n);
-  for (double& x : root.reshaped()) x = normal(random);
-  Eigen::MatrixXd A = root * root.transpose() + Eigen::MatrixXd::Identity(n, n);
-  A = (0.5 * (A + A.transpose())).eval();
-  Eigen::VectorXd f = Eigen::VectorXd::Zero(n);
-  Eigen::VectorXd w = Eigen::VectorXd::Zero(n);
-  for (Index i = 0; i < n; ++i) (random() % 2 == 0 ? f : w)[i] = std::abs(normal(random));
-  return {LcpProblem::FromDense("planted", A, w - A * f, {}, SymmetricPsd()), f, w};
+// Powers of two: nothing rounds.
+VectorXd PowersOfTwo(Index n, unsigned seed) {
+  return RandomVector(n, -40, 40, seed).unaryExpr([](double x) { return std::exp2(std::floor(x)); });
 }
 
 TEST(Verify, MetricsFollowTheirFormulas) {
@@ -91,7 +77,7 @@ TEST(Verify, SmallAnswersAreJudgedRowByRow) {
       {zero_diagonal, {1, 1}, false}, {zero_b, {0, 0}, true},
   };
   for (const auto& [problem, f, passes] : cases) {
-    EXPECT_EQ(Verify(problem, Solved(f), passes ? 1e-9 : 1e-3).passes, passes) << f.transpose();
+    EXPECT_EQ(Verify(problem, Claim(f), passes ? 1e-9 : 1e-3).passes, passes) << f.transpose();
   }
   // Absolute where b is zero.
   EXPECT_DOUBLE_EQ(ComputeMetrics(zero_b, Eigen::Vector2d(1e-4, 0)).rho, 2e-4);
@@ -99,16 +85,10 @@ TEST(Verify, SmallAnswersAreJudgedRowByRow) {
 
 TEST(Verify, RhoAndBackwardErrorAreIndependentOfUnitsAndRowScaling) {
   for (unsigned seed = 0; seed < 30; ++seed) {
-    const PlantedAnswer planted = Plant(8, seed);
-    std::mt19937 random(seed);
-    Eigen::VectorXd scale(8);
-    for (double& s : scale) s = std::ldexp(1.0, static_cast<int>(random() % 80) - 40);  // powers of two: no rounding
-    const Eigen::MatrixXd A = scale.asDiagonal() * planted.problem.DenseA() * scale.asDiagonal();
-    const LcpProblem scaled = LcpProblem::FromDense("scaled", A, scale.cwiseProduct(planted.problem.b()));
-    Eigen::VectorXd f = planted.f;
-    f[0] += 1e-4;  // some error, so that there is something to compare
-    const Metrics m1 = ComputeMetrics(planted.problem, f);
-    const Metrics m2 = ComputeMetrics(scaled, f.cwiseQuotient(scale));
+    const LcpProblem problem = Definite(8, seed);
+    const VectorXd scale = PowersOfTwo(8, seed), f = RandomVector(8, -0.1, 1, seed);
+    const Metrics m1 = ComputeMetrics(problem, f);
+    const Metrics m2 = ComputeMetrics(InForm(ScaleRows(problem, scale, 1), MatrixForm::kDense), f.cwiseQuotient(scale));
     // The square roots of D round differently.
     EXPECT_NEAR(m2.rho, m1.rho, 1e-12 * m1.rho);
     EXPECT_NEAR(m2.backward_error, m1.backward_error, 1e-12 * m1.backward_error);
@@ -120,57 +100,53 @@ TEST(Verify, RhoAndBackwardErrorAreIndependentOfUnitsAndRowScaling) {
 TEST(Verify, ForcesOnRowsWhoseDiagonalUnderflowsAreJudged) {
   SparseMatrix J(1, 1);
   J.insert(0, 0) = 0x1p-600;
-  const LcpProblem problem =
-      LcpProblem::FromFactors("tiny", J, Eigen::VectorXd::Ones(1), Eigen::VectorXd::Constant(1, 0x1p-190));
+  const LcpProblem problem = LcpProblem::FromFactors("tiny", J, VectorXd::Ones(1), VectorXd::Constant(1, 0x1p-190));
   EXPECT_EQ(problem.DiagonalA()[0], 0);
-  EXPECT_GT(ComputeMetrics(problem, Eigen::VectorXd::Constant(1, 0x1p1020)).backward_error, 0.5);
-  EXPECT_EQ(ComputeMetrics(problem, Eigen::VectorXd::Zero(1)).backward_error, 0);
+  EXPECT_GT(ComputeMetrics(problem, VectorXd::Constant(1, 0x1p1020)).backward_error, 0.5);
+  EXPECT_EQ(ComputeMetrics(problem, VectorXd::Zero(1)).backward_error, 0);
 }
 
 TEST(Verify, NotANumberNeverPasses) {
   const LcpProblem problem = Diagonal({1, 1}, {-1, 1});
   for (const double bad : {kNotANumber, kInfinite, -kInfinite}) {
-    const Verdict verdict = Verify(problem, Solved(Eigen::Vector2d(1, bad)), 1e-3);
+    const Verdict verdict = Verify(problem, Claim(Eigen::Vector2d(1, bad)), 1e-3);
     EXPECT_FALSE(verdict.passes);
     EXPECT_TRUE(verdict.false_success);
     EXPECT_EQ(verdict.best_tier, 0);
   }
   // Finite but so large that w overflows.
-  EXPECT_FALSE(Verify(Diagonal({1e300, 1}, {1, 1}), Solved(Eigen::Vector2d(1e300, 0)), 1e-3).passes);
-  EXPECT_FALSE(Verify(problem, Solved(Eigen::VectorXd(1)), 1e-3).passes);  // wrong length
+  EXPECT_FALSE(Verify(Diagonal({1e300, 1}, {1, 1}), Claim(Eigen::Vector2d(1e300, 0)), 1e-3).passes);
+  EXPECT_FALSE(Verify(problem, Claim(VectorXd(1)), 1e-3).passes);  // wrong length
 }
 
 TEST(Verify, OnlyAClaimOfSuccessCanBeAFalseSuccess) {
   const LcpProblem problem = Diagonal({1}, {-1});
   for (const LcpStatus status : {LcpStatus::kIterationLimit, LcpStatus::kTimeLimit, LcpStatus::kNumericalFailure,
                                  LcpStatus::kInfeasible, LcpStatus::kUnsupported}) {
-    EXPECT_FALSE(Verify(problem, Claim(status, Eigen::VectorXd::Zero(1)), 1e-6).false_success);
+    EXPECT_FALSE(Verify(problem, Claim(VectorXd::Zero(1), status), 1e-6).false_success);
   }
-  EXPECT_TRUE(Verify(problem, Claim(LcpStatus::kInfeasible, Eigen::VectorXd::Ones(1)), 1e-6).false_infeasible);
+  EXPECT_TRUE(Verify(problem, Claim(VectorXd::Ones(1), LcpStatus::kInfeasible), 1e-6).false_infeasible);
 }
 
 TEST(Verify, EnergyCertificateBoundsTheErrorOfTheShiftedProblem) {
   for (unsigned seed = 0; seed < 100; ++seed) {
-    const PlantedAnswer planted = Plant(6, seed);
-    std::mt19937 random(1000 + seed);
-    std::normal_distribution<double> normal;
-    const Eigen::MatrixXd& A = planted.problem.DenseA();
-    Eigen::VectorXd f = planted.f;
-    for (double& x : f) x = std::max(0.0, x + 0.1 * normal(random));
-    const Eigen::VectorXd w = A * f + planted.problem.b();
-    const Eigen::VectorXd shifted_b = planted.problem.b() + (w.cwiseMax(0) - w);
+    const LcpProblem problem = Definite(6, seed);
+    const Eigen::MatrixXd& A = problem.DenseA();
+    const VectorXd f = RandomVector(6, -1, 2, seed).cwiseMax(0);
+    const VectorXd w = A * f + problem.b();
+    const VectorXd shifted_b = problem.b() + (w.cwiseMax(0) - w);
     // The exact solution of the shifted problem by projected Gauss-Seidel, to convergence (A is well conditioned).
-    Eigen::VectorXd exact = Eigen::VectorXd::Zero(6);
+    VectorXd exact = VectorXd::Zero(6);
     for (int sweep = 0; sweep < 20000; ++sweep) {
       for (Index i = 0; i < 6; ++i) {
         exact[i] = std::max(0.0, exact[i] - (A.row(i).dot(exact) + shifted_b[i]) / A(i, i));
       }
     }
     const double error = (f - exact).dot(A * (f - exact));
-    const Metrics m = ComputeMetrics(planted.problem, f);
+    const Metrics m = ComputeMetrics(problem, f);
     EXPECT_LE(error, m.energy_bound * (1 + 1e-9) + 1e-12);
     EXPECT_NEAR(m.energy_bound, f.dot(w.cwiseMax(0)), 1e-9 * (1 + m.energy_bound));
-    const Eigen::VectorXd scaled_shift = (shifted_b - planted.problem.b()).cwiseQuotient(A.diagonal().cwiseSqrt());
+    const VectorXd scaled_shift = (shifted_b - problem.b()).cwiseQuotient(A.diagonal().cwiseSqrt());
     EXPECT_NEAR(m.energy_shift, scaled_shift.norm(), 1e-9);
   }
 }
@@ -178,13 +154,13 @@ TEST(Verify, EnergyCertificateBoundsTheErrorOfTheShiftedProblem) {
 TEST(Verify, FischerBurmeisterDoesNotCancel) {
   // p = 1, q = 1e-12: sqrt(1 + q^2) - 1 - q = -q to first order; the naive form in double keeps four digits only.
   const LcpProblem problem = Diagonal({1}, {-1 + 0x1p-40});
-  const Metrics m = ComputeMetrics(problem, Eigen::VectorXd::Ones(1));
+  const Metrics m = ComputeMetrics(problem, VectorXd::Ones(1));
   EXPECT_NEAR(m.fischer_burmeister / (0.5 * 0x1p-80), 1.0, 1e-10);
 }
 
 TEST(Verify, EveryFormIsJudgedAlike) {
   const Eigen::MatrixXd J = (Eigen::MatrixXd(3, 6) << 1, 0, 0, -1, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 1, 0, 3).finished();
-  const Eigen::VectorXd inverse_mass = (Eigen::VectorXd(6) << 1, 2, 0, 4, 4, 0.5).finished();
+  const VectorXd inverse_mass = (VectorXd(6) << 1, 2, 0, 4, 4, 0.5).finished();
   const LcpProblem factors = LcpProblem::FromFactors("j", J.sparseView(), inverse_mass, Eigen::Vector3d(-1, 2, -3));
   const Eigen::Vector3d f(0.25, -0.5, 0.75);
   const Metrics m = ComputeMetrics(factors, f);
@@ -198,15 +174,15 @@ TEST(Verify, EveryFormIsJudgedAlike) {
 
 TEST(Verify, SolversEstimateAgreesWithTheMetrics) {
   for (unsigned seed = 0; seed < 20; ++seed) {
-    const PlantedAnswer planted = Plant(10, seed);
-    Eigen::VectorXd f = planted.f + Eigen::VectorXd::Constant(10, 1e-3);
-    Eigen::VectorXd w;
-    planted.problem.ComputeW(f, &w);
-    const Metrics m = ComputeMetrics(planted.problem, f);
+    const LcpProblem problem = Definite(10, seed);
+    const VectorXd f = RandomVector(10, -0.1, 1, seed);
+    VectorXd w;
+    problem.ComputeW(f, &w);
+    const Metrics m = ComputeMetrics(problem, f);
     for (const auto rows : {ResidualEstimate::Rows::kDense, ResidualEstimate::Rows::kSparse}) {
       ResidualEstimate estimate;
-      estimate.Reset(planted.problem, rows);
-      estimate.SetB(planted.problem);
+      estimate.Reset(problem, rows);
+      estimate.SetB(problem);
       EXPECT_NEAR(estimate.Rho(f, w), m.rho, 1e-12 * (1 + m.rho));
       EXPECT_NEAR(estimate.BackwardError(f, w), m.backward_error, 1e-12);
     }
@@ -219,7 +195,7 @@ TEST(Verify, RoundingIsNotDividedByAScaleThatCancels) {
   const double d = 0.1 * 0.1 + 0.3 * 0.3;
   const LcpProblem problem = LcpProblem::FromFactors("perpendicular", J.sparseView(), Eigen::Vector3d(1, 1, 1),
                                                      Eigen::Vector2d(-1.0 / 3.0, 0));
-  const Verdict verdict = Verify(problem, Solved(Eigen::Vector2d(1.0 / 3.0 / d, 0)), 1e-9);
+  const Verdict verdict = Verify(problem, Claim(Eigen::Vector2d(1.0 / 3.0 / d, 0)), 1e-9);
   EXPECT_TRUE(verdict.passes) << verdict.reason;
 }
 
@@ -272,7 +248,7 @@ TEST(FarkasRay, WhatRoundingHidesIsNotProved) {
   // Terms of y and b cancel but for a last digit, or the smallest number there is.
   const Eigen::MatrixXd J = (Eigen::MatrixXd(2, 1) << 0.1, -0.3).finished();
   const LcpProblem problem =
-      LcpProblem::FromFactors("thirds", J.sparseView(), Eigen::VectorXd::Ones(1), Eigen::Vector2d(-1, -1));
+      LcpProblem::FromFactors("thirds", J.sparseView(), VectorXd::Ones(1), Eigen::Vector2d(-1, -1));
   const FarkasVerdict near = VerifyFarkasRay(problem, Eigen::Vector2d(3, 1));  // 3 * 0.1 is not 0.3 in doubles
   EXPECT_TRUE(near.accepted && !near.proved) << near.reason;
   EXPECT_GT(near.null_residual, 0);
@@ -316,7 +292,7 @@ TEST(FarkasRay, ASmallAyIsNotAProof) {
   const LcpProblem problem = Diagonal({1, 1e-10}, {1, -1});
   const FarkasVerdict verdict = VerifyFarkasRay(problem, Eigen::Vector2d(0, 1));
   EXPECT_FALSE(verdict.accepted);
-  EXPECT_TRUE(Verify(problem, Solved(Eigen::Vector2d(0, 1e10)), 1e-9).passes);
+  EXPECT_TRUE(Verify(problem, Claim(Eigen::Vector2d(0, 1e10)), 1e-9).passes);
 }
 
 // A column of light and heavy bodies in turns is solvable, by forces whose sum is 6 10^12 |b| and more. Along the
@@ -325,7 +301,7 @@ TEST(FarkasRay, ASmallAyIsNotAProof) {
 TEST(FarkasRay, AForceThatIsOnlyLargeIsNotAProof) {
   for (const auto& [n, ratio] : {std::pair<Index, double>{8000, 1e6}, {500, 1e8}, {2000, 1e8}}) {
     const StackedColumn column = MakeStackedColumn(n, ratio);
-    Eigen::VectorXd y(n);
+    VectorXd y(n);
     double above = 0;
     for (Index k = n - 1; k >= 0; --k) {
       above += static_cast<double>(k + 1) / column.problem.inverse_mass()[3 * k];
@@ -342,7 +318,7 @@ TEST(FarkasRay, WrongSignsAreRefused) {
   const LcpProblem problem = Opposed({-1, -1});
   EXPECT_FALSE(VerifyFarkasRay(problem, Eigen::Vector2d(-1, -1)).accepted);
   EXPECT_FALSE(VerifyFarkasRay(problem, Eigen::Vector2d(1, kNotANumber)).accepted);
-  EXPECT_FALSE(VerifyFarkasRay(problem, Eigen::VectorXd::Ones(3)).accepted);
+  EXPECT_FALSE(VerifyFarkasRay(problem, VectorXd::Ones(3)).accepted);
   EXPECT_FALSE(VerifyFarkasRay(Opposed({-1, 1}), Eigen::Vector2d(1, 1)).accepted);  // b.y = 0
   // On bilateral rows y is free.
   EXPECT_TRUE(VerifyFarkasRay(Opposed({1, 1}, {0, 1}), Eigen::Vector2d(-1, -1)).accepted);
@@ -352,45 +328,25 @@ TEST(FarkasRay, WrongSignsAreRefused) {
 
 // Seeded problems by factors, some rows bilateral, magnitudes over six decades, some forces 0.
 struct Case {
-  SparseMatrix J;
-  Eigen::VectorXd inverse_mass;
-  Eigen::VectorXd b;
-  RowBounds bounds;
-  Eigen::VectorXd f;
-
-  LcpProblem Factors() const { return LcpProblem::FromFactors("factors", J, inverse_mass, b, bounds); }
-  Eigen::MatrixXd A() const { return Eigen::MatrixXd(J) * inverse_mass.asDiagonal() * Eigen::MatrixXd(J).transpose(); }
+  LcpProblem problem;
+  VectorXd f;
 };
 
+VectorXd OverSixDecades(Index n, unsigned seed) {
+  return RandomVector(n, -1, 1, seed).array() * (RandomVector(n, -3, 3, seed + 1).array() * std::log(10.0)).exp();
+}
+
 Case RandomCase(unsigned seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  const auto spread = [&] { return std::pow(10.0, 6 * std::generate_canonical<double, 53>(random) - 3); };
-  Case c;
-  const Index n = 1 + static_cast<Index>(random() % 9);
-  const Index columns = 3 * (1 + static_cast<Index>(random() % 4));
-  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(n, columns);
-  for (double& x : J.reshaped()) x = random() % 3 == 0 ? 0.0 : normal(random);
-  J.col(0).setConstant(1);  // no row of zeros
-  c.J = J.sparseView();
-  c.inverse_mass.resize(columns);
-  for (double& m : c.inverse_mass) m = random() % 5 == 0 ? 0.0 : spread();
-  c.inverse_mass[0] = spread();
-  c.b.resize(n);
-  c.f.resize(n);
-  std::vector<Index> bilateral;
-  for (Index i = 0; i < n; ++i) {
-    c.b[i] = normal(random) * spread();
-    c.f[i] = random() % 3 == 0 ? 0.0 : normal(random) * spread();
-    if (random() % 4 == 0) bilateral.push_back(i);
-  }
-  c.bounds = RowBounds::WithBilateralRows(n, bilateral);
-  return c;
+  const int n = 1 + static_cast<int>(seed % 9), bodies = 1 + static_cast<int>(seed % 4);
+  const LcpProblem planted = PlantedProblem(n, bodies, seed, static_cast<int>(seed % 5), 0).problem;
+  const VectorXd mass = OverSixDecades(3 * bodies, seed + 1000).cwiseAbs(), b = OverSixDecades(n, seed + 2000);
+  const VectorXd zeros = RandomVector(n, 0, 3, seed).array().floor().cwiseMin(1);
+  return {LcpProblem::FromFactors("factors", planted.J(), mass, b, planted.bounds()),
+          zeros.cwiseProduct(OverSixDecades(n, seed + 3000))};
 }
 
 // The formula, written out.
-double ByFormula(const Eigen::MatrixXd& magnitudes, const Eigen::MatrixXd& A, const Eigen::VectorXd& b,
-                 const Eigen::VectorXd& f) {
+double ByFormula(const Eigen::MatrixXd& magnitudes, const Eigen::MatrixXd& A, const VectorXd& b, const VectorXd& f) {
   long double change = 0;
   long double scale = 0;
   for (Index i = 0; i < b.size(); ++i) {
@@ -405,59 +361,50 @@ double ByFormula(const Eigen::MatrixXd& magnitudes, const Eigen::MatrixXd& A, co
 
 TEST(RoundingFloor, FollowsItsFormulaInEveryForm) {
   for (unsigned seed = 0; seed < 200; ++seed) {
-    const Case c = RandomCase(seed);
-    Eigen::MatrixXd A = c.A();
-    const Eigen::MatrixXd J = Eigen::MatrixXd(c.J).cwiseAbs();
-    const double by_factors = ByFormula(J * c.inverse_mass.asDiagonal() * J.transpose(), A, c.b, c.f);
-    EXPECT_NEAR(RoundingFloor(c.Factors(), c.f), by_factors, 1e-13 * by_factors) << seed;
+    const auto [problem, f] = RandomCase(seed);
+    Eigen::MatrixXd A = problem.DenseA();
+    const Eigen::MatrixXd J = Eigen::MatrixXd(problem.J()).cwiseAbs();
+    const double by_factors = ByFormula(J * problem.inverse_mass().asDiagonal() * J.transpose(), A, problem.b(), f);
+    EXPECT_NEAR(RoundingFloor(problem, f), by_factors, 1e-13 * by_factors) << seed;
     // The other forms need neither symmetry nor a positive diagonal.
     if (seed % 2 == 0) A(0, A.cols() - 1) += 1;
     if (seed % 3 == 0) A(0, 0) = -A(0, 0);
     if (seed % 5 == 0) A(A.rows() - 1, A.rows() - 1) = 0;
-    const double by_entries = ByFormula(A, A, c.b, c.f);
-    EXPECT_NEAR(RoundingFloor(LcpProblem::FromDense("d", A, c.b), c.f), by_entries, 1e-13 * by_entries) << seed;
-    EXPECT_NEAR(RoundingFloor(LcpProblem::FromSparse("s", A.sparseView(), c.b), c.f), by_entries, 1e-13 * by_entries)
-        << seed;
+    const double by_entries = ByFormula(A, A, problem.b(), f);
+    for (const LcpProblem& other :
+         {LcpProblem::FromDense("d", A, problem.b()), LcpProblem::FromSparse("s", A.sparseView(), problem.b())}) {
+      EXPECT_NEAR(RoundingFloor(other, f), by_entries, 1e-13 * by_entries) << seed;
+    }
   }
 }
 
 TEST(RoundingFloor, IsIndependentOfUnitsAndRowScaling) {
   for (unsigned seed = 0; seed < 100; ++seed) {
-    const Case c = RandomCase(seed);
-    const double floor = RoundingFloor(c.Factors(), c.f);
-    const double floor_of_matrix = RoundingFloor(LcpProblem::FromDense("d", c.A(), c.b), c.f);
-    std::mt19937 random(seed);
-    // Powers of two: nothing rounds. Squares of the last two leave the range of double.
+    const auto [problem, f] = RandomCase(seed);
+    const VectorXd rows = PowersOfTwo(f.size(), seed);
+    // Squares of the last two leave the range of double.
     for (const int exponent : {-3, 40, 530, -530}) {
-      Eigen::VectorXd rows(c.b.size());
-      for (double& s : rows) s = std::ldexp(1.0, static_cast<int>(random() % 80) - 40);
-      Case scaled = c;
-      scaled.J = rows.asDiagonal() * c.J;
-      scaled.b = std::ldexp(1.0, exponent) * rows.cwiseProduct(c.b);
-      scaled.f = std::ldexp(1.0, exponent) * c.f.cwiseQuotient(rows);
-      EXPECT_DOUBLE_EQ(RoundingFloor(scaled.Factors(), scaled.f), floor) << seed;
-      const LcpProblem dense = LcpProblem::FromDense("d", rows.asDiagonal() * c.A() * rows.asDiagonal(), scaled.b);
-      EXPECT_DOUBLE_EQ(RoundingFloor(dense, scaled.f), floor_of_matrix) << seed;
-      // Another unit of mass: 1/m and f in opposite directions.
-      scaled.inverse_mass *= std::ldexp(1.0, 21);
-      scaled.f *= std::ldexp(1.0, -21);
-      EXPECT_DOUBLE_EQ(RoundingFloor(scaled.Factors(), scaled.f), floor) << seed;
+      const double load = std::ldexp(1.0, exponent);
+      for (const double mass : {1.0, 0x1p21}) {
+        const LcpProblem scaled = ScaleRows(problem, rows, mass).WithB(load * rows.cwiseProduct(problem.b()));
+        const VectorXd scaled_f = load / mass * f.cwiseQuotient(rows);
+        EXPECT_DOUBLE_EQ(RoundingFloor(scaled, scaled_f), RoundingFloor(problem, f)) << seed;
+        EXPECT_DOUBLE_EQ(RoundingFloor(InForm(scaled, MatrixForm::kDense), scaled_f),
+                         RoundingFloor(InForm(problem, MatrixForm::kDense), f))
+            << seed;
+      }
     }
   }
 }
 
 TEST(RoundingFloor, BoundsWhatRelativeChangesOfForcesDoToRho) {
-  std::mt19937 random(7);
-  std::uniform_real_distribution<double> within(-1, 1);
   for (unsigned seed = 0; seed < 400; ++seed) {
     const Case c = RandomCase(seed);
-    const LcpProblem dense = LcpProblem::FromDense("d", c.A(), c.b, c.bounds);
-    for (const LcpProblem& problem : {c.Factors(), dense}) {
+    for (const LcpProblem& problem : {c.problem, InForm(c.problem, MatrixForm::kDense)}) {
       for (const double size : {1e-2, 1e-5, 1e-8}) {
-        Eigen::VectorXd changed = c.f;
-        for (double& x : changed) x *= 1 + size * within(random);
+        const VectorXd change = size * RandomVector(c.f.size(), -1, 1, seed);
         const double before = ComputeMetrics(problem, c.f).rho;
-        const double after = ComputeMetrics(problem, changed).rho;
+        const double after = ComputeMetrics(problem, c.f + c.f.cwiseProduct(change)).rho;
         const double bound = size / kUnitRoundoff * RoundingFloor(problem, c.f);
         EXPECT_LE(std::abs(after - before), bound * (1 + 1e-6) + 1e-14 * before) << seed;
       }
@@ -469,7 +416,7 @@ TEST(RoundingFloor, GrowsWithTheMassRatioOfAColumnAndTheRoundedExactAnswerIsBelo
   double previous = 0;
   for (const double ratio : {1.0, 1e2, 1e4, 1e6}) {
     const StackedColumn column = MakeStackedColumn(1000, ratio);
-    Eigen::VectorXd f(1000);
+    VectorXd f(1000);
     for (Index i = 0; i < 1000; ++i) f[i] = static_cast<double>(column.f[static_cast<size_t>(i)]);
     const double floor = RoundingFloor(column.problem, f);
     EXPECT_GT(floor, 20 * previous);
@@ -486,10 +433,9 @@ TEST(RoundingFloor, AnswersThatAreNoneHaveAnInfiniteFloor) {
   const LcpProblem problem = LcpProblem::FromDense("d", Eigen::Matrix2d::Identity(), Eigen::Vector2d(-1, 0));
   EXPECT_EQ(RoundingFloor(problem, Eigen::Vector2d(1, kNotANumber)), kInfinite);
   EXPECT_EQ(RoundingFloor(problem, Eigen::Vector2d(1, kInfinite)), kInfinite);
-  EXPECT_EQ(RoundingFloor(problem, Eigen::VectorXd::Ones(3)), kInfinite);
+  EXPECT_EQ(RoundingFloor(problem, VectorXd::Ones(3)), kInfinite);
   EXPECT_EQ(RoundingFloor(problem, Eigen::Vector2d::Zero()), 0);
-  EXPECT_EQ(RoundingFloor(LcpProblem::FromDense("0", Eigen::MatrixXd(0, 0), Eigen::VectorXd(0)), Eigen::VectorXd(0)),
-            0);
+  EXPECT_EQ(RoundingFloor(LcpProblem::FromDense("0", Eigen::MatrixXd(0, 0), VectorXd(0)), VectorXd(0)), 0);
   // Absolute where b = 0, as rho is.
   const LcpProblem homogeneous = LcpProblem::FromDense("h", 4 * Eigen::Matrix2d::Identity(), Eigen::Vector2d::Zero());
   EXPECT_DOUBLE_EQ(RoundingFloor(homogeneous, Eigen::Vector2d(3, 4)), 10 * kUnitRoundoff);
@@ -512,8 +458,8 @@ void ExpectTheSame(const Verdict& verdict, const Verdict& strict) {
 }
 
 // w = f - 1: rho is |f - 1| for f near 1.
-LcpProblem One() { return LcpProblem::FromDense("one", Eigen::MatrixXd::Ones(1, 1), -Eigen::VectorXd::Ones(1)); }
-LcpResult Off(double error) { return Solved(Eigen::VectorXd::Constant(1, 1 - error)); }
+LcpProblem One() { return LcpProblem::FromDense("one", Eigen::MatrixXd::Ones(1, 1), -VectorXd::Ones(1)); }
+LcpResult Off(double error) { return Claim(VectorXd::Constant(1, 1 - error)); }
 
 TEST(Verify, ATierIsMetUpToItAndNotBeyond) {
   const LcpProblem hidden = Diagonal({1, 1}, {-1, 1e12});  // only the backward error of row 0 says anything
@@ -522,11 +468,11 @@ TEST(Verify, ATierIsMetUpToItAndNotBeyond) {
       EXPECT_EQ(Verify(One(), Off(times * tier), tier).passes, times < 1) << tier;
       const double backward = times * std::sqrt(tier);
       const Eigen::Vector2d f(1 - 2 * backward / (1 + backward), 0);
-      EXPECT_EQ(Verify(hidden, Solved(f), tier).passes, times < 1) << tier;
+      EXPECT_EQ(Verify(hidden, Claim(f), tier).passes, times < 1) << tier;
     }
   }
   // What rounding explains is finer than doubles are.
-  EXPECT_NEAR(ComputeMetrics(One(), Eigen::VectorXd::Constant(1, 1 - 0x1p-50)).backward_error, 0x1p-51, 0x1p-60);
+  EXPECT_NEAR(ComputeMetrics(One(), VectorXd::Constant(1, 1 - 0x1p-50)).backward_error, 0x1p-51, 0x1p-60);
 }
 
 TEST(VerdictAtTheFloor, PassesUpToTheFloorAndSaysSo) {
@@ -547,33 +493,26 @@ TEST(VerdictAtTheFloor, PassesUpToTheFloorAndSaysSo) {
   EXPECT_FALSE(Verify(One(), Off(0.5e-9), 1e-9, &reference).at_floor);
 }
 
-TEST(VerdictAtTheFloor, AFloorBelowTheTierOrNoneChangesNothing) {
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> exponent(-13, -1);
-  for (int k = 0; k < 300; ++k) {
-    const LcpResult result = Off(std::pow(10, exponent(random)));
+// A floor below the tier, or one that is no number >= 0, changes nothing.
+TEST(VerdictAtTheFloor, PassesExactlyWhatMeetsTheLargerOfTierAndFloor) {
+  std::mt19937_64 random(3);
+  for (int k = 0; k < 500; ++k) {
+    const LcpResult result = Off(std::pow(10, Uniform(&random, -13, -1)));
     for (const double tier : kTiers) {
       const Verdict strict = Verify(One(), result, tier);
       EXPECT_EQ(strict.metrics.floor, -1);
-      for (const double floor : {0.0, 1e-16, 0.99 * kTiers[0], kNotANumber, kInfinite, -1.0, -kInfinite}) {
+      const double any = std::pow(10, Uniform(&random, -12, -3));
+      for (const double floor : {0.0, 1e-16, 0.99 * kTiers[0], kNotANumber, kInfinite, -1.0, -kInfinite, any}) {
         const LcpReference reference = WithFloor(floor);
         const Verdict verdict = Verify(One(), result, tier, &reference);
-        ExpectTheSame(verdict, strict);
+        if (floor == any) {
+          EXPECT_EQ(verdict.passes, Verify(One(), result, std::max(tier, any)).passes);
+          EXPECT_EQ(verdict.at_floor, verdict.passes && !strict.passes);
+        } else {
+          ExpectTheSame(verdict, strict);
+        }
       }
     }
-  }
-}
-
-TEST(VerdictAtTheFloor, PassesExactlyWhatMeetsTheLargerOfTierAndFloor) {
-  std::mt19937 random(4);
-  std::uniform_real_distribution<double> exponent(-12, -3);
-  for (int k = 0; k < 1000; ++k) {
-    const LcpResult result = Off(std::pow(10, exponent(random)));
-    const LcpReference reference = WithFloor(std::pow(10, exponent(random)));
-    const double tier = kTiers[k % 3];
-    const Verdict verdict = Verify(One(), result, tier, &reference);
-    EXPECT_EQ(verdict.passes, Verify(One(), result, std::max(tier, *reference.floor)).passes);
-    EXPECT_EQ(verdict.at_floor, verdict.passes && !Verify(One(), result, tier).passes);
   }
 }
 
@@ -591,7 +530,7 @@ TEST(VerdictAtTheFloor, TheBackwardErrorIsJudgedByTheSameTier) {
   const auto verdict = [](double e, double floor) {
     const LcpProblem problem = LcpProblem::FromDense("d", Eigen::Matrix2d::Identity(), Eigen::Vector2d(-1, 1e9));
     const LcpReference reference = WithFloor(floor);
-    return Verify(problem, Solved(Eigen::Vector2d(1 - e, 0)), 1e-9, &reference);
+    return Verify(problem, Claim(Eigen::Vector2d(1 - e, 0)), 1e-9, &reference);
   };
   EXPECT_FALSE(verdict(1e-3, 1e-10).passes);
   EXPECT_TRUE(verdict(1e-3, 1e-6).passes);
@@ -609,13 +548,13 @@ TEST(VerdictAtTheFloor, AHugeSelfStressDoesNotLoosenAVerdict) {
     const double ulp = std::nextafter(t, 2 * t) - t;
     for (const double error : {0.0, ulp, -ulp}) {
       const Eigen::Vector2d f(t + 1 + error, t);
-      const Verdict strict = Verify(problem, Solved(f), 1e-9);
-      const Verdict verdict = Verify(problem, Solved(f), 1e-9, &reference);
+      const Verdict strict = Verify(problem, Claim(f), 1e-9);
+      const Verdict verdict = Verify(problem, Claim(f), 1e-9, &reference);
       ExpectTheSame(verdict, strict);
       EXPECT_DOUBLE_EQ(verdict.metrics.answer_floor, RoundingFloor(problem, f));
       // Its own floor would have let it pass.
       const LcpReference own = WithFloor(RoundingFloor(problem, f));
-      loosened += Verify(problem, Solved(f), 1e-9, &own).passes && !strict.passes ? 1 : 0;
+      loosened += Verify(problem, Claim(f), 1e-9, &own).passes && !strict.passes ? 1 : 0;
     }
   }
   EXPECT_GT(loosened, 10);

@@ -19,39 +19,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Rows between random pairs of bodies, near neighbours in number, every tenth between a body and the ground and every
-// eighth a copy of an earlier one: redundant from 3 rows per body on.
-LcpProblem RandomBodies(Index bodies, Index rows, unsigned seed) {
-  TestRandom random(seed);
-  Triplets entries;
-  std::vector<std::pair<int, int>> pairs;
-  std::vector<Eigen::Matrix<double, 6, 1>> normals;
-  for (int i = 0; i < rows; ++i) {
-    int first = random.Integer(0, static_cast<int>(bodies) - 1);
-    int second = std::min(first + random.Integer(1, 4), static_cast<int>(bodies) - 1);
-    Eigen::Matrix<double, 6, 1> j;
-    for (double& value : j) value = random.Integer(-8, 8) / 8.0;
-    j[0] += 2;
-    if (i % 8 == 7) {
-      const auto earlier = static_cast<size_t>(random.Integer(0, i - 1));
-      first = pairs[earlier].first;
-      second = pairs[earlier].second;
-      j = normals[earlier];
-    }
-    pairs.emplace_back(first, second);
-    normals.push_back(j);
-    for (int a = 0; a < 3; ++a) {
-      entries.emplace_back(i, 3 * first + a, j[a]);
-      if (second != first && i % 10 != 0) entries.emplace_back(i, 3 * second + a, j[3 + a]);
-    }
-  }
-  SparseMatrix J(rows, 3 * bodies);
-  J.setFromTriplets(entries.begin(), entries.end(), [](double a, double) { return a; });
-  VectorXd inverse_mass(3 * bodies);
-  for (double& m : inverse_mass) m = std::ldexp(random.Integer(4, 7), -2 * random.Integer(1, 2));
-  return LcpProblem::FromFactors("bodies-" + std::to_string(seed), J, inverse_mass, VectorXd::Ones(rows));
-}
-
 void FlipSome(int most, TestRandom* random, std::vector<char>* active) {
   for (int k = random->Integer(1, most); k > 0; --k) {
     char& flag = (*active)[static_cast<size_t>(random->Integer(0, static_cast<int>(active->size()) - 1))];
@@ -79,7 +46,7 @@ TYPED_TEST_SUITE(ActiveBlockTest, Forms);
 TYPED_TEST(ActiveBlockTest, SolvesForChangingSets) {
   for (const Index n : {1, 2, 7, 16, 17, 40, 75, 95}) {
     for (const Index bodies : {1 + n / 4, 1 + n / 2, 2 * n}) {
-      const LcpProblem problem = RandomBodies(bodies, n, static_cast<unsigned>(n));
+      const LcpProblem problem = PlantedProblem(n, static_cast<int>(bodies), static_cast<unsigned>(n), 0, 0).problem;
       SCOPED_TRACE(problem.id() + " of " + std::to_string(bodies));
       TestRandom random(static_cast<unsigned>(n));
       VectorXd scale(n);
@@ -120,7 +87,7 @@ TYPED_TEST(ActiveBlockTest, SolvesForChangingSets) {
 // Singular blocks: pivots are held to the shift, and the residual is small though x is not determined by A.
 TYPED_TEST(ActiveBlockTest, HoldsPivotsOfSingularBlocksToTheShift) {
   for (unsigned seed = 0; seed < 20; ++seed) {
-    const LcpProblem problem = RandomBodies(4, 40, seed);
+    const LcpProblem problem = PlantedProblem(40, 4, seed, 0, 0).problem;
     const Index n = problem.size();
     const std::vector<char> active(static_cast<size_t>(n), 1);
     TypeParam block;
@@ -135,7 +102,7 @@ TYPED_TEST(ActiveBlockTest, HoldsPivotsOfSingularBlocksToTheShift) {
 
 TEST(SparseActiveBlock, AnUpdatedFactorIsTheFreshOneToTheLastBit) {
   const Index n = 60;
-  const LcpProblem problem = RandomBodies(25, n, 5);
+  const LcpProblem problem = PlantedProblem(n, 25, 5, 0, 0).problem;
   SparseActiveBlock updated;
   LoadUnscaled(problem, &updated);
   SparseActiveBlock fresh;

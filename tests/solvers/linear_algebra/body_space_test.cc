@@ -27,12 +27,6 @@ Scaled RandomScene(unsigned seed) {
   return scene;
 }
 
-Eigen::VectorXd Random(Index n, double low, double high, std::mt19937* random) {
-  Eigen::VectorXd x(n);
-  for (double& value : x) value = low + (high - low) * static_cast<double>((*random)()) / 4294967296.0;
-  return x;
-}
-
 TEST(BodySpace, MultipliesAndSolvesWithAnyPositiveDiagonalWhateverTheRank) {
   for (unsigned seed = 1; seed <= 200; ++seed) {
     const Scaled scene = RandomScene(seed);
@@ -41,16 +35,16 @@ TEST(BodySpace, MultipliesAndSolvesWithAnyPositiveDiagonalWhateverTheRank) {
     BodySpace bodies;
     bodies.Prepare(scene.problem, {});
     bodies.Load(scene.problem, scene.root);
-    std::mt19937 random(seed);
-    const Eigen::VectorXd f = Random(n, -1, 1, &random);
+    std::mt19937_64 random(seed);
+    const Eigen::VectorXd f = UniformVector(&random, n, -1, 1);
     Eigen::VectorXd y(n);
     bodies.Multiply(f.data(), y.data());
     EXPECT_LE((y - scene.A * f).cwiseAbs().maxCoeff(), 1e-13 * static_cast<double>(n)) << seed;
     for (const double spread : {0.0, 3.0, 6.0}) {  // theta from 10^-spread to 10^spread
-      Eigen::VectorXd theta = Random(n, -spread, spread, &random);
+      Eigen::VectorXd theta = UniformVector(&random, n, -spread, spread);
       for (double& t : theta) t = std::pow(10.0, t);
       ASSERT_TRUE(bodies.Factorize(theta)) << bodies.why();
-      const Eigen::VectorXd r = Random(n, -1, 1, &random);
+      const Eigen::VectorXd r = UniformVector(&random, n, -1, 1);
       Eigen::VectorXd x;
       bodies.Solve(r, &x);
       const Eigen::MatrixXd shifted = scene.A + Eigen::MatrixXd(theta.asDiagonal());
@@ -117,8 +111,8 @@ int AnalysesOf(const LcpProblem& problem, BodySpace* bodies) {
   bodies->Load(problem, root);
   const Eigen::VectorXd theta = Eigen::VectorXd::Constant(n, 0.25);
   EXPECT_TRUE(bodies->Factorize(theta));
-  std::mt19937 random(5);
-  const Eigen::VectorXd r = Random(n, -1, 1, &random);
+  std::mt19937_64 random(5);
+  const Eigen::VectorXd r = UniformVector(&random, n, -1, 1);
   Eigen::VectorXd x, y(n);
   bodies->Solve(r, &x);
   bodies->Multiply(x.data(), y.data());

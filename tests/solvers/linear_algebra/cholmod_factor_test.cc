@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/solvers/test_problems.h"
+
 namespace lcpbench {
 namespace {
 
@@ -30,18 +32,15 @@ Eigen::MatrixXd Arrow(Eigen::Index n, Eigen::Index hub) {
 Eigen::VectorXi GivenOrder(Eigen::Index n) { return Eigen::VectorXi::LinSpaced(n, 0, static_cast<int>(n) - 1); }
 
 TEST(CholmodFactor, SolvesInAnyGivenOrder) {
-  std::mt19937 random(3);
-  std::normal_distribution<double> normal;
-  for (int trial = 0; trial < 40; ++trial) {
-    const Eigen::Index n = 1 + trial;
+  std::mt19937_64 random(3);
+  for (Eigen::Index n = 1; n <= 40; ++n) {
     Eigen::MatrixXd root(n, n);
-    for (double& value : root.reshaped()) value = random() % 3 == 0 ? normal(random) : 0.0;
+    for (double& value : root.reshaped()) value = random() % 3 == 0 ? Uniform(&random, -2, 2) : 0.0;
     Eigen::MatrixXd matrix = root * root.transpose();
     matrix.diagonal().array() += 1;
     Eigen::VectorXi order = GivenOrder(n);
     std::shuffle(order.begin(), order.end(), random);
-    Eigen::VectorXd expected(n);
-    for (double& value : expected) value = normal(random);
+    const Eigen::VectorXd expected = UniformVector(&random, n, -1, 1);
     for (const Definiteness definiteness : {Definiteness::kPositiveDefinite, Definiteness::kQuasidefinite}) {
       CholmodFactor factor;
       factor.Analyze(definiteness, LowerTriangle(matrix), order);
@@ -69,24 +68,20 @@ TEST(CholmodFactor, EliminatesInTheGivenOrder) {
 
 // The Laplacian of a square grid, shifted; large enough that CHOLMOD's analysis asks for supernodes.
 ColumnMatrix GridLaplacian(int side, double shift) {
-  std::vector<Eigen::Triplet<double, int>> entries;
+  Triplets entries;
   for (int i = 0; i < side * side; ++i) {
     entries.emplace_back(i, i, 4 + shift);
     if (i % side + 1 < side) entries.emplace_back(i + 1, i, -1.0);
     if (i + side < side * side) entries.emplace_back(i + side, i, -1.0);
   }
-  ColumnMatrix lower(side * side, side * side);
-  lower.setFromTriplets(entries.begin(), entries.end());
-  return lower;
+  return MatrixOf(side * side, side * side, entries);
 }
 
 TEST(CholmodFactor, SolvesBySupernodesInEveryOrderAndAgainAfterTheValuesChanged) {
   const ColumnMatrix lower = GridLaplacian(120, 0.01);
   const Eigen::Index n = lower.cols();
-  std::mt19937 random(5);
-  std::normal_distribution<double> normal;
-  Eigen::VectorXd expected(n);
-  for (double& value : expected) value = normal(random);
+  std::mt19937_64 random(5);
+  const Eigen::VectorXd expected = UniformVector(&random, n, -1, 1);
   for (const int way : {0, 1, 2}) {
     CholmodFactor factor;
     if (way == 0) factor.Analyze(Definiteness::kPositiveDefinite, lower);

@@ -114,9 +114,7 @@ TEST(Islands, ByColumnsNeedNoA) {
 
 // A block on the ground: its tangent and its normal do not act on each other.
 TEST(Islands, AFrictionRowIsWithItsNormal) {
-  SparseMatrix J(4, 6);
-  const std::vector<Eigen::Triplet<double, int>> entries = {{0, 1, 1}, {1, 4, 1}, {2, 0, 1}, {3, 3, 1}};
-  J.setFromTriplets(entries.begin(), entries.end());
+  const SparseMatrix J = MatrixOf(4, 6, {{0, 1, 1}, {1, 4, 1}, {2, 0, 1}, {3, 3, 1}});
   RowBounds bounds;
   bounds.friction = {{2, 0, 0.5}, {3, 1, 0.25, -1}};
   const Eigen::Vector4d b(-1, -2, -3, -4);

@@ -11,6 +11,7 @@
 
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
+#include "tests/solvers/solve_with.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -51,11 +52,7 @@ TEST_P(TunedPeer, PassesEveryTierOnNearlyAllGeneratedProblems) {
     int taken = 0;
     int passed = 0;
     for (const TestProblem& test : GeneratedProblems()) {
-      LcpOptions options;
-      options.tolerance = tier;
-      options.time_limit_s = 2;
-      LcpResult result;
-      solver->Solve(test.problem, options, &result);
+      const LcpResult result = SolveWith(solver.get(), test.problem, {.tolerance = tier, .time_limit_s = 2});
       if (result.status == LcpStatus::kUnsupported) continue;
       ++taken;
       if (Verify(test.problem, result, tier).passes) ++passed;

@@ -59,21 +59,16 @@ TEST(SolversInTurn, AnswersWithTheFirstThatPassesElseWithTheLeastRho) {
       for (double& force : f) force += error * (1 + std::abs(force)) * Uniform(&random, 0.5, 1);
       fixed.push_back(std::make_shared<Fixed>(f));
       turns.push_back({fixed.back()});
-      LcpResult claimed;
-      claimed.status = LcpStatus::kSolved;
-      claimed.f = f;
-      verdicts.push_back(Verify(test.problem, claimed, kOptions.tolerance));
+      verdicts.push_back(Verify(test.problem, Claim(f), kOptions.tolerance));
       const std::size_t at = verdicts.size() - 1;
       if (verdicts[expected].passes) continue;
       if (verdicts[at].passes || verdicts[at].metrics.rho < verdicts[expected].metrics.rho) expected = at;
     }
     SolversInTurn solver(turns);
-    LcpResult of_problem, of_arrays;
-    solver.Solve(test.problem, kOptions, &of_problem);
-    solver.SolveArrays(ProblemArrays::Of(test.problem), kOptions, &of_arrays);
     const bool passes = verdicts[expected].passes;
     passed += passes ? 1 : 0;
-    for (const LcpResult& result : {of_problem, of_arrays}) {
+    for (const LcpResult& result :
+         {SolveWith(&solver, test.problem, kOptions), SolveArraysWith(&solver, test.problem, kOptions)}) {
       const auto taken = std::find_if(fixed.begin(), fixed.end(), [&](const auto& one) {
         return SolveWith(one.get(), test.problem, kOptions).f == result.f;
       });
@@ -107,12 +102,8 @@ TEST(SolversInTurn, ATurnWithAShiftIsAskedAPlusSIInTheGivenForm) {
     for (const bool from_arrays : {false, true}) {
       const auto asked = std::make_shared<Asked>();
       SolversInTurn solver({{std::make_shared<Fixed>(wrong)}, {asked, 1e-3}});
-      LcpResult result;
-      if (from_arrays) {
-        solver.SolveArrays(ProblemArrays::Of(test.problem), kOptions, &result);
-      } else {
-        solver.Solve(test.problem, kOptions, &result);
-      }
+      const LcpResult result =
+          from_arrays ? SolveArraysWith(&solver, test.problem, kOptions) : SolveWith(&solver, test.problem, kOptions);
       Eigen::MatrixXd expected = test.problem.DenseA();
       const double s = 1e-3 * expected.diagonal().cwiseAbs().maxCoeff();
       expected.diagonal().array() += s;

@@ -13,6 +13,7 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/islands.h"
 #include "tests/solvers/exact_problems.h"
+#include "tests/solvers/solve_with.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -21,35 +22,11 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Positive definite, with joints, degenerate rows and zeros.
+// Of full rank; some with joints, or degenerate rows.
 LcpProblem Definite(Index n, unsigned seed) {
-  TestRandom random(seed);
-  MatrixXd G = MatrixXd::Zero(n, n);
-  for (Index i = 0; i < n; ++i) {
-    for (int k = 0; k < 3; ++k) G(i, random.Integer(0, static_cast<int>(n) - 1)) += random.Integer(-2, 2);
-    G(i, i) += 7;
-  }
-  const MatrixXd A = G * G.transpose();
-  VectorXd f(n);
-  VectorXd w = VectorXd::Zero(n);
-  std::vector<Index> bilateral;
-  for (Index i = 0; i < n; ++i) {
-    f[i] = random.Integer(-3, 4);
-    if (random.Chance(0.15)) {
-      bilateral.push_back(i);
-    } else if (f[i] < 0) {
-      w[i] = -f[i];
-      f[i] = 0;
-    }
-  }
-  return LcpProblem::FromDense("definite", A, w - A * f, RowBounds::WithBilateralRows(n, bilateral), SymmetricPsd());
-}
-
-LcpResult Claimed(const VectorXd& f) {
-  LcpResult result;
-  result.f = f;
-  result.status = LcpStatus::kSolved;
-  return result;
+  const int bilateral_every = (seed / 1000 + seed) % 3 == 0 ? 7 : 0, degenerate_every = seed / 1000 % 2 == 0 ? 0 : 5;
+  const auto bodies = static_cast<int>(2 * n);
+  return InForm(PlantedProblem(n, bodies, seed, bilateral_every, degenerate_every).problem, MatrixForm::kDense);
 }
 
 class SmallPivotingTest : public testing::TestWithParam<InstructionSet> {};
@@ -63,7 +40,7 @@ TEST_P(SmallPivotingTest, SolvesDefiniteProblemsOfEverySize) {
       VectorXd f(n);
       const auto [rho, rounding, rows_meet, rows_are_clear] = tableau.Solve(problem, {}, &f);
       EXPECT_LE(rho, 1e-13) << n;
-      const Verdict verdict = Verify(problem, Claimed(f), 1e-9);
+      const Verdict verdict = Verify(problem, Claim(f), 1e-9);
       EXPECT_TRUE(verdict.passes) << n << ": " << verdict.reason;
       EXPECT_TRUE(rows_meet);
       EXPECT_LE(rounding, 1e-10);

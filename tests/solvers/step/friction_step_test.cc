@@ -15,6 +15,7 @@
 #include "solvers/registry.h"
 #include "solvers/step/step_solver.h"
 #include "tests/solvers/friction/friction_suite.h"
+#include "tests/solvers/solve_with.h"
 #include "tests/support/refusal.h"
 
 namespace lcpbench {
@@ -56,17 +57,14 @@ TEST(StepWithFriction, AnswersPassAndTellTheirGaps) {
 TEST(StepWithFriction, IsWhatAutoDoesFromArraysAndFromAProblem) {
   StepSolver steps;
   const std::unique_ptr<LcpSolver> solver = MakeSolver("auto");
-  LcpResult from_arrays, from_problem;
   for (const LcpProblem& problem : Problems()) {
     const StepArrays arrays = StepArrays::Of(problem);
     VectorXd f(problem.size());
     const std::int64_t before = steps.fallbacks();
     steps.Solve(arrays.View(), nullptr, f.data());
     if (steps.fallbacks() != before) continue;
-    solver->SolveArrays(ProblemArrays::Of(problem), {.tolerance = 1e-9}, &from_arrays);
-    solver->Solve(problem, {.tolerance = 1e-9}, &from_problem);
-    EXPECT_EQ(from_arrays.f, f) << problem.id();
-    EXPECT_EQ(from_problem.f, f) << problem.id();
+    EXPECT_EQ(SolveArraysWith(solver.get(), problem).f, f) << problem.id();
+    EXPECT_EQ(SolveWith(solver.get(), problem).f, f) << problem.id();
   }
 }
 

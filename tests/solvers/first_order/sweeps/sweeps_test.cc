@@ -50,7 +50,7 @@ TEST(Sweeps, ColouredSweepsAreForwardSweepsOfPermutedRowsBitForBit) {
       RowWork work;
       LayOut(problem, form, true, {&work});
       const std::vector<Index>& order = work.scaled.order;
-      const LcpProblem permuted = PermuteRows(problem, order);
+      const LcpProblem permuted = RowsOf(problem, order);
       for (const double omega : {1.0, 1.7}) {
         const LcpResult coloured = Iterate(problem, form, SweepOrder::kColoured, 9, omega);
         const LcpResult forward = Iterate(permuted, form, SweepOrder::kForward, 9, omega);
@@ -71,9 +71,8 @@ TEST(Sweeps, SymmetricSweepsOfAReversedProblemStartBackwards) {
   const LcpResult there = Iterate(test.problem, RowForm::kMatrixFree, SweepOrder::kForward, 1);
   const LcpResult both = Iterate(test.problem, RowForm::kMatrixFree, SweepOrder::kSymmetric, 2);
   const Eigen::VectorXd start = there.f.reverse();
-  const LcpResult back =
-      IterateNew<PgsSolver>(PermuteRows(test.problem, reverse),
-                            {.form = RowForm::kMatrixFree, .sweep = SweepOrder::kForward}, 1e-15, 1, &start);
+  const LcpResult back = IterateNew<PgsSolver>(
+      RowsOf(test.problem, reverse), {.form = RowForm::kMatrixFree, .sweep = SweepOrder::kForward}, 1e-15, 1, &start);
   const double size = both.f.cwiseAbs().maxCoeff();
   EXPECT_LE((back.f.reverse() - both.f).cwiseAbs().maxCoeff(), 1e-12 * size);
   EXPECT_GT((there.f - both.f).cwiseAbs().maxCoeff(), 1e-3 * size);

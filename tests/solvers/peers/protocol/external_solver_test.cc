@@ -24,9 +24,7 @@ ExternalSolverOptions Worker(const std::string& manner) {
 }
 
 LcpResult SolveThere(ExternalSolver& solver, const LcpProblem& problem, double time_limit_s = 5) {
-  LcpOptions options;
-  options.time_limit_s = time_limit_s;
-  return SolveWith(&solver, problem, options);
+  return SolveWith(&solver, problem, {.time_limit_s = time_limit_s});
 }
 
 LcpResult SolveHere(const LcpProblem& problem) { return SolveBy("dantzig", problem); }
@@ -53,8 +51,7 @@ TEST(ExternalSolver, GivesTheBitsOfTheSameSolverInThisProcess) {
   const auto dantzig = MakeSolver("dantzig", {});
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const LcpProblem problem = PlantedProblem(15, 5, seed, 3, 0).problem;
-    LcpResult here;  // a worker begins at arrays
-    dantzig->SolveArrays(ProblemArrays::Of(problem), {}, &here);
+    const LcpResult here = SolveArraysWith(dantzig.get(), problem);  // a worker begins at arrays
     const LcpResult there = SolveThere(external, problem);
     EXPECT_EQ(there.status, here.status);
     EXPECT_EQ(there.f, here.f);
