@@ -2,7 +2,6 @@
 
 #include <Eigen/LU>
 
-#include "support/input_error.h"
 #include "tests/model/contact/random_contacts.h"
 
 namespace lcpbench::testing {

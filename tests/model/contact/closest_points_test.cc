@@ -2,7 +2,6 @@
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 
-#include "support/input_error.h"
 #include "tests/model/contact/random_contacts.h"
 
 namespace lcpbench::testing {

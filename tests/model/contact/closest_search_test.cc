@@ -1,6 +1,5 @@
 #include "model/contact/closest_points.h"
 
-#include "support/input_error.h"
 #include "tests/model/contact/random_contacts.h"
 
 namespace lcpbench::testing {
@@ -127,67 +126,54 @@ void ExpectRefusal(const std::string& condition, const Feature& feature1, const 
 const EllipseEdge kEllipse{{0, 0}, 2, 1, 0, Side::kConvex};
 const SuperellipseEdge kOval{{0, 0}, 2, 1, 4, 0, Side::kConvex};
 
-TEST(Search, RefusesMatchingCurvaturesAndCentersOfCurvatureNamingBothFeatures) {
+// No tangent of it is vertical.
+const BezierEdge kBend{{Vec2{0, 0}, Vec2{1, 0}, Vec2{2, 0.5}, Vec2{3, 1}}};
+
+TEST(Search, RefusesWhatIsNoContactNamingTheConditionAndBothFeatures) {
+  EllipseEdge hole = kEllipse;
+  hole.side = Side::kConcave;
+  const StraightEdge floor{{1, -1}, {-1, -1}};
+  const StraightEdge upright{{0, 0}, {0, 1}};
+  const BezierEdge beyond{{Vec2{0, 0}, Vec2{1, 0}, Vec2{2, 0.5}, Vec2{3, 2}}};
   // The centre of curvature of the tip (2, 0), of radius 1/2, and of the side (0, 1), of radius 4.
   ExpectRefusal("centre of curvature", Vertex{{1.5, 0}}, kEllipse, {{}, 0.0, 0});
   ExpectRefusal("centre of curvature", Vertex{{0, -3}}, kEllipse, {{}, kPi / 2, 0}, Regularity::kNonzeroD);
   ExpectRefusal("curvature match", ArcEdge{{1.5, 0}, 0.5, Side::kConcave}, kEllipse, {{}, 0.0, 0});
-  EllipseEdge hole = kEllipse;
-  hole.side = Side::kConcave;
   ExpectRefusal("curvature match", kEllipse, hole, {0.0, 0.0, 0});
-}
-
-TEST(Search, RefusesStationaryPointsThatAreNoContacts) {
+  ExpectRefusal("curvature match", kOval, floor, {-kPi / 2, {}, 0});
   // A disc within the ellipse's concave counterpart, too large for the tip; a vertex at the centre, whose distance to
   // the tips is greatest.
-  EllipseEdge hole = kEllipse;
-  hole.side = Side::kConcave;
   ExpectRefusal("no local minimum", ArcEdge{{1.2, 0}, 0.8, Side::kConvex}, hole, {{}, 0.0, 0});
   ExpectRefusal("no local minimum", StraightEdge{{-1, -1}, {1, -1}}, hole, {{}, -1.5, 0});
   ExpectRefusal("no local minimum", Vertex{{0, 0}}, kEllipse, {{}, 0.0, 0});
-  EXPECT_EQ(RefusalOf(Vertex{{0, 0}}, kEllipse, {{}, 0.0, 0}, Regularity::kNonzeroD), "")
-      << "as a path joint it may be";
+  ExpectRefusal("beyond the end", Vertex{{-0.2, -1}}, beyond, {{}, 0.1, 0});
+  ExpectRefusal("not finite", Vertex{{3, 0}}, kEllipse, {{}, kNaN, 0});
+  ExpectRefusal("not finite", kOval, kEllipse, {kInfinity, 1, 0});
+  ExpectRefusal("does not converge", upright, kBend, {{}, 0.5, 0});
+  ExpectRefusal("no stationary point", upright, kBend);
+  EXPECT_NE(RefusalOf(Vertex{{-1, -1}}, beyond), "");
+  // The end itself belongs to the curve, and a path joint may be where no contact is.
+  EXPECT_EQ(RefusalOf(Vertex{{0, -1}}, beyond, {{}, 0.1, 0}), "");
+  EXPECT_EQ(RefusalOf(Vertex{{0, -1}}, beyond), "");
+  EXPECT_EQ(RefusalOf(Vertex{{0, 0}}, kEllipse, {{}, 0.0, 0}, Regularity::kNonzeroD), "");
+  const BezierEdge straight{{Vec2{0, 0}, Vec2{1, 0}, Vec2{2, 0}, Vec2{3, 0}}};
+  EXPECT_NE(RefusalOf(straight, floor), "");
+  EXPECT_NE(RefusalOf(straight, floor, {0.5, {}, 0}), "");
 }
 
 TEST(Search, RefusesTheFlatSideOfASuperellipseOnAStraightEdgeButNotOnAVertexOrArc) {
   const StraightEdge floor{{1, -1}, {-1, -1}};
-  const StraightEdge wall{{-2, 1}, {-2, -1}};
   for (const double s : {-kPi / 2, -1.57, -1.5, -1.0}) {
     EXPECT_NE(RefusalOf(kOval, floor, {s, {}, 0}), "") << s;
   }
   EXPECT_NE(RefusalOf(kOval, floor), "");
-  EXPECT_NE(RefusalOf(wall, kOval), "");
-  ExpectRefusal("curvature match", kOval, StraightEdge{{1, -1}, {-1, -1}}, {-kPi / 2, {}, 0});
+  EXPECT_NE(RefusalOf(StraightEdge{{-2, 1}, {-2, -1}}, kOval), "");
   const ClosestPoints vertex = FindClosestPoints({Vertex{{0, -1.25}}, {0, 0}, {}}, {kOval, {0, 0}, {}}, {{}, -1.6, 0});
   EXPECT_EQ(vertex.d, 0.25);
   EXPECT_NEAR(vertex.curvature2.s, 0, 1e-25);
   const ArcEdge disc{{0, -1.25}, 0.125, Side::kConvex};
   EXPECT_EQ(FindClosestPoints({disc, {0, 0}, {}}, {kOval, {0, 0}, {}}, {{}, -1.6, 0}).d, 0.125);
   EXPECT_EQ(FindClosestPoints({disc, {0, 0}, {}}, {kOval, {0, 0}, {}}, {{}, {}, 0.125}).d, 0.125);
-}
-
-TEST(Search, RefusesStraightBezierCurveOnStraightEdge) {
-  const BezierEdge straight{{Vec2{0, 0}, Vec2{1, 0}, Vec2{2, 0}, Vec2{3, 0}}};
-  EXPECT_NE(RefusalOf(straight, StraightEdge{{1, -1}, {-1, -1}}), "");
-  EXPECT_NE(RefusalOf(straight, StraightEdge{{1, -1}, {-1, -1}}, {0.5, {}, 0}), "");
-}
-
-TEST(Search, RefusesPointsBeyondTheEndsOfABezierCurve) {
-  const BezierEdge curve{{Vec2{0, 0}, Vec2{1, 0}, Vec2{2, 0.5}, Vec2{3, 2}}};
-  ExpectRefusal("beyond the end", Vertex{{-0.2, -1}}, curve, {{}, 0.1, 0});
-  EXPECT_NE(RefusalOf(Vertex{{-1, -1}}, curve), "");
-  // The end itself belongs to the curve.
-  EXPECT_EQ(RefusalOf(Vertex{{0, -1}}, curve, {{}, 0.1, 0}), "");
-  EXPECT_EQ(RefusalOf(Vertex{{0, -1}}, curve), "");
-}
-
-TEST(Search, RefusesStartsThatAreNotFiniteAndSearchesThatDoNotConverge) {
-  ExpectRefusal("not finite", Vertex{{3, 0}}, kEllipse, {{}, kNaN, 0});
-  ExpectRefusal("not finite", kOval, kEllipse, {kInfinity, 1, 0});
-  // No tangent of this curve is vertical.
-  const BezierEdge curve{{Vec2{0, 0}, Vec2{1, 0}, Vec2{2, 0.5}, Vec2{3, 1}}};
-  ExpectRefusal("does not converge", StraightEdge{{0, 0}, {0, 1}}, curve, {{}, 0.5, 0});
-  ExpectRefusal("no stationary point", StraightEdge{{0, 0}, {0, 1}}, curve);
 }
 
 // A bad start may fail, but must not be answered with a point that is none.

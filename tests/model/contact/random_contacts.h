@@ -5,7 +5,6 @@
 #include "model/contact/closest_points.h"
 #include "model/contact/system.h"
 #include "model/geometry/smooth_curve.h"
-#include "support/input_error.h"
 #include "tests/support/refusal.h"
 
 namespace lcpbench::testing {

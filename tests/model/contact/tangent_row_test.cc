@@ -5,7 +5,6 @@
 #include "model/contact/world.h"
 #include "model/records/records.h"
 #include "model/scenes/scene.h"
-#include "support/input_error.h"
 #include "tests/model/contact/random_contacts.h"
 
 namespace lcpbench::testing {

@@ -1,10 +1,7 @@
 #include "model/detection/narrow_phase.h"
 
 #include "model/shape/shapes.h"
-#include "support/input_error.h"
-#include "tests/model/contact/random_contacts.h"
 #include "tests/model/detection/gap_sampling.h"
-#include "tests/model/shape/random_outlines.h"
 #include "tests/support/cases.h"
 
 namespace lcpbench {

@@ -1,6 +1,5 @@
 #include "model/geometry/broad_phase.h"
 
-#include "support/input_error.h"
 #include "tests/model/shape/random_outlines.h"
 
 namespace lcpbench::testing {

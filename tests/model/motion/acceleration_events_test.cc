@@ -1,8 +1,6 @@
 // Motion at the acceleration level at its events: impacts, rest, contacts that begin and end, walls that move.
 
 #include "model/contact/loads.h"
-#include "model/scenes/random.h"
-#include "model/shape/shapes.h"
 #include "tests/model/motion/mover.h"
 
 namespace lcpbench {

@@ -2,10 +2,7 @@
 // solver, also one that fails, and refusals.
 
 #include "model/contact/assembly.h"
-#include "model/scenes/random.h"
-#include "model/shape/shapes.h"
 #include "solvers/registry.h"
-#include "support/input_error.h"
 #include "tests/model/motion/mover.h"
 #include "tests/solvers/solvers_under_test.h"
 

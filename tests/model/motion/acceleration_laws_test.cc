@@ -4,8 +4,6 @@
 #include <boost/math/special_functions/ellint_1.hpp>
 
 #include "model/contact/loads.h"
-#include "model/scenes/random.h"
-#include "model/shape/shapes.h"
 #include "tests/model/contact/momenta.h"
 #include "tests/model/motion/mover.h"
 

@@ -1,8 +1,5 @@
 // Motions that cannot advance end and say why, and a check ends those that take too long, at both levels.
 
-#include "model/scenes/random.h"
-#include "model/shape/shapes.h"
-#include "support/input_error.h"
 #include "support/process_watch.h"
 #include "tests/model/motion/mover.h"
 

@@ -2,7 +2,6 @@
 // teeth bear, their contacts meet, part and pass on at speeds of the flanks' fit, far below eps_v.
 
 #include "model/contact/world.h"
-#include "model/scenes/parts.h"
 #include "tests/model/motion/mover.h"
 
 namespace lcpbench {

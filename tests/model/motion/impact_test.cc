@@ -4,7 +4,6 @@
 #include "model/scenes/parts.h"
 #include "model/scenes/random.h"
 #include "solvers/registry.h"
-#include "support/input_error.h"
 #include "tests/model/contact/momenta.h"
 
 namespace lcpbench {

@@ -2,10 +2,7 @@
 
 #include "model/contact/assembly.h"
 #include "model/motion/contact_finder.h"
-#include "model/scenes/parts.h"
-#include "model/shape/shapes.h"
 #include "tests/model/motion/mover.h"
-#include "tests/support/refusal.h"
 
 namespace lcpbench {
 namespace {

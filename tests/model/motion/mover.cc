@@ -1,7 +1,7 @@
 #include "tests/model/motion/mover.h"
 
+#include "model/contact/assembly.h"
 #include "model/contact/loads.h"
-#include "model/shape/shapes.h"
 #include "solvers/registry.h"
 
 namespace lcpbench {
@@ -77,6 +77,54 @@ void ExpectConserved(Mover* mover, double scale, double seconds) {
   EXPECT_LE(statistics.worst_joint_error, kContactTolerance);
   EXPECT_EQ(statistics.failed_solves, 0);
   EXPECT_GT(statistics.steps, 0);
+}
+
+int ExpectEnergyLaw(const Mover& driven, double step, int count) {
+  int steps = 0;
+  double before = 0;  // T(v^) of the step that was met last
+  double expected = 0;
+  double scale = 0;
+  const auto energy = [](const std::vector<Body>& bodies, const Eigen::VectorXd& v) {
+    double sum = 0;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const Body& body = bodies[i];
+      const auto k = static_cast<Index>(3 * i);
+      if (!body.fixed) sum += (body.mass * v.segment<2>(k).squaredNorm() + body.inertia * v[k + 2] * v[k + 2]) / 2;
+    }
+    return sum;
+  };
+  driven->set_observer([&](const MotionProblem& met) {
+    const LcpProblem& problem = met.problem;
+    const Eigen::VectorXd& f = met.result.f;
+    if (met.result.status != LcpStatus::kSolved) return;
+    const Eigen::VectorXd free = FreeVelocity(met.system.bodies, step);
+    Eigen::VectorXd w;
+    problem.ComputeW(f, &w);
+    const Eigen::VectorXd change = problem.inverse_mass().asDiagonal() * (problem.J().transpose() * f);
+    double friction = 0;
+    for (const FrictionRow& row : problem.friction_rows()) {
+      friction += f[row.row] * w[row.row];
+      EXPECT_LE(f[row.row] * w[row.row], 1e-9 * (1 + energy(met.system.bodies, free)));
+    }
+    const double quadratic = f.dot(problem.J() * change) / 2;
+    before = energy(met.system.bodies, free);
+    Eigen::VectorXd prescribed = free;
+    for (std::size_t i = 0; i < met.system.bodies.size(); ++i) {
+      if (!met.system.bodies[i].fixed) prescribed.segment<3>(static_cast<Index>(3 * i)).setZero();
+    }
+    expected = -quadratic + friction - f.dot(problem.b() - problem.J() * free) - f.dot(problem.J() * prescribed);
+    scale = before + quadratic;
+    ++steps;
+  });
+  for (int k = 0; k < count; ++k) {
+    const int met = steps;
+    driven.KeepMoving(step);
+    if (steps == met) continue;
+    const std::vector<Body>& bodies = driven->world().bodies;
+    EXPECT_NEAR(KineticEnergy(bodies) - before, expected, 1e-8 * (scale + 1e-6)) << k;
+  }
+  driven->set_observer({});
+  return steps;
 }
 
 }  // namespace lcpbench

@@ -3,9 +3,9 @@
 #include "model/contact/world.h"
 #include "model/motion/make_motion.h"
 #include "model/scenes/parts.h"
-#include "model/shape/outline.h"
+#include "model/shape/shapes.h"
 #include "solvers/lcp/solver.h"
-#include "tests/support/test.h"
+#include "tests/support/refusal.h"
 
 namespace lcpbench {
 
@@ -55,5 +55,10 @@ class Mover {
 /// Moves on for `seconds`, observing at frames; energy relative to `scale` must stay within 1e-6 and penetration within
 /// the contact tolerance.
 void ExpectConserved(Mover* mover, double scale, double seconds = 10);
+
+/// Steps of a motion at the velocity level change the energy by T+ - T(v^) = -|v+ - v^|_M^2 / 2 + sum f_t w_t - f.c
+/// less the work on driven bodies, and friction takes energy only.
+/// @return how many of them had rows
+int ExpectEnergyLaw(const Mover& driven, double step, int count);
 
 }  // namespace lcpbench

@@ -1,14 +1,9 @@
 // Bodies that overlap: how deep, by their outlines alone, and what motions of either level make of it.
 
 #include "model/motion/contact_finder.h"
-#include "model/motion/make_motion.h"
-#include "model/shape/shapes.h"
-#include "solvers/registry.h"
-#include "tests/model/contact/random_contacts.h"
 #include "tests/model/motion/mover.h"
 #include "tests/model/scenes/scene_checks.h"
 #include "tests/model/shape/random_outlines.h"
-#include "tests/support/refusal.h"
 
 namespace lcpbench {
 namespace {

@@ -3,11 +3,7 @@
 
 #include "model/contact/path.h"
 #include "model/scene_file/scene_file.h"
-#include "model/scenes/random.h"
-#include "model/shape/shapes.h"
-#include "support/input_error.h"
 #include "tests/model/motion/mover.h"
-#include "tests/support/refusal.h"
 
 namespace lcpbench {
 namespace {

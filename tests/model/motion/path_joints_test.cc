@@ -1,8 +1,6 @@
 #include "model/motion/contact_finder.h"
 
 #include "model/geometry/feature.h"
-#include "model/scenes/parts.h"
-#include "model/scenes/random.h"
 #include "model/scenes/scene.h"
 #include "tests/model/motion/mover.h"
 

@@ -2,9 +2,6 @@
 
 #include "model/contact/contact_row.h"
 #include "model/scene_file/scene_file.h"
-#include "model/scenes/random.h"
-#include "model/shape/shapes.h"
-#include "support/input_error.h"
 #include "tests/model/motion/mover.h"
 
 namespace lcpbench {

@@ -1,12 +1,8 @@
 #include "model/motion/contact_finder.h"
 #include "model/motion/velocity_motion.h"
-#include "model/scenes/parts.h"
-#include "model/scenes/random.h"
 #include "model/scenes/scene.h"
-#include "model/shape/shapes.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
-#include "support/input_error.h"
 #include "tests/model/contact/momenta.h"
 #include "tests/model/motion/mover.h"
 #include "tests/solvers/solvers_under_test.h"
@@ -70,57 +66,21 @@ TEST(VelocityMotion, HoldsARestingBodyByItsWeight) {
   }
 }
 
-// E+ - E = -|v+ - v|_M^2 / 2 - p.c for constant forces, c = b - J v^: the law that the header states.
-void ExpectEnergyLaw(const World& world, const VelocityOptions& options, int steps) {
-  Mover driven(world, options);
-  double expected = 0;
-  double depth_gain = 0;
-  std::vector<Body> before;
-  Eigen::VectorXd p;
-  Eigen::VectorXd c;
-  driven->set_observer([&](const MotionProblem& met) {
-    before = met.system.bodies;
-    Eigen::VectorXd v(3 * static_cast<Index>(before.size()));
-    for (std::size_t i = 0; i < before.size(); ++i) {
-      const Body& body = before[i];
-      const double h = body.fixed ? 0 : options.step;
-      const Vec2 free = body.v + (h / body.mass) * body.force;
-      v.segment<3>(3 * static_cast<Index>(i)) << free.x, free.y, body.omega + h / body.inertia * body.torque;
-    }
-    p = met.result.f;
-    c = met.problem.b() - met.problem.J() * v;
-  });
-  double scale = 0;
-  for (int k = 0; k < steps; ++k) {
-    const double energy = Energy(driven->world());
-    driven->Advance(options.step);
-    const std::vector<Body>& after = driven->world().bodies;
-    expected = -p.dot(c);
-    depth_gain = -p.dot(c.cwiseMin(0.0));
-    for (std::size_t i = 0; i < after.size(); ++i) {
-      if (after[i].fixed) continue;
-      const Vec2 dv = after[i].v - before[i].v;
-      const double domega = after[i].omega - before[i].omega;
-      expected -= (after[i].mass * Dot(dv, dv) + after[i].inertia * domega * domega) / 2;
-    }
-    const double change = Energy(driven->world()) - energy;
-    scale = std::max({scale, std::abs(energy), KineticEnergy(after)});
-    ASSERT_NEAR(change, expected, 1e-10 * scale) << "step " << k;
-    ASSERT_LE(change, depth_gain + 1e-10 * scale) << "step " << k;
-  }
-  EXPECT_EQ(driven->statistics().failed_solves, 0);
-}
-
 TEST(VelocityMotion, ChangesEnergyByTheLawOfTheScheme) {
+  const auto expect = [](const World& world, const VelocityOptions& options, int steps) {
+    const Mover driven(world, options);
+    EXPECT_GT(ExpectEnergyLaw(driven, options.step, steps), 0);
+    EXPECT_EQ(driven->statistics().failed_solves, 0);
+  };
   VelocityOptions options;
   options.step = 5e-3;
-  for (const std::uint64_t seed : {1, 2, 3}) ExpectEnergyLaw(FallingDiscs(12, seed), options, 300);
+  for (const std::uint64_t seed : {1, 2, 3}) expect(FallingDiscs(12, seed), options, 300);
   options.restitution = 0.7;
-  ExpectEnergyLaw(FallingDiscs(5, 4), options, 200);
+  expect(FallingDiscs(5, 4), options, 200);
   options = {};
   for (const char* key : {"disc-pile", "boxes-and-discs", "disc-track", "discs-in-v"}) {
     SCOPED_TRACE(key);
-    ExpectEnergyLaw(StartScene(key, 40, 1), options, 60);
+    expect(StartScene(key, 40, 1), options, 60);
   }
 }
 

@@ -1,5 +1,4 @@
 #include "model/shape/shapes.h"
-#include "support/input_error.h"
 #include "tests/model/shape/random_outlines.h"
 
 namespace lcpbench::testing {

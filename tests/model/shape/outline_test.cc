@@ -81,7 +81,7 @@ TEST(Outline, EnclosuresHoldTheirPieces) {
   }
 }
 
-TEST(OutlineChecks, RefuseNumbersThatMakeNoEdge) {
+TEST(OutlineChecks, RefuseNumbersThatMakeNoEdgeAndOutlinesWithoutAny) {
   const auto with = [](const OutlinePiece& piece) {
     Outline outline = Polygon({{0, 0}, {2, 0}, {2, 2}, {0, 2}});
     outline.loops[0][2] = piece;
@@ -104,9 +104,6 @@ TEST(OutlineChecks, RefuseNumbersThatMakeNoEdge) {
   Refuses(with({ArcEdge{{}, 1, Side::kConcave}, 0, 1}), {edge, "clockwise"});
   Refuses(with(Arc({}, 1, 0, 7)), {edge, "full turn"});
   Refuses(with(Arc({}, 1, 1e9, 1e9 + 1)), {edge, "1000 rad"});
-}
-
-TEST(OutlineChecks, RefuseOutlinesWithoutEdges) {
   Refuses({"empty", {}}, {"no outer boundary"});
   Refuses({"empty", {{}}}, {"outer boundary", "no edges"});
   Outline hole = Disc(1);
@@ -147,9 +144,6 @@ TEST(OutlineChecks, RefuseSelfIntersections) {
              Line({3, -1}, {-1, -1}),
              Line({-1, -1}, {0, 0})}}},
           {"self-intersecting", "itself"});
-}
-
-TEST(OutlineChecks, RefuseCuspsOfZeroAngle) {
   // A crescent of two circles that touch from inside.
   Refuses({"crescent", {{Arc({}, 1, 0, 2 * kPi), Arc({0.5, 0}, 0.5, 2 * kPi, 0)}}}, {"self-intersecting"});
   // A small angle is allowed.
