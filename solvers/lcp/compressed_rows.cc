@@ -113,6 +113,29 @@ std::string WhyNotColumns(std::span<const int> starts, std::span<const int> indi
   return {};
 }
 
+namespace {
+
+template <int p>
+bool FindBodies(std::span<const int> starts, const int* column, std::span<const double> inverse_mass,
+                std::int32_t* body) {
+  for (std::size_t i = 0; i + 1 < starts.size(); ++i, column += 2 * p, body += 2) {
+    if (starts[i] != static_cast<int>(i) * 2 * p) return false;
+    if (!FindTwoBodiesOfRow<p>(column, std::ssize(inverse_mass), inverse_mass.data(), body)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool FindTwoBodies(std::span<const int> starts, std::span<const int> indices, std::span<const double> inverse_mass,
+                   int p, std::int32_t* body) {
+  if ((p != 3 && p != 6) || std::ssize(inverse_mass) % p != 0) return false;
+  const std::size_t entries = 2 * static_cast<std::size_t>(p) * (starts.size() - 1);
+  if (indices.size() != entries || static_cast<std::size_t>(starts.back()) != entries) return false;
+  return p == 3 ? FindBodies<3>(starts, indices.data(), inverse_mass, body)
+                : FindBodies<6>(starts, indices.data(), inverse_mass, body);
+}
+
 void CopyRows(const Eigen::Ref<const SparseMatrix>& from, SparseMatrix* to) {
   to->resize(from.rows(), from.cols());
   to->resizeNonZeros(from.nonZeros());

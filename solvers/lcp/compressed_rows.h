@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -19,6 +20,32 @@ std::string WhyNotStarts(std::span<const int> starts, std::int64_t end, const ch
 /// @param starts  for which WhyNotStarts found nothing
 std::string WhyNotColumns(std::span<const int> starts, std::span<const int> indices, std::int64_t columns,
                           const char* name);
+
+/// Whether every row of J holds all entries of two bodies of p columns each, as scenes have them: `values` is a
+/// StepRows::J then, and body[2 i], body[2 i + 1] are those of row i; -1 for a body whose inverse masses are all 0.
+/// Else `body` is written in part.  O(n p)
+/// @param starts, indices  of J, in any order and range
+/// @param inverse_mass     a number a column
+/// @param p                3 or 6, else no row is such a one
+/// @param body             room for two numbers a row
+bool FindTwoBodies(std::span<const int> starts, std::span<const int> indices, std::span<const double> inverse_mass,
+                   int p, std::int32_t* body);
+/// The same for one row by its 2 p columns, of J with so many.
+template <int p>
+bool FindTwoBodiesOfRow(const int* column, std::int64_t columns, const double* inverse_mass, std::int32_t* body) {
+  const int first = column[0] / p, second = column[p] / p;
+  int differences = 0;
+  for (int c = 0; c < p; ++c) differences |= (column[c] - first * p - c) | (column[p + c] - second * p - c);
+  if (differences != 0 || column[0] < 0 || second <= first || column[p] + p > columns) return false;
+  std::uint64_t of_first = 0, of_second = 0;  // bits of what is not 0, but for the sign of -0.0
+  for (int c = 0; c < p; ++c) {
+    of_first |= std::bit_cast<std::uint64_t>(inverse_mass[first * p + c]);
+    of_second |= std::bit_cast<std::uint64_t>(inverse_mass[second * p + c]);
+  }
+  body[0] = of_first << 1U != 0 ? first : -1;
+  body[1] = of_second << 1U != 0 ? second : -1;
+  return true;
+}
 
 /// A compressed matrix as a caller's arrays hold it, by rows (CSR) or by columns (CSC).
 struct CompressedArrays {

@@ -16,7 +16,6 @@
 #include "solvers/lcp/compressed_rows.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/lcp/number_range.h"
-#include "solvers/lcp/step_rows.h"
 #include "support/input_error.h"
 #include "support/number_text.h"
 
@@ -538,7 +537,8 @@ LcpProblem LcpProblem::Make(const ProblemView& from, bool has_checked_columns) {
   const Beyond of_A =
       has_factors ? RequireFactors(given)
                   : RequireFinite(given.id, "A", kEntryRange, given.value.data(), entries, is_dense ? given.rows : 0);
-  const bool has_two_bodies = has_factors && FindTwoBodies(given, body.data());
+  const bool has_two_bodies = has_factors && FindTwoBodies(given.row_start, given.column, given.inverse_mass,
+                                                           given.facts.columns_per_body, body.data());
   given.body = has_two_bodies ? body : std::span<std::int32_t>();
   if (!has_two_bodies && !has_checked_columns) RequireColumns(given);
   if (has_factors) given.facts.symmetric = given.facts.positive_semidefinite = true;

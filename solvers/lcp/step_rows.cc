@@ -7,30 +7,6 @@
 #include "solvers/lcp/number_range.h"
 
 namespace lcpbench {
-namespace {
-
-template <int p>
-bool FindBodies(const ProblemView& arrays, std::int32_t* body) {
-  const int* column = arrays.column.data();
-  const double* const mass = arrays.inverse_mass.data();
-  for (Index i = 0; i < arrays.rows; ++i, column += 2 * p, body += 2) {
-    if (arrays.row_start[static_cast<std::size_t>(i)] != 2 * p * i) return false;
-    if (!FindTwoBodiesOfRow<p>(column, arrays.columns, mass, body)) return false;
-  }
-  return true;
-}
-
-}  // namespace
-
-bool FindTwoBodies(const ProblemView& arrays, std::int32_t* body) {
-  const Index p = arrays.facts.columns_per_body;
-  if (arrays.columns % p != 0 || std::ssize(arrays.value) != 2 * p * arrays.rows ||
-      arrays.row_start.back() != std::ssize(arrays.value)) {
-    return false;
-  }
-  return p == 3 ? FindBodies<3>(arrays, body) : p == 6 && FindBodies<6>(arrays, body);
-}
-
 double DiagonalOf(const StepRows& rows, std::int64_t row) {
   const Index p = rows.columns_per_body;
   const auto j = [&](Index side, Index c) {

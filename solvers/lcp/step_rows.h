@@ -1,6 +1,5 @@
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <span>
 #include <type_traits>
@@ -30,28 +29,6 @@ struct StepRows {
   std::span<const FrictionRow> friction = {};  ///< as RowBounds; read by StepSolver and RowIslands, as `bounded`
   std::span<const BoundedRow> bounded = {};    ///< as RowBounds
 };
-
-/// Whether every row of J holds all entries of two bodies, as scenes have them: `value` is a StepRows::J then, and
-/// body[2 i], body[2 i + 1] are those of row i; -1 for a body that cannot move. Else `body` is written in part.  O(n p)
-/// @param arrays  of kFactors whose sizes fit, columns in any order and range
-/// @param body    room for 2 n numbers
-bool FindTwoBodies(const ProblemView& arrays, std::int32_t* body);
-/// The same for one row by its 2 p columns, written to body[0] and body[1].
-template <int p>
-bool FindTwoBodiesOfRow(const int* column, Index columns, const double* inverse_mass, std::int32_t* body) {
-  const int first = column[0] / p, second = column[p] / p;
-  int differences = 0;
-  for (int c = 0; c < p; ++c) differences |= (column[c] - first * p - c) | (column[p + c] - second * p - c);
-  if (differences != 0 || column[0] < 0 || second <= first || column[p] + p > columns) return false;
-  std::uint64_t of_first = 0, of_second = 0;  // bits of what is not 0, but for the sign of -0.0
-  for (int c = 0; c < p; ++c) {
-    of_first |= std::bit_cast<std::uint64_t>(inverse_mass[first * p + c]);
-    of_second |= std::bit_cast<std::uint64_t>(inverse_mass[second * p + c]);
-  }
-  body[0] = of_first << 1U != 0 ? first : -1;
-  body[1] = of_second << 1U != 0 ? second : -1;
-  return true;
-}
 
 /// visit(J, p) with the J of the step, in its precision, and its p as a constant: std::integral_constant<int, p>.
 template <typename Visit>

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "solvers/lcp/compressed_rows.h"
 #include "solvers/lcp/number_range.h"
 #include "support/array_index.h"
 #include "support/input_error.h"
@@ -157,7 +158,7 @@ bool TwoBodyCopy::Take(const ProblemView& arrays) {
   if (arrays.body.empty()) {
     if (body_.size() < At(2 * arrays.rows)) body_.resize(At(2 * arrays.rows));
     rows_.body = body_.data();
-    if (!FindTwoBodies(arrays, body_.data())) {
+    if (!FindTwoBodies(arrays.row_start, arrays.column, arrays.inverse_mass, static_cast<int>(p), body_.data())) {
       if (!(p == 3 ? TakeRows<3>(arrays) : TakeRows<6>(arrays))) return false;
       rows_.J = J_.data();
     }

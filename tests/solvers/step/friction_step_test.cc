@@ -60,9 +60,7 @@ TEST(StepWithFriction, IsWhatAutoDoesFromArraysAndFromAProblem) {
   for (const LcpProblem& problem : Problems()) {
     const StepArrays arrays = StepArrays::Of(problem);
     VectorXd f(problem.size());
-    const std::int64_t before = steps.fallbacks();
     steps.Solve(arrays.View(), nullptr, f.data());
-    if (steps.fallbacks() != before) continue;
     EXPECT_EQ(SolveArraysWith(solver.get(), problem).f, f) << problem.id();
     EXPECT_EQ(SolveWith(solver.get(), problem).f, f) << problem.id();
   }
