@@ -506,7 +506,7 @@ LcpProblem LcpProblem::Make(const ProblemView& from, bool has_checked_columns) {
   const size_t bytes = (from.value.size() + masses + from.b.size()) * sizeof(double) + from.friction.size_bytes() +
                        from.bounded.size_bytes() + (starts + columns + bodies) * sizeof(int) + joints + from.id.size();
   std::byte* room = nullptr;
-  const auto matrix = std::allocate_shared<Matrix>(AllocatorWithRoom<Matrix>(bytes, &room), from);
+  auto matrix = std::allocate_shared<Matrix>(AllocatorWithRoom<Matrix>(bytes, &room), from);
   const auto copy = [&room]<typename Number>(const Number* numbers, size_t count) {
     const std::span<Number> copied(reinterpret_cast<Number*>(room), count);
     std::copy_n(numbers, count, copied.begin());
@@ -544,7 +544,7 @@ LcpProblem LcpProblem::Make(const ProblemView& from, bool has_checked_columns) {
   if (has_factors) given.facts.symmetric = given.facts.positive_semidefinite = true;
   matrix->LookForExtremes(of_A);
   given.is_checked = true;
-  return LcpProblem(matrix, of_b.least || of_b.most);
+  return LcpProblem(std::move(matrix), of_b.least || of_b.most);
 }
 
 namespace {

@@ -242,7 +242,7 @@ class LcpProblem {
   explicit LcpProblem(std::shared_ptr<const Matrix> matrix, bool has_extreme_b)
       : matrix_(std::move(matrix)), has_extreme_b_(has_extreme_b) {}
   /// @param given  whose shapes fit
-  /// @param side   of a dense A whose entries are named by row and column; 0: an array of numbers
+  /// @param has_checked_columns  no compressed rows, or such as Eigen makes
   static LcpProblem Make(const ProblemView& given, bool has_checked_columns = true);
 
   std::shared_ptr<const Matrix> matrix_;
