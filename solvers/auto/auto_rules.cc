@@ -56,23 +56,28 @@ bool HasDearFactor(const Facts& facts) {
 // Lemke's path are tried.
 constexpr Index kContactsOfModes = 16, kContactsOfAllModes = 3, kContactsOfLemke = 128;
 // Large ones are swept first: the relaxation, a plain problem of as many rows, may take longer than all these sweeps.
-// Forces travel a row or so a sweep. At fine tolerances sweeps come after the others.
+// Forces travel a row or so a sweep. What needs more is mostly a stack, which the relaxation answers; at loose
+// tolerances sweeps then go on before Newton steps, at fine ones they come after all others.
 constexpr Index kLargeIsland = 129;
-constexpr double kFineTolerance = 1e-7;
-constexpr double kSweepsPerRoot = 40;
+constexpr double kFineTolerance = 1e-7, kLooseTolerance = 1e-4;
+constexpr double kSweepsPerRoot = 40, kFirstSweepsPerRoot = 6;
 constexpr std::int64_t kLastSweeps = 20000;
 constexpr int kRoundsOfShift = 4;
 
 bool IsLargeIsland(const Facts& facts) { return facts.has_problem && facts.rows >= kLargeIsland; }
+std::int64_t SweepsOfLargeIsland(const Facts& facts, double per_root) {
+  const bool holds = IsLargeIsland(facts) && facts.tolerance >= kFineTolerance;
+  return holds ? static_cast<std::int64_t>(per_root * std::sqrt(static_cast<double>(facts.rows))) : 0;
+}
 
 // The words of the table below have these numbers.
 static_assert(Facts::IsNarrow(45) && !Facts::IsNarrow(46) && Facts::kMostRowsInOneIsland == 0.75 &&
               Facts::kSmallRows == 900 && kDearFactor == 6 && kFactorizationsForPsor == 4 &&
               kFactorizationsOfBpp == 6 && kFactorizationsOfNewton == 12 && kSweepsPerRootOfRows == 8 &&
               kMostFactorizationsOfBpp == 24 && kContactsOfModes == 16 && kContactsOfAllModes == 3 &&
-              kContactsOfLemke == 128 && kLargeIsland == 129 && kFineTolerance == 1e-7 && kSweepsPerRoot == 40 &&
-              kRoundsOfShift == 4 && kLastSweeps == 20000 && kMostContactsOfExact == 8 &&
-              (kSweepsOfPacking == 600 || kSweepsOfPacking == 0));
+              kContactsOfLemke == 128 && kLargeIsland == 129 && kFineTolerance == 1e-7 && kLooseTolerance == 1e-4 &&
+              kSweepsPerRoot == 40 && kFirstSweepsPerRoot == 6 && kRoundsOfShift == 4 && kLastSweeps == 20000 &&
+              kMostContactsOfExact == 8 && (kSweepsOfPacking == 600 || kSweepsOfPacking == 0));
 
 using enum AutoStage;
 using enum AutoMethod;
@@ -94,11 +99,9 @@ constexpr std::array kRules = {
              [](const Facts& facts) { return If(facts.contacts <= kContactsOfAllModes && !facts.has_bounded); }},
     AutoRule{kLaws, kAnyRows, "from 129 rows on, at tolerances from 1e-7 on", kSweeps,
              [](const Facts& facts) {
-               const double sweeps = kSweepsPerRoot * std::sqrt(static_cast<double>(facts.rows));
-               const bool holds = IsLargeIsland(facts) && facts.tolerance >= kFineTolerance;
-               return holds ? static_cast<std::int64_t>(sweeps) : 0;
+               return SweepsOfLargeIsland(facts, -kFirstSweepsPerRoot * std::log10(facts.tolerance));
              },
-             "40 √n sweeps, while their rate promises an answer"},
+             "6 √n sweeps a digit, while their rate promises an answer"},
     AutoRule{kLaws, kAnyRows, "one friction row a contact, none slides, no bounded rows", kRelaxation,
              [](const Facts& facts) {
                return std::int64_t{!facts.can_relax ? 0 : IsLargeIsland(facts) ? 1 : kRoundsOfShift};
@@ -106,6 +109,11 @@ constexpr std::array kRules = {
              "4 rounds; from 129 rows on 1"},
     AutoRule{kLaws, kAnyRows, "the relaxation has no answer", kRay,
              [](const Facts& facts) { return If(facts.has_problem && facts.relaxation_failed); }},
+    AutoRule{kLaws, kAnyRows, "from 129 rows on, at tolerances from 1e-4 on", kSweeps,
+             [](const Facts& facts) {
+               return facts.tolerance >= kLooseTolerance ? SweepsOfLargeIsland(facts, kSweepsPerRoot) : 0;
+             },
+             "40 √n sweeps, while their rate promises an answer"},
     AutoRule{kLaws, kAnyRows, "from 129 rows on, and others than those that are relaxed", kModeNewton,
              [](const Facts& facts) { return std::int64_t{facts.can_relax && !IsLargeIsland(facts) ? 0 : 30}; },
              "30 steps; from 129 rows on its own limit"},

@@ -131,7 +131,7 @@ const char* LawLadder::TrySweeps(const ContactRows& rows, double granted, Fricti
   // rho of sweeps whose modes may be the answer's.
   constexpr double kWorthNewton = 1e-5;
   constexpr ModeSteps::Limits kNear{.steps = 3, .eps = 1e-8};
-  double all = 0, rest = 0, before = answer->rho();
+  double all = 0, rest = 0, before = std::numeric_limits<double>::infinity();
   double span = kFirstSpan * std::sqrt(static_cast<double>(rows.size()));
   for (; all + rest <= granted && !answer->IsOver(); span = all) {
     if (newton_.Sweep(rows, static_cast<int>(span), &phi_, answer) || answer->Take(phi_)) return "sweeps";

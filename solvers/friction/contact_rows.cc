@@ -318,7 +318,9 @@ void ContactRows::ToForces(const PaddedVector& phi, const PaddedVector& omega, P
   }
 }
 
-bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance, double* rho) const {
+LawSums<double>::Known ContactRows::Judge(const Eigen::VectorXd& f, double tolerance, double* rho) const {
+  using Known = LawSums<double>::Known;
+  constexpr double kNear = 10;
   const Index n = size();
   for (PaddedVector* const numbers : {&phi_, &omega_, &magnitude_}) numbers->Lengthen(n);
   for (Index i = 0; i < n; ++i) phi_[i] = root_[At(i)] * f[i];
@@ -338,7 +340,7 @@ bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance, doub
   laws().VisitRanges(phi_,
                      [&](Index i, const auto& range) { sums.AddResidual(ResidualOf(range, phi_[i], omega_[i])); });
   *rho = sums.norm() / scale_;
-  if (!(*rho <= tolerance)) return false;
+  if (!(*rho <= kNear * tolerance)) return Known::kWrong;
   const auto add = [&](Index i, bool is_at_lower, bool is_at_upper) {
     sums.AddHidden(unit * (forces + magnitude_[i]), GapDefect(omega_[i], is_at_lower, is_at_upper), magnitude_[i]);
   };
@@ -354,7 +356,8 @@ bool ContactRows::IsSurelyRight(const Eigen::VectorXd& f, double tolerance, doub
   for (const BoundedRow& row : bounded_) {
     add(row.row, phi_[row.row] <= row.lower, phi_[row.row] >= row.upper);
   }
-  return sums.AreSurelyRight(tolerance, scale_);
+  if (sums.AreSurelyRight(tolerance, scale_)) return Known::kRight;
+  return sums.AreSurelyWrong(tolerance, scale_) ? Known::kWrong : Known::kUnclear;
 }
 
 }  // namespace lcpbench

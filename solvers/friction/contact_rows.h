@@ -92,9 +92,10 @@ class ContactRows {
   /// Forces in the problem's units that obey the laws of forces exactly: 0 where a contact is open, or closed by no
   /// more than the rounding of its loads, +-mu f_n where it slips.
   void ToForces(const PaddedVector& phi, const PaddedVector& omega, PaddedVector* f) const;
-  /// Whether f passes the tier for certain: rho and backward error in double, with what rounding can hide on top.
+  /// Whether f passes the tier, by rho and backward error in double with what rounding can hide of them. What is more
+  /// than ten times beyond the tolerance is wrong.
   /// @param rho  written, where it is finite
-  bool IsSurelyRight(const Eigen::VectorXd& f, double tolerance, double* rho) const;
+  LawSums<double>::Known Judge(const Eigen::VectorXd& f, double tolerance, double* rho) const;
   /// *w = A f + b, in the problem's units.  O(nnz A)
   void ComputeGapsOf(const Eigen::VectorXd& f, PaddedVector* w) const;
 
@@ -130,7 +131,7 @@ class ContactRows {
   PaddedVector b_;
   std::vector<double> load_;                      // by normal row: the largest |b| of its contact
   double scale_ = 1;                              // S
-  mutable PaddedVector phi_, omega_, magnitude_;  // of IsSurelyRight
+  mutable PaddedVector phi_, omega_, magnitude_;  // of Judge
 };
 
 }  // namespace lcpbench

@@ -24,12 +24,12 @@ bool FrictionAnswer::TakeForces(const Eigen::VectorXd& f) {
 
 // Judges room_.f.
 bool FrictionAnswer::Judge() {
-  constexpr double kNear = 10;
   const auto f = room_.f.head(rows_.size());
   if (!f.allFinite()) return false;
   double rho = 0;
-  bool passes = rows_.IsSurelyRight(room_.f, options_.tolerance, &rho);
-  if (!passes && problem_ != nullptr && rho <= kNear * options_.tolerance) {
+  const auto known = rows_.Judge(room_.f, options_.tolerance, &rho);
+  bool passes = known == LawSums<double>::Known::kRight;
+  if (known == LawSums<double>::Known::kUnclear && problem_ != nullptr) {
     const Metrics metrics = ComputeMetrics(*problem_, f);
     passes = PassesTier(metrics, options_.tolerance);
     rho = metrics.rho;

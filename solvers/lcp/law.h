@@ -176,6 +176,7 @@ class LawSums {
   [[gnu::always_inline]] void AddHidden(Real hidden, Real defect, Real magnitude) {
     AddHidden(hidden);
     meets_ &= defect + hidden <= row_limit_ * magnitude;
+    may_meet_ &= defect - hidden <= row_limit_ * magnitude;
   }
 
   /// A row's backward error is too large.
@@ -204,11 +205,15 @@ class LawSums {
   bool AreSurelyRight(double tolerance, double scale) const {
     return meets_ && norm() / scale + std::sqrt(magnitudes_) / scale <= tolerance;
   }
+  /// The same: whether rho without all that rounding may hide of it, or a row, is beyond its limit.
+  bool AreSurelyWrong(double tolerance, double scale) const {
+    return !may_meet_ || !(norm() / scale - std::sqrt(magnitudes_) / scale <= tolerance);
+  }
 
  private:
   double row_limit_ = 0;
   Real defects_ = 0, loads_ = 0, magnitudes_ = 0;  // squares, over A_ii
-  bool meets_ = true, is_clear_ = true;
+  bool meets_ = true, may_meet_ = true, is_clear_ = true;
 };
 
 }  // namespace lcpbench
