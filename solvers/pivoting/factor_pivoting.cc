@@ -553,7 +553,7 @@ double Generic(Index i) {
 
 }  // namespace
 
-void PivotOptions::Read(SettingsReader* reader) {
+void PivotOptions::ReadShared(SettingsReader* reader) {
   rank_tolerance = reader->Number("rank_tolerance", rank_tolerance, std::numeric_limits<double>::epsilon(), 1e-3);
   block_start = reader->YesOrNo("block_start", block_start);
   max_rows = static_cast<Index>(reader->Number("max_rows", static_cast<double>(max_rows), 1, 1e5));
@@ -739,7 +739,7 @@ double DantzigEngine::NoiseAlongDirection() const {
 }
 
 void DantzigOptions::Read(SettingsReader* reader) {
-  PivotOptions::Read(reader);
+  ReadShared(reader);
   const bool is_index = reader->Choice("order", "index", {"index", "most-negative"}) == "index";
   order = is_index ? DantzigOrder::kIndex : DantzigOrder::kMostNegative;
 }

@@ -12,6 +12,8 @@ namespace lcpbench {
 /// book; with it a path is shorter, as it starts nearer to the solution: a quarter of the time at 100 rows.
 struct LemkeOptions : PivotOptions {
   LemkeOptions() { block_start = false; }
+  /// Those of PivotOptions.
+  void Read(SettingsReader* reader) { ReadShared(reader); }
 
   /// Makes the solver of problems that are not plain, which are refused without it. Not a setting.
   std::function<std::unique_ptr<LcpSolver>()> make_other = {};

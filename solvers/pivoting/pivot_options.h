@@ -20,7 +20,7 @@ struct PivotOptions {
   Index max_rows = 10'000;
 
   /// Keys `rank_tolerance`, `block_start` (yes, no), `max_rows` and `self_check`.
-  void Read(SettingsReader* reader);
+  void ReadShared(SettingsReader* reader);
 };
 
 }  // namespace lcpbench
