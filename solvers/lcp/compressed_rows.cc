@@ -115,11 +115,11 @@ std::string WhyNotColumns(std::span<const int> starts, std::span<const int> indi
 
 namespace {
 
-template <int p>
+template <std::int64_t p>
 bool FindBodies(std::span<const int> starts, const int* column, std::span<const double> inverse_mass,
                 std::int32_t* body) {
   for (std::size_t i = 0; i + 1 < starts.size(); ++i, column += 2 * p, body += 2) {
-    if (starts[i] != static_cast<int>(i) * 2 * p) return false;
+    if (starts[i] != static_cast<std::int64_t>(i) * 2 * p) return false;
     if (!FindTwoBodiesOfRow<p>(column, std::ssize(inverse_mass), inverse_mass.data(), body)) return false;
   }
   return true;

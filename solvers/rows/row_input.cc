@@ -91,7 +91,7 @@ bool CheckRows(const StepRows& rows, const double* initial_f) {
 }
 
 // Columns that do not ascend or are out of range end it as a third body does: LcpProblem finds the words for them.
-template <int p>
+template <Index p>
 bool TwoBodyCopy::TakeRows(const ProblemView& arrays) {
   const Index n = arrays.rows;
   if (J_.size() < At(2 * p * n)) J_.resize(At(2 * p * n));

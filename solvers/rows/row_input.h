@@ -30,7 +30,7 @@ class TwoBodyCopy {
   const StepRows& rows() const { return rows_; }
 
  private:
-  template <int p>
+  template <Index p>
   bool TakeRows(const ProblemView& arrays);
   StepRows rows_;
   std::vector<std::int32_t> body_;
