@@ -67,7 +67,7 @@ std::string PsdAtMedium(const LcpProblem& problem, double tolerance) {
   return NotPsd(problem);
 }
 
-// Of methods without a promise.
+// These methods promise nothing.
 template <const char* why>
 std::string Because(const LcpProblem& /*problem*/, double /*tolerance*/) {
   return why;

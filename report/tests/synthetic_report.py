@@ -18,7 +18,7 @@ SCENE, LEVEL = "disc-pile", "velocity"
 SLIPPING = ("slabs", "arch")  # scenes with friction
 STARTED = "2026-01-02T03:04:05Z"
 
-# Of the page and of files, in order.
+# What the page and the files have, in order.
 FIGURES = ["time-by-size", "metrics", "front", "profiles", "accuracy", "precision", "coverage", "pathological", "scaling", "latency",
            "deadline", "motion", "friction-motion"]
 

@@ -14,7 +14,7 @@ enum class AutoMethod : std::uint8_t;  // auto_rules.h
 
 /// What the methods of AutoStage::kRows and kLaws left open: the others go on from there.
 struct RowsReached {
-  bool was_asked = false;  ///< false: the numbers are out of those methods' range
+  bool was_asked = false;  ///< false: numbers are out of their range, or rows are bounded and none has friction
   std::size_t next = 0;    ///< of rows with laws: RowAnswer::next
   Eigen::VectorXd f;       ///< where it was asked
 };

@@ -21,7 +21,7 @@ std::string WhyNotStarts(std::span<const int> starts, std::int64_t end, const ch
 std::string WhyNotColumns(std::span<const int> starts, std::span<const int> indices, std::int64_t columns,
                           const char* name);
 
-/// Whether every row of J holds all entries of two bodies of p columns each, as scenes have them: `values` is a
+/// Whether every row of J holds all entries of two bodies of p columns each, as scenes have them: its values are a
 /// StepRows::J then, and body[2 i], body[2 i + 1] are those of row i; -1 for a body whose inverse masses are all 0.
 /// Else `body` is written in part.  O(n p)
 /// @param starts, indices  of J, in any order and range
@@ -34,9 +34,10 @@ bool FindTwoBodies(std::span<const int> starts, std::span<const int> indices, st
 template <int p>
 bool FindTwoBodiesOfRow(const int* column, std::int64_t columns, const double* inverse_mass, std::int32_t* body) {
   const int first = column[0] / p, second = column[p] / p;
+  if (column[0] < 0 || second <= first || column[p] > columns - p) return false;
   int differences = 0;
-  for (int c = 0; c < p; ++c) differences |= (column[c] - first * p - c) | (column[p + c] - second * p - c);
-  if (differences != 0 || column[0] < 0 || second <= first || column[p] + p > columns) return false;
+  for (int c = 0; c < p; ++c) differences |= (column[c] ^ (first * p + c)) | (column[p + c] ^ (second * p + c));
+  if (differences != 0) return false;
   std::uint64_t of_first = 0, of_second = 0;  // bits of what is not 0, but for the sign of -0.0
   for (int c = 0; c < p; ++c) {
     of_first |= std::bit_cast<std::uint64_t>(inverse_mass[first * p + c]);

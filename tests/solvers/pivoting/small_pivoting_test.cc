@@ -22,7 +22,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Of full rank; some with joints, or degenerate rows.
+// The problems have full rank; some have joints or degenerate rows.
 LcpProblem Definite(Index n, unsigned seed) {
   const int bilateral_every = (seed / 1000 + seed) % 3 == 0 ? 7 : 0, degenerate_every = seed / 1000 % 2 == 0 ? 0 : 5;
   const auto bodies = static_cast<int>(2 * n);

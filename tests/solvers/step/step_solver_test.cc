@@ -527,7 +527,7 @@ TEST(StepSolver, RefusesOptionsAndStartsOutOfRange) {
 
 // ----- no allocation after Reserve
 
-// Of scenes, and random rows.
+// Steps of scenes, and random rows.
 std::vector<std::string> FamiliesAndSpatial() {
   std::vector<std::string> families = Families();
   families.emplace_back("spatial");
