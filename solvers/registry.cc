@@ -299,7 +299,7 @@ SolverEntry EntryOf(const PeerEntry& peer) {
   entry.licence = peer.project.licence;
   entry.method_class = peer.method_class;
   entry.library_defaults = peer.has_library_defaults();
-  entry.takes_friction = peer.takes_friction;
+  entry.takes_friction = peer.takes_friction();
   if (!entry.available) return entry;
   entry.make = [&peer](const Settings& settings) {
     auto solver = MakeExternal({.command = {WorkerPath(peer), std::string(peer.key)}}, settings);

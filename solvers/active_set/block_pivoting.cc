@@ -65,7 +65,7 @@ void BlockPivoting::Reserve(const LcpProblem& problem) {
   product_.Rho(f_);  // makes its workspace
 }
 
-void BlockPivoting::Begin(const Task& task) {
+void BlockPivoting::SetTask(const Task& task) {
   task_ = task;
   if (task.problem != nullptr) product_.SetB(*task.problem);
   factors_ = 0;
@@ -347,7 +347,7 @@ bool BlockPivoting::FindRay(const Eigen::VectorXd& direction) {
   return false;
 }
 
-BlockPivoting::End BlockPivoting::Run(const Rules& rules) {
+BlockPivoting::End BlockPivoting::TakeProximalSteps(const Rules& rules) {
   weight_ = std::max(rules.weight, kLeastWeight);
   run_factors_ = factors_;
   for (int step = 0; step < rules.steps; ++step) {
@@ -382,8 +382,8 @@ void PivotingSetup::Prepare(const LcpProblem& problem, ActiveBlockChoice::Allowe
   scaled.Reset(problem);
 }
 
-bool PivotingSetup::Begin(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline,
-                          std::int64_t factors, bool conjugate, LcpResult* result) {
+bool PivotingSetup::Load(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline,
+                         std::int64_t factors, bool conjugate, LcpResult* result) {
   if (!scaled.Load(problem)) {
     result->status = LcpStatus::kUnsupported;
     result->detail = "A has a negative diagonal entry, so it is not positive semidefinite";
@@ -398,7 +398,8 @@ bool PivotingSetup::Begin(const LcpProblem& problem, const LcpOptions& options, 
   block->Load(problem, scaled.scale);
   if (self_check) answer.Start(problem, options.tolerance, result);
   const std::int64_t most = options.max_iterations > 0 ? options.max_iterations : factors;
-  pivoting.Begin({&problem, &scaled, block, self_check ? sink : nullptr, deadline, most, options.tolerance, conjugate});
+  pivoting.SetTask(
+      {&problem, &scaled, block, self_check ? sink : nullptr, deadline, most, options.tolerance, conjugate});
   return true;
 }
 
@@ -435,7 +436,7 @@ void PivotingSetup::PrepareRows(Index size, bool self_checks) {
   for (Eigen::VectorXd* v : {&given_diagonal, &given_b}) v->setZero(size);
 }
 
-bool PivotingSetup::BeginRows(const RowTask& task, std::int64_t factors, bool conjugate) {
+bool PivotingSetup::LoadRows(const RowTask& task, std::int64_t factors, bool conjugate) {
   const StepRows& rows = task.rows;
   block_of_rows.Assemble(rows);
   given_diagonal.setZero();
@@ -450,8 +451,8 @@ bool PivotingSetup::BeginRows(const RowTask& task, std::int64_t factors, bool co
   scaled.Load(given_diagonal, given_b);
   block_of_rows.Scale(scaled.scale);
   row_answer.Start(task);
-  pivoting.Begin({nullptr, &scaled, block, self_check ? sink : nullptr, task.deadline, factors, task.options.tolerance,
-                  conjugate});
+  pivoting.SetTask({nullptr, &scaled, block, self_check ? sink : nullptr, task.deadline, factors,
+                    task.options.tolerance, conjugate});
   return true;
 }
 

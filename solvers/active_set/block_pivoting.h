@@ -51,7 +51,7 @@ class BlockPivoting {
     bool through_bodies = false;
   };
 
-  /// How far a Run goes.
+  /// How far TakeProximalSteps goes.
   struct Rules {
     double weight = 1e-8;        ///< proximal weight e at the start, at least kLeastWeight
     double largest_weight = 1;   ///< see BppOptions::largest_proximal
@@ -65,7 +65,7 @@ class BlockPivoting {
     double progress = std::numeric_limits<double>::infinity();
     double most_wrong = 1;  ///< ... as does the first set with more than this part of all rows violated, ...
     double few_wrong = 0;   ///< ... unless at most this part is left
-    std::int64_t factors = std::numeric_limits<std::int64_t>::max();  ///< of this Run
+    std::int64_t factors = std::numeric_limits<std::int64_t>::max();  ///< of this call
   };
   static constexpr double kLeastWeight = 1e-11;
   /// Proofs of infeasibility are looked for above this tier, or above the tolerance if that is less.
@@ -76,13 +76,13 @@ class BlockPivoting {
   void Reserve(const LcpProblem& problem);
   void Reserve(Index rows);  ///< for tasks without a problem
   /// @param task  what it points to must outlive the runs
-  void Begin(const Task& task);
+  void SetTask(const Task& task);
   /// F = all rows that can act, c = 0.
   void StartCold();
   /// F = {D f > w}, c = f.
   void StartFrom(const Eigen::VectorXd& f, const Eigen::VectorXd& w);
   /// The proximal loop from the latest start.
-  End Run(const Rules& rules);
+  End TakeProximalSteps(const Rules& rules);
 
   /// A factor of A_FF + weight D_FF within the limits of the task: kDone, or why it failed.
   End Factor(const std::vector<char>& active, double weight);
@@ -95,9 +95,9 @@ class BlockPivoting {
   /// Whether the direction, made a ray by a few corrections, is accepted by VerifyFarkasRay; ray() is it then.
   bool FindRay(const Eigen::VectorXd& direction);
 
-  /// The active set of the latest start; may be changed before a Run.
+  /// The active set of the latest start; may be changed before TakeProximalSteps.
   std::vector<char>& active() { return active_; }
-  /// The forces of the latest Run or Finish, and w = A f + b.
+  /// The forces of the latest TakeProximalSteps or Finish, and w = A f + b.
   const Eigen::VectorXd& f() const { return f_; }
   const Eigen::VectorXd& w() const { return w_; }
   std::optional<Eigen::VectorXd>& ray() { return accepted_ray_; }
@@ -125,7 +125,7 @@ class BlockPivoting {
   Task task_;
   GivenFormTest product_;
   std::int64_t factors_ = 0;
-  std::int64_t run_factors_ = 0;  // of them, before this Run
+  std::int64_t run_factors_ = 0;  // of them, before this call
   std::int64_t single_exchanges_ = 0;
   double weight_ = 0;
   double unit_ = 1;  // A_ii of the first row that can act
@@ -187,12 +187,12 @@ struct PivotingSetup {
   void Prepare(const LcpProblem& problem, ActiveBlockChoice::Allowed allowed, bool self_checks);
   /// Loads the problem. False where result says already how it ends.
   /// @param factors  limit unless the options have one
-  bool Begin(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, std::int64_t factors,
-             bool conjugate, LcpResult* result);
+  bool Load(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, std::int64_t factors,
+            bool conjugate, LcpResult* result);
   /// Prepare for rows of a step, up to `size` of them, filled up by rows that do not act: dense, without a problem.
   void PrepareRows(Index size, bool self_checks);
-  /// The same as Begin. False where a row has A_ii = 0.
-  bool BeginRows(const RowTask& task, std::int64_t factors, bool conjugate);
+  /// The same as Load. False where a row has A_ii = 0.
+  bool LoadRows(const RowTask& task, std::int64_t factors, bool conjugate);
   /// Whether the rows are solved. Writes f and iterations then.
   bool ConcludeRows(BlockPivoting::End end, const RowTask& task, LcpResult* result);
   /// The result of a solve that ended so; its detail is left to the solver.

@@ -57,7 +57,7 @@ class BppEngine final : public RowEngine {
   void TellSingleExchanges(LcpResult* result) const;
   bool SolveFewRows(const RowTask& task, LcpResult* result);
   void StartWarm(const Eigen::VectorXd& initial_f);
-  End Run(const Eigen::VectorXd* initial_f, Index n);
+  End Pivot(const Eigen::VectorXd* initial_f, Index n);
   void Continue(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
 
   const BppOptions options_;
@@ -105,7 +105,7 @@ void BppEngine::StartWarm(const Eigen::VectorXd& initial_f) {
   }
 }
 
-BlockPivoting::End BppEngine::Run(const Eigen::VectorXd* initial_f, Index n) {
+BlockPivoting::End BppEngine::Pivot(const Eigen::VectorXd* initial_f, Index n) {
   const double larger = std::max(1.0, static_cast<double>(n) / kWeightRows);
   BlockPivoting::Rules rules;
   rules.weight = options_.proximal / (larger * larger);
@@ -117,14 +117,14 @@ BlockPivoting::End BppEngine::Run(const Eigen::VectorXd* initial_f, Index n) {
     warm.most_wrong = kFarStart;
     warm.end_when_cycling = true;
     StartWarm(*initial_f);
-    const End end = setup_.pivoting.Run(warm);
+    const End end = setup_.pivoting.TakeProximalSteps(warm);
     if (end != End::kGaveUp && end != End::kCycling) return end;
     rules.end_when_singular = false;
   }
   // From all rows, where the start is not as good as it should be.
   rules.end_when_cycling = options_.end_when_cycling || n >= options_.continuation_rows;
   setup_.pivoting.StartCold();
-  return setup_.pivoting.Run(rules);
+  return setup_.pivoting.TakeProximalSteps(rules);
 }
 
 void BppEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
@@ -132,8 +132,8 @@ void BppEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
   if (Deadline::IsNeeded(options)) deadline.emplace(options);
   const std::int64_t factors = kFactorizationsPerRow * problem.size() + kExtraFactorizations;
   const Deadline* limit = deadline.has_value() ? &*deadline : nullptr;
-  if (!setup_.Begin(problem, options, limit, factors, /*conjugate=*/true, result)) return;
-  setup_.Conclude(Run(options.initial_f, problem.size()), options.tolerance, result);
+  if (!setup_.Load(problem, options, limit, factors, /*conjugate=*/true, result)) return;
+  setup_.Conclude(Pivot(options.initial_f, problem.size()), options.tolerance, result);
   TellSingleExchanges(result);
   const bool continues = problem.size() >= options_.continuation_rows;
   if (continues && result->status == LcpStatus::kNumericalFailure) Continue(problem, options, limit, result);
@@ -186,8 +186,8 @@ bool BppEngine::SolveFewRows(const RowTask& task, LcpResult* result) {
 bool BppEngine::SolveFilledUp(const RowTask& task, LcpResult* result) {
   if (SolveFewRows(task, result)) return true;
   const Index n = task.rows.rows;
-  if (!setup_.BeginRows(task, kFactorizationsPerRow * n + kExtraFactorizations, /*conjugate=*/true)) return false;
-  if (!setup_.ConcludeRows(Run(task.options.initial_f, n), task, result)) return false;
+  if (!setup_.LoadRows(task, kFactorizationsPerRow * n + kExtraFactorizations, /*conjugate=*/true)) return false;
+  if (!setup_.ConcludeRows(Pivot(task.options.initial_f, n), task, result)) return false;
   TellSingleExchanges(result);
   return true;
 }

@@ -98,7 +98,7 @@ class SemismoothNewtonEngine final : public RowEngine {
 
   void Reserve(Index rows);
   bool Start(const Eigen::VectorXd* initial_f);
-  End Run(bool warm);
+  End TakeNewtonSteps(bool warm);
   Index FindActiveSet(double eps);
   End SolveSubproblem(double eps);
   bool IsDiverging(int steps) const;
@@ -281,7 +281,7 @@ void SemismoothNewtonEngine::PublishCenter() {
   setup_.sink->Publish();
 }
 
-BlockPivoting::End SemismoothNewtonEngine::Run(bool warm) {
+BlockPivoting::End SemismoothNewtonEngine::TakeNewtonSteps(bool warm) {
   End end = warm ? FinishFromCenter() : End::kNotMet;
   double eps = continuation_ ? kContinuationStart : options_.first_weight;
   double least_weight = continuation_ ? kContinuationEnd : options_.least_weight;
@@ -349,8 +349,8 @@ void SemismoothNewtonEngine::Solve(const LcpProblem& problem, const LcpOptions& 
   continuation_ = n_ >= options_.continuation_rows;
   const std::int64_t factors =
       continuation_ ? SemismoothNewtonSolver::kContinuationFactors : SemismoothNewtonSolver::kDefaultFactors;
-  if (!setup_.Begin(problem, options, deadline_, factors, /*conjugate=*/false, result)) return;
-  const End end = Run(Start(options.initial_f));
+  if (!setup_.Load(problem, options, deadline_, factors, /*conjugate=*/false, result)) return;
+  const End end = TakeNewtonSteps(Start(options.initial_f));
   if (tier() == kInfinity) PublishCenter();
   setup_.Conclude(end, tolerance_, result);
 }
@@ -363,8 +363,8 @@ void SemismoothNewtonEngine::PrepareRows(Index size) {
 bool SemismoothNewtonEngine::SolveFilledUp(const RowTask& task, LcpResult* result) {
   tolerance_ = task.options.tolerance;
   deadline_ = task.deadline;
-  if (!setup_.BeginRows(task, kFactorsOfRows, /*conjugate=*/false)) return false;
-  return setup_.ConcludeRows(Run(Start(task.options.initial_f)), task, result);
+  if (!setup_.LoadRows(task, kFactorsOfRows, /*conjugate=*/false)) return false;
+  return setup_.ConcludeRows(TakeNewtonSteps(Start(task.options.initial_f)), task, result);
 }
 
 void SemismoothNewtonOptions::Read(SettingsReader* reader) {

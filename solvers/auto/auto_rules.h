@@ -30,11 +30,11 @@ enum class AutoMethod : std::uint8_t {
   kFixedSizeModes,     ///< FewContacts
   kNoFriction,         ///< the plain problem of the other rows
   kWarmModes,          ///< ModeSteps::Warm
-  kModes,              ///< ModeSteps::Iterate
+  kModes,              ///< ModeSteps::TakeFullSteps
   kAllModes,           ///< ModeSteps::TryAll
   kSweeps,             ///< ModeSteps::Sweep
   kRelaxation,         ///< ShiftRounds
-  kModeNewton,         ///< ModeSteps::Run
+  kModeNewton,         ///< ModeSteps::TakeDampedSteps
   kLemke,              ///< NormalMapPath::Cover
   kProximalPoints,     ///< NormalMapPath::Approach
   kRay,                ///< of the problem without friction

@@ -87,7 +87,7 @@ const char* LawLadder::TryMethod(const AutoRule& rule, const ContactRows& rows, 
   };
   const auto run_rounds = [&](int count) {
     if (!std::exchange(has_rounds_, true)) rounds_.Start(rows);
-    return rounds_.Run(rows, count, &newton_, &phi_, answer);
+    return rounds_.TakeRounds(rows, count, &newton_, &phi_, answer);
   };
   switch (rule.method) {
     case AutoMethod::kNoFriction:
@@ -96,7 +96,7 @@ const char* LawLadder::TryMethod(const AutoRule& rule, const ContactRows& rows, 
       return newton_.Warm(rows, granted, answer) ? "warm modes" : nullptr;
     case AutoMethod::kModes:
       start_at_zero();
-      return newton_.Iterate(rows, granted, &phi_, answer) ? "modes" : nullptr;
+      return newton_.TakeFullSteps(rows, granted, &phi_, answer) ? "modes" : nullptr;
     case AutoMethod::kAllModes:
       return newton_.TryAll(rows, answer) ? "modes" : nullptr;
     case AutoMethod::kSweeps:
@@ -112,7 +112,8 @@ const char* LawLadder::TryMethod(const AutoRule& rule, const ContactRows& rows, 
       if (rows.size() > ModeFactor::kMostDense) {
         return path_.ApproachByNewton(rows, &newton_, &phi_, answer) ? "mode-newton" : nullptr;
       }
-      return newton_.Run(rows, {.steps = granted, .eps = kFirstEps}, &phi_, answer) ? "mode-newton" : nullptr;
+      return newton_.TakeDampedSteps(rows, {.steps = granted, .eps = kFirstEps}, &phi_, answer) ? "mode-newton"
+                                                                                                : nullptr;
     case AutoMethod::kLemke:
       return path_.Cover(rows, kSeeds, &newton_, &phi_, answer) ? "lemke" : nullptr;
     case AutoMethod::kProximalPoints:
@@ -136,7 +137,7 @@ const char* LawLadder::TrySweeps(const ContactRows& rows, double granted, Fricti
   for (; all + rest <= granted && !answer->IsOver(); span = all) {
     if (newton_.Sweep(rows, static_cast<int>(span), &phi_, answer) || answer->Take(phi_)) return "sweeps";
     const double rho = answer->rho();
-    if (rho < kWorthNewton && newton_.Run(rows, kNear, &phi_, answer)) return "mode-newton";
+    if (rho < kWorthNewton && newton_.TakeDampedSteps(rows, kNear, &phi_, answer)) return "mode-newton";
     if (!(rho < before)) break;
     all += span;
     rest = span * std::log(rho / answer->tolerance()) / std::log(before / rho);

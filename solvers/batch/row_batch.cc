@@ -215,7 +215,7 @@ struct RowBatch::Implementation {
 
   void SolveEqual(Queue* queue, std::span<const std::int32_t> problems) {
     for (std::size_t l = 0; l < problems.size(); ++l) PointTo(l, problems[l]);
-    Run(queue, problems, SizeOf(problems[0]));
+    SolveAll(queue, problems, SizeOf(problems[0]));
   }
 
   void SolveMixed(Queue* queue, std::span<const std::int32_t> problems) {
@@ -242,10 +242,10 @@ struct RowBatch::Implementation {
         group.J_single[l] = copy.J_single.data();
       }
     }
-    Run(queue, problems, n);
+    SolveAll(queue, problems, n);
   }
 
-  void Run(Queue* queue, std::span<const std::int32_t> problems, std::int32_t n) {
+  void SolveAll(Queue* queue, std::span<const std::int32_t> problems, std::int32_t n) {
     group.rows = n;
     group.shift = queue == &first_try ? 0 : kShift;
 #if defined(__AVX__)

@@ -61,7 +61,7 @@ class TableauKernel {
     }
     const M usable = AssembleRows(group, matrix_, b_);
     TakeJoints();
-    Run();
+    SolveRows();
     group->met &= L::Bits(usable);
     group->close &= L::Bits(usable);
     alignas(64) double squares[kLaneCount];
@@ -75,7 +75,7 @@ class TableauKernel {
   using M = L::M;
   using Choice = L::Choice;
 
-  [[gnu::noinline]] void Run() {
+  [[gnu::noinline]] void SolveRows() {
     Scale();
     if constexpr (kInTurn) {
       SweepRows();

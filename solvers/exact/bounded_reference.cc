@@ -46,7 +46,7 @@ class VertexSearch {
 
   // False where pivoting does not end, or where the problem may have no solution.
   // @param f  forces >= 0 with small gaps on all rows with f > 0
-  bool Run(const std::vector<Index>& independent, const std::vector<Index>& dependent, std::vector<BigInteger> f) {
+  bool Search(const std::vector<Index>& independent, const std::vector<Index>& dependent, std::vector<BigInteger> f) {
     basis_ = independent;
     f_ = std::move(f);
     Factorize();
@@ -266,7 +266,7 @@ class Refinement {
     }
   }
 
-  BoundedReference Run() {
+  BoundedReference Compute() {
     const std::vector<BigInteger> start = f_;
     const std::vector<char> active_at_start = active_;
     std::optional<IndependentBlock> factor;
@@ -365,7 +365,7 @@ class Refinement {
     const Index dependent = Count(factor.dependent());
     if (dependent == 0 || dependent > most_dependent_rows_) return false;
     VertexSearch search(problem_, lcp_, scale_, deadline_);
-    const bool found = search.Run(factor.independent(), factor.dependent(), f_);
+    const bool found = search.Search(factor.independent(), factor.dependent(), f_);
     reference_.pivots = search.pivots();
     if (!found) return false;
     f_ = search.f();
@@ -523,7 +523,7 @@ BoundedReference RefineReference(const LcpProblem& problem, const Eigen::VectorX
   if (f_start.size() != problem.size() || !f_start.allFinite()) {
     throw InputError(problem.id() + ": expected a start of " + std::to_string(problem.size()) + " finite forces");
   }
-  return Refinement(problem, f_start, options).Run();
+  return Refinement(problem, f_start, options).Compute();
 }
 
 }  // namespace lcpbench

@@ -38,7 +38,7 @@ class ExactSolve {
         b_(Scaled(problem.b, problem.size, c_)),
         deadline_(LcpOptions{.time_limit_s = options.time_limit_s - LongestStep(), .now = options.now}) {}
 
-  ExactAnswer Run() {
+  ExactAnswer Solve() {
     const Index n = problem_.size;
     answer_.rank = 0;
     if (!problem_.has_factors && !deadline_.Expired() &&
@@ -95,14 +95,14 @@ class ExactSolve {
     };
     if (any(support) && pivoting->TryRay(support)) return ExactPivoting::End::kRay;
     const ExactPivoting::End end =
-        pivoting->Run(start, deadline_, options_.guess ? kSolvesOfFirstGuess : kSolvesOfNoGuess);
+        pivoting->Pivot(start, deadline_, options_.guess ? kSolvesOfFirstGuess : kSolvesOfNoGuess);
     if (end != ExactPivoting::End::kSolveLimit) return end;
     const LemkeEnd lemke = FollowLemke(problem_, A_, b_, 0, deadline_);
-    if (lemke.kind == LemkeEnd::Kind::kLimit) return pivoting->Run(start, deadline_);
+    if (lemke.kind == LemkeEnd::Kind::kLimit) return pivoting->Pivot(start, deadline_);
     if (any(lemke.support) && pivoting->TryRay(lemke.support)) return ExactPivoting::End::kRay;
     std::vector<char> active(lemke.modes.size());
     std::ranges::transform(lemke.modes, active.begin(), [](char mode) { return mode == 'C' ? 1 : 0; });
-    return pivoting->Run(active, deadline_);
+    return pivoting->Pivot(active, deadline_);
   }
 
   // The other rows are proved to depend on these by Schur complements of 0.
@@ -244,7 +244,7 @@ const char* ToString(ExactAnswer::Status status) {
 }
 
 ExactAnswer SolveExactly(const ExactLcp& problem, const ExactOptions& options) {
-  return ExactSolve(problem, options).Run();
+  return ExactSolve(problem, options).Solve();
 }
 
 std::string FindFaultOfModes(const ExactLcp& problem, const std::string& modes, const RationalVector& f,

@@ -109,8 +109,8 @@ ExactPivoting::End ExactPivoting::PivotOnLeastIndex(Index k) {
   return End::kSolved;
 }
 
-ExactPivoting::End ExactPivoting::Run(const std::vector<char>& start, const Deadline& deadline,
-                                      std::int64_t most_solves) {
+ExactPivoting::End ExactPivoting::Pivot(const std::vector<char>& start, const Deadline& deadline,
+                                        std::int64_t most_solves) {
   const std::int64_t solves_before = solves_;
   std::vector<Index> wanted;
   for (Index i = 0; i < size(); ++i) {

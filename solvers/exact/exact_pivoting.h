@@ -20,7 +20,7 @@ class ExactPivoting {
 
   /// @param start  rows that may be in the first basis; bilateral rows are, as far as they are independent
   /// @param most_solves  0 for no limit
-  End Run(const std::vector<char>& start, const Deadline& deadline, std::int64_t most_solves = 0);
+  End Pivot(const std::vector<char>& start, const Deadline& deadline, std::int64_t most_solves = 0);
 
   /// Takes y > 0 of a guessed ray for the support of one, if it holds exactly.
   bool TryRay(const std::vector<char>& support);

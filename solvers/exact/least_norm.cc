@@ -88,7 +88,7 @@ std::optional<LeastNorm> FindLeastNorm(const SolutionSet& set, const Deadline& d
   }
   const IntegerMatrix transposed = Transposed(J), G = Product(J, transposed);
   ExactPivoting pivoting(G, b, is_joint);
-  if (pivoting.Run(start, deadline) != ExactPivoting::End::kSolved) return std::nullopt;
+  if (pivoting.Pivot(start, deadline) != ExactPivoting::End::kSolved) return std::nullopt;
   const IntegerMatrix f = Product(transposed, pivoting.f());
   const fmpz* const denominator = pivoting.denominator().get();
   LeastNorm found{{}, std::vector<Rational>(At(n))};
@@ -113,7 +113,7 @@ std::optional<bool> IsOnlySolution(const SolutionSet& set, const std::vector<Rat
     for (const Index j : zero) fmpz_add_ui(M.at(i, j), M.at(i, j), 1);
   }
   ExactPivoting pivoting(M, minus_e, is_free);
-  if (pivoting.Run(std::vector<char>(At(n), 0), deadline) != ExactPivoting::End::kSolved) return std::nullopt;
+  if (pivoting.Pivot(std::vector<char>(At(n), 0), deadline) != ExactPivoting::End::kSolved) return std::nullopt;
   Integer sum;
   for (const Index i : zero) fmpz_add(sum.get(), sum.get(), pivoting.f().at(i, 0));
   return fmpz_equal(sum.get(), pivoting.denominator().get()) == 0;

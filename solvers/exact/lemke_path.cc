@@ -91,7 +91,7 @@ class LemkePath {
     for (const Index i : Marked(problem_.bilateral)) end_.modes[At(i)] = 'B';
     for (const ExactFrictionRow& row : problem_.friction) end_.modes[At(row.row)] = 'o';
     ListRows(A);
-    end_.kind = MakeDictionary(A, b) ? Run() : LemkeEnd::Kind::kLimit;
+    end_.kind = MakeDictionary(A, b) ? FollowPath() : LemkeEnd::Kind::kLimit;
     if (end_.kind != LemkeEnd::Kind::kSolved) return std::move(end_);
     for (const Contact& contact : contacts_) {
       if (contact.mode == 'O') continue;
@@ -205,7 +205,7 @@ class LemkePath {
     limit_[At(contact.side)] = limit_[At(contact.side + 1)] = mode == 'S' ? 1 : 0;
   }
 
-  LemkeEnd::Kind Run() {
+  LemkeEnd::Kind FollowPath() {
     ++end_.steps;
     const Float tiny = pow(Float(10), -2 * kPathDigits / 3);
     const auto d = [this](Index i) -> const Float& { return dictionary_.values(i, n_); };

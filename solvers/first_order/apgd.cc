@@ -69,7 +69,7 @@ void ApgdEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lcp
   before_.f.setZero();
   before_.image.setZero();
   TakeProblem(problem, options);
-  Run(options, result, [&]() -> std::optional<double> {
+  Iterate(options, result, [&]() -> std::optional<double> {
     lipschitz = std::max(ApgdOptions::kDecay * lipschitz, ApgdOptions::kLeast);
     double next_momentum = 1;
     StepSums sums;

@@ -65,7 +65,7 @@ bool FirstOrderEngine::Expired() {
 }
 
 // True when the solve is over already, as the three that follow.
-bool FirstOrderEngine::Begin(const LcpOptions& options, LcpResult* result) {
+bool FirstOrderEngine::Start(const LcpOptions& options, LcpResult* result) {
   options_ = &options;
   deadline_.reset();
   chunk_ = std::max<Index>(1, kEntriesPerClockRead / rows_.rows->EntriesPerRow());

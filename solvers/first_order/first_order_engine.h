@@ -41,19 +41,19 @@ class FirstOrderEngine {
   explicit FirstOrderEngine(const Setup& setup) : setup_(setup) {}
 
   void PrepareRows(const LcpProblem& problem);
-  /// Before Run: b and the start, of the prepared problem or one that shares its matrix.
+  /// Before Iterate: b and the start, of the prepared problem or one that shares its matrix.
   void TakeProblem(const LcpProblem& problem, const LcpOptions& options);
-  /// Before Run: rows, b and the start of a task, which must outlive it. False where a row acts on no body that can
+  /// Before Iterate: rows, b and the start of a task, which must outlive it. False where a row acts on no body that can
   /// move, or `form` asks for other rows.
   bool TakeRows(const RowTask& task);
 
-  /// A solve of what was taken. `iterate` makes one iteration on rows_.x and returns the norm of the natural residuals
+  /// A solve of what was taken. `step` makes one iteration on rows_.x and returns the norm of the natural residuals
   /// that its last pass saw, or nothing if ForAllRows returned false.
-  template <typename Iterate>
-  void Run(const LcpOptions& options, LcpResult* result, const Iterate& iterate) {
-    bool over = Begin(options, result);
+  template <typename Step>
+  void Iterate(const LcpOptions& options, LcpResult* result, const Step& step) {
+    bool over = Start(options, result);
     while (!over) {
-      const std::optional<double> residual = iterate();
+      const std::optional<double> residual = step();
       over = residual.has_value() ? Continue(*residual) : EndOutOfTime();
     }
     Finish();
@@ -83,7 +83,7 @@ class FirstOrderEngine {
   RowWork rows_;
 
  private:
-  bool Begin(const LcpOptions& options, LcpResult* result);
+  bool Start(const LcpOptions& options, LcpResult* result);
   bool Continue(double residual);
   bool EndOutOfTime();
   void Finish();

@@ -39,8 +39,8 @@ class NncgEngine final : public FirstOrderEngine, public RowEngine {
  private:
   void SolveTaken(const LcpOptions& options, LcpResult* result) {
     iteration_.Start(*rows_.rows, rows_.scaled);
-    Run(options, result, [&]() -> std::optional<double> {
-      iteration_.Begin(rows_.x);
+    Iterate(options, result, [&]() -> std::optional<double> {
+      iteration_.BeginIteration(rows_.x);
       StepSums forward;
       StepSums backward;
       bool in_time = Sweep(false, 1.0, &forward) && Sweep(true, 1.0, &backward);
@@ -48,7 +48,7 @@ class NncgEngine final : public FirstOrderEngine, public RowEngine {
         in_time = ForAllRows(false, [&](Index begin, Index end) { rows_.rows->AddToImage(begin, end, &rows_.x); });
       }
       if (!in_time) return {};
-      iteration_.End(forward.energy + backward.energy, backward.residual, &rows_.x);
+      iteration_.EndIteration(forward.energy + backward.energy, backward.residual, &rows_.x);
       return std::sqrt(backward.residual);
     });
   }

@@ -109,7 +109,7 @@ class PgsEngine final : public FirstOrderEngine, public RowEngine {
     const bool is_few = options_.adaptive && rows_.scaled.size <= kFewRows;
     AdaptiveRelaxation relaxation(is_few ? std::min(options_.relaxation, 1.0) : options_.relaxation);
     bool backward = false;
-    Run(options, result, [&]() -> std::optional<double> {
+    Iterate(options, result, [&]() -> std::optional<double> {
       StepSums sums;
       if (!Sweep(backward, relaxation.omega(), &sums)) return {};
       if (options_.adaptive) relaxation.Observe(sums);

@@ -9,7 +9,7 @@
 namespace lcpbench {
 
 /// Islands of one to six contacts with friction, and no other rows, in arrays of fixed size: Newton steps on modes of
-/// full length, as ModeSteps::Iterate, judged as by ContactRows::Judge; an initial_f that passes is kept but
+/// full length, as ModeSteps::TakeFullSteps, judged as by ContactRows::Judge; an initial_f that passes is kept but
 /// for rounding.
 class FewContacts {
  public:

@@ -89,7 +89,7 @@ bool ModeSteps::TryStep(const ContactRows& rows, double rho, PaddedVector* phi, 
 }
 
 // One more solve of the modes of an answer, of which eps may have left part of the error. True.
-bool ModeSteps::Refine(const ContactRows& rows, const PaddedVector& phi, FrictionAnswer* answer) {
+bool ModeSteps::TakeLastStep(const ContactRows& rows, const PaddedVector& phi, FrictionAnswer* answer) {
   if (answer->rho() <= kFineEnough * answer->tolerance()) return true;
   rows.ComputeGaps(phi, &gaps_);
   rows.FindSides(phi, gaps_, &sides_);
@@ -100,7 +100,7 @@ bool ModeSteps::Refine(const ContactRows& rows, const PaddedVector& phi, Frictio
 
 bool ModeSteps::Warm(const ContactRows& rows, int steps, FrictionAnswer* answer) {
   rows.ToScaled(*answer->options().initial_f, &start_);
-  return answer->Take(start_) || Run(rows, {.steps = steps, .eps = 1e-10}, &start_, answer);
+  return answer->Take(start_) || TakeDampedSteps(rows, {.steps = steps, .eps = 1e-10}, &start_, answer);
 }
 
 // Contacts whose normal gap at rest is rounding beside the largest load, as between bodies that fall together.
@@ -116,7 +116,7 @@ void ModeSteps::CloseUnloaded(const ContactRows& rows) {
   }
 }
 
-bool ModeSteps::Iterate(const ContactRows& rows, int steps, PaddedVector* phi, FrictionAnswer* answer) {
+bool ModeSteps::TakeFullSteps(const ContactRows& rows, int steps, PaddedVector* phi, FrictionAnswer* answer) {
   constexpr double kEps = 1e-13;
   rows.ComputeGaps(*phi, &gaps_);
   for (int k = 0; k < steps && !answer->IsOver(); ++k) {
@@ -162,7 +162,8 @@ bool ModeSteps::TryAll(const ContactRows& rows, FrictionAnswer* answer) {
   return false;
 }
 
-bool ModeSteps::Run(const ContactRows& rows, const Limits& limits, PaddedVector* phi, FrictionAnswer* answer) {
+bool ModeSteps::TakeDampedSteps(const ContactRows& rows, const Limits& limits, PaddedVector* phi,
+                                FrictionAnswer* answer) {
   double eps = limits.eps;
   int failures = 0, sweeps = limits.sweeps, all_sweeps = 0;
   rows.ComputeGaps(*phi, &gaps_);
@@ -175,7 +176,7 @@ bool ModeSteps::Run(const ContactRows& rows, const Limits& limits, PaddedVector*
     if (is_regular && eps <= limits.eps) factor_.Refine(rows, &next_);
     if (!is_regular) eps = std::max(100 * eps, 1e-10);
     // What passes need not have a smaller |r|: at rounding only the backward error may still be wrong.
-    if (is_regular && rho <= answer->tolerance() && answer->Take(next_)) return Refine(rows, next_, answer);
+    if (is_regular && rho <= answer->tolerance() && answer->Take(next_)) return TakeLastStep(rows, next_, answer);
     if (is_regular && TryStep(rows, rho, phi, &next)) {
       failures = 0;
       if (next < kGoodStep * rho) eps = std::max(kGoodStep * eps, kLeastEps);
@@ -194,7 +195,7 @@ bool ModeSteps::Run(const ContactRows& rows, const Limits& limits, PaddedVector*
       eps = std::min(eps / kGoodStep, kMostEps);
       rows.ComputeGaps(*phi, &gaps_);
     }
-    if (rho <= answer->tolerance() && answer->Take(*phi, gaps_)) return Refine(rows, *phi, answer);
+    if (rho <= answer->tolerance() && answer->Take(*phi, gaps_)) return TakeLastStep(rows, *phi, answer);
   }
   if (rho < answer->rho()) answer->Take(*phi);
   return false;

@@ -29,18 +29,18 @@ class ModeSteps {
   bool Warm(const ContactRows& rows, int steps, FrictionAnswer* answer);
   /// Up to `steps` steps of full length from *phi, which find most small problems; contacts without a load stick at
   /// first. True where an answer passes.
-  bool Iterate(const ContactRows& rows, int steps, PaddedVector* phi, FrictionAnswer* answer);
+  bool TakeFullSteps(const ContactRows& rows, int steps, PaddedVector* phi, FrictionAnswer* answer);
   /// The modes of few contacts, all of them one by one. True where an answer passes.  O(4^contacts m^3)
   bool TryAll(const ContactRows& rows, FrictionAnswer* answer);
   /// True where an answer passes. *phi: where to start from; the last iterate afterwards.
-  bool Run(const ContactRows& rows, const Limits& limits, PaddedVector* phi, FrictionAnswer* answer);
+  bool TakeDampedSteps(const ContactRows& rows, const Limits& limits, PaddedVector* phi, FrictionAnswer* answer);
   /// Solves the modes of *phi with a vanishing eps, a few times. True where an answer passes.
   bool Polish(const ContactRows& rows, const PaddedVector& phi, FrictionAnswer* answer);
   /// Up to `count` sweeps from *phi. True where an answer passes.
   bool Sweep(const ContactRows& rows, int count, PaddedVector* phi, FrictionAnswer* answer);
 
  private:
-  bool Refine(const ContactRows& rows, const PaddedVector& phi, FrictionAnswer* answer);
+  bool TakeLastStep(const ContactRows& rows, const PaddedVector& phi, FrictionAnswer* answer);
   bool TryModes(const ContactRows& rows, const PaddedVector& center, double eps, FrictionAnswer* answer);
   void CloseUnloaded(const ContactRows& rows);
   void SetTrial(Index n, double t, const PaddedVector& phi);

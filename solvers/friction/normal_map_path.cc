@@ -237,7 +237,8 @@ NormalMapPath::End NormalMapPath::FollowToCenter(const ContactRows& rows, double
 bool NormalMapPath::ApproachByNewton(const ContactRows& rows, ModeSteps* newton, PaddedVector* phi,
                                      FrictionAnswer* answer) {
   constexpr int kFirstSweeps = 20, kSweeps = 50, kPoints = 100;
-  return newton->Sweep(rows, kFirstSweeps, phi, answer) || newton->Run(rows, {.sweeps = kSweeps}, phi, answer) ||
+  return newton->Sweep(rows, kFirstSweeps, phi, answer) ||
+         newton->TakeDampedSteps(rows, {.sweeps = kSweeps}, phi, answer) ||
          Approach(rows, kPoints, newton, phi, answer);
 }
 
@@ -317,7 +318,7 @@ bool NormalMapPath::Cover(const ContactRows& rows, unsigned seeds, ModeSteps* ne
       end_ = FollowCover(rows, seed, eps, phi, answer);
       if (end_ != End::kReached) continue;
       if (answer->Take(*phi) || newton->Polish(rows, *phi, answer)) return true;
-      if (eps > 0 && newton->Run(rows, kAfterwards, phi, answer)) return true;
+      if (eps > 0 && newton->TakeDampedSteps(rows, kAfterwards, phi, answer)) return true;
     }
   }
   return false;

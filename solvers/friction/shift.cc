@@ -21,7 +21,7 @@ class ShiftEngine {
     rows_.SetB(problem);
     rounds_.Start(rows_);
     FrictionAnswer answer(rows_, &problem, options, result);
-    if (rounds_.Run(rows_, kMostRounds, &newton_, &phi_, &answer) != nullptr) return;
+    if (rounds_.TakeRounds(rows_, kMostRounds, &newton_, &phi_, &answer) != nullptr) return;
     answer.Fail("no fixed point of the shift within 60 rounds");
   }
 

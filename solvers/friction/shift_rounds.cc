@@ -42,16 +42,17 @@ void ShiftRounds::Start(const ContactRows& rows) {
   status_ = LcpStatus::kNotRun;
 }
 
-const char* ShiftRounds::Run(const ContactRows& rows, int count, ModeSteps* newton, PaddedVector* phi,
-                             FrictionAnswer* answer) {
+const char* ShiftRounds::TakeRounds(const ContactRows& rows, int count, ModeSteps* newton, PaddedVector* phi,
+                                    FrictionAnswer* answer) {
   for (int k = 0; k < count && !answer->IsOver(); ++k) {
-    if (const char* method = RunOne(rows, newton, phi, answer)) return method;
+    if (const char* method = TakeRound(rows, newton, phi, answer)) return method;
     if (!is_solved()) break;
   }
   return nullptr;
 }
 
-const char* ShiftRounds::RunOne(const ContactRows& rows, ModeSteps* newton, PaddedVector* phi, FrictionAnswer* answer) {
+const char* ShiftRounds::TakeRound(const ContactRows& rows, ModeSteps* newton, PaddedVector* phi,
+                                   FrictionAnswer* answer) {
   constexpr ModeSteps::Limits kAfterwards{.steps = 8, .eps = 1e-8};
   if (!(answer->Remaining() > 0)) return nullptr;
   const bool was_first = is_first_;
@@ -66,7 +67,7 @@ const char* ShiftRounds::RunOne(const ContactRows& rows, ModeSteps* newton, Padd
     shift_[row.normal] = row.mu * std::abs(gaps_[row.row]);
     is_first_ = is_first_ && shift_[row.normal] == 0;
   }
-  return newton->Run(rows, kAfterwards, phi, answer) ? (was_first ? "mode-newton" : "shift") : nullptr;
+  return newton->TakeDampedSteps(rows, kAfterwards, phi, answer) ? (was_first ? "mode-newton" : "shift") : nullptr;
 }
 
 // P A P^T.

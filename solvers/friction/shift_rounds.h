@@ -27,12 +27,13 @@ class ShiftRounds {
   bool is_solved() const { return status_ == LcpStatus::kSolved; }
   bool ran_out_of_time() const { return status_ == LcpStatus::kTimeLimit; }
   /// Up to `count` rounds. The method that answered; nullptr if none did. *phi: the forces of the last round.
-  const char* Run(const ContactRows& rows, int count, ModeSteps* newton, PaddedVector* phi, FrictionAnswer* answer);
+  const char* TakeRounds(const ContactRows& rows, int count, ModeSteps* newton, PaddedVector* phi,
+                         FrictionAnswer* answer);
 
  private:
   // Whether Newton's method may go on from the latest relaxation.
   bool has_forces() const { return status_ != LcpStatus::kUnsupported && status_ != LcpStatus::kTimeLimit; }
-  const char* RunOne(const ContactRows& rows, ModeSteps* newton, PaddedVector* phi, FrictionAnswer* answer);
+  const char* TakeRound(const ContactRows& rows, ModeSteps* newton, PaddedVector* phi, FrictionAnswer* answer);
   void AssembleDense(const ContactRows& rows);
   bool RelaxDense(const ContactRows& rows, FrictionAnswer* answer, PaddedVector* phi);
   bool RelaxProblem(const ContactRows& rows, FrictionAnswer* answer, PaddedVector* phi);

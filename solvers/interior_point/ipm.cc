@@ -589,7 +589,7 @@ class InteriorFinish {
   // @param f, w  an interior iterate, scaled, after a step whose factor is the system's latest
   // @returns whether run->best_f() meets the tier now
   bool Try(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
-    return Refine(run, f, w) || (may_sweep_ && Sweep(run, f));
+    return Polish(run, f, w) || (may_sweep_ && Sweep(run, f));
   }
   // Rows whose side the latest Try found to be wrong after one solve, as a fraction of all: how far F is from right.
   double wrong_rows() const { return wrong_rows_; }
@@ -602,7 +602,7 @@ class InteriorFinish {
   }
 
  private:
-  bool Refine(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w);
+  bool Polish(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w);
   bool Sweep(IpmRun* run, const Eigen::VectorXd& f);
   double Rho(const ScaledSystem& system, const Eigen::VectorXd& f);
   bool Sweeps(IpmRun* run, const Eigen::VectorXd& start, double tolerance, std::int64_t iterations);
@@ -626,7 +626,7 @@ double InteriorFinish::Rho(const ScaledSystem& system, const Eigen::VectorXd& f)
   return system.rows().Rho(f, gap_);
 }
 
-bool InteriorFinish::Refine(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
+bool InteriorFinish::Polish(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
   ScaledSystem& system = run->system();
   const Index n = f.size();
   const double tolerance = run->options().tolerance;
@@ -736,7 +736,7 @@ class IpmEngine {
     task.factors = std::numeric_limits<std::int64_t>::max();  // limits are the run's
     task.tolerance = options.tolerance;
     task.through_bodies = system_.in_body_space();
-    pivoting_.Begin(task);
+    pivoting_.SetTask(task);
     result->status = SolveWithin(&run, result);
     if (run.accepted()) result->status = LcpStatus::kSolved;
     result->iterations = statistics_.factorizations;
@@ -865,7 +865,7 @@ class IpmEngine {
   End TryActiveSets(const Eigen::VectorXd& f, const Eigen::VectorXd& w, BlockPivoting::Rules rules, double weight) {
     rules.weight = std::max(rules.weight, weight);
     pivoting_.StartFrom(f, w);
-    return pivoting_.Run(rules);
+    return pivoting_.TakeProximalSteps(rules);
   }
 
   LcpStatus Finish(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w, double weight, LcpResult* result) {

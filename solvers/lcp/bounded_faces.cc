@@ -40,7 +40,7 @@ class FaceSearch {
         deadline_(options),
         tolerance_(options.tolerance) {}
 
-  void Run() {
+  void Search() {
     Start();
     const auto rows = static_cast<Index>(rows_.size());
     for (faces_ = 0; faces_ < kExchanges + kMoreFaces + kFacesPerRow * rows; ++faces_) {
@@ -283,7 +283,7 @@ class FaceSearch {
 }  // namespace
 
 void LcpSolver::SolveByFaces(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  FaceSearch(this, problem, options, result).Run();
+  FaceSearch(this, problem, options, result).Search();
 }
 
 }  // namespace lcpbench

@@ -78,8 +78,8 @@ constexpr std::string_view kFeasibility = "feasibility and complementarity, abso
 constexpr TierSettings kProxQpDual{{1e-6, 1e-6, 1e-9}, 1e6, kLargestResidual};
 constexpr TierSettings kProxQpPrimal{{1e-3, 1e-6, 1e-9}, 1e6, kLargestResidual};
 
-constexpr PeerEntry WithFriction(PeerEntry entry) {
-  entry.takes_friction = true;
+constexpr PeerEntry WithFriction(FrictionLaw law, PeerEntry entry) {
+  entry.law = law;
   return entry;
 }
 
@@ -116,11 +116,14 @@ constexpr PeerEntry kPeers[] = {
      TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kNaturalResidual}},
     {kSiconos, "siconos-convexqp-pg", "projected gradients on the QP",
      TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kNaturalResidual}},
-    WithFriction({kSiconos, "siconos-fc2d-nsgs", "friction in the plane, Gauss-Seidel by contacts",
+    WithFriction(FrictionLaw::kCoulomb,
+                 {kSiconos, "siconos-fc2d-nsgs", "friction in the plane, Gauss-Seidel by contacts",
                   TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kFrictionResidual}, kAny}),
-    WithFriction({kSiconos, "siconos-fc2d-cpg", "friction in the plane, conjugate projected gradients",
+    WithFriction(FrictionLaw::kCoulomb,
+                 {kSiconos, "siconos-fc2d-cpg", "friction in the plane, conjugate projected gradients",
                   TierSettings{{1e-5, 1e-7, 1e-10}, 2e4, kResidualChange}}),
-    WithFriction({kSiconos, "siconos-fc2d-lemke", "friction in the plane, Lemke on three rows a contact"}),
+    WithFriction(FrictionLaw::kCoulomb,
+                 {kSiconos, "siconos-fc2d-lemke", "friction in the plane, Lemke on three rows a contact"}),
     {kPetsc, "petsc-rsls", "SNES reduced-space active-set Newton with line search",
      TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kFreeRows}, kAny},
     {kPetsc, "petsc-rsls-direct", "the same with LU and a shift of pivots that are too small",
@@ -223,7 +226,7 @@ std::vector<PeerEntry> WithDefaults() {
     all.push_back(peer);
     if (!peer.tiers || std::ranges::find(kTunedOnly, peer.key) != std::end(kTunedOnly)) continue;
     keys.push_back(std::string(peer.key) + "-default");
-    all.push_back({peer.project, keys.back(), kAsItIs, std::nullopt, peer.method_class, false, peer.takes_friction});
+    all.push_back({peer.project, keys.back(), kAsItIs, std::nullopt, peer.method_class, false, peer.law});
   }
   return all;
 }

@@ -34,6 +34,16 @@ struct TierSettings {
   std::string_view bounds;           ///< what the solver stops at: the quantity that the tolerance bounds
 };
 
+/// The law of friction that a solver answers for (docs/friction.md section 1).
+enum class FrictionLaw {
+  kNone,          ///< takes no friction rows
+  kCoulomb,       ///< of planar contacts
+  kSpatial,       ///< Coulomb's in space, where a planar contact has a second tangent without loads
+  kSweptBounds,   ///< bounds from the normal forces of the same sweep: where sweeps end at a fixed point, Coulomb's
+  kFrozenBounds,  ///< bounds from the normal forces without friction, computed once
+  kRelaxation,    ///< the associated law
+};
+
 /// One of its solvers.
 struct PeerEntry {
   const PeerProject& project;  ///< whose it is
@@ -46,9 +56,10 @@ struct PeerEntry {
   MethodClass method_class = MethodClass::kDenseMatrix;
   /// So many sweeps whatever is asked for, as its users run it.
   bool fixed_effort = false;
-  /// LcpSolver::TakesFriction.
-  bool takes_friction = false;
+  FrictionLaw law = FrictionLaw::kNone;
 
+  /// LcpSolver::TakesFriction.
+  bool takes_friction() const { return law != FrictionLaw::kNone; }
   /// The library's own options, or a fixed effort: the adapter passes no tolerance.
   bool has_library_defaults() const { return key.ends_with("-default") || fixed_effort; }
 };

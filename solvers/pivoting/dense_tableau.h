@@ -729,7 +729,7 @@ class DenseTableau {
   }
 
   void SolveAndCheck() {
-    t_.rho = Run();
+    t_.rho = SolveRows();
     t_.rounding = kInfinity;
     t_.rows_meet = t_.rows_are_clear = false;
     if (t_.rho == kInfinity) return;
@@ -754,7 +754,7 @@ class DenseTableau {
   }
 
   // rho of the forces that it finds; infinity if it gave up.
-  double Run() {
+  double SolveRows() {
     if (HasClosedForm() && SolveInClosedForm()) {
       const double rho = Rho();
       if (rho <= tableau::kGoodEnough) return rho;

@@ -782,7 +782,7 @@ class LemkeEngine final : public FactorPivoting {
   }
 
   LcpStatus MakeRight(LcpResult* result) override;
-  void Begin();
+  void StartPath();
   double ComputeRates();
   LcpStatus EnterOrExchange(Index p, LcpResult* result);
   // The row in [joints, end) whose f or w reaches 0 first by `rate`, kNoRow if none does before `limit`. `event` as for
@@ -811,7 +811,7 @@ class LemkeEngine final : public FactorPivoting {
 // From z = 1 to z = 0.
 LcpStatus LemkeEngine::MakeRight(LcpResult* result) {
   if (violation_ == 0) return kSolved;
-  Begin();
+  StartPath();
   while (z_ > 0) {
     if (const LcpStatus end = BeginPivot(m() * (m() + open_)); end != kSolved) return end;
     const double size = ComputeRates();
@@ -833,7 +833,7 @@ LcpStatus LemkeEngine::MakeRight(LcpResult* result) {
 }
 
 // The point at z = 1: d outside F, and g = h_w - A h_f for h_w, h_f > 0, so that it has f_F + e h_f, w + e h_w > 0.
-void LemkeEngine::Begin() {
+void LemkeEngine::StartPath() {
   z_ = 1;
   largest_force_ = violation_;
   cover_.head(lcp_.n).setZero();

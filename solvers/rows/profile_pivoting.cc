@@ -79,14 +79,14 @@ bool ProfilePivoting::Load(const StepRows& all, std::span<const std::int32_t> pa
 }
 
 // Returns the residual |min(x, w)| as the second sweep met it.
-double ProfilePivoting::Iterate() {
+double ProfilePivoting::SweepBothWays() {
   ++iterations_;
   StepSums forward;
   StepSums backward;
-  sweeps_.Begin(x_);
+  sweeps_.BeginIteration(x_);
   rows_->Sweep(0, n_, false, 1, &x_, &forward);
   rows_->Sweep(0, n_, true, 1, &x_, &backward);
-  sweeps_.End(forward.energy + backward.energy, backward.residual, &x_);
+  sweeps_.EndIteration(forward.energy + backward.energy, backward.residual, &x_);
   return std::sqrt(backward.residual);
 }
 
@@ -154,7 +154,7 @@ bool ProfilePivoting::Pivot(int most_patience) {
 
 bool ProfilePivoting::SweepOn(double* f) {
   if (rows_ == nullptr || TimeIsUp()) return false;
-  for (int k = 0; k < kMoreIterations; ++k) Iterate();
+  for (int k = 0; k < kMoreIterations; ++k) SweepBothWays();
   scaled_.ToGiven(x_.f, f);
   return true;
 }
@@ -203,7 +203,7 @@ double ProfilePivoting::Solve(const StepRows& all, std::span<const std::int32_t>
     // Interior points do as well from where the first sweeps ended.
     const Index most = phase == 1 && has_profile_ ? 0 : budget;
     for (Index k = 0; k < most && !arrived; ++k) {
-      arrived = Iterate() <= limit / 2;
+      arrived = SweepBothWays() <= limit / 2;
       if (iterations_ % kIterationsWithoutClock == 0 && TimeIsUp()) break;
     }
     if (!arrived && has_profile_) {

@@ -89,7 +89,7 @@ class ProfilePivoting {
 
  private:
   bool Load(const StepRows& all, std::span<const std::int32_t> part);
-  double Iterate();
+  double SweepBothWays();
   double Residual();
   bool Pivot(int most_patience);
   void FindBasicPoint();

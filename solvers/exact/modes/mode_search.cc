@@ -98,7 +98,7 @@ class ModeSearch {
 
   bool IsSmall(std::int64_t most) const { return CountModes(groups_, most) <= most; }
 
-  ExactAnswer Run() {
+  ExactAnswer Search() {
     std::string modes(At(problem_.size), ' ');
     if (!TryAll(0, &modes)) {
       answer_.detail = "out of time after " + std::to_string(answer_.steps) + " modes";
@@ -332,7 +332,7 @@ Index HopelessRow(const LcpProblem& problem) {
 
 ExactAnswer SolveByModes(const ExactLcp& problem, const ExactOptions& options) {
   ModeSearch search(problem, options);
-  if (search.IsSmall(options.most_modes)) return search.Run();
+  if (search.IsSmall(options.most_modes)) return search.Search();
   return search.FindOne(options);
 }
 

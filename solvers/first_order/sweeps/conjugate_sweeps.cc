@@ -63,7 +63,7 @@ void ConjugateSweeps::Restart() {
   projections_ = 0;
 }
 
-void ConjugateSweeps::Begin(const Point& x) {
+void ConjugateSweeps::BeginIteration(const Point& x) {
   x_.f.head(size_) = x.f.head(size_);
   x_.image.head(image_size_) = x.image.head(image_size_);
 }
@@ -132,7 +132,7 @@ bool ConjugateSweeps::Extend(const Combination& c, const Point& y, double* slope
   return clipped;
 }
 
-void ConjugateSweeps::End(double energy, double residual, Point* x) {
+void ConjugateSweeps::EndIteration(double energy, double residual, Point* x) {
   Point& y = *x;
   ++hovering_;
   if (residual < least_residual_) {

@@ -22,11 +22,11 @@ class ConjugateSweeps {
   void Restart();
 
   /// Notes x, from which the sweeps set out.
-  void Begin(const Point& x);
+  void BeginIteration(const Point& x);
   /// Moves x on from where the sweeps ended.
   /// @param energy    what both sweeps gained
   /// @param residual  the sum of squares that the second one saw
-  void End(double energy, double residual, Point* x);
+  void EndIteration(double energy, double residual, Point* x);
 
  private:
   struct Products;

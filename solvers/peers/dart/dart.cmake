@@ -7,14 +7,13 @@ if(LCPBENCH_WITH_DART)
   if(DART_INCLUDE_DIR AND DART_LIBRARY)
     # Objects with Eigen members pass between this worker and libdart, and both define the same inline functions of
     # Eigen: the whole worker is compiled with Eigen's own alignment, as libdart was, and not with lcpbench::lcp's.
+    file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/solvers/lcp/*.cc" "${PROJECT_SOURCE_DIR}/support/*.cc")
     add_library(lcpbench_dart_runtime STATIC
-      peer_table.cc solvers_in_turn.cc protocol/protocol.cc protocol/worker.cc
-      ../lcp/bounded_faces.cc ../lcp/compressed_rows.cc ../lcp/fresh_pass.cc ../lcp/law_metrics.cc ../lcp/memory_budget.cc ../lcp/problem.cc ../lcp/settings.cc ../lcp/solver.cc ../lcp/step_rows.cc ../lcp/verify.cc ../../support/clock.cc ../../support/number_text.cc ../../support/printable.cc ../../support/process_watch.cc
-      ../../support/subprocess.cc)
+      peer_table.cc solvers_in_turn.cc protocol/protocol.cc protocol/worker.cc ${sources})
     target_include_directories(lcpbench_dart_runtime PUBLIC "${PROJECT_SOURCE_DIR}")
     target_compile_features(lcpbench_dart_runtime PUBLIC cxx_std_20)
     target_link_libraries(lcpbench_dart_runtime PUBLIC Eigen3::Eigen PRIVATE lcpbench_warnings lcpbench_reproducible
-                          Boost::headers)
+                          Boost::headers nlohmann_json::nlohmann_json)
     lcpbench_add_peer(dart SOURCES dart/dart.cc dantzig_peer.cc LIBRARIES "${DART_LIBRARY}" RUNTIME lcpbench_dart_runtime)
     target_include_directories(lcpbench_worker_dart SYSTEM PRIVATE "${DART_INCLUDE_DIR}")
     # libdart was built with assertions, and one virtual function of its classes exists only then.
