@@ -12,6 +12,7 @@
 #include "solvers/active_set/semismooth_newton.h"
 #include "solvers/auto/auto_rules.h"
 #include "solvers/auto/auto_solver.h"
+#include "solvers/auto/hybrid.h"
 #include "solvers/first_order/apgd.h"
 #include "solvers/first_order/nncg.h"
 #include "solvers/first_order/pgs.h"
@@ -29,7 +30,6 @@
 #include "solvers/ipopt/ipopt_solver.h"
 #endif
 #ifdef LCPBENCH_WITH_SUITESPARSE
-#include "solvers/interior_point/hybrid.h"
 #include "solvers/interior_point/ipm.h"
 #endif
 
@@ -250,7 +250,7 @@ std::vector<SolverEntry> InteriorPointSolvers() {
        .takes_bounded = true},
       {.key = "hybrid",
        .method = "nonsmooth conjugate gradients while their rate promises an answer, then ipm",
-       .source = "see solvers/interior_point/hybrid.h",
+       .source = "see solvers/auto/hybrid.h",
        .why_not_guaranteed = &AnyPsd,
        .make = kMakeHybrid},
   };

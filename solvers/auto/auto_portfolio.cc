@@ -22,10 +22,30 @@ constexpr Index kLeastRowsOfPacking = 5000;
 constexpr std::int64_t kPatience = 48;
 
 #ifdef LCPBENCH_WITH_SUITESPARSE
-constexpr bool kHasHybrid = true;
+constexpr bool kHasIpm = true;
+// Above, ordering and analysis may take longer than the sweeps, so they wait until they are needed.
+constexpr Index kMostRowsAnalysed = 20000;
+// The active set of a start is tried before the sweeps where a factorization takes no longer than so many, with pivots
+// that take no longer than so many together.
+constexpr double kCheapFactorization = 17;
+constexpr double kGuessWork = 90;
+// A start is used where its rho is below this share of that of f = 0.
+constexpr double kWorthTrying = 0.5;
 #else
-constexpr bool kHasHybrid = false;
+constexpr bool kHasIpm = false;
 #endif
+
+// False where that needs more memory than there is: other methods need less.
+bool HasPrepared(LcpSolver* solver, const LcpProblem& problem) {
+  try {
+    solver->Prepare(problem);
+    return true;
+  } catch (const MemoryRefusal&) {
+    return false;
+  }
+}
+
+bool IsOfHybrid(AutoMethod method) { return method >= AutoMethod::kGuess && method <= AutoMethod::kIpm; }
 
 // More rows than columns of J that can move anything: A = J M^-1 J^T is singular. False where that is not known.
 bool RowsOutnumberDegreesOfFreedom(const LcpProblem& problem) {
@@ -75,46 +95,44 @@ bool IsNarrow(const LcpProblem& problem) {
 
 }  // namespace
 
-AutoPortfolio::AutoPortfolio(std::int64_t newton_factorizations, bool self_check)
-    : newton_factorizations_(newton_factorizations),
+AutoPortfolio::AutoPortfolio(const HybridOptions& hybrid, std::int64_t newton_factorizations)
+    : hybrid_(hybrid),
+      newton_factorizations_(newton_factorizations),
       psor_({.relaxation = PgsOptions::kFirstOfAdaptive,
              .adaptive = true,
              .end_when_hopeless = true,
-             .self_check = self_check}),
-      nncg_({.end_when_hopeless = true, .self_check = self_check}),
-      patient_nncg_({.end_when_hopeless = true, .least_iterations = kPatience, .self_check = self_check}),
-      bpp_({.end_when_singular = true, .self_check = self_check}),
-      newton_({.self_check = self_check}),
+             .self_check = hybrid.self_check}),
+      nncg_({.end_when_hopeless = true, .self_check = hybrid.self_check}),
+      patient_nncg_({.end_when_hopeless = true, .least_iterations = kPatience, .self_check = hybrid.self_check}),
+      hybrid_nncg_(
+          {.end_when_hopeless = true, .least_iterations = hybrid.least_iterations, .self_check = hybrid.self_check}),
+      bpp_({.end_when_singular = true, .self_check = hybrid.self_check}),
+      newton_({.self_check = hybrid.self_check}),
 #ifdef LCPBENCH_WITH_SUITESPARSE
-      hybrid_({.self_check = self_check}),
+      ipm_({.self_check = hybrid.self_check}),
 #endif
-      dantzig_([self_check] {
+      dantzig_([&hybrid] {
         DantzigOptions options;
-        options.self_check = self_check;
+        options.self_check = hybrid.self_check;
         return options;
       }()) {
 }
 
-bool AutoPortfolio::PrepareBpp(const LcpProblem& problem) {
-  try {
-    bpp_.Prepare(problem);
-    has_bpp_ = true;
-  } catch (const MemoryRefusal&) {
-    // Others need less.
-  }
-  return has_bpp_;
-}
-
 void AutoPortfolio::Classify(const LcpProblem& problem) {
   facts_ = {.rows = problem.size()};
-  has_bpp_ = false;
   facts_.is_redundant = RowsOutnumberDegreesOfFreedom(problem);
-  facts_.is_large = kHasHybrid && problem.size() > AutoFacts::kSmallRows && problem.given_form() != MatrixForm::kDense;
+  facts_.is_large = kHasIpm && problem.size() > AutoFacts::kSmallRows && problem.given_form() != MatrixForm::kDense;
+  if (kHasIpm && problem.size() >= AutoFacts::kLeastRowsOfHybridNncg && hybrid_.most_iterations > 0) {
+    facts_.hybrid_sweeps = std::max(hybrid_.least_iterations, hybrid_.most_iterations);
+  }
   start_.setZero(problem.size());
 }
 
 void AutoPortfolio::Prepare(const LcpProblem& problem) {
   Classify(problem);
+#ifdef LCPBENCH_WITH_SUITESPARSE
+  if (newton_factorizations_ == 0) return PrepareHybrid(problem);
+#endif
   facts_.iteration_time = CostModel::Sweep(problem);
   const bool is_sound = facts_.is_large && !facts_.is_redundant;
   facts_.is_wide_sparse = is_sound && problem.given_form() == MatrixForm::kSparse && !IsNarrow(problem);
@@ -125,7 +143,7 @@ void AutoPortfolio::Prepare(const LcpProblem& problem) {
   if (facts_.is_redundant && !facts_.is_large) {
     newton_.Prepare(problem);
     facts_.factor_time = newton_.StepTime();
-  } else if (!facts_.is_redundant && PrepareBpp(problem)) {
+  } else if (!facts_.is_redundant && HasPrepared(&bpp_, problem)) {
     facts_.has_dense_factor = bpp_.is_dense();
     facts_.factor_time = bpp_.StepTime();
   }
@@ -142,14 +160,16 @@ void AutoPortfolio::Prepare(const LcpProblem& problem) {
 bool AutoPortfolio::RunBackend(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result) {
   LcpOptions rest = *options_;
   rest.time_limit_s = deadline_->Remaining();
-  if (limit != kOwnLimit) rest.max_iterations = rest.max_iterations > 0 ? std::min(rest.max_iterations, limit) : limit;
-  if (has_start_) rest.initial_f = &start_;
-  if (!(rest.time_limit_s > 0)) {
-    result->status = LcpStatus::kTimeLimit;
+  if (rest.max_iterations > 0) limit = std::min(limit, rest.max_iterations - iterations_);
+  if (limit != kOwnLimit) rest.max_iterations = limit;
+  rest.initial_f = facts_.has_start ? &start_ : nullptr;
+  if (limit <= 0 || !(rest.time_limit_s > 0)) {
+    result->status = limit <= 0 ? LcpStatus::kIterationLimit : LcpStatus::kTimeLimit;
     return true;
   }
   const std::string before = std::move(result->detail);
   solver->Solve(*problem_, rest, result);
+  result->iterations = iterations_ += result->iterations;
   const std::string said = std::move(result->detail);
   result->detail = before;
   if (!before.empty()) result->detail += "; ";
@@ -182,8 +202,8 @@ void AutoPortfolio::TakeTheBest(LcpResult* result) {
 
 // Where the next method starts: at f, or cold.
 void AutoPortfolio::StartAt(const Eigen::VectorXd* f) {
-  has_start_ = f != nullptr;
-  if (has_start_) start_ = *f;
+  facts_.has_start = f != nullptr;
+  if (f != nullptr) start_ = *f;
 }
 
 // The next method starts at the forces that sweeps have reached.
@@ -194,12 +214,13 @@ bool AutoPortfolio::TrySweeps(LcpSolver* solver, std::string_view name, std::int
 }
 
 bool AutoPortfolio::TryBpp(std::int64_t granted, LcpResult* result) {
-  // Prepare has tried it already, unless sweeps come before.
-  if (!has_bpp_ && !(facts_.is_wide_sparse && PrepareBpp(*problem_))) return false;
+  if (!HasPrepared(&bpp_, *problem_)) return false;
+  const std::int64_t before = iterations_;
   if (RunBackend(&bpp_, "bpp", granted, result)) return true;
+  const std::int64_t taken = iterations_ - before;
   // What it has when it runs out of factorizations is mostly right but for a few rows.
-  if (facts_.is_large && result->iterations > 1 && result->f.allFinite()) StartAt(&result->f);
-  facts_.has_dependent_rows = result->iterations == 1 && result->status == LcpStatus::kNumericalFailure;
+  if (facts_.is_large && taken > 1 && result->f.allFinite()) StartAt(&result->f);
+  facts_.has_dependent_rows = taken == 1 && result->status == LcpStatus::kNumericalFailure;
   return false;
 }
 
@@ -223,9 +244,14 @@ bool AutoPortfolio::TryMethod(AutoMethod method, std::int64_t granted, LcpResult
       return TryBpp(granted, result);
     case AutoMethod::kSemismoothNewton:
       return TryFromStart(&newton_, name, newton_factorizations_, result);
-    case AutoMethod::kHybrid:
+    case AutoMethod::kHybridNncg:
+      return TrySweeps(&hybrid_nncg_, name, granted, result);
+    case AutoMethod::kGuess:
+    case AutoMethod::kIpm:
 #ifdef LCPBENCH_WITH_SUITESPARSE
-      return TryFromStart(&hybrid_, name, granted, result);
+      if (method == AutoMethod::kGuess) return TryGuess(name, result);
+      ipm_.UseWarmStart(facts_.hybrid_sweeps > 0 ? IpmSolver::WarmStart::kAfterSweeps : IpmSolver::WarmStart::kFull);
+      return TryFromStart(&ipm_, name, granted, result);
 #else
       return false;
 #endif
@@ -242,13 +268,48 @@ void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, 
   facts_.has_swept = facts_.has_dependent_rows = false;
   StartAt(options.initial_f);
   reached_count_ = 0;
+  iterations_ = 0;
   if (!result->f.isZero(0)) Remember(result->f);
   for (const AutoRule& rule : AutoRulesOf(AutoStage::kBackends)) {
+    if (newton_factorizations_ == 0 && !IsOfHybrid(rule.method)) continue;
     const std::int64_t granted = rule.Grants(facts_);
     if (granted > 0 && TryMethod(rule.method, granted, result)) break;
   }
   const bool arrived = result->status == LcpStatus::kSolved || result->status == LcpStatus::kInfeasible;
   if (!arrived && reached_count_ > 0) TakeTheBest(result);
 }
+
+void HybridOptions::Read(SettingsReader* reader) {
+  constexpr double kMost = 100000;
+  least_iterations = static_cast<int>(reader->Number("least_iterations", least_iterations, 0, kMost));
+  most_iterations = static_cast<int>(reader->Number("most_iterations", most_iterations, 0, kMost));
+  self_check = reader->SelfCheck();
+}
+
+#ifdef LCPBENCH_WITH_SUITESPARSE
+void AutoPortfolio::PrepareHybrid(const LcpProblem& problem) {
+  if (facts_.hybrid_sweeps > 0) hybrid_nncg_.Prepare(problem);
+  if (facts_.hybrid_sweeps == 0 || problem.size() <= kMostRowsAnalysed) ipm_.Prepare(problem);
+}
+
+// A start that says nothing is passed over. Of others the active set is tried, where factorizations are cheap.
+bool AutoPortfolio::TryGuess(std::string_view name, LcpResult* result) {
+  test_.Reset(*problem_, GivenFormTest::Rows::kGivenWhenNeeded);
+  const long double rho = test_.Rho(start_);
+  if (!(rho < kWorthTrying * test_.Rho(Eigen::VectorXd::Zero(start_.size())))) StartAt(nullptr);
+  if (!facts_.has_start || start_.size() > kMostRowsAnalysed || !HasPrepared(&ipm_, *problem_)) return false;
+  const IpmStatistics& factor = ipm_.statistics();
+  const double sweeps = CostModel::SweepsPerFactorization(*problem_, factor.factor_flops, factor.fill);
+  if (sweeps > kCheapFactorization) return false;
+  ipm_.UseWarmStart(IpmSolver::WarmStart::kGuessOnly);
+  return TrySweeps(&ipm_, name, static_cast<std::int64_t>(kGuessWork / sweeps), result);
+}
+
+std::string AutoPortfolio::WhyUnsupported(const LcpProblem& problem) const { return ipm_.WhyUnsupported(problem); }
+const IpmStatistics& AutoPortfolio::statistics() const { return ipm_.statistics(); }
+const IpmStatistics& HybridSolver::statistics() const { return engine_->statistics(); }
+
+template class EngineSolver<HybridOptions, AutoPortfolio>;
+#endif
 
 }  // namespace lcpbench

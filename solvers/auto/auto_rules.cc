@@ -5,13 +5,11 @@
 #include <cmath>
 
 #include "solvers/auto/exact_rule.h"
+#include "solvers/auto/hybrid.h"
 #include "solvers/friction/few_contacts.h"
 #include "solvers/friction/mode_steps.h"
 #include "solvers/pivoting/small_pivoting.h"
 #include "solvers/rows/fixed_size_bpp.h"
-#ifdef LCPBENCH_WITH_SUITESPARSE
-#include "solvers/interior_point/hybrid.h"
-#endif
 
 namespace lcpbench {
 namespace {
@@ -33,11 +31,6 @@ constexpr double kSweepsPerRootOfRows = 8;
 constexpr std::int64_t kMostFactorizationsOfBpp = 24;
 // Its A takes 0.2 GB, and a solve minutes.
 constexpr Index kMostRowsOfDantzig = 5000;
-#ifdef LCPBENCH_WITH_SUITESPARSE
-constexpr std::int64_t kSweepsOfPacking = HybridOptions{}.most_iterations;
-#else
-constexpr std::int64_t kSweepsOfPacking = 0;
-#endif
 
 std::int64_t If(bool holds) { return holds ? kOwnLimit : 0; }
 
@@ -77,7 +70,8 @@ static_assert(Facts::IsNarrow(45) && !Facts::IsNarrow(46) && Facts::kMostRowsInO
               kMostFactorizationsOfBpp == 24 && kContactsOfModes == 16 && kContactsOfAllModes == 3 &&
               kContactsOfLemke == 128 && kLargeIsland == 129 && kFineTolerance == 1e-7 && kLooseTolerance == 1e-4 &&
               kSweepsPerRoot == 40 && kFirstSweepsPerRoot == 6 && kRoundsOfShift == 4 && kLastSweeps == 20000 &&
-              kMostContactsOfExact == 8 && (kSweepsOfPacking == 600 || kSweepsOfPacking == 0));
+              kMostContactsOfExact == 8 && Facts::kLeastRowsOfHybridNncg == 500 &&
+              HybridOptions{}.most_iterations == 600);
 
 using enum AutoStage;
 using enum AutoMethod;
@@ -162,7 +156,7 @@ constexpr std::array kRules = {
              },
              "8 √n iterations"},
     AutoRule{kBackends, kAnyRows, "full rank, from 5000 rows on, J given, more than 0.25 cycles per body", kNncg,
-             [](const Facts& facts) { return facts.is_packing ? kSweepsOfPacking : 0; }, "600 iterations"},
+             [](const Facts& facts) { return facts.is_packing ? facts.hybrid_sweeps : 0; }, "600 iterations"},
     AutoRule{kBackends, Facts::kSmallRows, "redundant rows", kNncg,
              [](const Facts& facts) {
                const bool holds = facts.is_redundant && !facts.tableau_failed;
@@ -181,7 +175,12 @@ constexpr std::array kRules = {
              "12 factorizations"},
     AutoRule{kBackends, kAnyRows, "up to 900 rows, or A given dense", kSemismoothNewton,
              [](const Facts& facts) { return If(!facts.is_large); }},
-    AutoRule{kBackends, kAnyRows, "", kHybrid},
+    AutoRule{kBackends, kAnyRows, "`hybrid`, from 500 rows on, and there is a start", kGuess,
+             [](const Facts& facts) { return If(facts.has_start && facts.hybrid_sweeps > 0); },
+             "the active set of the start, in the time of 90 iterations of `nncg`"},
+    AutoRule{kBackends, kAnyRows, "`hybrid`, from 500 rows on", kHybridNncg,
+             [](const Facts& facts) { return facts.hybrid_sweeps; }, "`most_iterations`, 600"},
+    AutoRule{kBackends, kAnyRows, "`hybrid`", kIpm},
     AutoRule{kBackends, kAnyRows, "more than 900 rows", kSemismoothNewton,
              [](const Facts& facts) { return If(facts.is_large); }},
     AutoRule{kBackends, kMostRowsOfDantzig, "", kDantzig},
@@ -234,13 +233,15 @@ std::string_view KeyOf(AutoMethod method) {
       return "psor";
     case kNncg:
     case kPatientNncg:
+    case kHybridNncg:
       return "nncg";
     case kBpp:
       return "bpp";
     case kSemismoothNewton:
       return "semismooth-newton";
-    case kHybrid:
-      return "hybrid";
+    case kGuess:
+    case kIpm:
+      return "ipm";
     case kDantzig:
       return "dantzig";
     case kFixedSizeModes:

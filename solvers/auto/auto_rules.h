@@ -25,7 +25,9 @@ enum class AutoMethod : std::uint8_t {
   kPatientNncg,        ///< the same, whose rate is looked at later
   kBpp,                ///< BppSolver
   kSemismoothNewton,   ///< SemismoothNewtonSolver
-  kHybrid,             ///< HybridSolver
+  kGuess,              ///< IpmSolver::WarmStart::kGuessOnly, the first of HybridSolver
+  kHybridNncg,         ///< NncgSolver, as long as HybridOptions let it
+  kIpm,                ///< IpmSolver, the last of HybridSolver
   kDantzig,            ///< DantzigSolver
   kFixedSizeModes,     ///< FewContacts
   kNoFriction,         ///< the plain problem of the other rows
@@ -65,6 +67,8 @@ struct AutoFacts {
 
   /// Above, `hybrid` is faster than the semismooth Newton method on every redundant family (1e-9, one thread).
   static constexpr Index kSmallRows = 900;
+  /// Below, a factorization takes no longer than a few sweeps, and its answers have more digits.
+  static constexpr Index kLeastRowsOfHybridNncg = 500;
   /// Whether a factor within the band of a sparse A takes so few operations that sweeps are not cheaper.
   static constexpr bool IsNarrow(Index bandwidth) { return bandwidth * bandwidth <= 2048; }
 
@@ -78,7 +82,7 @@ struct AutoFacts {
   bool can_relax = false;          ///< up to one friction row a contact, none slides, no bounded rows
   bool is_paired = false;          ///< up to one friction row a contact
   bool has_bounded = false;        ///< bounded rows
-  bool has_start = false;          ///< initial_f is given
+  bool has_start = false;          ///< initial_f is given; kBackends: or a method has ended at a start for the next
   bool has_problem = false;        ///< an LcpProblem, not read in place
   bool relaxation_failed = false;  ///< the relaxation has no answer
   // kMatrix.
@@ -88,12 +92,13 @@ struct AutoFacts {
   bool tableau_failed = false;      ///< a tableau has left the problem open
   bool may_divide = false;          ///< islands have not been found to be too large
   bool is_redundant = false;        ///< rows outnumber degrees of freedom, so that A is singular
-  bool is_large = false;            ///< more than kSmallRows, not given as a dense matrix, and `hybrid` in this build
+  bool is_large = false;            ///< more than kSmallRows, not given as a dense matrix, and `ipm` in this build
   bool is_wide_sparse = false;      ///< large, not redundant, A given sparse with a band too wide for a factor
   bool is_packing = false;          ///< large, not redundant, by factors, with many cycles in the graph of bodies
   bool has_dense_factor = false;    ///< block pivoting's
   bool has_dependent_rows = false;  ///< block pivoting has met them
   bool has_swept = false;           ///< nncg has been asked
+  std::int64_t hybrid_sweeps = 0;   ///< that HybridOptions grant nncg; 0 for few rows
   double iteration_time = 1;        ///< of nncg [ns], predicted
   double factor_time = 0;           ///< of a factorization of what follows nncg [ns], predicted; 0: not known
 };

@@ -156,7 +156,7 @@ AutoEngine::AutoEngine(const AutoOptions& options)
       tableau_(options.instructions),
       rows_(options.instructions, options.only),
       band_(options.instructions),
-      whole_(options.newton_factorizations, options.self_check) {
+      whole_({.self_check = options.self_check}, options.newton_factorizations) {
   if (options.newton_factorizations < 1) throw InputError("auto: newton_factorizations must be >= 1");
   for (const Index rows : {options.tableau_rows, options.hard_tableau_rows}) {
     if (rows < 0 || rows > SmallPivoting::kMaxRows) {
@@ -341,7 +341,7 @@ void AutoEngine::SolveRest(const LcpProblem& problem, const LcpOptions& options,
     rest_start_ = (*options.initial_f)(rest_);
     part_options.initial_f = &rest_start_;
   }
-  AutoPortfolio portfolio(options_.newton_factorizations, options_.self_check);
+  AutoPortfolio portfolio({.self_check = options_.self_check}, options_.newton_factorizations);
   portfolio.Prepare(part);
   LcpResult answer;
   answer.f.setZero(part.size());

@@ -60,16 +60,16 @@ struct AutoOptions {
 /// VerifyFarkasRay accepts.
 ///
 /// LcpResult::detail says what was done: islands, rows left out, which method answered, and which ones failed before
-/// it. `iterations` are those of the backend that answered, in its unit; with islands the sum of pivots, then the
-/// iterations of the backend of the rest. Guaranteed class: symmetric positive semidefinite A of any rank, as its
-/// backends; nonsymmetric A is refused. A failure leaves the last backend's f and status.
+/// it. `iterations` are those of all backends, each in its unit; with islands the sum of pivots, then those of the
+/// backends of the rest. Guaranteed class: symmetric positive semidefinite A of any rank, as its backends; nonsymmetric
+/// A is refused. A failure leaves the last backend's f and status.
 ///
 /// Warm start: for a tableau's size one factorization of the rows with initial_f > 0, a second one after their wrong
 /// rows have changed sides, and a tableau only where that is not the answer; the others as their own headers say.
 ///
 /// Set-up covers what the problem's structure suggests first, of rows a copy; other backends prepare within the solve.
-/// Limits are the backends' own, the time limit is shared. Solve does not allocate up to tableau_rows rows, unless a
-/// tableau fails.
+/// Limits hold for all backends together. Solve does not allocate up to tableau_rows rows, unless a tableau
+/// fails.
 using AutoSolver = EngineSolver<AutoOptions, class AutoEngine>;
 extern template class EngineSolver<AutoOptions, AutoEngine>;
 

@@ -10,7 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "solvers/interior_point/hybrid.h"
+#include "solvers/auto/hybrid.h"
+#include "solvers/interior_point/ipm.h"
 #include "support/input_error.h"
 #include "tests/solvers/solve_with.h"
 #include "tests/solvers/test_problems.h"

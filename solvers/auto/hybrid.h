@@ -1,10 +1,10 @@
 #pragma once
 
-#include "solvers/first_order/nncg.h"
-#include "solvers/interior_point/ipm.h"
 #include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
+
+struct IpmStatistics;  // solvers/interior_point/ipm.h
 
 /// Options of HybridSolver.
 struct HybridOptions {
@@ -20,7 +20,8 @@ struct HybridOptions {
 };
 
 /// First-order, then second-order: nonsmooth conjugate gradients (NncgSolver) for as long as they promise to be
-/// cheaper, then active sets and the interior point (IpmSolver) from where they stopped.
+/// cheaper, then active sets and the interior point (IpmSolver) from where they stopped. These are rules of AutoSolver,
+/// asked alone (docs/solvers/auto.md).
 ///
 /// Sweeps cost a hundredth of a factorization at 10^5 rows. On ovals and loose piles they arrive; where redundant
 /// contacts or long chains make them stall they still find most of the active set and four digits, which spares the
@@ -38,13 +39,13 @@ struct HybridOptions {
 /// Warm start: where a factorization takes no longer than 17 sweeps, the active set of initial_f first (IpmSolver), as
 /// far as that is done in the time of 90 sweeps; then the sweeps, from the best iterate. A start whose rho is at least
 /// half that of f = 0 is passed over. Departures: none; the two methods are used as they are.
-class HybridSolver final : public EngineSolver<HybridOptions, class HybridEngine> {
+class HybridSolver final : public EngineSolver<HybridOptions, class AutoPortfolio> {
  public:
   using EngineSolver::EngineSolver;
 
   /// Statistics of the interior point, in the latest Prepare and Solve.
   const IpmStatistics& statistics() const;
 };
-extern template class EngineSolver<HybridOptions, HybridEngine>;
+extern template class EngineSolver<HybridOptions, AutoPortfolio>;
 
 }  // namespace lcpbench
