@@ -1,7 +1,5 @@
 #include "model/contact/assembly.h"
 
-#include <Eigen/LU>
-
 #include "tests/model/contact/random_contacts.h"
 
 namespace lcpbench::testing {
@@ -113,97 +111,6 @@ TEST(Assembly, IsJInverseMassTimesForcePlusGamma) {
     }
     const Eigen::MatrixXd J = lcp.problem.J();
     EXPECT_LE((lcp.problem.DenseA() - J * inverse_mass.asDiagonal() * J.transpose()).cwiseAbs().maxCoeff(), kRounding);
-  }
-}
-
-TEST(Assembly, JointsAreBilateralAndPinsHaveTwoRows) {
-  const ContactSystem system = RandomSystem(31);
-  const AssembledLcp lcp = AssembleContactLcp(system);
-  size_t i = 0;
-  for (size_t k = 0; k < system.constraints.size(); ++k) {
-    const ConstraintType type = system.constraints[k].type;
-    for (const char axis : std::string(type == ConstraintType::kPin ? "xy" : "n")) {
-      const RowInfo& row = lcp.rows.at(i);
-      EXPECT_EQ(row.constraint, static_cast<int>(k));
-      EXPECT_EQ(row.axis, axis);
-      EXPECT_EQ(row.bilateral, type != ConstraintType::kContact);
-      EXPECT_EQ(lcp.problem.is_bilateral(static_cast<Index>(i)), row.bilateral);
-      ++i;
-    }
-  }
-  EXPECT_EQ(lcp.rows.size(), i);
-}
-
-// A rigid motion of the plane, and a boost.
-ContactSystem Moved(ContactSystem system, double angle, Vec2 shift, Vec2 boost) {
-  const Rotation rotation = SinCos(angle);
-  for (Body& body : system.bodies) {
-    body.x = Rotate(rotation, body.x) + shift;
-    body.theta += angle;
-    body.v = Rotate(rotation, body.v) + boost;
-    body.force = Rotate(rotation, body.force);
-    body.acceleration = Rotate(rotation, body.acceleration);
-  }
-  return system;
-}
-
-TEST(Assembly, MovingTheWorldLeavesLcpUnchanged) {
-  Random random(32);
-  for (unsigned seed = 0; seed < 30; ++seed) {
-    const ContactSystem system = RandomSystem(seed);
-    const AssembledLcp given = AssembleContactLcp(system);
-    // A pin's rows belong to world axes, so they only keep up with translations and boosts.
-    for (const bool turn : {false, true}) {
-      const double angle = turn ? random.Uniform(-3, 3) : 0;
-      const Vec2 shift = random.Vector(5);
-      const AssembledLcp lcp = AssembleContactLcp(Moved(system, angle, shift, random.Vector(5)));
-      const Eigen::MatrixXd& A = lcp.problem.DenseA();
-      for (Index i = 0; i < given.problem.size(); ++i) {
-        const RowInfo& row = lcp.rows[static_cast<size_t>(i)];
-        const RowInfo& was = given.rows[static_cast<size_t>(i)];
-        if (turn && row.axis != 'n') continue;
-        EXPECT_NEAR(row.d, was.d, kRounding);
-        EXPECT_NEAR(row.d_dot, was.d_dot, kRounding);
-        const double scale = 1 + std::abs(was.gamma);
-        EXPECT_NEAR(row.gamma, was.gamma, kRounding * scale);
-        EXPECT_NEAR(lcp.problem.b()[i], given.problem.b()[i], kRounding * scale);
-        for (Index j = 0; j < given.problem.size(); ++j) {
-          if (turn && lcp.rows[static_cast<size_t>(j)].axis != 'n') continue;
-          EXPECT_NEAR(A(i, j), given.problem.DenseA()(i, j), kRounding);
-        }
-      }
-    }
-  }
-}
-
-TEST(Assembly, PinOfATurnedWorldTurnsItsRows) {
-  Random random(33);
-  const Constraint pin{ConstraintType::kPin, 0, 1, Vertex{{0.3, -0.4}}, Vertex{{-1, 0.5}}};
-  const ContactSystem system{"pin", {RandomBody(&random), RandomBody(&random)}, {pin}};
-  const double angle = 0.7;
-  const AssembledLcp p = AssembleContactLcp(system);
-  const AssembledLcp q = AssembleContactLcp(Moved(system, angle, {}, {}));
-  for (double RowInfo::*member : {&RowInfo::d, &RowInfo::d_dot, &RowInfo::gamma}) {
-    const Vec2 given{p.rows[0].*member, p.rows[1].*member};
-    EXPECT_NEAR(Norm(Rotate(SinCos(angle), given) - Vec2{q.rows[0].*member, q.rows[1].*member}), 0, kRounding);
-  }
-  EXPECT_NEAR(p.problem.DenseA().determinant(), q.problem.DenseA().determinant(), kRounding);
-  EXPECT_NEAR(p.problem.DenseA().trace(), q.problem.DenseA().trace(), kRounding);
-}
-
-TEST(Assembly, SwappingBodiesLeavesLcpUnchangedBitByBit) {
-  for (unsigned seed = 0; seed < 30; ++seed) {
-    ContactSystem system = RandomSystem(seed);
-    const AssembledLcp given = AssembleContactLcp(system);
-    for (Constraint& constraint : system.constraints) {
-      if (constraint.type == ConstraintType::kPin) continue;  // its axes are the world's: swapping turns the sign
-      std::swap(constraint.body1, constraint.body2);
-      std::swap(constraint.feature1, constraint.feature2);
-      std::swap(constraint.s1, constraint.s2);
-    }
-    const AssembledLcp swapped = AssembleContactLcp(system);
-    EXPECT_EQ(swapped.problem.b(), given.problem.b());
-    EXPECT_EQ(Eigen::MatrixXd(swapped.problem.J()), Eigen::MatrixXd(given.problem.J()));
   }
 }
 

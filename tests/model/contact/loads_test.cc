@@ -130,23 +130,6 @@ TEST(Loads, InternalLoadsLeaveMomentaAlone) {
   }
 }
 
-TEST(Loads, MomentaAndEnergyAreThoseOfMovableBodies) {
-  std::vector<Body> bodies(2);
-  bodies[0].mass = 2;
-  bodies[0].inertia = 3;
-  bodies[0].x = {1, 2};
-  bodies[0].v = {4, -1};
-  bodies[0].omega = 0.5;
-  bodies[1].fixed = true;
-  bodies[1].x = {7, 7};
-  bodies[1].v = {9, 9};
-  bodies[1].omega = 9;
-  EXPECT_DOUBLE_EQ(KineticEnergy(bodies), (2 * 17 + 3 * 0.25) / 2);
-  EXPECT_DOUBLE_EQ(Momentum(bodies).x, 8);
-  EXPECT_DOUBLE_EQ(Momentum(bodies).y, -2);
-  EXPECT_DOUBLE_EQ(AngularMomentum(bodies), 2 * (1 * -1 - 2 * 4) + 1.5);
-}
-
 TEST(Loads, ASpringPullsWhenLongAndPushesWhenShort) {
   std::vector<Body> bodies(2);
   bodies[1].x = {3, 0};

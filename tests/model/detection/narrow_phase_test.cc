@@ -245,24 +245,6 @@ Configuration AnyConfiguration(Random* random) {
   return RandomConfiguration(kind1, kind2, random->Uniform(0, 1) < 0.5, random);
 }
 
-bool IsAmong(const std::vector<GapMinimum>& minima, Vec2 R1, Vec2 R2, double tolerance) {
-  return std::any_of(minima.begin(), minima.end(), [&](const GapMinimum& m) {
-    return Norm(m.closest.R1 - R1) <= tolerance && Norm(m.closest.R2 - R2) <= tolerance;
-  });
-}
-
-TEST(NarrowPhaseOfShapes, ExchangingTheBodiesExchangesTheMinima) {
-  Random random(5);
-  for (int k = 0; k < 300; ++k) {
-    const Configuration c = AnyConfiguration(&random);
-    const Configuration exchanged{c.outline2, c.outline1, c.pose2, c.pose1, c.reach};
-    const std::vector<GapMinimum> minima = Detect(c);
-    const std::vector<GapMinimum> others = Detect(exchanged);
-    ASSERT_EQ(minima.size(), others.size()) << k;
-    for (const GapMinimum& m : minima) EXPECT_TRUE(IsAmong(others, m.closest.R2, m.closest.R1, 1e-9)) << k;
-  }
-}
-
 // Small overlaps: pushed into each other along a contact's normal, the bodies still have that contact, as deep.
 TEST(NarrowPhaseOfShapes, FollowsAContactIntoPenetration) {
   Random random(6);
