@@ -55,12 +55,12 @@ def size_classes(inputs: Inputs, cells: pd.DataFrame) -> list[str]:
     return [of["key"] for of in inputs.size_classes if of["key"] in there]
 
 
-def table(inputs: Inputs, name: str, tier: float) -> pd.DataFrame:
-    """Rows of a table of inputs.analysis: problems that count, and the tier; none where there is no such table."""
+def table(inputs: Inputs, name: str, tier: float, counted: bool = True) -> pd.DataFrame:
+    """Rows of a table of inputs.analysis: problems that count, or the others, and the tier; none without such a table."""
     found = inputs.analysis.get(name)
     if found is None:
         return pd.DataFrame(columns=_ASKED_FOR)
-    chosen = (found["set"] == COUNTED) & (found["tier"] == tier)
+    chosen = ((found["set"] == COUNTED) == counted) & (found["tier"] == tier)
     return found[chosen].drop(columns=[column for column in GROUP if column != "tier"])
 
 
@@ -96,7 +96,7 @@ def _best(inputs: Inputs, group_of: dict[str, str], most: int) -> list[str]:
 
 def _best_of(cells: pd.DataFrame, solvers: list[str]) -> list[str]:
     """One of them, or two."""
-    if len(solvers) == 1 or not len(cells):
+    if len(solvers) == 1 or cells.empty:
         return solvers[:1]
     mine = cells[cells["solver"].isin(solvers)]
     # Sizes that a solver is not given at all; a single problem may be excluded for the time that a looser tier took.

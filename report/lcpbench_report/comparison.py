@@ -18,9 +18,13 @@ _ENVIRONMENT = ("version", "git_commit", "git_dirty", "compiler", "flags", "solv
 
 
 def changes_text(old_name: str, old: Campaign, new_name: str, new: Campaign, changes: Changes) -> str:
+    gained = [[_name(row), _verdict(row, "old")] for _, row in changes.gained.iterrows()]
+    only = [[code(solver), name, len(own)] for name, table in changes.only.items()
+            for solver, own in table.groupby("solver", sort=False)]
     return render("comparison.md.j2", "changes", title=f"{old.info['name']}: {new_name} against {old_name}", changes=changes,
-                  environment=_environment(old, new), wrong=_wrong(changes), gained=_gained(changes),
-                  speeds={"Slower": _speeds(changes.slower), "Faster": _speeds(changes.faster)}, only=_only(changes),
+                  environment=_environment(old, new), wrong=_wrong(changes), gained=_table(["cell", "before"], gained),
+                  speeds={"Slower": _speeds(changes.slower), "Faster": _speeds(changes.faster)},
+                  only=_table(["solver", "only in", "cells"], only),
                   comparisons=changes.speeds["p"].notna().sum(), level=pairwise.LEVEL, margin=MARGIN - 1)
 
 
@@ -62,21 +66,12 @@ def _wrong(changes: Changes) -> str:
                     formats.seconds(row["time_limit_s_new"])] for _, row in pd.concat([wrong[first], wrong[~first]]).iterrows()])
 
 
-def _gained(changes: Changes) -> str:
-    return _table(["cell", "before"], [[_name(row), _verdict(row, "old")] for _, row in changes.gained.iterrows()])
-
-
 def _speeds(table: pd.DataFrame) -> str:
     return _table(["solver", "rows", "family", "set that does not count", "tier", "problems", "new / old", "p"],
                   [[code(row.solver), *("all" if part == ALL else code(part) for part in (row.size_class, row.family)),
                     row.set if row.set != COUNTED else "", formats.power(row.tier), row.problems,
                     f"{row.ratio:.3f} [{row.ratio_low:.3f}, {row.ratio_high:.3f}]", f"{row.p:.1g}"]
                    for row in table.itertuples()])
-
-
-def _only(changes: Changes) -> str:
-    return _table(["solver", "only in", "cells"], [[code(solver), name, len(own)] for name, table in changes.only.items()
-                                                   for solver, own in table.groupby("solver", sort=False)])
 
 
 def _name(row) -> str:

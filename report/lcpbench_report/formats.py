@@ -34,13 +34,12 @@ def residual(value: float) -> str:
         return "∞"
     if value == 0:
         return "0"
-    mantissa, exponent = f"{value:.1e}".split("e")
-    return f"{mantissa}e{int(exponent)}"
+    return power(value, 1)
 
 
-def power(value: float) -> str:
-    """1e-9: a tier, a number of one digit."""
-    mantissa, exponent = f"{value:.0e}".split("e")
+def power(value: float, digits: int = 0) -> str:
+    """1e-9: a tier, a number of one digit; or of more behind the point."""
+    mantissa, exponent = f"{value:.{digits}e}".split("e")
     return f"{mantissa}e{int(exponent)}"
 
 

@@ -9,12 +9,11 @@ import pandas as pd
 
 from . import choice, formats, solver_facts
 from .formats import DASH, power, residual, seconds, share_of, size_class, times, with_interval
-from .headline_table import Headline, Rival, headline, verdicts
+from .headline_table import Headline, headline, verdicts
 from .inputs import PATHOLOGICAL, Inputs
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_ASKED, VERIFIED, within_rounding
 from .statistics.class_times import ALL, RATIO
 from .statistics.friction import refusers
-from .statistics.groups import COUNTED
 from .statistics.model import ERROR_PARTS, ORIGINS
 from .statistics.rivals import FASTEST, FLAGS, PORTFOLIO
 from .statistics.weighted import weighted_median, weighted_share
@@ -100,17 +99,14 @@ def outcomes(found: Headline) -> Table | None:
     rows, shown = [], [key for key in _RIVALS if any(key in row.rivals for row in found.classes)]
     for words, classes_ in zip(("slower", "undecided", "faster"), verdicts(found)):
         if classes_:
+            ratios = {key: [row.rivals[key].ratio if key in row.rivals else (math.nan,) * 3 for row in classes_]
+                      for key in shown}
             rows.append([words, ", ".join(size_class(row.size_class) for row in classes_),
                          ", ".join(seconds(row.entries[found.own].time_s) for row in classes_),
-                         *(", ".join(_short_ratio(row.rivals.get(key), key == found.rival) for row in classes_)
-                           for key in shown)])
+                         *(", ".join(with_interval(*of) if key == found.rival else times(of[0]) for of in of_key)
+                           for key, of_key in ratios.items())])
     return _table(["ours is", "rows", f"median time of {key(found.own)}", *(f"ours / {_RIVALS[key]}" for key in shown)],
                   rows, "lll" + "l" * len(shown))
-
-
-def _short_ratio(rival: Rival | None, whole: bool) -> str:
-    """@param whole  with its interval"""
-    return DASH if rival is None else with_interval(*rival.ratio) if whole else times(rival.ratio.median)
 
 
 def by_solver(found: Headline) -> Table:
@@ -251,9 +247,8 @@ def winners(inputs: Inputs) -> Table | None:
 
 
 def robustness(inputs: Inputs) -> Table | None:
-    """Problems that are meant to break something, at the main tier."""
+    """What becomes of problems that are meant to break something."""
     cells = pathological(inputs)
-    cells = cells[cells["tier"] == choice.main_tier(inputs)]
     counts = {"verified": cells["verdict"] == VERIFIED, "proved infeasible": cells["proved_infeasible"].astype(bool),
               "infeasible within rounding": within_rounding(cells),
               "false successes": cells["verdict"] == FALSE_SUCCESS, "below the tier": cells["verdict"] == BELOW_TIER,
@@ -264,8 +259,8 @@ def robustness(inputs: Inputs) -> Table | None:
 
 
 def pathological(inputs: Inputs) -> pd.DataFrame:
-    cells = inputs.cells
-    return cells[cells["set"] == PATHOLOGICAL]
+    """Cells of the main tier on the problems that are meant to break something."""
+    return inputs.cells[(inputs.cells["set"] == PATHOLOGICAL) & (inputs.cells["tier"] == choice.main_tier(inputs))]
 
 
 def origins(inputs: Inputs) -> Table | None:
@@ -304,8 +299,7 @@ def sealed(inputs: Inputs) -> Table | None:
 
 def literature(inputs: Inputs) -> Table | None:
     """The same of published problems, which count in nothing else."""
-    found = inputs.analysis.get("origins", pd.DataFrame(columns=["set", "tier", "origin"]))
-    return _by_origin(inputs, found[(found["set"] != COUNTED) & (found["tier"] == choice.main_tier(inputs))], 1)
+    return _by_origin(inputs, choice.table(inputs, "origins", choice.main_tier(inputs), counted=False), 1)
 
 
 def _by_origin(inputs: Inputs, table: pd.DataFrame, least: int) -> Table | None:

@@ -25,15 +25,17 @@ def write_static(inputs: Inputs, folder: Path) -> list[Path]:
     for figure in charts.figures(inputs):
         first = next(iter(figure.views.values()), lambda: None)  # none where every problem is to break something
         if chart := first():
-            written += drawing.save(chart, folder / "figures", figure.name)
+            paths = [folder / "figures" / f"{figure.name}{end}" for end in (".svg", ".pdf")]
+            drawing.write(chart, *paths)
+            written += paths
     return written + write_tables(inputs, folder / "tables")
 
 
 def write_tables(inputs: Inputs, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
-    studied = {name: table for name, table in (("motion", inputs.motion), ("friction-motion", inputs.friction_motion)) if table is not None}
-    studied |= {f"curve-{name}": table for name, table in inputs.curves.items()}
-    written = [_write_csv(table, folder / f"{name}.csv") for name, table in (dict(inputs.analysis) | studied).items()]
+    tables = {**inputs.analysis, "motion": inputs.motion, "friction-motion": inputs.friction_motion,
+              **{f"curve-{name}": table for name, table in inputs.curves.items()}}
+    written = [_write_csv(table, folder / f"{name}.csv") for name, table in tables.items() if table is not None]
     for name, make in shown_tables.PAPERS.items():
         if (table := make(inputs)) is not None:
             written.append(folder / f"{name}.tex")
@@ -43,7 +45,6 @@ def write_tables(inputs: Inputs, folder: Path) -> list[Path]:
 
 def write_figure_of_times(inputs: Inputs, path: Path) -> None:
     """The one that README.md shows, where there are sizes enough."""
-    path.parent.mkdir(parents=True, exist_ok=True)
     if len(inputs.cells) and (chart := charts.campaign.by_size(inputs, choice.main_tier(inputs))):
         drawing.write(chart, path)
 

@@ -133,7 +133,6 @@ def friction(inputs: Inputs) -> str:
 
 def _robustness(inputs: Inputs) -> str:
     cells = shown_tables.pathological(inputs)
-    cells = cells[cells["tier"] == main_tier(inputs)]
     if cells.empty:
         return ""
     verified = (cells["verdict"] == VERIFIED) | cells["proved_infeasible"].astype(bool) | within_rounding(cells)

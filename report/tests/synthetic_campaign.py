@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from lcpbench_report.statistics.launches import COLUMNS
 from lcpbench_report.statistics.model import FLAGS, JUDGED, LAWS
 
 TIERS = (1e-3, 1e-6, 1e-9)
@@ -53,6 +54,11 @@ def median_times(rng, factors: dict[str, float], problems: int = 100, noise: Noi
     logs = rng.normal(0, np.hypot(noise.problem, noise.level), (problems, len(factors), noise.passes))
     return pd.DataFrame(1e-3 * np.exp(difficulty + np.median(logs, axis=2)) * np.array(list(factors.values())),
                         columns=list(factors))
+
+
+def launches_of(levels, solver: str = "a", disturbed=()) -> pd.DataFrame:
+    return pd.DataFrame([{"solver": solver, "size_class": "7-12", "tier": 1e-6, "launch": k + 1, "level": level,
+                          "disturbed": k in disturbed} for k, level in enumerate(levels)], columns=COLUMNS)
 
 
 def cells_of(times: pd.DataFrame, tier: float = 1e-6, **columns) -> pd.DataFrame:

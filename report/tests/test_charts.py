@@ -72,8 +72,9 @@ class Files(FolderCase):
                                                            Trace("b", [3, 4], ["p", "q"], LINE, bar=True)]),
                        Panel(Axis("n"), Axis("t"), [Trace("c", [1, 2], [3, math.nan], HOLLOW, marks=[True, False], text=["x", "y"], steps=True)]),
                        Panel(Axis("n"), Axis("t"), [])], 2)
-        first, second = (drawing.save(chart, self.folder / name, "chart") for name in ("one", "two"))
-        self.assertEqual([path.suffix for path in first], [".svg", ".pdf"])
+        first, second = ([self.folder / name / f"chart{end}" for end in (".svg", ".pdf")] for name in ("one", "two"))
+        for paths in (first, second):
+            drawing.write(chart, *paths)
         for path, again in zip(first, second):
             self.assertEqual(path.read_bytes(), again.read_bytes())
         text = first[0].read_text(encoding="utf-8")

@@ -9,13 +9,13 @@ import pandas as pd
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.statistics.cells import measured
 from lcpbench_report.statistics.class_times import ablation_table, class_table
-from lcpbench_report.statistics.launches import COLUMNS, Levels
+from lcpbench_report.statistics.launches import Levels
 from lcpbench_report.statistics.load import load_campaign
 from lcpbench_report.statistics.rivals import (DOMINATED, DOMINATES, FASTER, FASTEST, PORTFOLIO, SLOWER, UNDECIDED, flag_table,
                                                pareto_front, relation, rival_table)
 from lcpbench_report.statistics.tables import levels_of
 from .cases import SharedFolderCase
-from .synthetic_campaign import AGAIN, COPIES, FAMILIES, FIRST, cells_of, fail, write_campaign
+from .synthetic_campaign import AGAIN, COPIES, FAMILIES, FIRST, cells_of, fail, launches_of, write_campaign
 
 INF, NAN = math.inf, math.nan
 
@@ -104,11 +104,10 @@ class Rivals(unittest.TestCase):
             for key in logs:
                 of_launches = rng.normal(0, 0.3, 10)
                 levels[key] = float(np.median(of_launches))
-                rows += [{"solver": key, "size_class": "7-12", "tier": 1e-6, "launch": k + 1, "disturbed": False,
-                          "level": level - levels[key]} for k, level in enumerate(of_launches)]
+                rows.append(launches_of(of_launches - levels[key], key))
             cells = cells_of(pd.DataFrame({key: np.exp(logs[key] + levels[key]) for key in logs}))
             cells["family"] = cells["problem"].map(lambda problem: f"f{families[problem]}")
-            for drawn in (Levels(pd.DataFrame(rows, columns=COLUMNS)), Levels()):
+            for drawn in (Levels(pd.concat(rows)), Levels()):
                 row = rivals(cells, drawn).loc[("peer", "all")]
                 holds = row["ratio_low"] <= 0.25 <= row["ratio_high"]
                 held, naive = (held + holds, naive) if drawn.count("own", "7-12", 1e-6) else (held, naive + holds)

@@ -7,6 +7,7 @@ stands at the geometric mean of the class's rows.
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -72,7 +73,11 @@ def figures(inputs: Inputs) -> Iterable[Figure]:
                                 inputs.cells[inputs.cells["set"] == PATHOLOGICAL])):
         yield Figure(name, title, say(f"{name}_figure"),
                      {(words,): partial(coverage, inputs, cells[cells["tier"] == tier]) for words, tier in tiers.items()}, ("tier",))
-    yield from _scaling_figures(inputs, tiers)
+    if len(table := inputs.analysis["scaling"]):
+        families = {"all": table, **dict(tuple(table.groupby("family", sort=False)))}
+        yield Figure("scaling", "Growth exponents", say("scaling_figure"),
+                     {(words, name): partial(scaling, inputs, of[of["tier"] == tier]) for name, of in families.items()
+                      for words, tier in tiers.items()}, ("tier", "family"))
 
 
 def _parts(inputs: Inputs) -> dict[str, pd.DataFrame]:
@@ -149,11 +154,8 @@ def _front_of(inputs: Inputs, ours: str, row: ClassRow) -> list[Trace]:
     others = [points[key] for key in points if key not in named]
     return [Trace("other peers", [x for x, _ in others], [y for _, y in others], _GREY),
             Trace("front", [x for x, _ in steps], [y for _, y in steps], _STEPS, steps=True),
-            *(Trace(key, [points[key][0]], [points[key][1]], _alone(inputs.styles[key]), text=[key]) for key in named)]
-
-
-def _alone(look: Look) -> Look:
-    return Look(look.colour, look.marker, None, look.strong, 9)
+            *(Trace(key, [points[key][0]], [points[key][1]], replace(inputs.styles[key], dash=None, size=9), text=[key])
+              for key in named)]
 
 
 def profiles(inputs: Inputs, cells: pd.DataFrame) -> Chart | None:
@@ -173,10 +175,9 @@ def profiles(inputs: Inputs, cells: pd.DataFrame) -> Chart | None:
             k = times.columns.get_loc(solver)
             order = np.argsort(ratios[known[:, k], k])
             share = np.cumsum(weights[known[:, k]][order]) / weights.sum()
-            look = inputs.styles[solver]
             reached = [0, *share, share[-1] if len(share) else 0]
             traces.append(Trace(solver, [1, *ratios[known[:, k], k][order], _LARGEST_RATIO], reached,
-                                Look(look.colour, "", look.dash, look.strong), steps=True))
+                                replace(inputs.styles[solver], marker=""), steps=True))
         panels.append(Panel(Axis("time / fastest verified", "ratio", ends=(0.9, _LARGEST_RATIO)),
                             Axis("share of problems", "share", False, (-0.01, 1.02)), traces, f"tier {power(tier)}, {len(times)} problems"))
     return Chart(panels, len(panels)) if panels else None
@@ -221,15 +222,6 @@ def outcomes(cells: pd.DataFrame) -> pd.Series:
                          ("proved infeasible", cells["proved_infeasible"])):
         found = found.mask(holds.astype(bool), words)
     return found.where(found.isin(_OUTCOMES), "other failure")
-
-
-def _scaling_figures(inputs: Inputs, tiers: dict[str, float]) -> Iterable[Figure]:
-    table = inputs.analysis["scaling"]
-    if len(table):
-        families = {"all": table, **dict(tuple(table.groupby("family", sort=False)))}
-        yield Figure("scaling", "Growth exponents", say("scaling_figure"),
-                     {(words, name): partial(scaling, inputs, of[of["tier"] == tier]) for name, of in families.items()
-                      for words, tier in tiers.items()}, ("tier", "family"))
 
 
 def scaling(inputs: Inputs, table: pd.DataFrame) -> Chart | None:

@@ -26,16 +26,9 @@ _STYLE = {
 }
 
 
-def save(chart: Chart, folder: Path, name: str) -> list[Path]:
-    """<name>.svg and <name>.pdf."""
-    paths = [folder / f"{name}.svg", folder / f"{name}.pdf"]
-    folder.mkdir(parents=True, exist_ok=True)
-    write(chart, *paths)
-    return paths
-
-
 def write(chart: Chart, *paths: Path) -> None:
-    """In the formats that the paths end in."""
+    """In the formats that the paths end in, .svg or .pdf, in one folder, which is made."""
+    paths[0].parent.mkdir(parents=True, exist_ok=True)
     metadata = {".svg": {"Date": None, "Creator": "LCPBench"},
                 ".pdf": {"CreationDate": None, "Creator": "LCPBench", "Producer": None}}
     with plt.rc_context(_STYLE):

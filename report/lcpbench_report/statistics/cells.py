@@ -63,7 +63,9 @@ def measured(campaign: Campaign, of_ablations: bool = False) -> Measured:
                                                                for task in tasks)]) for name in names}
     lost = columns.pop("changed") & columns["passes"]
     columns["passes"] &= ~lost
-    columns["below_floor"] &= ~_passed_by_any(columns)
+    # Where a solver passes the problem at the tier, no rounding floor of the problem is in the way.
+    cells = pd.DataFrame({key: columns[key] for key in ("problem", "tier", "passes")})
+    columns["below_floor"] &= ~cells.groupby(["problem", "tier"])["passes"].transform("any").to_numpy(dtype=bool)
     columns["verdict"] = _verdicts(columns)
     columns["verdict"][lost] = CHANGED
     columns["time_s"] = np.where(columns["passes"], np.where(np.isnan(columns["fresh_s"]), columns["first_s"],
@@ -72,12 +74,6 @@ def measured(campaign: Campaign, of_ablations: bool = False) -> Measured:
     launches = [dict(zip(KEY_OF_LAUNCHES, (task.solver, task.size_class, task.tier))) | row
                 for task in tasks for row in task.launches]
     return Measured(pd.DataFrame(columns, columns=COLUMNS), pd.DataFrame(launches, columns=LAUNCH_COLUMNS))
-
-
-def _passed_by_any(columns: dict[str, np.ndarray]) -> np.ndarray:
-    """Whether a solver passes the cell's problem at its tier: then no rounding floor of the problem is in the way."""
-    cells = pd.DataFrame({key: columns[key] for key in ("problem", "tier", "passes")})
-    return cells.groupby(["problem", "tier"])["passes"].transform("any").to_numpy(dtype=bool)
 
 
 def _about(campaign: Campaign, tasks: list[Task]) -> dict[str, np.ndarray]:

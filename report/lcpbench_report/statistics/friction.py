@@ -26,11 +26,11 @@ def with_friction(cells: pd.DataFrame) -> pd.DataFrame:
 
 
 def friction_table(cells: pd.DataFrame, ours: str = "", levels: Levels = Levels()) -> pd.DataFrame:
-    """A row per set, tier and solver. `taken`: problems that it takes, also those that a rule excludes because it
-    was out of time at a looser tier, which are not right; `solvable`: of these, those that are not
-    known to have no solution; of them `right` (verified), its share of the weight and the median time, in which what is
-    not verified is infinite. RATIO: the time of `ours` over its, where it is verified. `wrong`: the others of them; of these the medians of rho and model_rho, and of each
-    part of the error the mean share of the sum of squares. `relaxed`: its answers are those of a relaxed law."""
+    """A row per set, tier and solver. `taken`: problems that it takes, also those that a rule excludes because it was out
+    of time at a looser tier, which are not right; `solvable`: of these, those that are not known to have no solution; of
+    them `right` (verified), its share of the weight and the median time, in which what is not verified is infinite.
+    RATIO: the time of `ours` over its, where it is verified. `wrong`: the others of them; of these the medians of rho and
+    model_rho, and of each part of the error the mean share of the sum of squares. `relaxed`: of a relaxed law."""
     rows = []
     for label, of_group in groups(with_friction(cells)):
         asked, bootstrap = by_solver(of_group), Bootstrap(of_group)

@@ -138,9 +138,8 @@ def _compare_some(tables, pairs) -> list[dict]:
 
 def _mirrored(pair: dict) -> dict:
     """The same comparison with A and B exchanged."""
-    swapped = {"a": "b", "b": "a", "a_only": "b_only", "b_only": "a_only", "a_excluded": "b_excluded",
-               "b_excluded": "a_excluded", "a_faster": "b_faster", "b_faster": "a_faster"}
-    row = pair | {new: pair[old] for new, old in swapped.items()}
+    ends = ("", "_only", "_excluded", "_faster")
+    row = pair | {f"{new}{end}": pair[f"{old}{end}"] for new, old in ("ab", "ba") for end in ends}
     row |= {"ratio": 1 / pair["ratio"], "ratio_low": 1 / pair["ratio_high"], "ratio_high": 1 / pair["ratio_low"]}
     row["verdict"] = {A_FASTER: B_FASTER, B_FASTER: A_FASTER}.get(pair["verdict"], NO_DIFFERENCE)
     return row

@@ -30,12 +30,8 @@ def weighted_quantiles(values, weights, levels) -> list[float]:
     return found
 
 
-def weighted_quantile(values, weights, level: float) -> float:
-    return weighted_quantiles(values, weights, [level])[0]
-
-
 def weighted_median(values, weights) -> float:
-    return weighted_quantile(values, weights, 0.5)
+    return weighted_quantiles(values, weights, [0.5])[0]
 
 
 def weighted_share(holds, weights) -> float:

@@ -111,16 +111,17 @@ def describe(campaign: Campaign, spaces: dict[str, Space], tried: dict[str, list
     cells = cells[cells["verdict"] != EXCLUDED]
     sizes = cells["rows"].map(lambda rows: nearest(rows, asked.sizes))
     own = {solver: cells["solver"].isin(keys_of(solver, len(configurations))) for solver, configurations in tried.items()}
-    environment = info.get("environment", {})
+    environment, hash_ = info.get("environment", {}), hashlib.sha256(asked.space_file.read_bytes()).hexdigest()
     return {"schema": SCHEMA, "commit": environment.get("git_commit", ""), "dirty": environment.get("git_dirty", False),
             "date": date, "machine": {key: environment.get(key) for key in _MACHINE}, "budget": asked.budget,
-            "seed": asked.seed, "space": {"file": asked.space_file.name, "sha256": file_hash(asked.space_file)},
+            "seed": asked.seed, "space": {"file": asked.space_file.name, "sha256": hash_},
             "tier": TIER, "passes": info.get("passes"),
             "problems": {"manifests": info["manifests"], "count": len(campaign.problems), "sizes": asked.sizes,
                          "seed": asked.problem_seed, "not_in": disjoint_from},
             "disturbed_share": short(float((cells["disturbed"] > 0).mean())) if len(cells) else 0.0,
-            "measured_s": {solver: short(_spent(campaign, keys_of(solver, len(configurations))))
-                           for solver, configurations in tried.items()},
+            "measured_s": {solver: short(sum(task.spent_s for task in campaign.tasks
+                                             if task.solver in keys_of(solver, len(configurations))))
+                           for solver, configurations in tried.items()},  # in solves
             "solvers": [_choice(cells[own[solver] & (sizes == rows)], rows, spaces[solver], configurations, say)
                         for solver, configurations in tried.items() for rows in asked.sizes
                         if (own[solver] & (sizes == rows)).any()]}
@@ -129,10 +130,6 @@ def describe(campaign: Campaign, spaces: dict[str, Space], tried: dict[str, list
 def nearest(rows: int, sizes: list[int]) -> int:
     """The size whose ratio to so many rows, or theirs to it, is least; of two the smaller one."""
     return min(sorted(sizes), key=lambda size: abs(math.log(max(rows, 1) / size)))
-
-
-def file_hash(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _choice(cells: pd.DataFrame, rows: int, space: Space, configurations: list[Configuration],
@@ -151,8 +148,3 @@ def _choice(cells: pd.DataFrame, rows: int, space: Space, configurations: list[C
             "gain": {key: short(value) for key, value in gain.items()} if index else None,
             "tried": [{"settings": configuration, **{key: short(value) for key, value in asdict(outcome).items()}}
                       for configuration, outcome in zip(configurations, outcomes)]}
-
-
-def _spent(campaign: Campaign, keys: list[str]) -> float:
-    """Seconds in solves, those of the problems that were judged and of the timed passes."""
-    return sum(task.spent_s for task in campaign.tasks if task.solver in keys)
