@@ -24,8 +24,8 @@ constexpr double kFirstEps = 1e-2, kLeastEps = 1e-13, kMostEps = 10;
 constexpr double kAfterFailure = 2, kAfterFew = 0.3, kAfterMany = 0.9;
 constexpr std::int64_t kFewCrossings = 40;
 // Paths that wander are given up after so many crossings, or this part of the rows.
-constexpr int kMostOfPath = 120;
-constexpr double kMostPerRow = 0.1;
+constexpr int kMostOfPath = 60;
+constexpr double kMostPerRow = 0.03;
 // rho of a point whose modes may be the answer's.
 constexpr double kWorthPolishing = 1e-6;
 // z below this part of where it started is 0: self-stresses at rest (b.f = 0) end there in rays.
