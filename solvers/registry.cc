@@ -300,6 +300,7 @@ SolverEntry EntryOf(const PeerEntry& peer) {
   entry.method_class = peer.method_class;
   entry.library_defaults = peer.has_library_defaults();
   entry.takes_friction = peer.takes_friction();
+  entry.takes_bounded = peer.takes_bounded();
   if (!entry.available) return entry;
   entry.make = [&peer](const Settings& settings) {
     auto solver = MakeExternal({.command = {WorkerPath(peer), std::string(peer.key)}}, settings);
@@ -407,7 +408,7 @@ void RegisterSolverVariant(const std::string& key, const std::string& base, cons
     // Whether it solves once more depends on the tier.
     entry.uses_tolerance = true;
     entry.library_defaults = false;
-    entry.takes_friction = false;  // the check is that of plain rows
+    entry.takes_friction = entry.takes_bounded = false;  // the check is that of plain rows
   }
   entry.base = entry.base.empty() ? entry.key : entry.base;
   entry.key = key;

@@ -91,7 +91,7 @@ void Parts(Io& io, Verdict& v) {
 
 template <typename Io>
 void Parts(Io& io, LcpResult& r) {
-  State(io, r.status, r.f, r.model, r.iterations, r.detail, r.own_solve_s, r.own_convert_s, r.own_fresh_s, r.factor_s,
+  State(io, r.status, r.f, r.model, r.friction_bounds, r.iterations, r.detail, r.own_solve_s, r.own_convert_s, r.own_fresh_s, r.factor_s,
         r.farkas_ray);
 }
 

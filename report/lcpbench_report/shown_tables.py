@@ -392,7 +392,7 @@ def friction_errors(inputs: Inputs) -> Table | None:
 
 
 def _with_law(row: dict, solver: str) -> str:
-    return key(solver) + ", relaxed law" * bool(row["relaxed"])
+    return key(solver) + ", a law of its own" * bool(row["relaxed"])
 
 
 def _where_several(found: pd.DataFrame) -> Callable[[str], list[str]]:

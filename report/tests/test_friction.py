@@ -105,7 +105,7 @@ class Friction(SharedFolderCase):
             self.assertEqual("Not taken by `dantzig`." in lines, there)
         self.assertEqual([find(plain) for find in (shown_tables.friction_classes, summary.friction)], [None, ""])
         rows = {row[0]: row for row in shown_tables.friction(self.inputs).rows}
-        self.assertEqual(list(rows), ["`pgs`", "`relaxation`, relaxed law"])
+        self.assertEqual(list(rows), ["`pgs`", "`relaxation`, a law of its own"])
         self.assertTrue(rows["`pgs`"][2].endswith("· ✗ 2"), rows)
 
     def test_times_are_those_of_the_tables_for_plain_problems(self):

@@ -283,6 +283,10 @@ LcpResult ReadAnswer(const lcpbench_answer& answer, Index n) {
   result.status = static_cast<LcpStatus>(answer.status);
   if (answer.relaxed != 0) result.model = FrictionModel::kRelaxation;
   result.f = ReadVector(answer.f, n, "answer.f");
+  if (answer.friction_bounds != nullptr && n > 0) {
+    result.model = FrictionModel::kFrozenBounds;
+    result.friction_bounds = ReadVector(answer.friction_bounds, n, "answer.friction_bounds");
+  }
   if (answer.ray != nullptr && n > 0) result.farkas_ray = ReadVector(answer.ray, n, "answer.ray");
   return result;
 }
@@ -442,6 +446,7 @@ lcpbench_error lcpbench_solve(lcpbench_solver* solver, const lcpbench_problem* p
     }
     lcpbench_answer made = MakeAnswer(result, n, result.f.data());
     made.relaxed = result.model == FrictionModel::kRelaxation;
+    if (result.friction_bounds.size() > 0) made.friction_bounds = result.friction_bounds.data();
     if (result.farkas_ray.has_value() && n > 0) made.ray = result.farkas_ray->data();
     if (least.has_value()) made.nullity = least->nullity;
     made.detail = result.detail.c_str();

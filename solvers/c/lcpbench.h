@@ -247,6 +247,9 @@ typedef struct lcpbench_answer {
   double force_min;
   int64_t infeasible_proved;  ///< of a step, 1: LCPBENCH_INFEASIBLE is proved for the numbers as given; else 0
   int64_t fallbacks;          ///< of the step solver since its creation: solves left to solvers that allocate
+  /// n: the claim is about the model in which these bound |f| on friction rows, as codes of physics engines that
+  /// compute the bounds once have it; NULL: it is not.
+  const double* friction_bounds;
 } lcpbench_answer;
 
 /// Solves. A solve that fails is LCPBENCH_OK with a status that says so. Nothing carries over from one solve to the
@@ -345,7 +348,7 @@ typedef struct lcpbench_verdict {
   double dissipation;    ///< see penetration: friction that does not oppose slip, or does not use its bound
   double joints;         ///< see penetration
   double beyond_bounds;  ///< see penetration
-  double model_rho;      ///< residual of an answer of the solver "relaxation" to its own model; else -1
+  double model_rho;      ///< residual of an answer to its own model (relaxed, friction_bounds); -1: Coulomb's law
 } lcpbench_verdict;
 
 /// Judges an answer: of a solve, or from anywhere.  O(entries of A), from factors one pass over those of J M^-1 J^T

@@ -406,8 +406,8 @@ std::string FormatSolveRecord(const LcpRecord& of, std::string_view solver, cons
   judgement["false_success"] = verdict.false_success;
   judgement["false_infeasible"] = verdict.false_infeasible;
   judgement["reason"] = verdict.reason;
-  if (result.model == FrictionModel::kRelaxation) {
-    judgement["model"] = "relaxation";
+  if (result.model != FrictionModel::kCoulomb) {
+    judgement["model"] = result.model == FrictionModel::kRelaxation ? "relaxation" : "frozen_bounds";
     judgement["model_rho"] = ToJson(verdict.model_rho);
   }
   if (verdict.farkas.has_value()) {

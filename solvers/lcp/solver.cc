@@ -43,6 +43,7 @@ void CheckOptions(Index rows, const LcpOptions& options) {
 void StartResult(Index rows, LcpResult* result) {
   result->f.setZero(rows);
   result->model = FrictionModel::kCoulomb;
+  result->friction_bounds.resize(0);
   result->iterations = 0;
   result->detail.clear();
   result->own_solve_s = -1;

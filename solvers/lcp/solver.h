@@ -53,8 +53,9 @@ struct LcpOptions {
 
 /// The law of contact with friction that an answer claims to obey.
 enum class FrictionModel {
-  kCoulomb,     ///< the problem's own
-  kRelaxation,  ///< f in the friction cones, w in their duals, f.w = 0: slip separates [docs/friction.md section 1]
+  kCoulomb,       ///< the problem's own
+  kRelaxation,    ///< f in the friction cones, w in their duals, f.w = 0: slip separates [docs/friction.md section 1]
+  kFrozenBounds,  ///< friction rows are bounded rows, of bounds that the solver chose once: LcpResult::friction_bounds
 };
 
 /// A solver's answer. `f` always has n finite-or-not entries: the best iterate, also when not solved; zeros when the
@@ -63,6 +64,7 @@ struct LcpResult {
   LcpStatus status = LcpStatus::kNotRun;          ///< the solver's claim
   Eigen::VectorXd f;                              ///< n
   FrictionModel model = FrictionModel::kCoulomb;  ///< what `status` is a claim about
+  Eigen::VectorXd friction_bounds;                ///< n, of kFrozenBounds: the largest |f| of friction rows; else empty
   /// Pivots, sweeps or Newton steps, as the solver's header defines them; -1 before a solve.
   std::int64_t iterations = -1;
   /// The reason in words, with an external library's own code where there is one. Empty when there is nothing to say.

@@ -435,6 +435,22 @@ double EffectiveTier(const Metrics& m, double tolerance) {
 
 bool PassesTier(const Metrics& m, double tolerance) { return Meets(m, EffectiveTier(m, tolerance)); }
 
+namespace {
+
+double FrozenResidual(const LcpProblem& problem, const LcpResult& result) {
+  const Eigen::VectorXd& bounds = result.friction_bounds;
+  if (bounds.size() != problem.size() || !bounds.allFinite() || (bounds.array() < 0).any()) return kInfinity;
+  RowBounds rows = problem.bounds();
+  std::erase_if(rows.friction, [&](const FrictionRow& row) {
+    if (row.slip != 0) return false;
+    rows.bounded.push_back({row.row, -bounds[row.row], bounds[row.row]});
+    return true;
+  });
+  return ComputeMetrics(problem.WithBounds(rows), result.f).rho;
+}
+
+}  // namespace
+
 Verdict Verify(const LcpProblem& problem, const LcpResult& result, double tolerance, const LcpReference* reference) {
   Verdict verdict;
   verdict.requested = tolerance;
@@ -448,9 +464,10 @@ Verdict Verify(const LcpProblem& problem, const LcpResult& result, double tolera
       break;
     }
   }
-  const bool is_relaxed = result.model == FrictionModel::kRelaxation;
-  if (is_relaxed) verdict.model_rho = RelaxationResidual(problem, result.f, m.w);
-  const bool holds = is_relaxed ? verdict.model_rho <= EffectiveTier(m, tolerance) : verdict.passes;
+  const bool is_of_law = result.model == FrictionModel::kCoulomb;
+  if (result.model == FrictionModel::kRelaxation) verdict.model_rho = RelaxationResidual(problem, result.f, m.w);
+  if (result.model == FrictionModel::kFrozenBounds) verdict.model_rho = FrozenResidual(problem, result);
+  const bool holds = is_of_law ? verdict.passes : verdict.model_rho <= EffectiveTier(m, tolerance);
   verdict.false_success = result.status == LcpStatus::kSolved && !holds;
   if (result.farkas_ray.has_value()) verdict.farkas = VerifyFarkasRay(problem, *result.farkas_ray);
   const bool known_solvable =

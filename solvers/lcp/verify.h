@@ -100,8 +100,9 @@ struct Verdict {
   double best_tier = 0;   ///< smallest of kTiers that passes; 0 when none does
   /// Claimed kSolved and does not pass; of an answer of another model: does not solve that, model_rho > T'.
   bool false_success = false;
-  /// The residual of an answer of the relaxation in its own model, |D^1/2 f - projection of D^1/2 f - D^-1/2 w on the
-  /// scaled cones| / S; else -1. `passes` is about Coulomb's law whatever the model.
+  /// The residual of an answer in its own model; -1: its model is Coulomb's law, which `passes` is about whatever the
+  /// model. Of the relaxation |D^1/2 f - projection of D^1/2 f - D^-1/2 w on the scaled cones| / S; of frozen bounds
+  /// rho of the problem whose friction rows are bounded rows of these.
   double model_rho = -1;
   /// Claimed kInfeasible, but a solution is known (or known to exist), or f passes and no ray is accepted; where there
   /// are friction, sliding or bounded rows also where no ray is accepted.

@@ -20,10 +20,16 @@ struct DantzigProblem {
   double* w = nullptr;
   double* lower = nullptr;
   double* upper = nullptr;
-  int* findex = nullptr;  ///< all -1: no friction
+  /// Per row the normal row of a friction row, else -1. `upper` of a friction row is mu; where the code comes to the
+  /// first one it puts mu times the normal force of then in its place, and minus that in `lower`. It permutes findex
+  /// and the bounds.
+  int* findex = nullptr;
+  bool has_friction = false;  ///< not all of findex is -1
 };
 
-/// Adapter of such a code. Bilateral rows are boxes (-inf, inf). The codes have no tolerance, no limits and no way to
+/// Adapter of such a code. Bilateral rows are boxes (-inf, inf). Friction rows are pivoted after all others, within
+/// bounds that the normal forces without friction gave once: FrictionModel::kFrozenBounds. Any number of them may share
+/// a normal row. The codes have no tolerance, no limits and no way to
 /// stop: the host's time limit ends them. A is assembled into the memory that the code works on and destroys, as an
 /// engine does each step, and once more for every further solve of the same matrix. Dense: O(n^2) memory.
 class DantzigPeer : public LcpSolver {
@@ -47,6 +53,10 @@ class DantzigPeer : public LcpSolver {
   DantzigPeer(std::string_view key, SettingsReader* reader, Code code)
       : cfm_(reader->Number("cfm", key.ends_with("-cfm") ? kEngineCfm : 0, 0, 1)), code_(code) {}
 
+  bool TakesFriction() const override { return true; }
+  bool TakesBounded() const override { return true; }
+  std::string WhyUnsupported(const LcpProblem& problem) const override;
+
  protected:
   void DoPrepare(const LcpProblem& problem) override;
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
@@ -55,10 +65,10 @@ class DantzigPeer : public LcpSolver {
  private:
   using Doubles = std::vector<double, Eigen::aligned_allocator<double>>;
 
-  template <typename Given>
-  void Assemble(const Given& given, Index rows);
-  /// On A_ as assembled. @param b  of ours  @param bilateral  nullptr: no row is
-  void Run(Index rows, const double* b, const unsigned char* bilateral, const LcpOptions& options, LcpResult* result);
+  void Assemble(const ProblemView& given);
+  /// On A_ as assembled.
+  void Run(const ProblemView& given, const LcpOptions& options, LcpResult* result);
+  void TakeBounds(const ProblemView& given, LcpResult* result) const;
 
   double cfm_;
   Code code_;

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
@@ -75,6 +78,21 @@ inline std::string WhyNotQuadraticProgram(const LcpProblem& problem) {
   return problem.IsNumericallySymmetric() ? "" : "A is not symmetric, so the LCP is not the optimality of a QP";
 }
 
+/// WhyUnsupported of codes whose friction rows have bounds that follow from normal forces.
+inline std::string WhySliding(std::span<const FrictionRow> friction) {
+  return std::ranges::any_of(friction, [](const FrictionRow& row) { return row.slip != 0; }) ? "sliding rows" : "";
+}
+
+/// WhyUnsupported of codes of contacts that have one friction row, or none.
+inline std::string WhyNotPlanarContacts(const LcpProblem& problem) {
+  std::vector<Index> normals;
+  for (const FrictionRow& tangent : problem.friction_rows()) normals.push_back(tangent.normal);
+  std::ranges::sort(normals);
+  const bool has_two = std::ranges::adjacent_find(normals) != normals.end();
+  const std::string sliding = WhySliding(problem.friction_rows());
+  return sliding.empty() && has_two ? "several friction rows of a contact" : sliding;
+}
+
 /// What the words of a setting stand for; the first is the library's own choice.
 template <typename Value, std::size_t n>
 Value Choose(SettingsReader* reader, const char* setting, const std::pair<std::string_view, Value> (&choices)[n]) {
@@ -115,6 +133,31 @@ void TimeLibraryCall(const LcpOptions& options, LcpResult* result, Work work) {
 template <typename Work>
 void TimeConversion(const LcpOptions& options, LcpResult* result, Work work) {
   TimePart(options, &result->own_convert_s, work);
+}
+
+/// Asks a code that has no clock for its sweeps in portions, about 20 ms of work each: short beside any time limit,
+/// long beside what a portion costs besides. Writes status and iterations, which are sweeps asked for.
+/// @param products  of one sweep
+/// @param converges  bool(int sweeps): makes so many, or stops; whether nothing more is to be done
+template <typename Converges>
+void SweepInPortions(std::int64_t most, double products, const Deadline& deadline, LcpResult* result,
+                     Converges converges) {
+  constexpr double kPortion = 2e7;  // products
+  const auto portion = std::max<std::int64_t>(1000, static_cast<std::int64_t>(kPortion / products));
+  result->status = LcpStatus::kIterationLimit;
+  result->iterations = 0;
+  while (result->iterations < most) {
+    const auto sweeps = static_cast<int>(std::min(portion, most - result->iterations));
+    result->iterations += sweeps;
+    if (converges(sweeps)) {
+      result->status = LcpStatus::kSolved;
+      return;
+    }
+    if (deadline.Expired()) {
+      result->status = LcpStatus::kTimeLimit;
+      return;
+    }
+  }
 }
 
 }  // namespace lcpbench

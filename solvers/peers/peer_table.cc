@@ -48,6 +48,7 @@ constexpr std::string_view kAsItIs = "the same with the library's own options";
 
 // What tolerances bound.
 constexpr std::string_view kSequentialImpulses = "the largest velocity that a sweep corrects, over the largest of b";
+constexpr std::string_view kChangeInSweep = "the norm of the change of f in a sweep, over that of b_i / A_ii";
 constexpr std::string_view kRelativeChange = "the largest relative change of a force in a sweep";
 constexpr std::string_view kNaturalResidual = "the norm of min(f, w), over that of b";
 constexpr std::string_view kFrictionResidual =
@@ -86,21 +87,29 @@ constexpr PeerEntry WithFriction(FrictionLaw law, PeerEntry entry) {
 // Each key with tiers stands for KEY-default as well, see AllPeers.
 
 constexpr PeerEntry kPeers[] = {
-    {kBullet, "bullet-dantzig", "Dantzig pivoting of the physics engine"},
-    {kBullet, "bullet-dantzig-cfm", kWithCfm},
-    {kBulletNative, "bullet-dantzig-native", kForMachine},
+    WithFriction(FrictionLaw::kFrozenBounds, {kBullet, "bullet-dantzig", "Dantzig pivoting of the physics engine"}),
+    WithFriction(FrictionLaw::kFrozenBounds, {kBullet, "bullet-dantzig-cfm", kWithCfm}),
+    WithFriction(FrictionLaw::kFrozenBounds, {kBulletNative, "bullet-dantzig-native", kForMachine}),
     {kBullet, "bullet-lemke", "Lemke's complementary pivoting"},
-    {kBullet, "bullet-si", "sequential impulses", TierSettings{{1e-3, 1e-6, 1e-9}, 1e9, kSequentialImpulses}, kAny},
-    {kBullet, "bullet-si-4", "sequential impulses, 4 sweeps", {}, kAny, true},
-    {kBullet, "bullet-si-10", "sequential impulses, the engine's own 10 sweeps", {}, kAny, true},
-    {kBullet, "bullet-si-50", "sequential impulses, 50 sweeps", {}, kAny, true},
-    {kBullet, "bullet-si-1000", "sequential impulses, 1000 sweeps", {}, kAny, true},
-    {kOde, "ode-dantzig", "Dantzig pivoting of the physics engine, LDL^T updated"},
-    {kOde, "ode-dantzig-cfm", kWithCfm},
-    {kOdeNative, "ode-dantzig-native", kForMachine},
-    {kDart, "dart-dantzig", "Dantzig pivoting, after ODE's"},
-    {kDart, "dart-dantzig-cfm", kWithCfm},
-    {kDart, "dart-pgs", "projected Gauss-Seidel", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kRelativeChange}},
+    WithFriction(FrictionLaw::kSweptBounds, {kBullet, "bullet-pgs", "projected Gauss-Seidel on the assembled matrix",
+                                             TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kChangeInSweep}}),
+    WithFriction(FrictionLaw::kSweptBounds, {kBullet, "bullet-si", "sequential impulses",
+                                             TierSettings{{1e-3, 1e-6, 1e-9}, 1e9, kSequentialImpulses}, kAny}),
+    WithFriction(FrictionLaw::kSweptBounds, {kBullet, "bullet-si-4", "sequential impulses, 4 sweeps", {}, kAny, true}),
+    WithFriction(FrictionLaw::kSweptBounds,
+                 {kBullet, "bullet-si-10", "sequential impulses, the engine's own 10 sweeps", {}, kAny, true}),
+    WithFriction(FrictionLaw::kSweptBounds,
+                 {kBullet, "bullet-si-50", "sequential impulses, 50 sweeps", {}, kAny, true}),
+    WithFriction(FrictionLaw::kSweptBounds,
+                 {kBullet, "bullet-si-1000", "sequential impulses, 1000 sweeps", {}, kAny, true}),
+    WithFriction(FrictionLaw::kFrozenBounds,
+                 {kOde, "ode-dantzig", "Dantzig pivoting of the physics engine, LDL^T updated"}),
+    WithFriction(FrictionLaw::kFrozenBounds, {kOde, "ode-dantzig-cfm", kWithCfm}),
+    WithFriction(FrictionLaw::kFrozenBounds, {kOdeNative, "ode-dantzig-native", kForMachine}),
+    WithFriction(FrictionLaw::kFrozenBounds, {kDart, "dart-dantzig", "Dantzig pivoting, after ODE's"}),
+    WithFriction(FrictionLaw::kFrozenBounds, {kDart, "dart-dantzig-cfm", kWithCfm}),
+    WithFriction(FrictionLaw::kSweptBounds,
+                 {kDart, "dart-pgs", "projected Gauss-Seidel", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kRelativeChange}}),
     {kSiconos, "siconos-lexicolemke", "lexicographic Lemke pivoting"},
     {kSiconos, "siconos-newton-fb", "semismooth Newton on the Fischer-Burmeister function",
      TierSettings{{1e-5, 1e-8, 1e-10}, 1e6, kNaturalResidual}},
@@ -152,10 +161,10 @@ constexpr PeerEntry kPeers[] = {
      TierSettings{{1e-7, 1e-10, 1e-13}, 0, kInfeasibilitiesAndGap}, kAny},
     {kAlglib, "alglib-bleic", "active set with L-BFGS on the QP (BLEIC)",
      TierSettings{{1e-3, 1e-6, 1e-9}, 0, kScaledGradient}},
-    {kSimbody, "simbody-pgs", "projected Gauss-Seidel, overrelaxed",
-     TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kMeanSquare}},
-    {kSimbody, "simbody-plus", "successive pruning of the active set",
-     TierSettings{{1e-3, 1e-6, 1e-9}, 20, kEnforcedRows}},
+    WithFriction(FrictionLaw::kSpatial, {kSimbody, "simbody-pgs", "projected Gauss-Seidel, overrelaxed",
+                                         TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kMeanSquare}}),
+    WithFriction(FrictionLaw::kSpatial, {kSimbody, "simbody-plus", "successive pruning of the active set",
+                                         TierSettings{{1e-3, 1e-6, 1e-9}, 20, kEnforcedRows}}),
     {kProxQp, "proxqp-dual", "proximal augmented Lagrangian; QP in forces", kProxQpDual},
     {kProxQp, "proxqp-primal", "proximal augmented Lagrangian; QP in velocities", kProxQpPrimal},
     {kProxQpBaseline, "proxqp-dual-baseline", kForBaseline, kProxQpDual},
@@ -201,9 +210,9 @@ constexpr PeerEntry kPeers[] = {
 };
 
 // Keys with tiers that have no KEY-default: the library's own options are those of another key.
-constexpr std::string_view kTunedOnly[] = {"peer-portfolio",        "bullet-si",         "siconos-nsgs-sbm",
-                                           "petsc-rsls-direct",     "petsc-ssls-direct", "proxqp-dual-baseline",
-                                           "proxqp-primal-baseline"};
+constexpr std::string_view kTunedOnly[] = {
+    "peer-portfolio",    "bullet-si",         "bullet-pgs",           "siconos-nsgs-sbm",
+    "petsc-rsls-direct", "petsc-ssls-direct", "proxqp-dual-baseline", "proxqp-primal-baseline"};
 
 constexpr LeftOutSolver kLeftOut[] = {
     {"PATH", "closed; free for up to 300 variables, beyond that under a licence"},

@@ -1,7 +1,7 @@
 """Problems with friction, sliding or bounded rows: who is right, and what errors are made of [docs/friction.md section 4].
 
 They count in no other table: most solvers do not take such rows. What a solver does not take is in no share here either.
-A relaxed answer is right where it obeys Coulomb's law; where it solves its own model alone it is neither right nor a
+An answer of another law is right where it obeys Coulomb's law; where it solves its own model alone it is neither right nor a
 false success.
 """
 
@@ -30,7 +30,8 @@ def friction_table(cells: pd.DataFrame, ours: str = "", levels: Levels = Levels(
     of time at a looser tier, which are not right; `solvable`: of these, those that are not known to have no solution; of
     them `right` (verified), its share of the weight and the median time, in which what is not verified is infinite.
     RATIO: the time of `ours` over its, where it is verified. `wrong`: the others of them; of these the medians of rho and
-    model_rho, and of each part of the error the mean share of the sum of squares. `relaxed`: of a relaxed law."""
+    model_rho, and of each part of the error the mean share of the sum of squares. `relaxed`: its answers are
+    those of another law."""
     rows = []
     for label, of_group in groups(with_friction(cells)):
         asked, bootstrap = by_solver(of_group), Bootstrap(of_group)

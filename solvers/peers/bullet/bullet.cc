@@ -1,4 +1,4 @@
-// Bullet: btSolveDantzigLCP, btLemkeAlgorithm and sequential impulses, double precision.
+// Bullet: btSolveDantzigLCP, btLemkeAlgorithm, projected Gauss-Seidel on A, and sequential impulses, double precision.
 //
 // Bullet keeps an error flag in a global variable and its containers in its own allocator; both are its alone.
 // Lemke gives up after a number of loops of its own choosing unless told (default of the class: 100); it takes
@@ -9,12 +9,14 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <BulletDynamics/MLCPSolvers/btDantzigLCP.h>
 #include <BulletDynamics/MLCPSolvers/btLemkeAlgorithm.h>
+#include <BulletDynamics/MLCPSolvers/btSolveProjectedGaussSeidel.h>
 #include <LinearMath/btScalar.h>
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -76,12 +78,86 @@ class Lemke : public LcpSolver {
   btVectorXu q_;
 };
 
+/// btSolveProjectedGaussSeidel: A x = b, with a friction row's bounds from the normal force of the same sweep. Starts
+/// warm. Its numbers of sweeps are those asked for: it does not tell how many of the last portion it made. A row with
+/// A_ii = 0 makes forces infinite, or no numbers.
+class MatrixSweeps : public LcpSolver {
+ public:
+  MatrixSweeps(std::string_view key, SettingsReader* reader) : tier_(key, reader) {}
+  bool TakesFriction() const override { return true; }
+  bool TakesBounded() const override { return true; }
+  std::string WhyUnsupported(const LcpProblem& problem) const override { return WhySliding(problem.friction_rows()); }
+
+ protected:
+  void DoPrepare(const LcpProblem& problem) override {
+    RequireDenseMatrices(problem.size(), 2);  // and the code's lists of nonzero entries
+    const auto n = static_cast<int>(problem.size());
+    A_.resize(n, n);
+    AssembleDenseA(problem, A_.getBufferPointerWritable(), n);
+    lower_.resize(n);
+    upper_.resize(n);
+    normal_.resizeNoInitialize(0);
+    normal_.resize(n, -1);
+    for (int i = 0; i < n; ++i) {
+      lower_[i] = problem.is_bilateral(i) ? -SIMD_INFINITY : 0;
+      upper_[i] = SIMD_INFINITY;
+    }
+    for (const BoundedRow& row : problem.bounded_rows()) {
+      lower_[static_cast<int>(row.row)] = row.lower;
+      upper_[static_cast<int>(row.row)] = row.upper;
+    }
+    for (const FrictionRow& row : problem.friction_rows()) {
+      lower_[static_cast<int>(row.row)] = -row.mu;
+      upper_[static_cast<int>(row.row)] = row.mu;
+      normal_[static_cast<int>(row.row)] = static_cast<int>(row.normal);
+    }
+  }
+
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
+    const Deadline deadline(options);
+    const Index n = problem.size();
+    TimeConversion(options, result, [&] {
+      b_.resize(static_cast<int>(n));
+      x_.resize(static_cast<int>(n));
+      double squares = 0;  // of what the first sweep would move forces by, if rows did not act on each other
+      for (int i = 0; i < n; ++i) {
+        b_[i] = -problem.b()[i];
+        x_[i] = options.initial_f == nullptr ? 0 : (*options.initial_f)[i];
+        if (A_(i, i) > 0) squares += (b_[i] / A_(i, i)) * (b_[i] / A_(i, i));
+      }
+      const double tolerance = tier_.Tolerance(options);
+      code_.m_leastSquaresResidualThreshold = tolerance * tolerance * (squares > 0 ? squares : 1);
+    });
+    TimeLibraryCall(options, result, [&] {
+      SweepInPortions(tier_.Iterations(options), static_cast<double>(n * n), deadline, result, [&](int sweeps) {
+        code_.solveMLCP(A_, b_, x_, lower_, upper_, normal_, sweeps);
+        return code_.m_leastSquaresResidual < code_.m_leastSquaresResidualThreshold;
+      });
+    });
+    for (int i = 0; i < n; ++i) result->f[i] = x_[i];
+  }
+
+ private:
+  PeerTier tier_;
+  btSolveProjectedGaussSeidel code_;
+  btMatrixXu A_;
+  btVectorXu b_, x_, lower_, upper_;
+  btAlignedObjectArray<int> normal_;
+};
+
 /// One row as the engine has it: directions of the force and of its moment, for either body.
 struct EngineRow {
+  /// Which of the engine's lists it stands in. Joints have bounds of their own.
+  enum class List : unsigned char { kJoints, kContacts, kFriction };
+
   Index row = 0;
   std::array<btVector3, 2> linear;
   std::array<btVector3, 2> angular;
   btScalar lower = 0;
+  btScalar upper = SIMD_INFINITY;
+  List list = List::kJoints;
+  std::size_t normal = 0;  ///< of kFriction: which EngineRow
+  btScalar mu = 0;         ///< of kFriction
 };
 
 /// Consecutive rows between the same two bodies.
@@ -108,7 +184,7 @@ class Rows : public btTypedConstraint {
       info->m_constraintError[at] = minus_b_[row.row];
       info->cfm[at] = 0;
       info->m_lowerLimit[at] = row.lower;
-      info->m_upperLimit[at] = SIMD_INFINITY;
+      info->m_upperLimit[at] = row.upper;
     }
   }
   void setParam(int /*number*/, btScalar /*value*/, int /*axis*/) override {}
@@ -121,10 +197,14 @@ class Rows : public btTypedConstraint {
   int count_ = 1;
 };
 
-/// The engine's solver, with the clock read at each sweep; keeps the impulses, which it would throw away.
+/// The engine's solver, with the clock read at each sweep; keeps the impulses, which it would throw away. All rows come
+/// to it as joints: those of contacts with friction are put where it has contacts.
 class Engine : public btSequentialImpulseConstraintSolver {
  public:
-  void Start(const Deadline* deadline) {
+  /// @param rows  of the constraints that will be given, in order
+  void Start(const std::vector<EngineRow>* rows, bool has_friction, const Deadline* deadline) {
+    rows_ = rows;
+    has_friction_ = has_friction;
     deadline_ = deadline;
     expired_ = false;
     reset();  // the seed of random orders
@@ -135,6 +215,15 @@ class Engine : public btSequentialImpulseConstraintSolver {
   const std::vector<double>& impulses() const { return impulses_; }
 
  protected:
+  btScalar solveGroupCacheFriendlySetup(btCollisionObject** bodies, int number_of_bodies,
+                                        btPersistentManifold** manifolds, int number_of_manifolds,
+                                        btTypedConstraint** constraints, int number_of_constraints,
+                                        const btContactSolverInfo& info, btIDebugDraw* drawer) override {
+    const btScalar made = btSequentialImpulseConstraintSolver::solveGroupCacheFriendlySetup(
+        bodies, number_of_bodies, manifolds, number_of_manifolds, constraints, number_of_constraints, info, drawer);
+    if (has_friction_) PlaceContacts();
+    return made;
+  }
   btScalar solveSingleIteration(int iteration, btCollisionObject** bodies, int number_of_bodies,
                                 btPersistentManifold** manifolds, int number_of_manifolds,
                                 btTypedConstraint** constraints, int number_of_constraints,
@@ -148,13 +237,49 @@ class Engine : public btSequentialImpulseConstraintSolver {
   }
   btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int number_of_bodies,
                                          const btContactSolverInfo& info) override {
-    const auto& pool = m_tmpSolverNonContactConstraintPool;
-    impulses_.resize(static_cast<std::size_t>(pool.size()));
-    for (int i = 0; i < pool.size(); ++i) impulses_[static_cast<std::size_t>(i)] = pool[i].m_appliedImpulse;
+    impulses_.resize(rows_->size());
+    std::array<int, 3> next{};
+    for (std::size_t i = 0; i < rows_->size(); ++i) {
+      const EngineRow::List list = (*rows_)[i].list;
+      impulses_[i] = ListOf(list)[next[static_cast<std::size_t>(list)]++].m_appliedImpulse;
+    }
     return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish(bodies, number_of_bodies, info);
   }
 
  private:
+  btConstraintArray& ListOf(EngineRow::List list) {
+    if (list == EngineRow::List::kJoints) return m_tmpSolverNonContactConstraintPool;
+    return list == EngineRow::List::kContacts ? m_tmpSolverContactConstraintPool
+                                              : m_tmpSolverContactFrictionConstraintPool;
+  }
+  void PlaceContacts() {
+    all_ = m_tmpSolverNonContactConstraintPool;
+    m_tmpSolverNonContactConstraintPool.resizeNoInitialize(0);
+    std::vector<int> place(rows_->size());
+    for (std::size_t i = 0; i < rows_->size(); ++i) {
+      btConstraintArray& list = ListOf((*rows_)[i].list);
+      place[i] = list.size();
+      list.push_back(all_[static_cast<int>(i)]);
+    }
+    int tangent = 0;
+    for (const EngineRow& row : *rows_) {
+      if (row.list != EngineRow::List::kFriction) continue;
+      btSolverConstraint& made = m_tmpSolverContactFrictionConstraintPool[tangent++];
+      made.m_friction = row.mu;
+      made.m_frictionIndex = place[row.normal];
+    }
+    SetOrder(m_tmpSolverNonContactConstraintPool, &m_orderNonContactConstraintPool);
+    SetOrder(m_tmpSolverContactConstraintPool, &m_orderTmpConstraintPool);
+    SetOrder(m_tmpSolverContactFrictionConstraintPool, &m_orderFrictionConstraintPool);
+  }
+  static void SetOrder(const btConstraintArray& list, btAlignedObjectArray<int>* order) {
+    order->resizeNoInitialize(list.size());
+    for (int i = 0; i < list.size(); ++i) (*order)[i] = i;
+  }
+
+  const std::vector<EngineRow>* rows_ = nullptr;
+  bool has_friction_ = false;
+  btConstraintArray all_;
   const Deadline* deadline_ = nullptr;
   bool expired_ = false;
   std::vector<double> impulses_;
@@ -212,8 +337,12 @@ class Body {
 /// rest, without load, and have neither damping nor error reduction (erp), mixing (cfm) or split impulses. Planar
 /// bodies move in the xy-plane. The engine has one mass for the three directions of a body, the largest inverse one
 /// here: columns whose inverse mass is another are scaled, which leaves A as it is. f starts at zero always: the engine
-/// warm starts contacts only. Iterations are sweeps. Not a word of success is said with N sweeps, unless nothing moved
-/// in the last.
+/// warm starts the contacts that it has made only. Iterations are sweeps. Not a word of success is said with N sweeps,
+/// unless nothing moved in the last.
+///
+/// Where there is friction, unilateral rows are the engine's contacts and friction rows theirs, any number each: a
+/// sweep goes over joints and bounded rows, then over contacts, then over friction rows with bounds from the contacts'
+/// impulses. It passes by friction rows of contacts without impulse, which keep what impulse they have.
 class SequentialImpulses : public LcpSolver {
  public:
   SequentialImpulses(std::string_view key, SettingsReader* reader) {
@@ -226,9 +355,11 @@ class SequentialImpulses : public LcpSolver {
     is_random_ = Choose<bool>(reader, "order", {{"index", false}, {"random", true}});
   }
 
+  bool TakesFriction() const override { return true; }
+  bool TakesBounded() const override { return true; }
   std::string WhyUnsupported(const LcpProblem& problem) const override {
     if (!problem.has_factors()) return "needs the bodies: J and the inverse masses";
-    return problem.has_two_body_rows() ? "" : "a row joins more than two bodies";
+    return problem.has_two_body_rows() ? WhySliding(problem.friction_rows()) : "a row joins more than two bodies";
   }
 
  protected:
@@ -251,6 +382,7 @@ class SequentialImpulses : public LcpSolver {
     minus_b_.resize(problem.size());
     rows_.reserve(static_cast<std::size_t>(problem.size()));
     for (Index row = 0; row < problem.size(); ++row) AddRow(problem, row, place);
+    if (!problem.is_plain()) SetLaws(problem);
     objects_.clear();
     for (const Body& body : bodies_) objects_.push_back(body.rigid());
     pointers_.clear();
@@ -275,8 +407,9 @@ class SequentialImpulses : public LcpSolver {
         info.m_numIterations = tier_.Iterations(options);
         info.m_leastSquaresResidualThreshold = velocity * velocity;
       }
+      info.m_solverMode &= ~SOLVER_USE_WARMSTARTING;  // there are no points of contact to keep impulses at
       if (is_random_) info.m_solverMode |= SOLVER_RANDMIZE_ORDER;
-      engine_.Start(&deadline);
+      engine_.Start(&rows_, !problem.friction_rows().empty(), &deadline);
     });
     if (pointers_.empty()) {
       result->status = LcpStatus::kSolved;
@@ -333,6 +466,32 @@ class SequentialImpulses : public LcpSolver {
                                                   rows_.size() - 1, minus_b_.data()));
   }
 
+  // Friction rows whose normal row was left out, which has no force, have none.
+  void SetLaws(const LcpProblem& problem) {
+    constexpr std::size_t kLeftOut = std::numeric_limits<std::size_t>::max();
+    std::vector<std::size_t> place(static_cast<std::size_t>(problem.size()), kLeftOut);
+    const auto place_of = [&](Index row) -> std::size_t& { return place[static_cast<std::size_t>(row)]; };
+    for (std::size_t i = 0; i < rows_.size(); ++i) place_of(rows_[i].row) = i;
+    for (const BoundedRow& bounded : problem.bounded_rows()) {
+      if (place_of(bounded.row) == kLeftOut) continue;
+      rows_[place_of(bounded.row)].lower = bounded.lower;
+      rows_[place_of(bounded.row)].upper = bounded.upper;
+    }
+    if (problem.friction_rows().empty()) return;
+    for (EngineRow& row : rows_) {
+      if (problem.kind(row.row) == RowKind::kUnilateral) row.list = EngineRow::List::kContacts;
+    }
+    for (const FrictionRow& tangent : problem.friction_rows()) {
+      if (place_of(tangent.row) == kLeftOut) continue;
+      EngineRow& row = rows_[place_of(tangent.row)];
+      row.upper = row.lower = 0;
+      if (place_of(tangent.normal) == kLeftOut) continue;
+      row.list = EngineRow::List::kFriction;
+      row.normal = place_of(tangent.normal);
+      row.mu = tangent.mu;
+    }
+  }
+
   int sweeps_ = 0;  // 0: as the tier says
   PeerTier tier_;
   bool is_random_ = false;
@@ -348,6 +507,7 @@ class SequentialImpulses : public LcpSolver {
 
 std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
   if (key == "bullet-lemke") return std::make_unique<Lemke>();
+  if (key == "bullet-pgs") return std::make_unique<MatrixSweeps>(key, reader);
   if (key.starts_with("bullet-si")) return std::make_unique<SequentialImpulses>(key, reader);
   return std::make_unique<DantzigPeer>(key, reader, DantzigPeer::Code{&NoPadding, &CallDantzig});
 }

@@ -1,7 +1,8 @@
 // DART's LCP solvers: a Dantzig code that descends from ODE's, and projected Gauss-Seidel. Both take A x = b + w with
-// rows of A padded to a multiple of four, and destroy A and b. Gauss-Seidel starts from what x holds and has no clock:
-// sweeps are asked for in portions and the time read in between; that only repeats the first-sweep test. An iteration
-// is a sweep asked for: how many of the last portion were made it does not tell. docs/peers.md says when both succeed.
+// rows of A padded to a multiple of four, and destroy A and b. Gauss-Seidel starts from what x holds, computes the
+// bounds of a friction row anew before each of its updates, and has no clock: sweeps are asked for in portions, which
+// only repeats the first-sweep test. An iteration is a sweep asked for: how many of the last portion were made it does
+// not tell. docs/peers.md says when both succeed.
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -43,13 +44,25 @@ class Pgs : public LcpSolver {
     option_.mEpsilonForDivision = reader->Number("epsilon_for_division", 1e-9, 0, 1);
   }
 
+  bool TakesFriction() const override { return true; }
+  bool TakesBounded() const override { return true; }
+  std::string WhyUnsupported(const LcpProblem& problem) const override { return WhySliding(problem.friction_rows()); }
+
  protected:
   void DoPrepare(const LcpProblem& problem) override {
     Assemble(problem);
     lower_.setZero(problem.size());
     upper_.setConstant(problem.size(), std::numeric_limits<double>::infinity());
     for (const Index row : problem.bilateral_rows()) lower_[row] = -std::numeric_limits<double>::infinity();
+    for (const BoundedRow& row : problem.bounded_rows()) {
+      lower_[row.row] = row.lower;
+      upper_[row.row] = row.upper;
+    }
     findex_.assign(static_cast<std::size_t>(rows_), -1);
+    for (const FrictionRow& row : problem.friction_rows()) {
+      findex_[static_cast<std::size_t>(row.row)] = static_cast<int>(row.normal);
+      upper_[row.row] = row.mu;  // the code reads no other bound of these rows
+    }
   }
 
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
@@ -63,40 +76,23 @@ class Pgs : public LcpSolver {
     const int most = tier_.Iterations(options, option.mMaxIteration);
     if (!tier_.is_library_default()) option.mRelativeDeltaXTolerance = tier_.Tolerance(options);
     const Deadline deadline(options);
-    TimeLibraryCall(options, result, [&] { Sweep(option, most, deadline, result); });
+    TimeLibraryCall(options, result, [&] {
+      SweepInPortions(most, static_cast<double>(A_.size()), deadline, result, [&](int sweeps) {
+        option.mMaxIteration = sweeps;
+        solver_.setOption(option);
+        return solver_.solve(rows_, A_.data(), result->f.data(), b_.data(), 0, lower_.data(), upper_.data(),
+                             findex_.data(), false);
+      });
+    });
   }
 
  private:
-  // About 20 ms of work: short beside any time limit, long beside what the repeated first test costs.
-  static constexpr double kPortion = 2e7;  // products
-
   void Assemble(const LcpProblem& problem) {
     RequireDenseMatrices(problem.size(), 2);  // and the code's copy
     rows_ = static_cast<int>(problem.size());
     A_.resize(problem.size(), PadToFour(rows_));
     AssembleDenseA(problem, A_.data(), PadToFour(rows_));
     is_whole_ = true;
-  }
-
-  void Sweep(PgsBoxedLcpSolver::Option option, std::int64_t most, const Deadline& deadline, LcpResult* result) {
-    const auto products = static_cast<double>(A_.size());
-    const auto portion = std::max<std::int64_t>(1000, static_cast<std::int64_t>(kPortion / products));
-    result->iterations = 0;
-    while (result->iterations < most) {
-      option.mMaxIteration = static_cast<int>(std::min(portion, most - result->iterations));
-      solver_.setOption(option);
-      result->iterations += option.mMaxIteration;
-      if (solver_.solve(rows_, A_.data(), result->f.data(), b_.data(), 0, lower_.data(), upper_.data(), findex_.data(),
-                        false)) {
-        result->status = LcpStatus::kSolved;
-        return;
-      }
-      if (deadline.Expired()) {
-        result->status = LcpStatus::kTimeLimit;
-        return;
-      }
-    }
-    result->status = LcpStatus::kIterationLimit;
   }
 
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

@@ -81,7 +81,10 @@ bool CallDantzig(const DantzigProblem& p) {
 }
 
 void TakeForces(const DantzigProblem& p) {
-  for (std::size_t i = 0; i < static_cast<std::size_t>(p.rows); ++i) p.x[i] = State().b_and_x[2 * i + 1];
+  const CallState& state = State();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(p.rows); ++i) p.x[i] = state.b_and_x[2 * i + 1];
+  if (!p.has_friction) return;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(p.rows); ++i) p.upper[i] = state.lower_and_upper[2 * i + 1];
 }
 
 std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {

@@ -282,7 +282,10 @@ void Fields(Io& io, Like<LcpResult> auto& result, Index rows, std::uint32_t vers
   io.Text("detail", result.detail);
   io.Numbers("f", result.f, static_cast<std::uint64_t>(rows));
   io.Optional("ray", result.farkas_ray, rows);
-  if (version >= kFirstWithLaws) io.Choice("model", result.model, FrictionModel::kRelaxation);
+  if (version < kFirstWithLaws) return;
+  io.Choice("model", result.model, FrictionModel::kFrozenBounds);
+  if (result.model != FrictionModel::kFrozenBounds) return;
+  io.Numbers("friction bounds", result.friction_bounds, static_cast<std::uint64_t>(rows));
 }
 
 template <typename Io>

@@ -202,14 +202,7 @@ class SiconosContacts : public LcpSolver {
     const auto tangents = static_cast<Index>(problem.friction_rows().size());
     if (joints + tangents == problem.size()) return "no contact";
     if (joints > 0 && !problem.IsNumericallySymmetric()) return "joints where A is not symmetric";
-    std::vector<Index> normals;
-    for (const FrictionRow& tangent : problem.friction_rows()) {
-      if (tangent.slip != 0) return "sliding rows";
-      normals.push_back(tangent.normal);
-    }
-    std::sort(normals.begin(), normals.end());
-    const bool has_two = std::adjacent_find(normals.begin(), normals.end()) != normals.end();
-    return has_two ? "several friction rows of a contact" : "";
+    return WhyNotPlanarContacts(problem);
   }
 
  protected:

@@ -25,7 +25,8 @@ class Counting : public Base {
 template <typename Solver>
 class Code : public ImpulseCode {
  public:
-  void SetMatrix(int rows, const double* A, const bool* bilateral) override {
+  void SetMatrix(int rows, const double* A, const std::vector<int>& joints,
+                 const std::vector<Contact>& contacts) override {
     A_.resize(rows, rows);
     for (int column = 0; column < rows; ++column) {
       for (int row = 0; row < rows; ++row) {
@@ -38,26 +39,29 @@ class Code : public ImpulseCode {
     rows_.clear();
     joints_.clear();
     contacts_.clear();
-    for (int row = 0; row < rows; ++row) {
-      const SimTK::MultiplierIndex index(row);
-      rows_.push_back(index);
-      if (bilateral[row]) {
-        SimTK::ImpulseSolver::UncondRT joint;
-        joint.m_mults.push_back(index);
-        joints_.push_back(joint);
-      } else {
-        SimTK::ImpulseSolver::UniContactRT contact;
-        contact.m_Nk = index;
-        contact.m_slipVel = SimTK::Vec2(0, 0);
-        contact.m_slipMag = 0;
-        contact.m_type = SimTK::ImpulseSolver::Participating;
-        contacts_.push_back(contact);
+    for (int row = 0; row < rows; ++row) rows_.push_back(SimTK::MultiplierIndex(row));
+    for (const int row : joints) {
+      SimTK::ImpulseSolver::UncondRT joint;
+      joint.m_mults.push_back(SimTK::MultiplierIndex(row));
+      joints_.push_back(joint);
+    }
+    for (const Contact& given : contacts) {
+      SimTK::ImpulseSolver::UniContactRT contact;
+      contact.m_Nk = SimTK::MultiplierIndex(given.normal);
+      contact.m_slipVel = SimTK::Vec2(0, 0);
+      contact.m_slipMag = 0;
+      contact.m_type = SimTK::ImpulseSolver::Participating;
+      if (given.tangent >= 0) {
+        contact.m_Fk.push_back(SimTK::MultiplierIndex(given.tangent));
+        contact.m_Fk.push_back(SimTK::MultiplierIndex(given.other_tangent));
+        contact.m_effMu = given.mu;
       }
+      contacts_.push_back(contact);
     }
   }
 
   void Begin(const double* b, const Limits& limits) override {
-    constexpr double kNoSlip = 0;  // the speed at which friction changes; there is none
+    constexpr double kNoSlip = 0;  // the speed up to which a contact counts as one that sticks
     solver_.emplace(kNoSlip);
     if (limits.tolerance >= 0) solver_->setConvergenceTol(limits.tolerance);
     if (limits.iterations > 0) solver_->setMaxIterations(limits.iterations);

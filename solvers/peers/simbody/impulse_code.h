@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace lcpbench {
 
@@ -9,9 +10,16 @@ namespace lcpbench {
 class ImpulseCode {
  public:
   virtual ~ImpulseCode() = default;
-  /// @param A          rows x rows, row after row, copied
-  /// @param bilateral  per row
-  virtual void SetMatrix(int rows, const double* A, const bool* bilateral) = 0;
+  /// A unilateral row, and the two friction rows that a contact has, or none (-1).
+  struct Contact {
+    int normal = 0, tangent = -1, other_tangent = -1;
+    double mu = 0;
+  };
+  /// @param A         rows x rows, row after row, copied
+  /// @param joints    bilateral rows
+  /// @param contacts  of all other rows
+  virtual void SetMatrix(int rows, const double* A, const std::vector<int>& joints,
+                         const std::vector<Contact>& contacts) = 0;
   struct Limits {
     double tolerance = -1;  ///< negative: the library's own
     int iterations = 0;     ///< 0: the library's own

@@ -1,6 +1,7 @@
 // Simbody: its two impulse solvers, projected Gauss-Seidel (PGSImpulseSolver) and successive pruning
-// (PLUSImpulseSolver), on A pi = verr with pi = -f and verr = b. Unilateral rows are contacts without friction,
-// bilateral rows unconditional constraints. Dense: A is a copy, O(n^2) memory.
+// (PLUSImpulseSolver), on A pi = verr with pi = -f and verr = b. Unilateral rows are contacts, bilateral rows
+// unconditional constraints. Both codes want two friction rows of a contact, for a cone in space: a planar contact gets
+// a second one, which acts on nothing but itself and has no load. Dense: A is a copy, O(n^2) memory.
 //
 // Both start at zero, and stop by the norm of w on the rows that are enforced (Gauss-Seidel: its root mean square), in
 // the unit of b; for keys that follow the tier b is scaled by a power of two to about 1. The host's time limit ends a
@@ -24,15 +25,32 @@ class Simbody : public LcpSolver {
   Simbody(std::string_view key, SettingsReader* reader)
       : tier_(key, reader), code_(MakeImpulseCode(key.starts_with("simbody-plus"))) {}
 
+  bool TakesFriction() const override { return true; }
+  std::string WhyUnsupported(const LcpProblem& problem) const override { return WhyNotPlanarContacts(problem); }
+
  protected:
   void DoPrepare(const LcpProblem& problem) override {
-    const Index n = problem.size();
-    RequireDenseMatrices(n, 3);  // ours, the library's, its factor
-    A_.resize(static_cast<std::size_t>(n * n));
-    AssembleDenseA(problem, A_.data(), n);
-    const std::unique_ptr<bool[]> bilateral(new bool[static_cast<std::size_t>(n)]);  // NOLINT(modernize-avoid-c-arrays)
-    for (Index row = 0; row < n; ++row) bilateral[static_cast<std::size_t>(row)] = problem.is_bilateral(row);
-    code_->SetMatrix(static_cast<int>(n), A_.data(), bilateral.get());
+    const std::vector<FrictionRow>& tangents = problem.friction_rows();
+    const Index n = problem.size(), m = n + static_cast<Index>(tangents.size());
+    RequireDenseMatrices(m, 3);  // ours, the library's, its factor
+    A_.assign(static_cast<std::size_t>(m * m), 0);
+    AssembleDenseA(problem, A_.data(), m);
+    const auto diagonal = [&](Index row) -> double& { return A_[static_cast<std::size_t>(row * (m + 1))]; };
+    std::vector<ImpulseCode::Contact> of_row(static_cast<std::size_t>(n));
+    for (Index k = 0; k < m - n; ++k) {
+      const FrictionRow& row = tangents[static_cast<std::size_t>(k)];
+      diagonal(n + k) = diagonal(row.row) > 0 ? diagonal(row.row) : 1;
+      of_row[static_cast<std::size_t>(row.normal)] = {0, static_cast<int>(row.row), static_cast<int>(n + k), row.mu};
+    }
+    std::vector<int> joints;
+    std::vector<ImpulseCode::Contact> contacts;
+    for (Index row = 0; row < n; ++row) {
+      if (problem.is_bilateral(row)) joints.push_back(static_cast<int>(row));
+      if (problem.kind(row) != RowKind::kUnilateral) continue;
+      contacts.push_back(of_row[static_cast<std::size_t>(row)]);
+      contacts.back().normal = static_cast<int>(row);
+    }
+    code_->SetMatrix(static_cast<int>(m), A_.data(), joints, contacts);
   }
 
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
@@ -45,7 +63,8 @@ class Simbody : public LcpSolver {
         if (largest > 0) unit = std::exp2(std::round(std::log2(largest)));
         limits.tolerance = tier_.Tolerance(options);
       }
-      const Eigen::VectorXd b = problem.b() / unit;
+      Eigen::VectorXd b = Eigen::VectorXd::Zero(problem.size() + static_cast<Index>(problem.friction_rows().size()));
+      b.head(problem.size()) = problem.b() / unit;
       code_->Begin(b.data(), limits);
     });
     bool converged = false;

@@ -37,6 +37,30 @@ TEST(FrictionVerdict, ExactAnswersPassEveryTier) {
   EXPECT_GE(judged, 250);
 }
 
+// By hand: the normal force without friction is 1, so that friction is at most 0.3 then, and 0.6 / 2.3 by Coulomb's
+// law.
+TEST(FrictionVerdict, AnswersOfFrozenBoundsAreJudgedInTheirModel) {
+  RowBounds bounds;
+  bounds.friction = {{.row = 1, .normal = 0, .mu = 0.3}};
+  const LcpProblem problem = LcpProblem::FromDense("frozen", (Eigen::Matrix2d() << 1, 0.5, 0.5, 1).finished(),
+                                                   Eigen::Vector2d(-1, -2), bounds);
+  LcpResult result;
+  result.status = LcpStatus::kSolved;
+  result.f = Eigen::Vector2d(0.85, 0.3);
+  EXPECT_TRUE(Verify(problem, result, 1e-6).false_success);
+  result.model = FrictionModel::kFrozenBounds;
+  for (const Eigen::VectorXd& wrong :
+       {Eigen::VectorXd(), Eigen::VectorXd(Eigen::Vector2d(0, 0.31)), Eigen::VectorXd(Eigen::Vector2d(0, -0.3))}) {
+    result.friction_bounds = wrong;
+    const Verdict verdict = Verify(problem, result, 1e-6);
+    EXPECT_TRUE(verdict.false_success && verdict.model_rho > 1e-3) << verdict.model_rho;
+  }
+  result.friction_bounds = Eigen::Vector2d(0, 0.3);
+  const Verdict verdict = Verify(problem, result, 1e-6);
+  EXPECT_LE(verdict.model_rho, 1e-15);
+  EXPECT_FALSE(verdict.passes || verdict.false_success);
+}
+
 // f times -1, f = 0, and without tangential forces; answers of other models.
 TEST(FrictionVerdict, WrongAnswersPassNoTier) {
   int refused = 0;

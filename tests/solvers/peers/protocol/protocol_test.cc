@@ -140,6 +140,11 @@ TEST(Protocol, AnswersComeBackBitForBit) {
   EXPECT_EQ(back.own_convert_s, result.own_convert_s);
   EXPECT_EQ(back.farkas_ray, result.farkas_ray);
 
+  result.model = FrictionModel::kFrozenBounds;
+  result.friction_bounds = Eigen::Vector3d(0, 2, 0);
+  EXPECT_EQ(DecodeResult(Encode(result), 3).friction_bounds, result.friction_bounds);
+  EXPECT_EQ(back.friction_bounds.size(), 0);
+
   EXPECT_EQ(back.own_fresh_s, result.own_fresh_s);
   EXPECT_EQ(DecodeResult(Encode(result, 1), 3, 1).own_fresh_s, -1);
 
