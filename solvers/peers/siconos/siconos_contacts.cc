@@ -22,6 +22,7 @@
 #include <string_view>
 #include <vector>
 
+#include "solvers/friction/relaxed_rows.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/peers/peer_library.h"
 #include "solvers/peers/siconos/siconos_numerics.h"
@@ -202,14 +203,7 @@ class SiconosContacts : public LcpSolver {
     const auto tangents = static_cast<Index>(problem.friction_rows().size());
     if (joints + tangents == problem.size()) return "no contact";
     if (joints > 0 && !problem.IsNumericallySymmetric()) return "joints where A is not symmetric";
-    std::vector<Index> normals;
-    for (const FrictionRow& tangent : problem.friction_rows()) {
-      if (tangent.slip != 0) return "sliding rows";
-      normals.push_back(tangent.normal);
-    }
-    std::sort(normals.begin(), normals.end());
-    const bool has_two = std::adjacent_find(normals.begin(), normals.end()) != normals.end();
-    return has_two ? "several friction rows of a contact" : "";
+    return WhyNotPlanar(problem);
   }
 
  protected:
