@@ -301,6 +301,7 @@ SolverEntry EntryOf(const PeerEntry& peer) {
   entry.library_defaults = peer.has_library_defaults();
   entry.takes_friction = peer.takes_friction();
   entry.takes_bounded = peer.takes_bounded();
+  entry.takes_plain = peer.transformation == Transformation::kNone;
   if (!entry.available) return entry;
   entry.make = [&peer](const Settings& settings) {
     auto solver = MakeExternal({.command = {WorkerPath(peer), std::string(peer.key)}}, settings);
@@ -453,6 +454,7 @@ void RegisterAblations() {
   for (const SolverEntry& base : bases) {
     if (!base.available || !base.base.empty() || base.origin == SolverOrigin::kExternal) continue;
     const bool is_own = base.origin == SolverOrigin::kOwn;
+    if (!is_own && !base.takes_plain) continue;  // the check is that of plain rows
     const std::string key = base.key + (is_own ? "-unchecked" : "-checked");
     if (is_there(key)) continue;
     try {

@@ -65,8 +65,9 @@ std::string StopsBy(const PeerEntry& peer) {
 
 // All solvers as report/ and docs/ read them (report/lcpbench_report/peers.json): `own` [{`key, method, tolerance` (as
 // SolverEntry::tolerance)}], `peers` [{`key, library, method, licence, route` ("compiled" or "python") `, tolerance,
-// tolerances` (for the tiers 1e-3, 1e-6, 1e-9; null where it follows none) `, stops` (in words)}], `left_out` [{`name,
-// reason`}]. Solvers that are not in this build have their entries, too.
+// tolerances` (for the tiers 1e-3, 1e-6, 1e-9; null where it follows none) `, stops` (in words)`, within` (the key of
+// the solver that a transformation hands problems to)}], `left_out` [{`name, reason`}]. Solvers that are not in this
+// build have their entries, too.
 void PrintPeers() {
   nlohmann::ordered_json own = nlohmann::ordered_json::array();
   for (const SolverEntry& entry : AllSolvers()) {
@@ -84,6 +85,7 @@ void PrintPeers() {
     entry["tolerances"] = nullptr;
     if (peer.tiers) entry["tolerances"] = peer.tiers->tolerances;
     entry["stops"] = StopsBy(peer);
+    if (!peer.within.empty()) entry["within"] = peer.within;
     peers.push_back(entry);
   }
   nlohmann::ordered_json left_out = nlohmann::ordered_json::array();

@@ -39,10 +39,12 @@ def table(inputs: Inputs) -> Table:
 
 
 def criteria() -> Table:
-    """A row per solver that has a tolerance: what it is given, what that bounds, and how it is reached."""
+    """A row per solver that has a tolerance: what it is given, what that bounds, and how it is reached. Transformations
+    leave it as it is."""
     return Table(["key", "tolerance at 1e-3, 1e-6, 1e-9", "which bounds", "worker"],
                  [[code(peer["key"]), rule(peer), peer["stops"], _ROUTES[peer["route"]]]
-                  for peer in facts()["peers"] if peer["tolerance"] == "follows" and not peer["key"].endswith(RELATED)],
+                  for peer in facts()["peers"]
+                  if peer["tolerance"] == "follows" and not peer["key"].endswith(RELATED) and "within" not in peer],
                  "llll")
 
 

@@ -5,7 +5,6 @@
 #include <limits>
 #include <tuple>
 
-#include "solvers/lcp/engine_solver.h"
 #include "solvers/linear_algebra/vector_register.h"
 #include "solvers/rows/two_body_product.h"
 #include "support/array_index.h"
@@ -32,14 +31,6 @@ struct Trial {
 };
 
 }  // namespace
-
-std::string ContactRows::WhyUnsupported(const LcpProblem& problem) {
-  std::vector<Index> normals;
-  for (const FrictionRow& row : problem.friction_rows()) normals.push_back(row.normal);
-  std::ranges::sort(normals);
-  if (std::ranges::adjacent_find(normals) != normals.end()) return "several friction rows of one contact";
-  return WhyNotSymmetric(problem);
-}
 
 void ContactRows::Reserve(Index max_rows, Index max_bodies) {
   start_.reserve(At(max_rows) + 1);

@@ -23,9 +23,6 @@ namespace lcpbench {
 /// Vectors have n numbers or more, of which the first n count: workspace that is long enough is never made anew.
 class ContactRows {
  public:
-  /// "", or why methods that need contacts of at most one friction row do not take the problem.
-  static std::string WhyUnsupported(const LcpProblem& problem);
-
   /// O(nnz A); allocates.
   void Prepare(const LcpProblem& problem);
   /// The same for the rows `part` of a step, ascending, which share no moving body with other rows. The rows of the

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "solvers/friction/relaxed_rows.h"
 #include "support/array_index.h"
 
 namespace lcpbench {
@@ -330,7 +331,10 @@ class ModeLemkeEngine {
   static constexpr bool kTakesFriction = true;
   static constexpr bool kTakesBounded = true;
 
-  std::string WhyUnsupported(const LcpProblem& problem) const { return ContactRows::WhyUnsupported(problem); }
+  std::string WhyUnsupported(const LcpProblem& problem) const {
+    const std::string why = WhyNotPlanar(problem, true);
+    return why.empty() ? WhyNotSymmetric(problem) : why;
+  }
   void Prepare(const LcpProblem& problem) {
     rows_.Prepare(problem);
     newton_.Reset();

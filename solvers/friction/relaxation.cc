@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "solvers/friction/contact_rows.h"
 #include "solvers/friction/relaxed_rows.h"
 #include "solvers/lcp/law_metrics.h"
 #include "support/array_index.h"
@@ -43,14 +42,12 @@ LcpProblem RelaxationOf(const LcpProblem& problem) {
 
 class RelaxationEngine {
  public:
-  explicit RelaxationEngine(const WithinOptions& options) : plain_(options.make_plain()) {}
+  explicit RelaxationEngine(const WithinOptions& options)
+      : of_tolerance_(options.of_tolerance), plain_(options.make_plain()) {}
   static constexpr bool kTakesFriction = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const {
-    for (const FrictionRow& row : problem.friction_rows()) {
-      if (row.slip != 0) return "sliding rows";
-    }
-    const std::string why = ContactRows::WhyUnsupported(problem);
+    const std::string why = WhyNotPlanar(problem);
     return why.empty() ? WhyNotFriction(problem) : why;
   }
 
@@ -63,6 +60,7 @@ class RelaxationEngine {
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
     result->model = FrictionModel::kRelaxation;
     LcpOptions of_relaxed = options;
+    of_relaxed.tolerance *= of_tolerance_;
     Eigen::VectorXd start;
     if (options.initial_f != nullptr) {
       start.resize(rows_.size());
@@ -91,6 +89,7 @@ class RelaxationEngine {
  private:
   RelaxedRows rows_;
   std::optional<LcpProblem> relaxed_;
+  const double of_tolerance_;
   const std::unique_ptr<LcpSolver> plain_;
   LcpResult inner_;
   Eigen::VectorXd gaps_;

@@ -17,6 +17,9 @@ LcpProblem RelaxationOf(const LcpProblem& problem);
 struct WithinOptions {
   /// Makes the solver of the problems within, which have no friction rows: `auto` in the registry. Not a setting.
   std::function<std::unique_ptr<LcpSolver>()> make_plain;
+  /// Of RelaxationSolver: the part of the tolerance that the solver within is asked for. Below 1 for one that stops at
+  /// a residual, which is relative to another load there.
+  double of_tolerance = 1;
 };
 
 /// Contact with friction relaxed to a problem without: f in the friction cones, w in their duals, f.w = 0. In the plane

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "solvers/lcp/problem.h"
@@ -10,6 +11,18 @@
 
 /// Internal to solvers/.
 namespace lcpbench {
+
+/// WhyUnsupported of methods for contacts with up to one friction row each.
+inline std::string WhyNotPlanar(const LcpProblem& problem, bool takes_sliding = false) {
+  std::vector<Index> normals;
+  for (const FrictionRow& row : problem.friction_rows()) {
+    if (row.slip != 0 && !takes_sliding) return "sliding rows";
+    normals.push_back(row.normal);
+  }
+  std::ranges::sort(normals);
+  const bool has_two = std::ranges::adjacent_find(normals) != normals.end();
+  return has_two ? "several friction rows of a contact" : "";
+}
 
 /// How rows are relaxed [docs/friction.md section 1]: J_n + mu J_t and J_n - mu J_t, with forces a+ and a-, take the
 /// place of a contact's normal and friction row; f_n = a+ + a-, f_t = mu (a+ - a-). Other rows stay as they are.

@@ -83,16 +83,6 @@ inline std::string WhySliding(std::span<const FrictionRow> friction) {
   return std::ranges::any_of(friction, [](const FrictionRow& row) { return row.slip != 0; }) ? "sliding rows" : "";
 }
 
-/// WhyUnsupported of codes of contacts that have one friction row, or none.
-inline std::string WhyNotPlanarContacts(const LcpProblem& problem) {
-  std::vector<Index> normals;
-  for (const FrictionRow& tangent : problem.friction_rows()) normals.push_back(tangent.normal);
-  std::ranges::sort(normals);
-  const bool has_two = std::ranges::adjacent_find(normals) != normals.end();
-  const std::string sliding = WhySliding(problem.friction_rows());
-  return sliding.empty() && has_two ? "several friction rows of a contact" : sliding;
-}
-
 /// What the words of a setting stand for; the first is the library's own choice.
 template <typename Value, std::size_t n>
 Value Choose(SettingsReader* reader, const char* setting, const std::pair<std::string_view, Value> (&choices)[n]) {

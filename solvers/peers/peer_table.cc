@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <deque>
+#include <iterator>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace lcpbench {
@@ -57,6 +59,7 @@ constexpr std::string_view kFrictionResidual =
 constexpr std::string_view kResidualChange = "the change of w in a step, over the norm of w";
 constexpr std::string_view kFreeRows = "the norm of w on the free rows, over that at the start";
 constexpr std::string_view kFischerBurmeister = "the norm of the Fischer-Burmeister function, over that at the start";
+constexpr std::string_view kFischerBurmeisterOverB = "the norm of the Fischer-Burmeister function, over that of b";
 constexpr std::string_view kProjectedGradient = "the norm of the projected gradient, over that at the start";
 constexpr std::string_view kInfeasibilities = "primal and dual infeasibility, absolute";
 constexpr std::string_view kInfeasibilitiesOfHighs = "primal and dual infeasibility, absolute; never below 1e-10";
@@ -145,6 +148,8 @@ constexpr PeerEntry kPeers[] = {
      TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kProjectedGradient}, kAny},
     {kPetsc, "tao-tron", "TAO trust-region Newton (TRON) on the QP",
      TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kProjectedGradient}, kAny},
+    {kPetsc, "tao-asfls", "TAO semismooth Newton, active set, feasible, LU with a shift of small pivots",
+     TierSettings{{1e-4, 1e-7, 1e-10}, 1e6, kFischerBurmeisterOverB}, kAny},
     {kCgal, "cgal-qp", "exact rational QP simplex: a reference for small n", {}, MethodClass::kExactArithmetic},
     {kClp, "clp", "COIN-OR simplex code with its QP extension", TierSettings{{1e-3, 1e-6, 1e-9}, 0, kInfeasibilities},
      kAny},
@@ -214,6 +219,28 @@ constexpr std::string_view kTunedOnly[] = {
     "peer-portfolio",    "bullet-si",         "bullet-pgs",           "siconos-nsgs-sbm",
     "petsc-rsls-direct", "petsc-ssls-direct", "proxqp-dual-baseline", "proxqp-primal-baseline"};
 
+// Solvers that know no friction, with a transformation: all else is as of `within`, its tolerances, too.
+struct TransformedPeer {
+  std::string_view key, within;
+  Transformation transformation;
+};
+constexpr TransformedPeer kTransformed[] = {
+    {"siconos-lexicolemke-friction", "siconos-lexicolemke", Transformation::kFourRows},
+    {"siconos-avi-friction", "siconos-avi", Transformation::kFourRows},
+    {"petsc-rsls-direct-friction", "petsc-rsls-direct", Transformation::kFourRows},
+    {"petsc-ssls-direct-friction", "petsc-ssls-direct", Transformation::kFourRows},
+    {"tao-asfls-friction", "tao-asfls", Transformation::kFourRows},
+    {"ode-dantzig-loop", "ode-dantzig", Transformation::kLaggedBounds},
+    {"bullet-dantzig-loop", "bullet-dantzig", Transformation::kLaggedBounds},
+    {"dart-dantzig-loop", "dart-dantzig", Transformation::kLaggedBounds},
+    {"mujoco-newton-relaxed", "mujoco-newton", Transformation::kRelaxation},
+    {"mujoco-cg-relaxed", "mujoco-cg", Transformation::kRelaxation},
+    {"proxqp-relaxed", "proxqp-dual", Transformation::kRelaxation},
+    {"piqp-relaxed", "piqp-dual", Transformation::kRelaxation},
+    {"daqp-relaxed", "daqp-primal", Transformation::kRelaxation},
+    {"osqp-relaxed", "osqp-primal", Transformation::kRelaxation},
+};
+
 constexpr LeftOutSolver kLeftOut[] = {
     {"PATH", "closed; free for up to 300 variables, beyond that under a licence"},
     {"MOSEK", "closed, under a licence"},
@@ -228,6 +255,25 @@ constexpr std::array kTableTiers{1e-3, 1e-6, 1e-9};
 // A requested 1e-6 may arrive with the last digit off.
 constexpr double kSlack = 1 + 1e-9;
 
+// What is said of a transformation, and the law that its answers obey.
+std::pair<std::string_view, FrictionLaw> FactsOf(Transformation transformation) {
+  if (transformation == Transformation::kRelaxation) return {" on the relaxed law", FrictionLaw::kRelaxation};
+  const bool is_by_rows = transformation == Transformation::kFourRows;
+  return {is_by_rows ? " on four rows a contact" : " on bounds that are set until they settle", FrictionLaw::kCoulomb};
+}
+
+PeerEntry EntryOf(const TransformedPeer& transformed) {
+  static std::deque<std::string> methods;  // whose places do not change
+  const auto [how, law] = FactsOf(transformed.transformation);
+  PeerEntry entry = *std::ranges::find(kPeers, transformed.within, &PeerEntry::key);
+  entry.key = transformed.key;
+  entry.method = methods.emplace_back(std::string(transformed.within) += how);
+  entry.law = law;
+  entry.transformation = transformed.transformation;
+  entry.within = transformed.within;
+  return entry;
+}
+
 std::vector<PeerEntry> WithDefaults() {
   static std::deque<std::string> keys;  // whose places do not change
   std::vector<PeerEntry> all;
@@ -237,6 +283,7 @@ std::vector<PeerEntry> WithDefaults() {
     keys.push_back(std::string(peer.key) + "-default");
     all.push_back({peer.project, keys.back(), kAsItIs, std::nullopt, peer.method_class, false, peer.law});
   }
+  std::ranges::transform(kTransformed, std::back_inserter(all), EntryOf);
   return all;
 }
 

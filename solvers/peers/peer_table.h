@@ -44,6 +44,14 @@ enum class FrictionLaw {
   kRelaxation,    ///< the associated law
 };
 
+/// How a problem with friction is given to a solver that knows none, in the worker and on the clock.
+enum class Transformation {
+  kNone,
+  kFourRows,      ///< Coulomb's law as an LCP that is not symmetric (solvers/friction/four_rows.h)
+  kRelaxation,    ///< the relaxed law as an LCP (solvers/friction/relaxation.h)
+  kLaggedBounds,  ///< bounded rows, again and again until the bounds settle (solvers/friction/lagged_bounds.h)
+};
+
 /// One of its solvers.
 struct PeerEntry {
   const PeerProject& project;  ///< whose it is
@@ -57,6 +65,9 @@ struct PeerEntry {
   /// So many sweeps whatever is asked for, as its users run it.
   bool fixed_effort = false;
   FrictionLaw law = FrictionLaw::kNone;
+  /// Other than kNone: the solver `within` is given what the transformation makes of a problem, and no plain ones.
+  Transformation transformation = Transformation::kNone;
+  std::string_view within = {};  ///< the key of another entry of the project
 
   /// LcpSolver::TakesFriction.
   bool takes_friction() const { return law != FrictionLaw::kNone; }

@@ -7,6 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "solvers/friction/four_rows.h"
+#include "solvers/friction/lagged_bounds.h"
+#include "solvers/friction/relaxation.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/peers/peer_library.h"
 #include "solvers/peers/peer_table.h"
@@ -33,13 +36,24 @@ Settings ParseSettings(int argc, char** argv) {
 
 constexpr double kShift = 1e-9;  // what the engines' users take
 
-// Settings of every peer: check=yes (default no), a solver with the check that ours have, and where that finds fault
-// one more turn with a shift of `check_shift`.
-std::unique_ptr<LcpSolver> Make(const PeerLibrary& library, std::string_view key, const Settings& settings) {
-  SettingsReader reader(key, settings);
-  const bool is_checked = reader.Choice("check", "no", {"no", "yes"}) == "yes";
-  const double shift = reader.Number("check_shift", kShift, 0, 1);
-  std::unique_ptr<LcpSolver> made = library.make(key, &reader);
+// Of the tolerance: the relaxed problem is solved as the next tier is.
+constexpr double kOfRelaxed = 0.1;
+
+std::unique_ptr<LcpSolver> Transformed(Transformation transformation, const WithinOptions& options) {
+  if (transformation == Transformation::kFourRows) return std::make_unique<FourRowSolver>(options);
+  if (transformation == Transformation::kRelaxation) return std::make_unique<RelaxationSolver>(options);
+  return std::make_unique<LaggedBoundsSolver>(options);
+}
+
+// Settings of every peer without a transformation: check=yes (default no), a solver with the check that ours have,
+// which is one of plain rows, and where that finds fault one more turn with a shift of `check_shift`.
+std::unique_ptr<LcpSolver> Make(const PeerLibrary& library, const PeerEntry& peer, const Settings& settings) {
+  SettingsReader reader(peer.key, settings);
+  const bool is_plain = peer.transformation == Transformation::kNone;
+  const bool is_checked = is_plain && reader.Choice("check", "no", {"no", "yes"}) == "yes";
+  const double shift = is_plain ? reader.Number("check_shift", kShift, 0, 1) : 0;
+  const auto make = [&] { return library.make(is_plain ? peer.key : peer.within, &reader); };
+  std::unique_ptr<LcpSolver> made = is_plain ? make() : Transformed(peer.transformation, {make, kOfRelaxed});
   reader.Finish();
   if (!is_checked) return made;
   const std::shared_ptr<LcpSolver> shared = std::move(made);
@@ -59,7 +73,7 @@ int main(int argc, char** argv) {
       if (peer.project.folder != LCPBENCH_PEER) continue;
       known += (known.empty() ? "" : ", ") + std::string(peer.key);
       if (argc < 2 || peer.key != argv[1]) continue;
-      const auto make = [&, settings = ParseSettings(argc, argv)] { return Make(library, peer.key, settings); };
+      const auto make = [&, settings = ParseSettings(argc, argv)] { return Make(library, peer, settings); };
       make();  // what is wrong with the settings is said now
       Hello hello;
       hello.name = peer.key;

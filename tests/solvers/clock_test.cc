@@ -96,7 +96,7 @@ TEST_P(ClockTest, FactorizationsAreTimedWhereThatIsAskedFor) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Own, ClockTest, testing::ValuesIn(OwnSolvers()), SolverTestName);
+INSTANTIATE_TEST_SUITE_P(Own, ClockTest, testing::ValuesIn(PlainSolversOf(SolverOrigin::kOwn)), SolverTestName);
 
 }  // namespace
 }  // namespace lcpbench

@@ -77,7 +77,8 @@ class SolverContract : public SolverTest {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(AllSolvers, SolverContract, testing::ValuesIn(OwnSolvers()), SolverTestName);
+INSTANTIATE_TEST_SUITE_P(AllSolvers, SolverContract, testing::ValuesIn(PlainSolversOf(SolverOrigin::kOwn)),
+                         SolverTestName);
 
 TEST_P(SolverContract, MayFailOnTextbookProblemsButMayNotLie) { CheckAll(TextbookProblems(), {1e-3, 1e-6, 1e-9}); }
 TEST_P(SolverContract, MayFailOnExactOracleProblemsButMayNotLie) { CheckAll(OracleProblems(), {1e-3, 1e-6, 1e-9}); }

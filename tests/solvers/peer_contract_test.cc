@@ -47,7 +47,8 @@ class PeerContract : public SolverTest {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(AllPeers, PeerContract, testing::ValuesIn(SolversOf(SolverOrigin::kPeer)), SolverTestName);
+INSTANTIATE_TEST_SUITE_P(AllPeers, PeerContract, testing::ValuesIn(PlainSolversOf(SolverOrigin::kPeer)),
+                         SolverTestName);
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(PeerContract);
 
 // How many of them a peer must answer rightly was measured where it was in the build, else it is one.
@@ -197,7 +198,7 @@ TEST(PeerFacts, ToleranceAndAblationAreSaid) {
   }
   RegisterAblations();
   RegisterAblations();
-  for (const SolverEntry& peer : SolversOf(SolverOrigin::kPeer)) {
+  for (const SolverEntry& peer : PlainSolversOf(SolverOrigin::kPeer)) {
     if (!peer.base.empty()) continue;
     const SolverEntry& checked = FindSolver(peer.key + "-checked");
     EXPECT_EQ(checked.ablation, "checked");

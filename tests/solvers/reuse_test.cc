@@ -216,7 +216,7 @@ TEST_P(Reuse, WithoutSelfCheckAnswersThatNeedNoRepairAreTheSame) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Solvers, Reuse, testing::ValuesIn(OwnSolvers()), SolverTestName);
+INSTANTIATE_TEST_SUITE_P(Solvers, Reuse, testing::ValuesIn(PlainSolversOf(SolverOrigin::kOwn)), SolverTestName);
 
 }  // namespace
 }  // namespace lcpbench

@@ -37,9 +37,9 @@ inline std::vector<SolverEntry> SolversOf(SolverOrigin origin) {
   }
   return solvers;
 }
-/// Ours that take plain problems.
-inline std::vector<SolverEntry> OwnSolvers() {
-  std::vector<SolverEntry> solvers = SolversOf(SolverOrigin::kOwn);
+/// Those that take plain problems.
+inline std::vector<SolverEntry> PlainSolversOf(SolverOrigin origin) {
+  std::vector<SolverEntry> solvers = SolversOf(origin);
   std::erase_if(solvers, [](const SolverEntry& entry) { return !entry.takes_plain; });
   return solvers;
 }

@@ -147,7 +147,7 @@ TEST_P(ThreadsTest, LeavesTheProcessAsItWas) {
   EXPECT_TRUE(before == after);
 }
 
-INSTANTIATE_TEST_SUITE_P(Own, ThreadsTest, testing::ValuesIn(OwnSolvers()), SolverTestName);
+INSTANTIATE_TEST_SUITE_P(Own, ThreadsTest, testing::ValuesIn(PlainSolversOf(SolverOrigin::kOwn)), SolverTestName);
 
 }  // namespace
 }  // namespace lcpbench

@@ -9,7 +9,7 @@ if(LCPBENCH_WITH_DART)
     # Eigen: the whole worker is compiled with Eigen's own alignment, as libdart was, and not with lcpbench::lcp's.
     file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/solvers/lcp/*.cc" "${PROJECT_SOURCE_DIR}/support/*.cc")
     add_library(lcpbench_dart_runtime STATIC
-      peer_table.cc solvers_in_turn.cc protocol/protocol.cc protocol/worker.cc ${sources})
+      ${lcpbench_peer_runtime_sources} protocol/protocol.cc protocol/worker.cc ${sources})
     target_include_directories(lcpbench_dart_runtime PUBLIC "${PROJECT_SOURCE_DIR}")
     target_compile_features(lcpbench_dart_runtime PUBLIC cxx_std_20)
     target_link_libraries(lcpbench_dart_runtime PUBLIC Eigen3::Eigen PRIVATE lcpbench_warnings lcpbench_reproducible

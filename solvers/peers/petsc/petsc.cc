@@ -1,7 +1,8 @@
-// PETSc: SNES's two solvers for variational inequalities (reduced space, semismooth) on w = A f + b, and TAO's two
-// trust-region methods on its quadratic program min 1/2 f'A f + b'f, all with bounds, so that bilateral rows are
-// variables without a lower bound. A is sparse; TAO asks for a symmetric one. Time is read at every outer and every
-// Krylov iteration. Iterations are outer ones. docs/peers.md has what is known of release 3.18.
+// PETSc: SNES's two solvers for variational inequalities (reduced space, semismooth) and TAO's semismooth one (active
+// set, feasible) on w = A f + b, and TAO's two trust-region methods on its quadratic program min 1/2 f'A f + b'f, all
+// with bounds, so that bilateral rows are variables without a lower bound. A is sparse; the QP asks for a symmetric
+// one. Time is read at every outer and every Krylov iteration. Iterations are outer ones. docs/peers.md has what is
+// known of release 3.18.
 
 #include <fcntl.h>
 #include <petscsnes.h>
@@ -265,6 +266,7 @@ class PetscPeer : public LcpSolver {
     const Deadline deadline(options);
     Run run{*problem_, deadline};
     TimeConversion(options, result, [&] {
+      norm_b_ = problem.b().norm();
       SetUp(options, &run);
       problem_->SetB(problem.b());
       problem_->SetStart(options.initial_f);
@@ -305,14 +307,15 @@ class PetscPeer : public LcpSolver {
   std::string preconditioner_;
   double shift_ = 0;  // of the pivots of a preconditioner that is a factorization
   double largest_diagonal_ = 0;
+  double norm_b_ = 0;
   std::optional<PetscProblem> problem_;
 };
 
+// For keys that end in "-direct": the value with the most passes among the tuning problems.
+constexpr double kDirectShift = 1e-8;
+
 class Snes : public PetscPeer {
  public:
-  // For keys that end in "-direct": the value with the most passes among the tuning problems.
-  static constexpr double kDirectShift = 1e-8;
-
   Snes(std::string_view key, const char* type, SettingsReader* reader) : PetscPeer(key, type, reader) {
     if (tier_.is_library_default()) return;
     // "cg-icc" is conjugate gradients with incomplete Cholesky; a factorization alone needs no Krylov method.
@@ -397,8 +400,15 @@ class Snes : public PetscPeer {
 
 class TaoPeer : public PetscPeer {
  public:
-  TaoPeer(std::string_view key, const char* type, SettingsReader* reader) : PetscPeer(key, type, reader) {
+  TaoPeer(std::string_view key, const char* type, SettingsReader* reader)
+      : PetscPeer(key, type, reader), is_program_(!key.starts_with("tao-asfls")) {
     if (tier_.is_library_default()) return;
+    if (!is_program_) {
+      krylov_ = KSPPREONLY;
+      preconditioner_ = PCLU;
+      shift_ = kDirectShift;
+      return;
+    }
     krylov_ = OrEmpty(reader->Choice("krylov", "library", {"library", "stcg", "nash", "gltr"}));
     preconditioner_ = OrEmpty(reader->Choice("preconditioner", "library", {"library", "none", "jacobi", "icc"}));
     // Some options have no function, only a name, once for the process.
@@ -418,7 +428,9 @@ class TaoPeer : public PetscPeer {
     }
   }
 
-  std::string WhyUnsupported(const LcpProblem& problem) const override { return WhyNotQuadraticProgram(problem); }
+  std::string WhyUnsupported(const LcpProblem& problem) const override {
+    return is_program_ ? WhyNotQuadraticProgram(problem) : "";
+  }
 
  protected:
   void SetUp(const LcpOptions& options, Run* run) override {
@@ -432,8 +444,14 @@ class TaoPeer : public PetscPeer {
     };
     CheckPetsc(TaoSetType(made, type_));
     CheckPetsc(TaoSetSolution(made, problem_->x()));
-    CheckPetsc(TaoSetObjectiveAndGradient(made, nullptr, evaluate, run));
-    CheckPetsc(TaoSetHessian(made, problem_->jacobian(), problem_->jacobian(), fill, run));
+    if (is_program_) {
+      CheckPetsc(TaoSetObjectiveAndGradient(made, nullptr, evaluate, run));
+      CheckPetsc(TaoSetHessian(made, problem_->jacobian(), problem_->jacobian(), fill, run));
+    } else {
+      const auto gaps = [](Tao, Vec x, Vec w, void* context) { return Run::Of(context).problem.EvaluateW(x, w); };
+      CheckPetsc(TaoSetConstraintsRoutine(made, problem_->w(), gaps, run));
+      CheckPetsc(TaoSetJacobianRoutine(made, problem_->jacobian(), problem_->jacobian(), fill, run));
+    }
     CheckPetsc(TaoSetVariableBounds(made, problem_->lower(), problem_->upper()));
     CheckPetsc(TaoSetFromOptions(made));
     CheckPetsc(TaoSetConvergenceTest(made, &Test, run));
@@ -441,8 +459,10 @@ class TaoPeer : public PetscPeer {
     CheckPetsc(TaoGetKSP(made, &krylov));
     if (krylov != nullptr) SetUpLinearSolver(krylov, run);
     if (!tier_.is_library_default()) {
-      // Nothing that has the unit of w or of the objective: only the gradient relative to that at the start.
-      CheckPetsc(TaoSetTolerances(made, 0, 0, tier_.Tolerance(options)));
+      // Nothing that has the unit of w or of the objective: only the gradient relative to that at the start, or what a
+      // complementarity problem has for an objective.
+      CheckPetsc(TaoSetTolerances(made, 0, 0, is_program_ ? tier_.Tolerance(options) : 0));
+      if (!is_program_) CheckPetsc(TaoSetFunctionLowerBound(made, tier_.Tolerance(options) * norm_b_));
       CheckPetsc(TaoSetMaximumIterations(made, tier_.Iterations(options)));
       CheckPetsc(TaoSetMaximumFunctionEvaluations(made, std::numeric_limits<int>::max()));
     } else if (options.max_iterations > 0) {
@@ -455,7 +475,7 @@ class TaoPeer : public PetscPeer {
     TaoConvergedReason reason = TAO_CONTINUE_ITERATING;
     CheckPetsc(TaoGetIterationNumber(tao_.get(), &outcome.iterations));
     CheckPetsc(TaoGetConvergedReason(tao_.get(), &reason));
-    outcome.solved = reason > 0 && reason != TAO_CONVERGED_MINF;
+    outcome.solved = reason > 0 && (reason == TAO_CONVERGED_MINF) != is_program_;
     outcome.iteration_limit = reason == TAO_DIVERGED_MAXITS || reason == TAO_DIVERGED_MAXFCN;
     outcome.reason = TaoConvergedReasons[reason];
     tao_.out();
@@ -474,12 +494,14 @@ class TaoPeer : public PetscPeer {
     PetscFunctionReturn(kPetscSuccess);
   }
 
+  const bool is_program_;  // quadratic; else a complementarity problem
   PetscHandle<Tao, &TaoDestroy> tao_;
 };
 
 std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
   if (key.starts_with("petsc-rsls")) return std::make_unique<Snes>(key, SNESVINEWTONRSLS, reader);
   if (key.starts_with("petsc-ssls")) return std::make_unique<Snes>(key, SNESVINEWTONSSLS, reader);
+  if (key.starts_with("tao-asfls")) return std::make_unique<TaoPeer>(key, TAOASFLS, reader);
   return std::make_unique<TaoPeer>(key, key.starts_with("tao-bntr") ? TAOBNTR : TAOTRON, reader);
 }
 

@@ -22,6 +22,7 @@
 #include <string_view>
 #include <vector>
 
+#include "solvers/friction/relaxed_rows.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/peers/peer_library.h"
 #include "solvers/peers/siconos/siconos_numerics.h"
@@ -202,7 +203,7 @@ class SiconosContacts : public LcpSolver {
     const auto tangents = static_cast<Index>(problem.friction_rows().size());
     if (joints + tangents == problem.size()) return "no contact";
     if (joints > 0 && !problem.IsNumericallySymmetric()) return "joints where A is not symmetric";
-    return WhyNotPlanarContacts(problem);
+    return WhyNotPlanar(problem);
   }
 
  protected:

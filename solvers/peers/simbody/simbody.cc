@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "solvers/friction/relaxed_rows.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/linear_algebra/loaded_blas.h"
 #include "solvers/peers/peer_library.h"
@@ -26,7 +27,7 @@ class Simbody : public LcpSolver {
       : tier_(key, reader), code_(MakeImpulseCode(key.starts_with("simbody-plus"))) {}
 
   bool TakesFriction() const override { return true; }
-  std::string WhyUnsupported(const LcpProblem& problem) const override { return WhyNotPlanarContacts(problem); }
+  std::string WhyUnsupported(const LcpProblem& problem) const override { return WhyNotPlanar(problem); }
 
  protected:
   void DoPrepare(const LcpProblem& problem) override {
