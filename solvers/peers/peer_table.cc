@@ -133,7 +133,7 @@ constexpr PeerEntry kPeers[] = {
                   TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kFrictionResidual}, kAny}),
     WithFriction(FrictionLaw::kCoulomb,
                  {kSiconos, "siconos-fc2d-cpg", "friction in the plane, conjugate projected gradients",
-                  TierSettings{{1e-5, 1e-7, 1e-10}, 2e4, kResidualChange}}),
+                  TierSettings{{1e-5, 1e-7, 1e-10}, 1e9, kResidualChange}}),
     WithFriction(FrictionLaw::kCoulomb,
                  {kSiconos, "siconos-fc2d-lemke", "friction in the plane, Lemke on three rows a contact"}),
     {kPetsc, "petsc-rsls", "SNES reduced-space active-set Newton with line search",

@@ -242,6 +242,8 @@ class Siconos : public LcpSolver {
     most = IterationLimit(options, most);
   }
 
+  static constexpr std::int64_t kFewest = 16;  // sweeps
+
   // The block method overwrites its count of sweeps with its residual: it has made all that were asked for, or fewer
   // and solved.
   void Run(SolverOptions* own, const Deadline& deadline, Eigen::VectorXd* z, Eigen::VectorXd* w, LcpResult* result) {
@@ -249,7 +251,8 @@ class Siconos : public LcpSolver {
     portions.counts = method_.solver != SICONOS_LCP_NSGS_SBM;
     portions.most = own->iparam[SICONOS_IPARAM_MAX_ITER];
     const bool has_portions = method_.cost_power > 0 && !method_.forgets_start;
-    portions.largest = has_portions ? LargestPortion(problem_, method_.cost_power) : portions.most;
+    portions.first = has_portions ? FirstPortion(problem_, method_.cost_power) : portions.most;
+    if (!portions.counts) portions.first = std::min(kFewest, portions.first);
     const auto call = [&] { return linearComplementarity_driver(problem_.get(), z->data(), w->data(), own); };
     SolveInPortions(portions, deadline, call, own, z, result);
   }

@@ -1,14 +1,17 @@
 // Siconos's solvers for contact with Coulomb friction in the plane, behind fc2d_driver.
 //
 // A contact is two rows, n and t; joints are eliminated, on the clock. Sweeps in sparse blocks start from z and are
-// asked for in portions, as in siconos.cc; all else begins anew at each call, and is asked for as many as the time
-// limit allows, or ended by the host. Iterations are sweeps, steps or pivots. docs/peers.md has what is known of
-// release 4.4.
+// asked for in portions, as in siconos.cc; dense sweeps and conjugate gradients begin anew at each call, and are asked
+// for in growing numbers, until the time limit; the host ends the others. Iterations are sweeps, steps or pivots, of
+// the last call where each begins anew. docs/peers.md has what is known of release 4.4.
 
 #include <FrictionContactProblem.h>
 #include <Friction_cst.h>
 #include <NonSmoothDrivers.h>
 #include <SolverOptions.h>
+#define restrict __restrict  // the next header has C's word
+#include <fc2d_compute_error.h>
+#undef restrict
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
@@ -108,6 +111,7 @@ class ContactProblem : public SiconosMatrix {
   }
 
   FrictionContactProblem* get() { return &problem_; }
+  double NormOfQ() { return Eigen::Map<const Eigen::VectorXd>(q(), size()).norm(); }
 
   void SetLoads(const Eigen::VectorXd& b) {
     const Eigen::VectorXd reduced = joints_.Reduced(b);
@@ -224,15 +228,7 @@ class SiconosContacts : public LcpSolver {
       w.setZero(problem_.size());
     });
     SolverOptions& own = own_.get();
-    SiconosPortions portions;
-    portions.most = own.iparam[SICONOS_IPARAM_MAX_ITER];
-    portions.largest = LargestPortion(problem_, 2);
-    if (!sweeps_from_z) {
-      // About what the time limit allows.
-      const double in_time = static_cast<double>(portions.largest) * (options.time_limit_s / kPortionTime);
-      if (in_time < static_cast<double>(portions.most)) portions.most = static_cast<std::int64_t>(std::ceil(in_time));
-      portions.largest = portions.most;
-    }
+    SiconosPortions portions = Portions(own.iparam[SICONOS_IPARAM_MAX_ITER], options.time_limit_s);
     const Deadline deadline(options);
     SilenceLibrary();
     TimeLibraryCall(options, result, [&] {
@@ -244,16 +240,34 @@ class SiconosContacts : public LcpSolver {
 
  private:
   static constexpr Index kAll = std::numeric_limits<Index>::max();
-  static constexpr Index kMostDenseRows = 200;  // above, sweeps in sparse blocks take less time
-  static constexpr double kPortionTime = 0.01;  // s, at the least, of LargestPortion
+  static constexpr Index kMostDenseRows = 200;     // above, sweeps in sparse blocks take less time
+  static constexpr double kMeasureOfBlocks = 0.1;  // they compare with the norm of f, too: the same tiers take a tenth
+
+  SiconosPortions Portions(std::int64_t most, double time_limit_s) const {
+    SiconosPortions portions{.most = most, .first = FirstPortion(problem_, 2)};
+    portions.continues = form_.storage == SiconosMatrix::Storage::kBlocks;
+    if (portions.continues) return portions;
+    if (method_.solver == SICONOS_FRICTION_2D_CPG) {
+      // Nine of ten that it solves take no more steps. It does not see that it stands at a solution where all stick.
+      constexpr std::int64_t kStepsPerRow = 10;
+      portions.first = std::min(most, kStepsPerRow * problem_.size());
+      portions.growth = 4;
+      return portions;
+    }
+    // A small part of the time, by a low estimate: what needs more than that loses no more than that.
+    constexpr double kTimeOfFirst = 0.05;  // s
+    portions.first = static_cast<std::int64_t>(std::min(
+        std::ceil(static_cast<double>(portions.first) * (time_limit_s / kTimeOfFirst)), static_cast<double>(most)));
+    portions.growth = std::numeric_limits<double>::infinity();
+    return portions;
+  }
 
   void SetOptions(const LcpOptions& options) {
     SolverOptions* own = own_.Fresh(method_.solver);
     int& most = own->iparam[SICONOS_IPARAM_MAX_ITER];
     if (follows_tier_) {
-      // Blocks compare with the norm of f, too: the same tiers take a tenth.
       const bool has_blocks = form_.storage == SiconosMatrix::Storage::kBlocks;
-      own->dparam[SICONOS_DPARAM_TOL] = (has_blocks ? 0.1 : 1) * tier_.Tolerance(options);
+      own->dparam[SICONOS_DPARAM_TOL] = (has_blocks ? kMeasureOfBlocks : 1) * tier_.Tolerance(options);
       most = tier_.Iterations(options);
     }
     most = IterationLimit(options, most);
@@ -267,10 +281,17 @@ class SiconosContacts : public LcpSolver {
         return own->dparam[SICONOS_DPARAM_RESIDU] <= own->dparam[SICONOS_DPARAM_TOL] ? 0 : 1;
       case SICONOS_FRICTION_2D_CPG:
         ++own->iparam[SICONOS_IPARAM_ITER_DONE];  // it tells the number of the last step, from 0
-        return info;
+        return info == 0 || IsSolved(own, z, w) ? 0 : info;
       default:
         return info;
     }
+  }
+
+  // By the library's measure, which compares with the norm of f, too, as sweeps in blocks do.
+  bool IsSolved(const SolverOptions* own, double* z, double* w) {
+    double error = 0;
+    const double tolerance = (follows_tier_ ? kMeasureOfBlocks : 1) * own->dparam[SICONOS_DPARAM_TOL];
+    return fc2d_compute_error(problem_.get(), z, w, tolerance, problem_.NormOfQ(), &error) == 0;
   }
 
   Method method_;

@@ -127,8 +127,8 @@ SolverOptions* SiconosOptions::Fresh(int solver) {
   return own;
 }
 
-std::int64_t LargestPortion(const SiconosMatrix& matrix, int cost_power) {
-  constexpr double kPortion = 2e7;  // products: short beside any time limit, long beside what a call costs of itself
+std::int64_t FirstPortion(const SiconosMatrix& matrix, int cost_power) {
+  constexpr double kPortion = 2e7;  // products
   constexpr double kPerRow = 500;   // products that take as long as a row's solve without them
   const auto n = static_cast<double>(matrix.size());
   const double products = (static_cast<double>(matrix.entries()) + kPerRow * n) * std::pow(n, cost_power - 2);
@@ -137,37 +137,48 @@ std::int64_t LargestPortion(const SiconosMatrix& matrix, int cost_power) {
 
 void SolveInPortions(const SiconosPortions& portions, const Deadline& deadline, const std::function<int()>& call,
                      SolverOptions* own, Eigen::VectorXd* z, LcpResult* result) {
-  constexpr std::int64_t kFewest = 16;  // sweeps, of a method that does not tell how many it made
-  std::int64_t portion = portions.counts ? portions.largest : std::min(kFewest, portions.largest);
+  constexpr double kPortionTime = 0.02;  // s: short beside any time limit, long beside what a call costs of itself
+  constexpr double kRest = 0.9;          // of the time left: no call that begins anew follows one that ends later
+  std::int64_t portion = portions.first;
   Eigen::VectorXd before;
   result->iterations = 0;
   for (;;) {
-    const int asked = static_cast<int>(std::min(portion, portions.most - result->iterations));
+    const std::int64_t left = portions.most - (portions.continues ? result->iterations : 0);
+    const int asked = static_cast<int>(std::min(portion, left));
     own->iparam[SICONOS_IPARAM_MAX_ITER] = asked;
     own->iparam[SICONOS_IPARAM_ITER_DONE] = 0;
     before = *z;
+    const double start = SteadyNow();
     const int info = call();
+    const double taken = std::max(SteadyNow() - start, 1e-9);
     const int done = portions.counts ? own->iparam[SICONOS_IPARAM_ITER_DONE] : asked;
-    result->iterations += done;
+    result->iterations = (portions.continues ? result->iterations : 0) + done;
     if (info == 0) {
       result->status = LcpStatus::kSolved;
       return;
     }
-    if (done == asked && result->iterations >= portions.most) {
+    if (done == asked && asked == left) {
       result->status = LcpStatus::kIterationLimit;
       return;
     }
-    if (done < asked || *z == before) {
+    if (done < asked || (portions.continues && *z == before)) {
       std::ostringstream detail;
       detail << "Siconos: gave up, its residual " << own->dparam[SICONOS_DPARAM_RESIDU];
       result->detail = detail.str();
       return;
     }
-    if (deadline.Expired()) {
+    const double time =
+        portions.continues ? std::min(kPortionTime, deadline.Remaining()) : kRest * deadline.Remaining();
+    const double factor = time / taken;
+    // Where no other call would follow this one, it gets all that is left.
+    const bool is_last = !portions.continues && factor < portions.growth * portions.growth;
+    const double next =
+        std::min(asked * (is_last ? factor : std::min(portions.growth, factor)), static_cast<double>(portions.most));
+    if (deadline.Expired() || (!portions.continues && next <= asked)) {
       result->status = LcpStatus::kTimeLimit;
       return;
     }
-    portion = std::min(2 * portion, portions.largest);
+    portion = std::max<std::int64_t>(1, static_cast<std::int64_t>(next));
   }
 }
 

@@ -84,15 +84,18 @@ class SiconosOptions {
   std::vector<double> reals_;
 };
 
-/// In how many sweeps or steps a solve is asked for, with the clock read in between.
+/// In how many sweeps or steps a solve is asked for. The clock, read in between, tells how many the next call gets.
 struct SiconosPortions {
-  std::int64_t most = 0;     ///< of all
-  std::int64_t largest = 0;  ///< at a time
-  bool counts = true;        ///< whether the method tells how many it made; else a solve begins with few
+  std::int64_t most = 0;   ///< of all; of one call where it begins anew
+  std::int64_t first = 0;  ///< of the first call
+  bool counts = true;      ///< whether the method tells how many it made
+  /// Whether a call goes on from z. Else it begins anew, and the last one gets what is left of the time.
+  bool continues = true;
+  double growth = 2;  ///< so many times the last portion at most, but for the last call
 };
 
-/// Some 20 ms of work, in sweeps or steps. @param cost_power  what one costs, as a power of n of a dense problem
-std::int64_t LargestPortion(const SiconosMatrix& matrix, int cost_power);
+/// What takes 5 to 20 ms, by an estimate. @param cost_power  what one costs, as a power of n of a dense problem
+std::int64_t FirstPortion(const SiconosMatrix& matrix, int cost_power);
 
 /// Calls the driver until it solves, gives up or meets a limit, and notes status, iterations and detail.
 /// @param call  a driver on *z and *own; returns its code, 0 for solved

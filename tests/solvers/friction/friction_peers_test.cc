@@ -23,7 +23,7 @@ struct Least {
 };
 const std::map<std::string, Least>& LeastRight() {
   static const std::map<std::string, Least> least{{"siconos-fc2d-nsgs", {80}},
-                                                  {"siconos-fc2d-cpg", {58}},
+                                                  {"siconos-fc2d-cpg", {55}},
                                                   {"siconos-fc2d-lemke", {76}},
                                                   {"ode-dantzig", {30, 80}},
                                                   {"ode-dantzig-cfm", {25, 80}},
@@ -43,6 +43,11 @@ const std::map<std::string, Least>& LeastRight() {
                                                   {"petsc-rsls-direct-friction", {1}},
                                                   {"petsc-ssls-direct-friction", {1}},
                                                   {"tao-asfls-friction", {1}},
+                                                  {"ode-dantzig-loop", {1}},
+                                                  {"bullet-dantzig-loop", {1}},
+                                                  {"dart-dantzig-loop", {1}},
+                                                  {"mujoco-newton-relaxed", {0, 1}},
+                                                  {"mujoco-cg-relaxed", {0, 1}},
                                                   {"proxqp-relaxed", {0, 1}},
                                                   {"piqp-relaxed", {0, 1}},
                                                   {"daqp-relaxed", {0, 1}},
@@ -104,7 +109,10 @@ TEST(FrictionPeers, AnswerTheRecordsOrRefuseByName) {
       const Verdict verdict = Verify(record.problem(), result, 1e-6);
       const bool obeys = verdict.model_rho >= 0 && verdict.model_rho <= 1e-6;
       EXPECT_FALSE(obeys && verdict.false_success);
-      if (obeys) CheckFrozenBounds(record, result, verdict);
+      if (obeys && result.model == FrictionModel::kFrozenBounds) CheckFrozenBounds(record, result, verdict);
+      if (key.starts_with("siconos-fc2d")) {
+        EXPECT_NE(result.status, LcpStatus::kIterationLimit) << "the time limit decides";
+      }
       if (!record.is_solved()) continue;
       ++taken;
       right += static_cast<int>(verdict.passes);
@@ -118,7 +126,8 @@ TEST(FrictionPeers, AnswerTheRecordsOrRefuseByName) {
 // What is eliminated has w = 0 to rounding, whatever the library makes of the rest.
 TEST(FrictionPeers, JointsLeaveAndComeBack) {
   for (const auto& [key, least] : LeastRight()) {
-    if (!FindSolver(key).available || PeerOf(key).law != FrictionLaw::kCoulomb || !FindSolver(key).takes_plain) continue;
+    if (!FindSolver(key).available || PeerOf(key).law != FrictionLaw::kCoulomb || !FindSolver(key).takes_plain)
+      continue;
     const auto solver = MakeSolver(key);
     int joints = 0;
     for (const FrictionRecord& record : FrictionRecords()) {
