@@ -213,13 +213,12 @@ void Members(auto& archive, Is<FileSource> auto& file) {
 void Members(auto& archive, Is<RecordingSource> auto& recording) {
   archive.Must("path", recording.path);
   archive.Must("step", recording.step);
-  std::string level = recording.level == RecordedLevel::kVelocity ? "velocity" : "acceleration";
+  std::string level = kRecordedLevels.begin()[static_cast<std::size_t>(recording.level)].first;
   archive.Must("level", level);
   archive.Some("island", recording.island);
   if constexpr (std::remove_reference_t<decltype(archive)>::kReads) {
     RequireInside(archive.field["path"], recording.path);
-    recording.level = archive.field["level"].template Choice<RecordedLevel>(
-        {{"velocity", RecordedLevel::kVelocity}, {"acceleration", RecordedLevel::kAcceleration}});
+    recording.level = archive.field["level"].template Choice<RecordedLevel>(kRecordedLevels);
     if (archive.field.Has("island")) PositiveInteger(archive.field["island"]);
   }
 }

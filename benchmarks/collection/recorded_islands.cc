@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -60,21 +61,22 @@ bool IsIdle(const LcpProblem& problem) { return problem.b().isZero(0) || problem
 
 }  // namespace
 
-std::vector<RecordedIsland> ChooseIslands(const std::string& folder, const std::string& path) {
+std::vector<RecordedIsland> ChooseIslands(const std::string& folder, const std::string& path, RecordedLevel level) {
   RecordingReader reader((std::filesystem::path(folder) / path).string());
   Parts parts(reader.header());
   std::map<std::string, std::pair<RecordedIsland, int>> by_content;  // with a body of each
   for (RecordedStep step; reader.Next(&step);) {
     const std::map<std::string, int> body_of = parts.Follow(step);
+    const std::optional<RecordedProblem> whole = MakeRecorded(reader.header(), step, level);
+    if (!whole) continue;
     int number = 0;
-    for (RecordedProblem& island : IslandsOf(VelocityProblem(reader.header(), step), 1)) {
+    for (RecordedProblem& island : IslandsOf(*whole, 1)) {
       ++number;
       if (island.problem.size() > kMostIslandRows || IsIdle(island.problem)) continue;
       const int body = body_of.at(island.identity.front());
       std::string hash = ContentHash(island.problem);
-      by_content.try_emplace(
-          std::move(hash), RecordedIsland{std::move(island), {path, step.number, RecordedLevel::kVelocity, number}, {}},
-          body);
+      by_content.try_emplace(std::move(hash), RecordedIsland{std::move(island), {path, step.number, level, number}, {}},
+                             body);
     }
   }
   const std::vector<std::string> bases = parts.Bases();

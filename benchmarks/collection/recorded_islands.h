@@ -22,14 +22,15 @@ inline constexpr Index kMostIslandRows = 30;
 inline constexpr std::size_t kPartsOfRecording = 4;
 inline constexpr std::size_t kIslandsOfRecording = 16;
 
-/// The islands of at most kMostIslandRows rows of all steps of a recording, at the velocity level: none with b = 0 or
-/// A = 0, no two with the same content. They are in the order of their content hashes, except that their bases take
+/// The islands of at most kMostIslandRows rows of all steps of a recording at a level: none with b = 0 or A = 0, no two
+/// with the same content. They are in the order of their content hashes, except that their bases take
 /// turns; a size class has at most kIslandsOfRecording of them, from kPartsOfRecording bases. The choice looks at no
 /// solver and at no answer. Bodies that are in one island in any step of the recording are of one part; islands of
 /// different parts never share a body. The part with the most bodies has the base of the whole scene,
 /// "<engine>-<scene>"; other parts have
 /// "<engine>-<scene>-body<k>", where k is their first body.
 /// @param folder  that `path` is relative to
-std::vector<RecordedIsland> ChooseIslands(const std::string& folder, const std::string& path);
+std::vector<RecordedIsland> ChooseIslands(const std::string& folder, const std::string& path,
+                                          RecordedLevel level = RecordedLevel::kVelocity);
 
 }  // namespace lcpbench

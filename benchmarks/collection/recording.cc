@@ -52,6 +52,19 @@ std::pair<int, int> ParsePair(const JsonField& field, std::size_t bodies) {
   return pair;
 }
 
+// In the plane the normal turned by a right angle; in space one that is perpendicular to the axis that the normal is
+// least along, and the one that completes them.
+std::vector<Vector> TangentsOf(const Vector& n, int dimension) {
+  if (dimension == 2) return {{-n[1], n[0], 0}};
+  const auto least = std::min_element(n.begin(), n.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+  Vector axis = {0, 0, 0};
+  axis[static_cast<std::size_t>(least - n.begin())] = 1;
+  Vector first = Cross(axis, n);
+  const double size = std::sqrt(Dot(first, first));
+  for (double& component : first) component /= size;
+  return {first, Cross(n, first)};
+}
+
 // The transpose of the matrix that turns principal axes to the world, row by row: its rows are the axes.
 std::array<Vector, 3> AxesOf(const std::array<double, 4>& q) {
   const auto [w, x, y, z] = q;
@@ -78,8 +91,8 @@ class RowBuilder {
     Vector linear, angular;
   };
 
-  // w = J v^+ + offset.
-  void Add(const Part& first, const Part& second, double offset, bool bilateral, const std::string& identity) {
+  // w = J v^+ + offset. False where no body of it can move.
+  bool Add(const Part& first, const Part& second, double offset, bool bilateral, const std::string& identity) {
     double b = offset;
     bool moves = false;
     for (const Part* part : {&first, &second}) {
@@ -87,12 +100,19 @@ class RowBuilder {
       b += Dot(part->linear, FreeVelocity(part->body)) + Dot(part->angular, FreeSpin(part->body));
       moves |= CanMove(header_, part->body);
     }
-    if (!moves) return;
+    if (!moves) return false;
     for (const Part* part : {&first, &second}) AddPart(*part);
     if (bilateral) bilateral_.push_back(rows_);
     b_.push_back(b);
     identity_.push_back(identity);
     ++rows_;
+    return true;
+  }
+
+  // A row of friction on the row that was added last but `tangents`.
+  void AddFriction(const Part& first, const Part& second, double mu, int tangents, const std::string& identity) {
+    const Index normal = rows_ - 1 - tangents;
+    if (Add(first, second, 0, false, identity)) friction_.push_back({rows_ - 1, normal, mu});
   }
 
   RecordedProblem Take(std::string id) && {
@@ -110,9 +130,10 @@ class RowBuilder {
     J.setFromTriplets(entries_.begin(), entries_.end());
     MatrixFacts facts;
     facts.columns_per_body = width_;
+    RowBounds bounds = RowBounds::WithBilateralRows(rows_, bilateral_);
+    bounds.friction = std::move(friction_);
     return {LcpProblem::FromFactors(std::move(id), J, std::move(inverse_mass),
-                                    Eigen::Map<const Eigen::VectorXd>(b_.data(), rows_),
-                                    RowBounds::WithBilateralRows(rows_, bilateral_), facts),
+                                    Eigen::Map<const Eigen::VectorXd>(b_.data(), rows_), std::move(bounds), facts),
             std::move(identity_)};
   }
 
@@ -162,6 +183,7 @@ class RowBuilder {
   std::vector<Eigen::Triplet<double, int>> entries_;
   std::vector<double> b_;
   std::vector<Index> bilateral_;
+  std::vector<FrictionRow> friction_;
   std::vector<std::string> identity_;
   Index rows_ = 0;
 };
@@ -288,17 +310,25 @@ std::string RecordedId(const RecordingHeader& header, const RecordedStep& step) 
   return header.engine + "-" + header.scene + "-step" + std::to_string(step.number);
 }
 
-RecordedProblem VelocityProblem(const RecordingHeader& header, const RecordedStep& step) {
+RecordedProblem VelocityProblem(const RecordingHeader& header, const RecordedStep& step, bool with_friction) {
   RowBuilder rows(header, step);
   for (const RecordedStep::Contact& contact : step.contacts) {
-    const auto part = [&](int body, double sign) -> RowBuilder::Part {
+    const auto part = [&](int body, double sign, const Vector& direction) -> RowBuilder::Part {
       if (body < 0) return {-1, {}, {}};
       const Vector arm = Minus(contact.point, step.bodies[static_cast<std::size_t>(body)].x);
-      const Vector n = {sign * contact.normal[0], sign * contact.normal[1], sign * contact.normal[2]};
-      return {body, n, Cross(arm, n)};
+      const Vector along = {sign * direction[0], sign * direction[1], sign * direction[2]};
+      return {body, along, Cross(arm, along)};
     };
-    rows.Add(part(contact.first, -1), part(contact.second, 1), std::max(contact.gap, 0.0) / header.time_step, false,
-             contact.identity);
+    const Vector& n = contact.normal;
+    const bool is_row = rows.Add(part(contact.first, -1, n), part(contact.second, 1, n),
+                                 std::max(contact.gap, 0.0) / header.time_step, false, contact.identity);
+    if (!is_row || !with_friction || contact.friction == 0) continue;
+    int tangents = 0;
+    for (const Vector& t : TangentsOf(n, header.dimension)) {
+      rows.AddFriction(part(contact.first, -1, t), part(contact.second, 1, t), contact.friction, tangents,
+                       contact.identity + ":tangent" + std::to_string(tangents));
+      ++tangents;
+    }
   }
   for (const RecordedStep::JointRow& row : step.joint_rows) {
     const auto part = [&](int body, std::size_t begin) -> RowBuilder::Part {
@@ -308,7 +338,7 @@ RecordedProblem VelocityProblem(const RecordingHeader& header, const RecordedSte
     };
     rows.Add(part(row.first, 0), part(row.second, row.J.size() / 2), 0, !row.is_limit, row.identity);
   }
-  return std::move(rows).Take(RecordedId(header, step));
+  return std::move(rows).Take(RecordedId(header, step) + (with_friction ? "-friction" : ""));
 }
 
 std::optional<RecordedProblem> AccelerationProblem(const RecordingHeader& header, const RecordedStep& step) {
@@ -368,7 +398,7 @@ std::optional<RecordedProblem> AccelerationProblem(const RecordingHeader& header
 std::optional<RecordedProblem> MakeRecorded(const RecordingHeader& header, const RecordedStep& step,
                                             RecordedLevel level) {
   if (level == RecordedLevel::kAcceleration) return AccelerationProblem(header, step);
-  return VelocityProblem(header, step);
+  return VelocityProblem(header, step, level == RecordedLevel::kFriction);
 }
 
 RecordingReader::RecordingReader(const std::string& path) : lines_(path) {

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <array>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "solvers/io/gzip_file.h"
@@ -12,8 +14,8 @@
 namespace lcpbench {
 
 // Recordings: what an engine itself met in a scene of its own, step by step (docs/formats/recording.schema.json), and
-// the problems that are made of it. The engine's own friction, restitution, softness and position correction are left
-// out: w is what rigid frictionless contact demands.
+// the problems that are made of it. The engine's own restitution, softness and position correction are left out: w is
+// what rigid contact demands, frictionless or with Coulomb's law.
 
 /// What all steps have in common. World axes, SI units or the engine's own.
 struct RecordingHeader {
@@ -78,15 +80,23 @@ struct RecordedProblem {
 /// "<engine>-<scene>-step<k>".
 std::string RecordedId(const RecordingHeader& header, const RecordedStep& step);
 
-/// What is made of a step.
-enum class RecordedLevel { kVelocity, kAcceleration };
+/// What is made of a step: VelocityProblem, AccelerationProblem, or VelocityProblem with friction.
+enum class RecordedLevel { kVelocity, kAcceleration, kFriction };
+/// By name, in manifests and options.
+inline constexpr std::initializer_list<std::pair<const char*, RecordedLevel>> kRecordedLevels = {
+    {"velocity", RecordedLevel::kVelocity},
+    {"acceleration", RecordedLevel::kAcceleration},
+    {"friction", RecordedLevel::kFriction}};
 
-/// The velocity step of time h without friction and softness, contacts first, then rows of joints:
+/// The velocity step of time h without softness, contacts first, then rows of joints:
 ///     w = J v^+ + max(gap, 0) / h  (contacts),   J v^+  (joints),   v^+ = v + h M^-1 F + M^-1 J^T f
 /// so b = J (v + h M^-1 F) + max(gap, 0) / h, f are impulses and w speeds, a contact's row being the speed at which its
 /// bodies part. Columns: the bodies that can move and that a row touches; three in the plane, six in space, there with
-/// angular parts in principal axes. Rows that touch no body that can move are left out.  O(rows)
-RecordedProblem VelocityProblem(const RecordingHeader& header, const RecordedStep& step);
+/// angular parts in principal axes. Rows that touch no body that can move are left out.
+/// @param with_friction  a contact with mu > 0 has friction rows after its own: its tangent, or in space two that are
+///                       perpendicular to each other, w = J v^+ being the slip of the second body (docs/friction.md)
+/// O(rows)
+RecordedProblem VelocityProblem(const RecordingHeader& header, const RecordedStep& step, bool with_friction = false);
 
 /// The acceleration-level problem by our own assembly (AssembleContactLcp), so that curvature enters b, where all of a
 /// step's contacts are between circles, or a circle and something flat, and there are no joints; in the plane.
@@ -94,7 +104,7 @@ RecordedProblem VelocityProblem(const RecordingHeader& header, const RecordedSte
 /// @throws InputError as AssembleContactLcp
 std::optional<RecordedProblem> AccelerationProblem(const RecordingHeader& header, const RecordedStep& step);
 
-/// One of these two; the velocity level is always there, and may have no row.
+/// One of these; at the velocity level there always is one, which may have no row.
 std::optional<RecordedProblem> MakeRecorded(const RecordingHeader& header, const RecordedStep& step,
                                             RecordedLevel level);
 

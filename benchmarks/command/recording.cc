@@ -22,8 +22,9 @@ struct RecordingProblems {
   void Declare(CLI::App& app) {
     app.add_option("FILE", files, "Recordings, plain or gzip; - for standard input")->required();
     app.add_option("--level", level,
-                   "velocity: the engine's time step; acceleration: where all contacts are of circles")
-        ->check(CLI::IsMember({"velocity", "acceleration"}))
+                   "velocity: the engine's time step without friction; friction: with it; acceleration: without it, "
+                   "where all contacts are of circles")
+        ->check(CLI::IsMember({"velocity", "friction", "acceleration"}))
         ->capture_default_str();
     app.add_option("--island-rows", island_rows, "Islands of at least so many rows, each a problem; 0: whole scenes")
         ->check(AtLeast(0))
@@ -34,7 +35,8 @@ struct RecordingProblems {
 
   int Run() const {
     TextOrGzipOutput lines(output);
-    const RecordedLevel wanted = level == "velocity" ? RecordedLevel::kVelocity : RecordedLevel::kAcceleration;
+    const RecordedLevel wanted =
+        std::ranges::find_if(kRecordedLevels, [&](const auto& named) { return named.first == level; })->second;
     std::optional<RecordingHeader> header;
     bool is_first = true;
     const auto write = [&lines](const RecordedProblem& made) {

@@ -41,7 +41,7 @@ std::string RandomRecording(unsigned seed) {
                           {"p", {random.Uniform(-1, 1), random.Uniform(-1, 1)}},
                           {"n", {0, 1}},
                           {"gap", 0},
-                          {"mu", 0},
+                          {"mu", k % 3 == 0 ? 0 : 0.5},
                           {"id", std::to_string(second) + " " + std::to_string(first) + " " + std::to_string(k)},
                           {"shape", {"a", "b"}},
                           {"radius", {nullptr, nullptr}}});
@@ -70,20 +70,25 @@ class RecordedIslands : public ::testing::TestWithParam<unsigned> {
 };
 
 TEST_P(RecordedIslands, AreProblemsThatTheirSourcesMakeNoTwoTheSame) {
-  ProblemSource source(folder_);
-  std::set<std::string> contents;
-  const std::vector<RecordedIsland> islands = ChooseIslands(folder_, kName);
-  ASSERT_GE(islands.size(), 5U);
-  std::map<std::string_view, std::size_t> of_class;
-  for (const RecordedIsland& island : islands) {
-    ManifestEntry entry;
-    entry.source = island.source;
-    const LcpProblem made = source.Get(entry);
-    EXPECT_EQ(made.id(), island.made.problem.id());
-    EXPECT_EQ(ContentHash(made), ContentHash(island.made.problem));
-    EXPECT_TRUE(contents.insert(ContentHash(made)).second) << made.id();
-    EXPECT_LE(made.size(), kMostIslandRows);
-    EXPECT_LE(++of_class[SizeClassOf(made.size()).key], kIslandsOfRecording);
+  for (const RecordedLevel level : {RecordedLevel::kVelocity, RecordedLevel::kFriction}) {
+    ProblemSource source(folder_);
+    std::set<std::string> contents;
+    const std::vector<RecordedIsland> islands = ChooseIslands(folder_, kName, level);
+    ASSERT_GE(islands.size(), 5U);
+    std::map<std::string_view, std::size_t> of_class;
+    std::size_t friction_rows = 0;
+    for (const RecordedIsland& island : islands) {
+      ManifestEntry entry;
+      entry.source = island.source;
+      const LcpProblem made = source.Get(entry);
+      EXPECT_EQ(made.id(), island.made.problem.id());
+      EXPECT_EQ(ContentHash(made), ContentHash(island.made.problem));
+      EXPECT_TRUE(contents.insert(ContentHash(made)).second) << made.id();
+      EXPECT_LE(made.size(), kMostIslandRows);
+      EXPECT_LE(++of_class[SizeClassOf(made.size()).key], kIslandsOfRecording);
+      friction_rows += made.friction_rows().size();
+    }
+    EXPECT_EQ(friction_rows > 0, level == RecordedLevel::kFriction);
   }
 }
 

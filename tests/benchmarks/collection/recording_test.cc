@@ -179,6 +179,47 @@ TEST(Recording, RowsAreTheSpeedsAtWhichBodiesPart) {
   }
 }
 
+// A body on the world: what it does along the axes and turning is told by rows of one orthogonal matrix, the normal
+// first.
+TEST(Recording, FrictionRowsAreTheSlipAlongTangents) {
+  for (const int dimension : {2, 3}) {
+    for (unsigned seed = 1; seed <= 50; ++seed) {
+      Recording made = RandomRecording(dimension, seed);
+      RecordedStep::Contact contact = made.step.contacts[0];
+      std::tie(contact.first, contact.second, contact.gap) = std::tuple(-1, 1, 0);
+      made.step.contacts = {contact};
+      made.step.joint_rows.clear();
+      EXPECT_EQ(VelocityProblem(made.header, made.step, true).problem.size(), 1) << "without a coefficient";
+      made.step.contacts[0].friction = 0.5;
+      EXPECT_EQ(VelocityProblem(made.header, made.step).problem.size(), 1);
+      RecordedStep::Body& body = made.step.bodies[1];
+      const RecordedStep::Vector spin = body.omega;
+      const auto b_of = [&](const RecordedStep::Vector& v, const RecordedStep::Vector& omega) -> Eigen::VectorXd {
+        body.v = v;
+        body.omega = omega;
+        body.force = body.torque = {0, 0, 0};
+        return VelocityProblem(made.header, made.step, true).problem.b();
+      };
+      Eigen::MatrixXd T(dimension, dimension);
+      for (int axis = 0; axis < dimension; ++axis) {
+        RecordedStep::Vector v = {0, 0, 0};
+        v[static_cast<std::size_t>(axis)] = 1;
+        T.col(axis) = b_of(v, {0, 0, 0});
+      }
+      EXPECT_LT((T * T.transpose() - Eigen::MatrixXd::Identity(dimension, dimension)).norm(), 1e-14);
+      EXPECT_LT((T.row(0).transpose() - Of(contact.normal).head(dimension)).norm(), 1e-15);
+      EXPECT_NEAR(T.determinant(), 1, 1e-14);
+      const Eigen::Vector3d slip = Of(spin).cross(Of(contact.point) - Of(body.x));
+      EXPECT_LT((b_of({0, 0, 0}, spin) - T * slip.head(dimension)).norm(), 1e-14);
+      const LcpProblem problem = VelocityProblem(made.header, made.step, true).problem;
+      ASSERT_EQ(static_cast<int>(problem.friction_rows().size()), dimension - 1);
+      for (int t = 1; t < dimension; ++t) {
+        EXPECT_EQ(problem.friction_rows()[static_cast<std::size_t>(t - 1)], (FrictionRow{t, 0, 0.5}));
+      }
+    }
+  }
+}
+
 TEST(Recording, IslandsShareNoRowAndHaveTheRowsOfTheWhole) {
   for (unsigned seed = 1; seed <= 50; ++seed) {
     const Recording made = RandomRecording(3, seed);
