@@ -63,16 +63,44 @@ std::string StopsBy(const PeerEntry& peer) {
   return std::string(found->tiers->bounds);  // AllPeers made its -default of it
 }
 
+// "" of solvers that take no friction rows.
+std::string_view InWords(FrictionLaw law) {
+  switch (law) {
+    case FrictionLaw::kNone:
+      return "";
+    case FrictionLaw::kCoulomb:
+      return "Coulomb";
+    case FrictionLaw::kSpatial:
+      return "Coulomb, in space";
+    case FrictionLaw::kSweptBounds:
+      return "swept bounds";
+    case FrictionLaw::kFrozenBounds:
+      return "frozen bounds";
+    case FrictionLaw::kRelaxation:
+      return "relaxed";
+  }
+  return "";
+}
+
+FrictionLaw LawOfOwn(const SolverEntry& entry) {
+  if (entry.key == "relaxation") return FrictionLaw::kRelaxation;
+  return entry.takes_friction ? FrictionLaw::kCoulomb : FrictionLaw::kNone;
+}
+
 // All solvers as report/ and docs/ read them (report/lcpbench_report/peers.json): `own` [{`key, method, tolerance` (as
-// SolverEntry::tolerance)}], `peers` [{`key, library, method, licence, route` ("compiled" or "python") `, tolerance,
-// tolerances` (for the tiers 1e-3, 1e-6, 1e-9; null where it follows none) `, stops` (in words)`, within` (the key of
-// the solver that a transformation hands problems to)}], `left_out` [{`name, reason`}]. Solvers that are not in this
-// build have their entries, too.
+// SolverEntry::tolerance) `, law` (of friction, in words)}], `peers` [{`key, library, method, licence, route`
+// ("compiled" or "python") `, tolerance, tolerances` (for the tiers 1e-3, 1e-6, 1e-9; null where it follows none) `,
+// stops` (in words)
+// `, law, within` (the key of the solver that a transformation hands problems to)}], `left_out` [{`name, reason`}].
+// Solvers that are not in this build have their entries, too.
 void PrintPeers() {
   nlohmann::ordered_json own = nlohmann::ordered_json::array();
   for (const SolverEntry& entry : AllSolvers()) {
     if (entry.origin != SolverOrigin::kOwn) continue;
-    own.push_back({{"key", entry.key}, {"method", entry.method}, {"tolerance", entry.tolerance()}});
+    own.push_back({{"key", entry.key},
+                   {"method", entry.method},
+                   {"tolerance", entry.tolerance()},
+                   {"law", InWords(LawOfOwn(entry))}});
   }
   nlohmann::ordered_json peers = nlohmann::ordered_json::array();
   for (const PeerEntry& peer : AllPeers()) {
@@ -85,6 +113,7 @@ void PrintPeers() {
     entry["tolerances"] = nullptr;
     if (peer.tiers) entry["tolerances"] = peer.tiers->tolerances;
     entry["stops"] = StopsBy(peer);
+    entry["law"] = InWords(peer.law);
     if (!peer.within.empty()) entry["within"] = peer.within;
     peers.push_back(entry);
   }

@@ -21,6 +21,11 @@ def facts() -> dict:
     return json.loads(_FILE.read_text(encoding="utf-8"))
 
 
+def law(solver: str) -> str:
+    """Of friction, that its answers obey; "" where that is not known."""
+    return next((of["law"] for of in facts()["own"] + facts()["peers"] if of["key"] == solver), "")
+
+
 def rule(peer: dict) -> str:
     """The tolerance that it is given for each tier."""
     return _RULES.get(peer["tolerance"]) or ", ".join(map(formats.power, peer["tolerances"]))

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import pandas as pd
 
-from . import choice, formats, solver_facts
+from . import choice, formats, peers, solver_facts
 from .formats import DASH, power, residual, seconds, share_of, size_class, times, with_interval
 from .headline_table import Headline, headline, verdicts
 from .inputs import PATHOLOGICAL, Inputs
@@ -371,11 +371,13 @@ def friction(inputs: Inputs) -> Table | None:
                              * bool(of["false_successes"] + of["false_infeasible"])]) if of["solvable"] else DASH
                  for of in map(by.loc.__getitem__, tiers)]
         main = by.loc[choice.nearest(tiers)]
-        rows.append([*of_sets(of_set), _with_law(main, solver), f"{int(main['taken'])} of {int(main['problems'])}", *words,
+        rows.append([*of_sets(of_set), key(solver), peers.law(solver) or DASH, f"{int(main['taken'])} of {int(main['problems'])}", *words,
+                     share_of(main["lawful_share"]) if main["solvable"] else DASH,
                      seconds(main["median_s"]) if math.isfinite(main["median_s"]) else "✗",
                      with_interval(*(main[name] for name in RATIO))])
-    return _table([*of_sets("problems"), "solver", "takes", *(f"right at {power(tier)}" for tier in tiers), "median time",
-                   f"{ours} / it"], rows, "l" * len(of_sets("problems")) + "l" + "r" * (len(tiers) + 3))
+    return _table([*of_sets("problems"), "solver", "law", "takes", *(f"right at {power(tier)}" for tier in tiers),
+                   "by its own law", "median time", f"{ours} / it"],
+                  rows, "l" * len(of_sets("problems")) + "ll" + "r" * (len(tiers) + 4))
 
 
 def friction_errors(inputs: Inputs) -> Table | None:
@@ -385,14 +387,10 @@ def friction_errors(inputs: Inputs) -> Table | None:
     # What rounding makes has no column.
     parts = [part for part in ERROR_PARTS if len(found) and (found[f"{part}_share"] >= 0.005).any()]
     of_sets = _where_several(found)
-    rows = [[*of_sets(of["set"]), _with_law(of, of["solver"]), int(of["wrong"]), residual(of["rho"]), residual(of["model_rho"]),
+    rows = [[*of_sets(of["set"]), key(of["solver"]), int(of["wrong"]), residual(of["rho"]), residual(of["model_rho"]),
              *(formats.percent(round(of[f"{part}_share"], 3)) for part in parts)] for of in found.to_dict("records")]
     return _table([*of_sets("problems"), "solver", "wrong", "ρ", "ρ of its own model", *(part.replace("_", " ") for part in parts)],
                   rows, "l" * len(of_sets("problems")) + "l" + "r" * (len(parts) + 3))
-
-
-def _with_law(row: dict, solver: str) -> str:
-    return key(solver) + ", a law of its own" * bool(row["relaxed"])
 
 
 def _where_several(found: pd.DataFrame) -> Callable[[str], list[str]]:

@@ -63,6 +63,7 @@ class Friction(SharedFolderCase):
                 self.assertEqual((pgs["right"], pgs["wrong"]), (OF_FRICTION - 3, 2))
                 self.assertEqual((pgs["false_successes"], pgs["false_infeasible"]), (1, 1))
                 self.assertEqual((relaxed["right"], relaxed["wrong"]), (3, OF_FRICTION - 4))
+                self.assertEqual((pgs["lawful_share"], relaxed["lawful_share"]), (pgs["right_share"], 1))
                 self.assertEqual((relaxed["false_successes"], relaxed["false_infeasible"]), (0, 0))
                 self.assertEqual((refused["taken"], refused["false_successes"], refused["wrong"]), (0, 0, 0))
         self.assertEqual(refusers(self.inputs.cells), ["dantzig"])
@@ -105,8 +106,9 @@ class Friction(SharedFolderCase):
             self.assertEqual("Not taken by `dantzig`." in lines, there)
         self.assertEqual([find(plain) for find in (shown_tables.friction_classes, summary.friction)], [None, ""])
         rows = {row[0]: row for row in shown_tables.friction(self.inputs).rows}
-        self.assertEqual(list(rows), ["`pgs`", "`relaxation`, a law of its own"])
-        self.assertTrue(rows["`pgs`"][2].endswith("· ✗ 2"), rows)
+        self.assertEqual(list(rows), ["`pgs`", "`relaxation`"])
+        self.assertEqual([row[1] for row in rows.values()], ["Coulomb", "relaxed"])
+        self.assertTrue(rows["`pgs`"][3].endswith("· ✗ 2"), rows)
 
     def test_times_are_those_of_the_tables_for_plain_problems(self):
         of = self.inputs.friction

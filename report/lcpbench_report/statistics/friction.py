@@ -16,9 +16,8 @@ from .launches import Levels
 from .model import ERROR_PARTS, INFEASIBLE
 from .weighted import weighted_median, weighted_share
 
-COLUMNS = [*GROUP, "solver", "problems", "taken", "solvable", "right", "right_share", "false_successes",
-           "false_infeasible", "median_s", *RATIO, "wrong", "rho", "model_rho",
-           "relaxed", *(f"{part}_share" for part in ERROR_PARTS)]
+COLUMNS = [*GROUP, "solver", "problems", "taken", "solvable", "right", "right_share", "lawful_share", "false_successes",
+           "false_infeasible", "median_s", *RATIO, "wrong", "rho", "model_rho", *(f"{part}_share" for part in ERROR_PARTS)]
 
 
 def with_friction(cells: pd.DataFrame) -> pd.DataFrame:
@@ -28,21 +27,21 @@ def with_friction(cells: pd.DataFrame) -> pd.DataFrame:
 def friction_table(cells: pd.DataFrame, ours: str = "", levels: Levels = Levels()) -> pd.DataFrame:
     """A row per set, tier and solver. `taken`: problems that it takes, also those that a rule excludes because it was out
     of time at a looser tier, which are not right; `solvable`: of these, those that are not known to have no solution; of
-    them `right` (verified), its share of the weight and the median time, in which what is not verified is infinite.
-    RATIO: the time of `ours` over its, where it is verified. `wrong`: the others of them; of these the medians of rho and
-    model_rho, and of each part of the error the mean share of the sum of squares. `relaxed`: its answers are
-    those of another law."""
+    them `right` (verified), its share of the weight (`lawful_share`: of what obeys the solver's own law) and the median
+    time, in which what is not verified is infinite. RATIO: the time of `ours` over its, where it is verified. `wrong`: the
+    others of them; of these the medians of rho and model_rho, and of each part of the error the mean share of the sum of
+    squares."""
     rows = []
     for label, of_group in groups(with_friction(cells)):
         asked, bootstrap = by_solver(of_group), Bootstrap(of_group)
         for solver, own in of_group.groupby("solver", sort=False):
-            rows.append(label | {"solver": solver} | _measures(own))
+            rows.append(label | {"solver": solver} | _measures(own, label["tier"]))
             if solver != ours and {solver, ours} <= asked.keys():
                 rows[-1] |= ratio(asked[ours], asked[solver], label["tier"], bootstrap, levels)
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
-def _measures(own: pd.DataFrame) -> dict:
+def _measures(own: pd.DataFrame, tier: float) -> dict:
     taken = own[own["verdict"] != NOT_ASKED]
     solvable = taken[taken["reference_status"] != INFEASIBLE]
     right = solvable["verdict"] == VERIFIED
@@ -53,11 +52,11 @@ def _measures(own: pd.DataFrame) -> dict:
     shares = (shares / shares.sum(axis=1, keepdims=True)).mean(axis=0) if len(shares) else np.full(len(ERROR_PARTS), np.nan)
     return {"problems": len(own), "taken": len(taken), "solvable": len(solvable), "right": int(right.sum()),
             "right_share": weighted_share(right, solvable["weight"]),
+            "lawful_share": weighted_share(right | (solvable["model_rho"] <= tier), solvable["weight"]),
             "false_successes": int((taken["verdict"] == FALSE_SUCCESS).sum()),
             "false_infeasible": int(taken["false_infeasible"].astype(bool).sum()),
             "median_s": weighted_median(solvable["time_s"], solvable["weight"]), "wrong": len(answers),
             "rho": _median(answers["rho"]), "model_rho": _median(answers["model_rho"]),
-            "relaxed": bool(own["model_rho"].notna().any()),
             **{f"{part}_share": share for part, share in zip(ERROR_PARTS, shares)}}
 
 
