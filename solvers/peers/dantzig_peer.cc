@@ -16,6 +16,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+bool IsPlain(const ProblemView& given) { return given.friction.empty() && given.bounded.empty(); }
+
 std::string WhyNotTaken(const ProblemView& given) {
   const auto excludes = [](const BoundedRow& row) { return row.lower > 0 || row.upper < 0; };  // the codes start at 0
   return std::ranges::any_of(given.bounded, excludes) ? "bounds that exclude 0" : WhySliding(given.friction);
@@ -37,6 +39,18 @@ void DantzigPeer::Assemble(const ProblemView& given) {
   diagonal.array() += cfm_ * diagonal.cwiseAbs().maxCoeff();
 }
 
+void DantzigPeer::SetBounds(const ProblemView& given) {
+  for (const BoundedRow& row : given.bounded) {
+    lower_[static_cast<std::size_t>(row.row)] = row.lower;
+    upper_[static_cast<std::size_t>(row.row)] = row.upper;
+  }
+  for (const FrictionRow& row : given.friction) {
+    lower_[static_cast<std::size_t>(row.row)] = -row.mu;
+    upper_[static_cast<std::size_t>(row.row)] = row.mu;
+    findex_[static_cast<std::size_t>(row.row)] = static_cast<int>(row.normal);
+  }
+}
+
 void DantzigPeer::Run(const ProblemView& given, const LcpOptions& options, LcpResult* result) {
   const int n = static_cast<int>(given.rows);
   const int stride = code_.stride(n);
@@ -54,15 +68,7 @@ void DantzigPeer::Run(const ProblemView& given, const LcpOptions& options, LcpRe
     x_.assign(room, 0);
     w_.assign(room, 0);
     findex_.assign(room, -1);
-    for (const BoundedRow& row : given.bounded) {
-      lower_[static_cast<std::size_t>(row.row)] = row.lower;
-      upper_[static_cast<std::size_t>(row.row)] = row.upper;
-    }
-    for (const FrictionRow& row : given.friction) {
-      lower_[static_cast<std::size_t>(row.row)] = -row.mu;
-      upper_[static_cast<std::size_t>(row.row)] = row.mu;
-      findex_[static_cast<std::size_t>(row.row)] = static_cast<int>(row.normal);
-    }
+    if (!IsPlain(given)) SetBounds(given);
     call = {n,         stride,        A_.data(),     x_.data(),      b_.data(),
             w_.data(), lower_.data(), upper_.data(), findex_.data(), !given.friction.empty()};
     if (code_.before != nullptr) code_.before(call);
@@ -101,7 +107,7 @@ void DantzigPeer::DoSolve(const LcpProblem& problem, const LcpOptions& options, 
 
 bool DantzigPeer::DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
   const ProblemView given = arrays;
-  if (!WhyNotTaken(given).empty()) return false;  // Solve says so
+  if (!IsPlain(given) && !WhyNotTaken(given).empty()) return false;  // Solve says so
   Assemble(given);
   Run(given, options, result);
   return true;

@@ -68,6 +68,8 @@ class DantzigPeer : public LcpSolver {
   void Assemble(const ProblemView& given);
   /// On A_ as assembled.
   void Run(const ProblemView& given, const LcpOptions& options, LcpResult* result);
+  /// Of friction and bounded rows.
+  void SetBounds(const ProblemView& given);
   void TakeBounds(const ProblemView& given, LcpResult* result) const;
 
   double cfm_;

@@ -96,7 +96,7 @@ TEST(FrictionPeers, AnswerTheRecordsOrRefuseByName) {
     int taken = 0, right = 0, by_own_law = 0;
     for (const FrictionRecord& record : FrictionRecords()) {
       SCOPED_TRACE(key + " " + record.problem().id());
-      const LcpResult result = SolveWith(solver.get(), record.problem(), {.tolerance = 1e-6, .time_limit_s = 1});
+      const LcpResult result = SolveWith(solver.get(), record.problem(), {.tolerance = 1e-6, .time_limit_s = 0.3});
       EXPECT_EQ(result.f.size(), record.problem().size());
       const std::string refusal = ExpectedRefusal(peer, record.problem());
       if (result.status == LcpStatus::kUnsupported) {
