@@ -7,7 +7,7 @@ from pathlib import Path
 
 _DATA = Path(__file__).resolve().parent
 _TIERS = ["smoke", "engine", "standard", "large", "pathological", "recorded", "literature", "nonsymmetric",
-          "friction-engine", "friction", "friction-pathological", "painleve"]
+          "friction-engine", "friction", "friction-recorded", "friction-literature", "friction-pathological", "painleve"]
 
 # (label, upper limit, inclusive)
 _SIZES = [("1–3", 3), ("4–30", 30), ("31–300", 300), ("301–3000", 3000), ("3001–20 000", 20_000), ("10⁵–10⁶", 10**6)]
@@ -197,6 +197,8 @@ def text():
         motions(manifests["standard"]["problems"]),
         "Problems of engines (`recorded`), by size class:",
         engines(manifests["recorded"]["problems"]),
+        "Problems of engines with friction (`friction-recorded`), by size class:",
+        engines(manifests["friction-recorded"]["problems"]),
         "Fill-ups:",
         fill_ups(manifests),
         "What few rows have as answer (`engine`, where nothing is refused):",

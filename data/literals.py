@@ -1,15 +1,19 @@
 #!/usr/bin/python3
-"""Writes the literal problems of the tiers `literature` and `nonsymmetric`: of textbooks, and of Siconos' test data.
+"""Writes the literal problems of the tiers `literature`, `nonsymmetric` and `friction-literature`: of textbooks, of
+papers (friction_literals.py), and of Siconos' test data.
 
-usage: literals.py LCPBENCH SICONOS [-o FOLDER]
+usage: literals.py LCPBENCH SICONOS SICONOS_2026 [-o FOLDER]
 
-LCPBENCH is the command, SICONOS the unpacked source of Siconos 4.4.0 (`apt-get source siconos` of Debian 12). Files
-problems/literature.jsonl.gz and problems/nonsymmetric.jsonl.gz of FOLDER (default: this one) are written;
-`lcpbench collection build` makes the manifests from them. Needs python3-h5py for the files of FCLib.
+LCPBENCH is the command, SICONOS the unpacked source of Siconos 4.4.0 (`apt-get source siconos` of Debian 12),
+SICONOS_2026 that of its repository at commit 6070f0f6, which has more problems in the plane. A file
+problems/TIER.jsonl.gz of FOLDER (default: this one) is written for each tier; `lcpbench collection build` makes the
+manifests from them. Needs python3-h5py for the files of FCLib.
 
 Matrices go where they belong: to `literature` if `lcpbench certify` proves them symmetric positive semidefinite. Those
 of contact problems that are symmetric to 1e-4 are made so, and the line says by how much; those that the rounding of
-their numbers has made indefinite are left out. Of problems with friction the rows of the normals are taken.
+their numbers has made indefinite are left out. Of problems with friction `literature` has the rows of the normals, and
+`friction-literature` all rows up to 10^4: as they are in the plane; in space, up to 120 rows, with a square in the place
+of the disc that bounds friction.
 """
 
 import argparse
@@ -18,11 +22,15 @@ import json
 import subprocess
 from pathlib import Path
 
+import friction_literals
+
 SICONOS = "Siconos 4.4.0 (Debian 4.4.0+dfsg-2), numerics/src/"
 CPS = "Cottle, Pang, Stone, The Linear Complementarity Problem, SIAM 2009, "
 MURTY = "Murty, Linear Complementarity, Linear and Nonlinear Programming, 1988, "
 MOST_ROWS_PROVED = 120  # that A is semidefinite, benchmarks/collection/references.h
 SYMMETRIC = 1e-4
+SICONOS_2026 = "Siconos, commit 6070f0f6, numerics/src/"
+MOST_ROWS = 10_000  # with friction in the plane
 
 # id, A, b, source
 TEXTBOOKS = [
@@ -112,7 +120,7 @@ class Writer:
 
     def __init__(self, lcpbench):
         self.lcpbench = lcpbench
-        self.lines = {"literature": [], "nonsymmetric": []}
+        self.lines = {"literature": [], "nonsymmetric": [], "friction-literature": []}
         self.seen = set()
 
     def convert(self, path, *options, text=None):
@@ -145,6 +153,31 @@ class Writer:
         if "symmetrized" in record:
             provenance += f"; A symmetrised, entries differed by {record['symmetrized']:.1e} of the diagonal"
         self.add(name, "siconos-contacts", record, provenance, "Apache-2.0", base)
+
+    def add_friction(self, path, source):
+        """All rows of contacts in the plane, or of few in space."""
+        symmetrize = ("--symmetrize", str(SYMMETRIC))
+        record, law = self.convert(path, *symmetrize), ""
+        if record is None and path.stat().st_size < 1e6:
+            record, law = self.convert(path, "--box-friction", *symmetrize), "-box"
+        if record is None or "friction" not in record or record["n"] > (MOST_ROWS_PROVED if law else MOST_ROWS):
+            return
+        provenance = f"{source}FrictionContact/test/data/{path.name}"
+        if law:
+            provenance += "; a square in the place of the disc that bounds friction"
+        if "A" in record:
+            A = record["A"]
+            entries = {(i, j): value for i, j, value in zip(A["row"], A["col"], A["val"])}
+            if any(entries.get((j, i)) != value for (i, j), value in entries.items()):
+                return
+        if "symmetrized" in record:
+            provenance += f"; A symmetrised, entries differed by {record['symmetrized']:.1e} of the diagonal"
+        stem = path.name.removesuffix(".dat").removesuffix(".hdf5").lower().replace("_", "-")
+        family = "siconos-contacts" + law
+        base = next((f"siconos-{word}" for word in ("rover", "granularflowonwall") if word in stem), None)
+        keys = ("A", "J", "invM", "columns_per_body", "b", "bilateral", "friction")
+        self.put("friction-literature", f"siconos-{stem}-friction{law}", family,
+                 {key: record[key] for key in keys if key in record}, provenance, "Apache-2.0", base)
 
     def put(self, tier, name, family, numbers, provenance, licence, base=None):
         content = json.dumps(numbers, sort_keys=True)
@@ -194,10 +227,21 @@ def add_siconos(writer, numerics):
             writer.add_contacts(name, writer.convert(path, "--without-friction", *symmetrize), source)
 
 
+def add_friction(writer, numerics, newer):
+    for record in friction_literals.published():
+        writer.lines["friction-literature"].append(json.dumps(record))
+    folder = "FrictionContact/test/data"
+    for path in sorted((numerics / folder).glob("*.dat")):
+        writer.add_friction(path, SICONOS)
+    for path in sorted((newer / folder).glob("*fc2d_granularflowonwall*.dat")):
+        writer.add_friction(path, SICONOS_2026)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("lcpbench")
     parser.add_argument("siconos", type=Path)
+    parser.add_argument("siconos_2026", type=Path)
     parser.add_argument("-o", "--output", type=Path, default=Path(__file__).resolve().parent)
     options = parser.parse_args()
     writer = Writer(options.lcpbench)
@@ -205,6 +249,7 @@ def main():
         floats = [[float(value) for value in row] for row in matrix]
         writer.add(name, "textbooks", {"A": floats, "b": [float(value) for value in b]}, source, "CC0-1.0")
     add_siconos(writer, options.siconos / "numerics/src")
+    add_friction(writer, options.siconos / "numerics/src", options.siconos_2026 / "numerics/src")
     writer.write(options.output)
 
 

@@ -68,14 +68,15 @@ bool IsPlain(const SequenceEntry& entry) {
          std::ranges::none_of(FrictionScenes(), [&](const SceneFamily& family) { return family.key == start->scene; });
 }
 
-// What a problem's size class is made of: scenes of ours (placed or in motion) and engines' recordings; and, apart from
-// these, what is in no mean.
-using Side = std::tuple<Index, bool, bool>;
+// What a problem's size class is made of: scenes of ours (placed or in motion), engines' recordings and literature;
+// and, apart from these, what is in no mean.
+using Side = std::tuple<Index, bool, std::string_view>;
 bool IsInMeans(const PlannedProblem& problem, const std::vector<Manifest>& manifests) {
   return IsInMeans(manifests[problem.manifest].name, *problem.entry);
 }
 Side SideOf(const PlannedProblem& problem, const std::vector<Manifest>& manifests) {
-  return {problem.size_class->least, IsInMeans(problem, manifests), problem.entry->origin == "recorded"};
+  const std::string_view origin = problem.entry->origin;
+  return {problem.size_class->least, IsInMeans(problem, manifests), origin == "motion" ? "placed" : origin};
 }
 
 // Takes turns by sides, within these by origins, families and bases; fill-ups come after all others of their class.
@@ -112,16 +113,17 @@ void SetWeights(const std::vector<Manifest>& manifests, std::vector<PlannedProbl
   };
   std::map<std::tuple<const SizeClass*, bool, std::string_view>, double> sharing;
   for (const PlannedProblem& problem : *problems) sharing[base(problem)] += 1;
-  std::map<const SizeClass*, std::map<Side, double>> weights;
+  using Kind = std::pair<const SizeClass*, bool>;
+  const auto kind = [&](const PlannedProblem& problem) {
+    return Kind(problem.size_class, IsInMeans(problem, manifests));
+  };
+  std::map<Kind, std::map<Side, double>> weights;
   for (PlannedProblem& problem : *problems) {
     problem.weight = 1 / sharing[base(problem)];
-    if (IsInMeans(problem, manifests)) {
-      weights[problem.size_class][SideOf(problem, manifests)] += problem.weight;
-    }
+    weights[kind(problem)][SideOf(problem, manifests)] += problem.weight;
   }
   for (PlannedProblem& problem : *problems) {
-    if (!IsInMeans(problem, manifests)) continue;
-    const std::map<Side, double>& by_side = weights[problem.size_class];
+    const std::map<Side, double>& by_side = weights[kind(problem)];
     double sum = 0;
     for (const auto& [side, weight] : by_side) sum += weight;
     problem.weight *= sum / (static_cast<double>(by_side.size()) * by_side.at(SideOf(problem, manifests)));

@@ -68,8 +68,8 @@ struct CampaignPlan {
   std::string filter = {};
   Index most_rows = 0;  ///< no larger problems; 0: all
   bool fills = true;    ///< streams are filled up with the manifests' problems of further seeds
-  /// By key of a size class: no more problems of either side, own scenes and engines, nor of those that are in no mean,
-  /// the first by their turns (PlanProblems). Classes that are not named have all their problems.
+  /// By key of a size class: no more problems of a side, own scenes, engines or literature, nor of a side of those that
+  /// are in no mean, the first by their turns (PlanProblems). Classes that are not named have all their problems.
   std::map<std::string, int> most_of_side = {};
   std::uint64_t seed = 1;  ///< of all orders
   Launches launches = {};
@@ -102,10 +102,11 @@ bool IsInMeans(const std::string& manifest, const ManifestEntry& entry);
 std::string NotTaken(const SolverEntry& solver, const ProblemProperties& problem);
 
 /// The campaign's problems by size class, within a class those of the collection before those that fill it up, and
-/// both by turns: of own scenes (placed or in motion) and engines' recordings, of origins, of families and of bases, of
-/// each in an order drawn by the seed. The first so many are a fair sample (CampaignPlan::most_of_side).
-/// Weights: the k problems of a size class that have a base in common share a weight of 1; and within a size class own
-/// scenes and engines weigh the same, their sum being what it was, but for problems that are in no mean (IsInMeans).
+/// both by turns: of sides, which are own scenes (placed or in motion), engines' recordings and literature, of origins,
+/// of families and of bases, of each in an order drawn by the seed. The first so many are a fair sample
+/// (CampaignPlan::most_of_side). Weights: the k problems of a size class that have a base in common share a weight of
+/// 1; and within a size class all sides weigh the same, their sum being what it was. Problems that are in no mean
+/// (IsInMeans) weigh apart by the same rules.
 /// @param manifests  must outlive the result
 std::vector<PlannedProblem> PlanProblems(const CampaignPlan& plan, const std::vector<Manifest>& manifests);
 

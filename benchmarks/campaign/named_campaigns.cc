@@ -41,7 +41,7 @@ std::vector<std::string> Words(const char* text) {
 }  // namespace
 
 const std::vector<CampaignPlan>& NamedCampaigns() {
-  // Problems of either side in the large classes of `core` and `survey`, where a solve may take its whole limit.
+  // Problems of a side in the large classes of `core`, `survey` and `friction`, where a solve may take its whole limit.
   static const std::map<std::string, int> few_large = {{"101-300", 75}, {"301-1000", 32}, {"1001-1e4", 12}};
   static const std::vector<CampaignPlan> campaigns{
       {.name = "quick",
@@ -96,7 +96,13 @@ const std::vector<CampaignPlan>& NamedCampaigns() {
       },
       {.name = "literature", .manifests = {"literature"}, .most_rows = 10'000, .limits = {.most_s = 10}},
       {.name = "friction-engine", .manifests = {"friction-engine"}, .limits = {.most_s = 0.5}},
-      {.name = "friction", .manifests = {"friction-engine", "friction"}},
+      // What `core` is without friction: all solvers that take it, on problems of every origin.
+      {.name = "friction",
+       .manifests = {"friction-engine", "friction", "friction-recorded", "friction-literature"},
+       .filter = "^solve/",
+       .most_rows = 10'000,
+       .most_of_side = few_large,
+       .limits = kCoreLimits},
       {.name = "friction-pathological",
        .manifests = {"friction-pathological"},
        .launches = {.near = 3, .others = 1},

@@ -46,7 +46,7 @@ class Builder {
   BuiltTier Build() {
     for (const Candidate& candidate : tier_.problems) AddPlaced(candidate);
     if (tier_.has_literals) AddLiterals();
-    if (tier_.has_recordings) AddRecordings();
+    if (tier_.recordings) AddRecordings(*tier_.recordings);
     for (const MotionCandidate& candidate : tier_.motions) AddMotion(candidate);
     for (const FillPlan& plan : tier_.fill) Fill(plan);
     for (const MotionCandidate& candidate : tier_.sequences) {
@@ -143,12 +143,13 @@ class Builder {
     });
   }
 
-  void AddRecordings() {
+  void AddRecordings(const RecordedShare& share) {
     namespace fs = std::filesystem;
     std::set<std::string> names;
     for (const auto& file : fs::directory_iterator(fs::path(folder_) / kRecordings)) {
       const std::string name = file.path().filename().string();
-      if (name.ends_with(".jsonl.gz")) names.insert(name);
+      const bool is_left_out = tier_.has_friction && name.ends_with(kRecordedSequence);
+      if (name.ends_with(".jsonl.gz") && !is_left_out) names.insert(name);
     }
     all_ += static_cast<int>(names.size());
     std::vector<RecordedIsland> islands;
@@ -159,22 +160,23 @@ class Builder {
         continue;
       }
       const std::string path = std::string(kRecordings) + "/" + name;
-      for (RecordedIsland& island : ChooseIslands(folder_, path)) islands.push_back(std::move(island));
+      for (RecordedIsland& island : ChooseIslands(folder_, path, share.level)) islands.push_back(std::move(island));
       RecordingReader reader((fs::path(folder_) / path).string());
       headers[path] = reader.header();
       std::vector<RecordedStep> steps;
       for (RecordedStep step; reader.Next(&step);) steps.push_back(step);
-      const std::size_t count = std::min<std::size_t>(steps.size(), kRecordedSteps);
+      const std::size_t count = std::min(steps.size(), static_cast<std::size_t>(share.steps));
       for (std::size_t k = 0; k < count; ++k) {
-        AddRecordedStep(reader.header(), steps[k * steps.size() / count], path);
+        AddRecordedStep(reader.header(), steps[k * steps.size() / count], path, share.level);
       }
       Advance(name);
     }
-    AddIslands(std::move(islands), headers);
+    AddIslands(std::move(islands), headers, share.islands);
   }
 
   // By turns of the recordings, until their size class has enough; in the manifest in the order of the recordings.
-  void AddIslands(std::vector<RecordedIsland> islands, const std::map<std::string, RecordingHeader>& headers) {
+  void AddIslands(std::vector<RecordedIsland> islands, const std::map<std::string, RecordingHeader>& headers,
+                  std::size_t most_of_class) {
     TakeTurns(&islands, [](const RecordedIsland& island) {
       return std::pair(SizeClassOf(island.made.problem.size()).least, island.source.path);
     });
@@ -182,7 +184,7 @@ class Builder {
     std::map<Index, std::size_t> taken;
     for (const RecordedIsland& island : islands) {
       std::size_t& of_class = taken[SizeClassOf(island.made.problem.size()).least];
-      if (of_class == kIslandsOfClass) continue;
+      if (of_class == most_of_class) continue;
       if (TakeRecorded(headers.at(island.source.path), island.made, island.source, island.base)) ++of_class;
     }
     const auto place = [](const ManifestEntry& entry) {
@@ -212,7 +214,8 @@ class Builder {
     return header.engine + " " + header.engine_version + ", " + header.source;
   }
 
-  void AddRecordedStep(const RecordingHeader& header, const RecordedStep& step, const std::string& path) {
+  void AddRecordedStep(const RecordingHeader& header, const RecordedStep& step, const std::string& path,
+                       RecordedLevel of_tier) {
     const auto take = [&](const RecordedProblem& made, RecordedLevel level, std::ptrdiff_t island) {
       const Index rows = made.problem.size();
       if (rows < kLeastRecordedRows || rows > kMostRecordedRows) {
@@ -222,13 +225,14 @@ class Builder {
       TakeRecorded(header, made, {path, step.number, level, static_cast<int>(island)},
                    header.engine + "-" + header.scene);
     };
-    const RecordedProblem whole = VelocityProblem(header, step);
-    take(whole, RecordedLevel::kVelocity, 0);
+    const RecordedProblem whole = VelocityProblem(header, step, of_tier == RecordedLevel::kFriction);
+    take(whole, of_tier, 0);
     const std::vector<RecordedProblem> islands = IslandsOf(whole, 1);
     const auto largest = std::max_element(islands.begin(), islands.end(), [](const auto& a, const auto& b) {
       return a.problem.size() < b.problem.size();
     });
-    if (islands.size() > 1) take(*largest, RecordedLevel::kVelocity, largest - islands.begin() + 1);
+    if (islands.size() > 1) take(*largest, of_tier, largest - islands.begin() + 1);
+    if (tier_.has_friction) return;
     if (const auto at_rest = AccelerationProblem(header, step)) take(*at_rest, RecordedLevel::kAcceleration, 0);
   }
 

@@ -22,15 +22,14 @@ struct BuiltTier {
 inline constexpr const char* kMotionProblems = "problems/motion.jsonl.gz";
 
 /// Files of sequences (`-sequence.jsonl.gz`) are sequences as a whole, where every step has 1 to kMostSequenceRows
-/// rows. Of each other recording kRecordedSteps steps spread evenly over it give the whole scene at the velocity level,
-/// its largest island where that is not the whole, and the whole scene at the acceleration level where there is one;
-/// with the same rules as motions for what is refused, and no two with the same content.
-/// Each size class up to kMostIslandRows rows gets kIslandsOfClass islands from all steps as well: the recordings take
-/// turns, each with its islands in the order of ChooseIslands (recorded_islands.h).
+/// rows; a tier with friction has none. Of each other recording RecordedShare::steps steps spread evenly over it give
+/// the whole scene at the tier's level, its largest island where that is not the whole, and without friction the whole
+/// scene at the acceleration level where there is one; with the same rules as motions for what is refused, and no two
+/// with the same content.
+/// Each size class up to kMostIslandRows rows gets RecordedShare::islands islands from all steps as well: the
+/// recordings take turns, each with its islands in the order of ChooseIslands (recorded_islands.h).
 inline constexpr const char* kRecordings = "recordings";
 inline constexpr const char* kRecordedSequence = "-sequence.jsonl.gz";
-inline constexpr int kRecordedSteps = 8;
-inline constexpr std::size_t kIslandsOfClass = 200;
 inline constexpr Index kLeastRecordedRows = 4;  ///< of whole scenes and largest islands
 inline constexpr Index kMostRecordedRows = 5000;
 

@@ -210,9 +210,19 @@ void Members(auto& archive, Is<FileSource> auto& file) {
   }
 }
 
+// Numbers of steps, unlike counts, may be 0.
+void StepNumber(auto& archive, const char* name, Is<int> auto& number) {
+  if constexpr (std::remove_reference_t<decltype(archive)>::kReads) {
+    archive.known.push_back(name);
+    number = archive.field[name].Integer();
+  } else {
+    archive.Must(name, number);
+  }
+}
+
 void Members(auto& archive, Is<RecordingSource> auto& recording) {
   archive.Must("path", recording.path);
-  archive.Must("step", recording.step);
+  StepNumber(archive, "step", recording.step);
   std::string level = kRecordedLevels.begin()[static_cast<std::size_t>(recording.level)].first;
   archive.Must("level", level);
   archive.Some("island", recording.island);
@@ -225,7 +235,7 @@ void Members(auto& archive, Is<RecordingSource> auto& recording) {
 
 void Members(auto& archive, Is<RecordedSteps> auto& recording) {
   archive.Must("path", recording.path);
-  archive.Must("first", recording.first);
+  StepNumber(archive, "first", recording.first);
   if constexpr (std::remove_reference_t<decltype(archive)>::kReads) {
     RequireInside(archive.field["path"], recording.path);
     archive.Within("first", 0, kInfinity);

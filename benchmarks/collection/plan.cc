@@ -216,7 +216,7 @@ Tier Recorded() {
       "What physics engines met in scenes of their own: whole scenes of 4 to 5000 rows, and islands of 1 or more.",
       true, true};
   tier.version = "3.1.0";
-  tier.has_recordings = true;
+  tier.recordings = RecordedShare{};
   return tier;
 }
 
@@ -274,6 +274,25 @@ Tier WithFriction() {
   AddFrictionGrid({"disc-pile", "ovals-in-bowl"}, {1500}, {0.3}, &tier);
   Add({"slope-stacks", "pyramids", "card-house", "drum"}, {1000}, kUnchanged, &tier);
   Add({"slope-stacks", "pyramids", "voussoir-arch", "wedge-jam"}, {3000, 10'000}, kUnchanged, &tier);
+  return tier;
+}
+
+Tier FrictionRecorded() {
+  Tier tier{"friction-recorded",
+            "What physics engines met in scenes of their own, with their coefficients of friction: whole scenes, and "
+            "islands of 2 rows or more. In space friction has two tangents.",
+            true, true};
+  tier.version = kFrictionVersion;
+  tier.has_friction = true;
+  tier.recordings = RecordedShare{RecordedLevel::kFriction, 3, 120};
+  return tier;
+}
+
+Tier FrictionLiterature() {
+  Tier tier{"friction-literature", "Problems with friction that others published.", false, true};
+  tier.version = kFrictionVersion;
+  tier.has_friction = true;
+  tier.has_literals = true;
   return tier;
 }
 
@@ -349,6 +368,8 @@ constexpr Plan kPlans[] = {
     {kNonsymmetricTier, &Nonsymmetric},
     {"friction-engine", &FrictionEngine},
     {"friction", &WithFriction},
+    {"friction-recorded", &FrictionRecorded},
+    {"friction-literature", &FrictionLiterature},
     {"friction-pathological", &FrictionPathological},
     {"painleve", &Painleve},
     {"friction-sequences", &FrictionSequences},

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "benchmarks/collection/properties.h"
 #include "benchmarks/collection/recipes/recipe.h"
+#include "benchmarks/collection/recording.h"
 
 namespace lcpbench {
 
@@ -26,6 +28,13 @@ struct MotionCandidate {
 struct FillPlan {
   SizeClass size_class;
   std::vector<int> rows;
+};
+
+/// How much a tier takes of the recordings (build.h).
+struct RecordedShare {
+  RecordedLevel level = RecordedLevel::kVelocity;  ///< of islands and whole scenes
+  int steps = 8;                                   ///< of each recording, whose whole scenes are taken
+  std::size_t islands = 200;                       ///< of a size class
 };
 
 /// The version of the tiers whose problems are scenes of ours; raised with every change of a manifest's problems.
@@ -49,7 +58,7 @@ struct Tier {
   /// first in the manifest, are made when they are wanted.
   bool has_literals = false;
   /// Its problems are made of the recordings in the folder kRecordings, by a rule that looks at no solver (build.h).
-  bool has_recordings = false;
+  std::optional<RecordedShare> recordings = {};
 };
 
 /// The tier whose problems are in no mean of a report: "unsupported" is a right answer to them.
@@ -59,7 +68,7 @@ inline constexpr const char* kNonsymmetricTier = "nonsymmetric";
 inline constexpr const char* kLiteratureTier = "literature";
 
 /// smoke, engine, standard, large, sequences, pathological, literature, recorded, nonsymmetric, friction-engine,
-/// friction, friction-pathological, painleve, friction-sequences.
+/// friction, friction-recorded, friction-literature, friction-pathological, painleve, friction-sequences.
 /// @throws InputError naming them
 Tier PlanTier(std::string_view name);
 const std::vector<std::string>& AllTiers();

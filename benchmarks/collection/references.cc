@@ -124,6 +124,13 @@ bool CertifyInto(const LcpProblem& problem, const ExamineOptions& options, Exami
     return true;
   }
   const bool has_least_norm = !answer.f_least_norm.empty();
+  if (!is_plain) {
+    // Rows that contradict each other by roundings may ask for forces so large that doubles cannot balance them.
+    const Eigen::VectorXd f = ToDoubles(has_least_norm ? answer.f_least_norm : answer.f);
+    LcpReference rounded;
+    rounded.floor = RoundingFloor(problem, f);
+    if (!PassesTier(ComputeMetrics(problem, f, &rounded), 1e-9)) return false;
+  }
   const std::optional<bool> w_unique = is_plain ? std::nullopt : std::optional(answer.w_unique.value_or(false));
   WriteSolved(problem, ToDoubles(has_least_norm ? answer.f_least_norm : answer.f), ToDoubles(answer.w), answer.f_unique,
               w_unique, has_least_norm ? "f_minnorm" : "f", examined);

@@ -40,6 +40,8 @@ struct Build {
     app.add_flag("--keep", keep, "Examine only what the existing manifest does not have");
     app.add_option("--exact-up-to", examine.exact_up_to, "Rows up to which answers are proved exactly")
         ->check(AtLeast(0));
+    app.add_option("--time-limit", examine.time_limit_s, "Seconds for one exact answer, and for one that is bounded")
+        ->check(AtLeast(0));
     app.add_option("--large-time-limit", examine.large_time_limit_s,
                    "Seconds for the answer to a problem beyond the rows that always get one")
         ->check(AtLeast(0));
@@ -68,7 +70,7 @@ struct Build {
     const Manifest& manifest = built.manifest;
     if (tier.has_files) {
       write(manifest.references, built.references);
-      if (!tier.has_friction && !tier.has_literals && !tier.has_recordings) write(ProblemFileOf(tier), built.problems);
+      if (!tier.has_friction && !tier.has_literals && !tier.recordings) write(ProblemFileOf(tier), built.problems);
     }
     if (!built.motion_problems.empty()) write(kMotionProblems, built.motion_problems);
     WriteTextFile(path, FormatManifest(manifest));

@@ -14,7 +14,7 @@ from .statistics.cells import Measured, cell_table, measured
 from .statistics.class_times import ablation_table
 from .statistics.friction import refusers, with_friction
 from .statistics.load import load_campaign
-from .statistics.model import INFEASIBLE, Campaign
+from .statistics.model import INFEASIBLE, LITERATURE, Campaign
 from .statistics.means import delivered_table
 from .statistics.rivals import is_own
 from .style import Look, solver_styles
@@ -90,10 +90,12 @@ class Inputs:
     @cached_property
     def friction(self) -> "Inputs | None":
         """Problems with friction or bounded rows as if they were the only ones and counted: what the tables of times make
-        of them. Of solvers that take some; without what is meant to break something or has no solution. None without any."""
+        of them. Of solvers that take some; without literature and what is meant to break something or has no solution.
+        None without any."""
         cells = with_friction(self.cells) if len(self.cells) else self.cells
         if len(cells):
-            left_out = cells["set"].isin(_NOT_OF_ENGINES) | (cells["reference_status"] == INFEASIBLE) | cells["solver"].isin(refusers(self.cells))
+            left_out = (cells["set"].isin(_NOT_OF_ENGINES) | (cells["origin"] == LITERATURE)
+                        | (cells["reference_status"] == INFEASIBLE) | cells["solver"].isin(refusers(self.cells)))
             cells = cells[~left_out].assign(counts=True)
         return replace(self, measured=self.measured._replace(cells=cells)) if len(cells) else None
 

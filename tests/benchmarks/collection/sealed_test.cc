@@ -46,7 +46,7 @@ TEST(SealedSet, APlanLeavesItOutOrHasAllOfIt) {
   CampaignPlan plan;
   plan.sealed = SealedSet::Read(DataFile("sealed"));
   std::vector<Manifest> manifests;
-  for (const char* name : {"engine", "standard", "recorded", "friction"})
+  for (const char* name : {"engine", "standard", "recorded", "friction", "friction-recorded"})
     manifests.push_back(ReadManifest(DataFile(name)));
   const auto count = [&] {
     std::map<bool, int> counts;
