@@ -38,20 +38,20 @@ const std::map<std::string, Least>& LeastRight() {
                                                   {"dart-pgs", {80}},
                                                   {"simbody-pgs", {78}},
                                                   {"simbody-plus", {26}},
-                                                  {"siconos-lexicolemke-friction", {1}},
-                                                  {"siconos-avi-friction", {1}},
-                                                  {"petsc-rsls-direct-friction", {1}},
-                                                  {"petsc-ssls-direct-friction", {1}},
-                                                  {"tao-asfls-friction", {1}},
+                                                  {"siconos-lexicolemke-friction", {76}},
+                                                  {"siconos-avi-friction", {76}},
+                                                  {"petsc-rsls-direct-friction", {73}},
+                                                  {"petsc-ssls-direct-friction", {71}},
+                                                  {"tao-asfls-friction", {68}},
                                                   {"ode-dantzig-loop", {1}},
                                                   {"bullet-dantzig-loop", {1}},
                                                   {"dart-dantzig-loop", {1}},
                                                   {"mujoco-newton-relaxed", {0, 1}},
                                                   {"mujoco-cg-relaxed", {0, 1}},
-                                                  {"proxqp-relaxed", {0, 1}},
-                                                  {"piqp-relaxed", {0, 1}},
-                                                  {"daqp-relaxed", {0, 1}},
-                                                  {"osqp-relaxed", {0, 1}}};
+                                                  {"proxqp-relaxed", {0, 74}},
+                                                  {"piqp-relaxed", {0, 76}},
+                                                  {"daqp-relaxed", {0, 78}},
+                                                  {"osqp-relaxed", {0, 75}}};
   return least;
 }
 
