@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
@@ -73,6 +74,18 @@ class PeerTier {
 /// WhyUnsupported of solvers of quadratic programs.
 inline std::string WhyNotQuadraticProgram(const LcpProblem& problem) {
   return problem.IsNumericallySymmetric() ? "" : "A is not symmetric, so the LCP is not the optimality of a QP";
+}
+
+/// WhyUnsupported of solvers of contacts that have one tangent at most, and stick or slip as they please.
+inline std::string WhyNotOneTangent(const LcpProblem& problem) {
+  std::vector<Index> normals;
+  for (const FrictionRow& tangent : problem.friction_rows()) {
+    if (tangent.slip != 0) return "sliding rows";
+    normals.push_back(tangent.normal);
+  }
+  std::sort(normals.begin(), normals.end());
+  const bool has_two = std::adjacent_find(normals.begin(), normals.end()) != normals.end();
+  return has_two ? "several friction rows of a contact" : "";
 }
 
 /// What the words of a setting stand for; the first is the library's own choice.
