@@ -56,6 +56,7 @@ constexpr std::string_view kNaturalResidual = "the norm of min(f, w), over that 
 constexpr std::string_view kFrictionResidual =
     "how far w is from that of each contact's own solve, over b; in blocks the natural map, over the largest of f, w, "
     "b";
+constexpr std::string_view kNaturalMap = "the natural map of Coulomb's law, over the largest of f, w, b";
 constexpr std::string_view kResidualChange = "the change of w in a step, over the norm of w";
 constexpr std::string_view kFreeRows = "the norm of w on the free rows, over that at the start";
 constexpr std::string_view kFischerBurmeister = "the norm of the Fischer-Burmeister function, over that at the start";
@@ -136,6 +137,15 @@ constexpr PeerEntry kPeers[] = {
                   TierSettings{{1e-5, 1e-7, 1e-10}, 1e9, kResidualChange}}),
     WithFriction(FrictionLaw::kCoulomb,
                  {kSiconos, "siconos-fc2d-lemke", "friction in the plane, Lemke on three rows a contact"}),
+    WithFriction(FrictionLaw::kCoulomb,
+                 {kSiconos, "siconos-fc2d-enum", "friction in the plane, all sets of three rows a contact in turn"}),
+    WithFriction(FrictionLaw::kSpatial, {kSiconos, "siconos-fc3d-nsgs", "friction in space, Gauss-Seidel by contacts",
+                                         TierSettings{{1e-4, 1e-7, 1e-10}, 1e9, kNaturalMap}, kAny}),
+    WithFriction(FrictionLaw::kSpatial,
+                 {kSiconos, "siconos-fc3d-nsn-ac", "friction in space, semismooth Newton of Alart and Curnier",
+                  TierSettings{{1e-4, 1e-7, 1e-10}, 1e6, kNaturalMap}, kAny}),
+    WithFriction(FrictionLaw::kSpatial, {kSiconos, "siconos-fc3d-admm", "friction in space, ADMM",
+                                         TierSettings{{1e-4, 1e-8, 1e-10}, 1e9, kNaturalMap}, kAny}),
     {kPetsc, "petsc-rsls", "SNES reduced-space active-set Newton with line search",
      TierSettings{{1e-3, 1e-6, 1e-9}, 1e6, kFreeRows}, kAny},
     {kPetsc, "petsc-rsls-direct", "the same with LU and a shift of pivots that are too small",

@@ -72,7 +72,10 @@ struct PeerEntry {
   /// LcpSolver::TakesFriction.
   bool takes_friction() const { return law != FrictionLaw::kNone; }
   /// LcpSolver::TakesBounded: codes whose friction rows have bounds.
-  bool takes_bounded() const { return law == FrictionLaw::kSweptBounds || law == FrictionLaw::kFrozenBounds; }
+  bool takes_bounded() const {
+    return law == FrictionLaw::kSweptBounds || law == FrictionLaw::kFrozenBounds ||
+           transformation == Transformation::kLaggedBounds;
+  }
   /// The library's own options, or a fixed effort: the adapter passes no tolerance.
   bool has_library_defaults() const { return key.ends_with("-default") || fixed_effort; }
 };

@@ -288,7 +288,7 @@ constexpr Method kMethods[] = {
 };
 
 std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
-  if (key.starts_with("siconos-fc2d-")) return MakeSiconosContacts(key, reader);
+  if (key.starts_with("siconos-fc")) return MakeSiconosContacts(key, reader);
   const auto* method = std::find_if(std::begin(kMethods), std::end(kMethods),
                                     [key](const Method& known) { return key.starts_with(known.key); });
   return std::make_unique<Siconos>(*method, key, reader);

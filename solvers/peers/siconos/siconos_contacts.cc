@@ -1,8 +1,9 @@
-// Siconos's solvers for contact with Coulomb friction in the plane, behind fc2d_driver.
+// Siconos's solvers for contact with Coulomb friction, behind fc2d_driver in the plane and fc3d_driver in space.
 //
-// A contact is two rows, n and t; joints are eliminated, on the clock. Sweeps in sparse blocks start from z and are
-// asked for in portions, as in siconos.cc; dense sweeps and conjugate gradients begin anew at each call, and are asked
-// for in growing numbers, until the time limit; the host ends the others. Iterations are sweeps, steps or pivots, of
+// A contact is two rows, n and t, in space with a second tangent without loads; joints are eliminated, on the clock.
+// Solvers in space and sweeps in sparse blocks start from z and are asked for in portions, as in siconos.cc; dense
+// sweeps in the plane and conjugate gradients begin anew at each call, and are asked for in growing numbers, until the
+// time limit; the host ends the others. Iterations are sweeps, steps or pivots, of
 // the last call where each begins anew. docs/peers.md has what is known of release 4.4.
 
 #include <FrictionContactProblem.h>
@@ -12,6 +13,7 @@
 #define restrict __restrict  // the next header has C's word
 #include <fc2d_compute_error.h>
 #undef restrict
+#include <lcp_cst.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
@@ -77,11 +79,14 @@ class JointElimination {
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> orthogonal_;  // of redundant joints
 };
 
-/// A friction problem in Siconos's form. A contact without a friction row, or with mu = 0, gets a dummy for it.
+/// A friction problem in Siconos's form. A contact without a friction row, or with mu = 0, gets a dummy for it, as in
+/// space every contact does for its second tangent: of a force and a velocity that are 0, since it is coupled to
+/// nothing.
 class ContactProblem : public SiconosMatrix {
  public:
   struct Options {
     Storage storage = Storage::kBlocks;
+    int dimension = 2;
     /// By powers of two, one a contact, that bring A_nn and the largest |b_i| to about 1: the library has absolute
     /// thresholds, and its measures add the contacts' forces and velocities. The law does not change.
     bool is_scaled = true;
@@ -92,7 +97,7 @@ class ContactProblem : public SiconosMatrix {
   void Set(const LcpProblem& problem, const Options& options) {
     Clear();
     is_scaled_ = options.is_scaled;
-    Order(problem, options.has_one_mu);
+    Order(problem, options);
     const bool has_joints = !problem.bilateral_rows().empty();
     Eigen::MatrixXd A;
     if (has_joints || options.storage == Storage::kDense) {
@@ -106,11 +111,15 @@ class ContactProblem : public SiconosMatrix {
       FillBlocks(has_joints ? SparseMatrix(A.sparseView()) : problem.SparseA());
     }
     Finish(options.storage);
-    problem_ = {
-        .dimension = 2, .numberOfContacts = static_cast<int>(mu_.size()), .M = matrix(), .q = q(), .mu = mu_.data()};
+    problem_ = {.dimension = options.dimension,
+                .numberOfContacts = static_cast<int>(mu_.size()),
+                .M = matrix(),
+                .q = q(),
+                .mu = mu_.data()};
   }
 
   FrictionContactProblem* get() { return &problem_; }
+  const FrictionContactProblem* get() const { return &problem_; }
   double NormOfQ() { return Eigen::Map<const Eigen::VectorXd>(q(), size()).norm(); }
 
   void SetLoads(const Eigen::VectorXd& b) {
@@ -133,7 +142,7 @@ class ContactProblem : public SiconosMatrix {
   }
 
  private:
-  void Order(const LcpProblem& problem, bool has_one_mu) {
+  void Order(const LcpProblem& problem, const Options& options) {
     std::vector<const FrictionRow*> tangents(static_cast<std::size_t>(problem.size()), nullptr);
     double largest_mu = 0;
     for (const FrictionRow& tangent : problem.friction_rows()) {
@@ -141,17 +150,22 @@ class ContactProblem : public SiconosMatrix {
       largest_mu = std::max(largest_mu, tangent.mu);
     }
     mu_.clear();
+    const Eigen::VectorXd diagonal = problem.DiagonalA();
     for (Index row = 0; row < problem.size(); ++row) {
       if (problem.kind(row) != RowKind::kUnilateral) continue;
       const FrictionRow* tangent = tangents[static_cast<std::size_t>(row)];
-      const double diagonal = problem.DiagonalA()[row];
-      const double unit = is_scaled_ && diagonal > 0 ? std::ldexp(1.0, -std::ilogb(diagonal) / 2) : 1;
+      const double unit = is_scaled_ && diagonal[row] > 0 ? std::ldexp(1.0, -std::ilogb(diagonal[row]) / 2) : 1;
       variables_.push_back({row, unit});
-      variables_.push_back(tangent == nullptr
-                               ? Variable{row, 0}
-                               : Variable{tangent->row, has_one_mu ? unit * (tangent->mu / largest_mu) : unit});
+      double tangent_unit = unit;
+      if (tangent != nullptr) {
+        if (options.has_one_mu) tangent_unit *= tangent->mu / largest_mu;
+        variables_.push_back({tangent->row, tangent_unit});
+      }
+      const Index last = variables_.back().row;
+      const double dummy = diagonal[last] > 0 ? tangent_unit * tangent_unit * diagonal[last] : 1;
+      for (int i = tangent == nullptr ? 1 : 2; i < options.dimension; ++i) variables_.push_back({last, 0, dummy});
       ends_.push_back(static_cast<unsigned int>(variables_.size()));
-      mu_.push_back(has_one_mu ? largest_mu : tangent == nullptr ? 0 : tangent->mu);
+      mu_.push_back(options.has_one_mu ? largest_mu : tangent == nullptr ? 0 : tangent->mu);
     }
   }
 
@@ -161,7 +175,7 @@ class ContactProblem : public SiconosMatrix {
     for (const Variable& column : variables_) {
       for (const Variable& row : variables_) {
         const bool is_dummy = &row == &column && row.factor == 0;
-        values_[at++] = is_dummy ? 1 : row.factor * column.factor * A(row.row, column.row);
+        values_[at++] = is_dummy ? row.dummy : row.factor * column.factor * A(row.row, column.row);
       }
     }
   }
@@ -176,12 +190,17 @@ class ContactProblem : public SiconosMatrix {
 struct Method {
   std::string_view key;
   FRICTION_SOLVER solver = SICONOS_FRICTION_2D_NSGS;
+  int dimension = 2;
   bool has_tolerance = true;
 };
 constexpr Method kMethods[] = {
     {"siconos-fc2d-nsgs", SICONOS_FRICTION_2D_NSGS},
     {"siconos-fc2d-cpg", SICONOS_FRICTION_2D_CPG},
-    {"siconos-fc2d-lemke", SICONOS_FRICTION_2D_LEMKE, false},
+    {"siconos-fc2d-lemke", SICONOS_FRICTION_2D_LEMKE, 2, false},
+    {"siconos-fc2d-enum", SICONOS_FRICTION_2D_ENUM, 2, false},
+    {"siconos-fc3d-nsgs", SICONOS_FRICTION_3D_NSGS, 3},
+    {"siconos-fc3d-nsn-ac", SICONOS_FRICTION_3D_NSN_AC, 3},
+    {"siconos-fc3d-admm", SICONOS_FRICTION_3D_ADMM, 3},
 };
 
 class SiconosContacts : public LcpSolver {
@@ -190,11 +209,13 @@ class SiconosContacts : public LcpSolver {
     const bool is_library_default = key.ends_with("-default");
     form_.is_scaled = !is_library_default && method.solver != SICONOS_FRICTION_2D_LEMKE;  // has no thresholds
     form_.has_one_mu = !method.has_tolerance;
-    most_dense_rows_ = method.solver == SICONOS_FRICTION_2D_NSGS ? kMostDenseRows : kAll;
+    form_.dimension = method.dimension;
+    const bool has_blocks = method.solver == SICONOS_FRICTION_2D_NSGS || method.dimension == 3;
+    most_dense_rows_ = has_blocks ? kMostDenseRows : kAll;
     if (is_library_default || !method.has_tolerance) return;
     tier_ = PeerTier(method.key, reader);
     follows_tier_ = true;
-    if (method.solver == SICONOS_FRICTION_2D_NSGS) {
+    if (has_blocks) {
       most_dense_rows_ =
           Choose<Index>(reader, "storage", {{"by-size", kMostDenseRows}, {"blocks", 0}, {"dense", kAll}});
     }
@@ -206,6 +227,9 @@ class SiconosContacts : public LcpSolver {
     const auto joints = static_cast<Index>(problem.bilateral_rows().size());
     const auto tangents = static_cast<Index>(problem.friction_rows().size());
     if (joints + tangents == problem.size()) return "no contact";
+    if (method_.solver == SICONOS_FRICTION_2D_ENUM && problem.size() - joints - tangents > kMostEnumerated) {
+      return "more than " + std::to_string(kMostEnumerated) + " contacts";
+    }
     if (joints > 0 && !problem.IsNumericallySymmetric()) return "joints where A is not symmetric";
     return WhyNotPlanar(problem);
   }
@@ -218,13 +242,12 @@ class SiconosContacts : public LcpSolver {
   }
 
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
-    const bool sweeps_from_z = form_.storage == SiconosMatrix::Storage::kBlocks;
     Eigen::VectorXd z, w;
     TimeConversion(options, result, [&] {
       SetOptions(options);
       problem_.SetLoads(problem.b());
       z.setZero(problem_.size());
-      if (options.initial_f != nullptr && sweeps_from_z) z = problem_.VariablesOf(*options.initial_f);
+      if (options.initial_f != nullptr && StartsFromZ()) z = problem_.VariablesOf(*options.initial_f);
       w.setZero(problem_.size());
     });
     SolverOptions& own = own_.get();
@@ -240,12 +263,17 @@ class SiconosContacts : public LcpSolver {
 
  private:
   static constexpr Index kAll = std::numeric_limits<Index>::max();
+  // Three rows a contact in lcp_enum, of which it tries each choice: 2^18, up to 3 s.
+  static constexpr Index kMostEnumerated = 6;
   static constexpr Index kMostDenseRows = 200;     // above, sweeps in sparse blocks take less time
   static constexpr double kMeasureOfBlocks = 0.1;  // they compare with the norm of f, too: the same tiers take a tenth
 
+  bool StartsFromZ() const { return method_.dimension == 3 || form_.storage == SiconosMatrix::Storage::kBlocks; }
+
   SiconosPortions Portions(std::int64_t most, double time_limit_s) const {
-    SiconosPortions portions{.most = most, .first = FirstPortion(problem_, 2)};
-    portions.continues = form_.storage == SiconosMatrix::Storage::kBlocks;
+    const int cost_power = method_.solver == SICONOS_FRICTION_3D_NSN_AC ? 3 : 2;
+    SiconosPortions portions{.most = most, .first = FirstPortion(problem_, cost_power)};
+    portions.continues = StartsFromZ();
     if (portions.continues) return portions;
     if (method_.solver == SICONOS_FRICTION_2D_CPG) {
       // Nine of ten that it solves take no more steps. It does not see that it stands at a solution where all stick.
@@ -266,15 +294,30 @@ class SiconosContacts : public LcpSolver {
     SolverOptions* own = own_.Fresh(method_.solver);
     int& most = own->iparam[SICONOS_IPARAM_MAX_ITER];
     if (follows_tier_) {
-      const bool has_blocks = form_.storage == SiconosMatrix::Storage::kBlocks;
-      own->dparam[SICONOS_DPARAM_TOL] = (has_blocks ? kMeasureOfBlocks : 1) * tier_.Tolerance(options);
+      const bool is_planar_sweep = method_.dimension == 2 && StartsFromZ();
+      own->dparam[SICONOS_DPARAM_TOL] = (is_planar_sweep ? kMeasureOfBlocks : 1) * tier_.Tolerance(options);
       most = tier_.Iterations(options);
     }
+    if (method_.solver == SICONOS_FRICTION_2D_ENUM) most = std::numeric_limits<int>::max();
     most = IterationLimit(options, most);
   }
 
+  // ADMM starts from velocities with the sign of its multipliers, which is not that of those that it gives back.
+  void TurnVelocities(double* w) const {
+    const FrictionContactProblem& problem = *problem_.get();
+    for (int i = 0; i < problem.numberOfContacts; ++i, w += 3) {
+      w[0] += problem.mu[i] * std::hypot(w[1], w[2]);
+      for (int k = 0; k < 3; ++k) w[k] = -w[k];
+    }
+  }
+
   int Call(SolverOptions* own, double* z, double* w) {
-    const int info = fc2d_driver(problem_.get(), z, w, own);
+    if (method_.solver == SICONOS_FRICTION_3D_ADMM) TurnVelocities(w);
+    const auto driver = method_.dimension == 3 ? fc3d_driver : fc2d_driver;
+    int info = driver(problem_.get(), z, w, own);
+    while (method_.solver == SICONOS_FRICTION_2D_ENUM && info != 0 && GoOn(own)) {
+      info = driver(problem_.get(), z, w, own);
+    }
     switch (method_.solver) {
       case SICONOS_FRICTION_2D_LEMKE:
         // It means to compare these, and returns 0 whatever they are.
@@ -282,9 +325,23 @@ class SiconosContacts : public LcpSolver {
       case SICONOS_FRICTION_2D_CPG:
         ++own->iparam[SICONOS_IPARAM_ITER_DONE];  // it tells the number of the last step, from 0
         return info == 0 || IsSolved(own, z, w) ? 0 : info;
+      case SICONOS_FRICTION_2D_ENUM:
+        own->iparam[SICONOS_IPARAM_ITER_DONE] = own->iparam[SICONOS_LCP_IPARAM_ENUM_CURRENT_ENUM] + 1;
+        return info;
       default:
         return info;
     }
+  }
+
+  // It ends with the first set of rows whose forces are not negative, right or wrong where the matrix of the set is
+  // singular but for rounding. Whether another call may begin behind it; false once it is among those seen.
+  static bool GoOn(SolverOptions* own) {
+    int& first = own->iparam[SICONOS_LCP_IPARAM_ENUM_SEED];
+    const int found = own->iparam[SICONOS_LCP_IPARAM_ENUM_CURRENT_ENUM];
+    if (own->iparam[SICONOS_LCP_IPARAM_ENUM_NUMBER_OF_SOLUTIONS] == 0 || found < first) return false;
+    own->iparam[SICONOS_LCP_IPARAM_ENUM_NUMBER_OF_SOLUTIONS] = 0;
+    first = found + 1;
+    return true;
   }
 
   // By the library's measure, which compares with the norm of f, too, as sweeps in blocks do.

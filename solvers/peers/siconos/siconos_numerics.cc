@@ -95,7 +95,7 @@ void SiconosMatrix::FillBlocks(const SparseMatrix& A) {
         for (std::size_t j = place.first; j < ends_[place.block] && variables_[j].row == entry.col(); ++j) {
           const bool is_dummy = i == j && variables_[i].factor == 0;
           values[(i - begin_of(block)) + (j - begin_of(place.block)) * height] =
-              is_dummy ? 1 : variables_[i].factor * variables_[j].factor * entry.value();
+              is_dummy ? variables_[i].dummy : variables_[i].factor * variables_[j].factor * entry.value();
         }
       }
     }
@@ -151,7 +151,7 @@ void SolveInPortions(const SiconosPortions& portions, const Deadline& deadline, 
     const double start = SteadyNow();
     const int info = call();
     const double taken = std::max(SteadyNow() - start, 1e-9);
-    const int done = portions.counts ? own->iparam[SICONOS_IPARAM_ITER_DONE] : asked;
+    const int done = portions.counts ? std::min(own->iparam[SICONOS_IPARAM_ITER_DONE], asked) : asked;
     result->iterations = (portions.continues ? result->iterations : 0) + done;
     if (info == 0) {
       result->status = LcpStatus::kSolved;
@@ -167,9 +167,9 @@ void SolveInPortions(const SiconosPortions& portions, const Deadline& deadline, 
       result->detail = detail.str();
       return;
     }
-    const double time =
-        portions.continues ? std::min(kPortionTime, deadline.Remaining()) : kRest * deadline.Remaining();
-    const double factor = time / taken;
+    // Portions never shrink: where other processes run, the clock tells more than the work.
+    const double factor =
+        portions.continues ? std::max(1.0, kPortionTime / taken) : kRest * deadline.Remaining() / taken;
     // Where no other call would follow this one, it gets all that is left.
     const bool is_last = !portions.continues && factor < portions.growth * portions.growth;
     const double next =
@@ -178,7 +178,7 @@ void SolveInPortions(const SiconosPortions& portions, const Deadline& deadline, 
       result->status = LcpStatus::kTimeLimit;
       return;
     }
-    portion = std::max<std::int64_t>(1, static_cast<std::int64_t>(next));
+    portion = static_cast<std::int64_t>(next);
   }
 }
 

@@ -40,7 +40,8 @@ class SiconosMatrix {
  protected:
   struct Variable {
     Index row = 0;      ///< of A; variables of one row follow each other in blocks
-    double factor = 1;  ///< 0: a dummy, coupled to nothing: M has 1 there, and q is 0
+    double factor = 1;  ///< 0: a dummy, coupled to nothing, where q is 0
+    double dummy = 1;   ///< what M has there
   };
 
   ~SiconosMatrix() { Clear(); }
