@@ -16,8 +16,9 @@ namespace {
 // Of the solvable records that a key takes (87) so many at least: what was measured, less a few.
 const std::map<std::string, int>& LeastRight() {
   static const std::map<std::string, int> least{
-      {"siconos-fc2d-nsgs", 80}, {"siconos-fc2d-cpg", 55},    {"siconos-fc2d-lemke", 76}, {"siconos-fc2d-enum", 70},
-      {"siconos-fc3d-nsgs", 65}, {"siconos-fc3d-nsn-ac", 50}, {"siconos-fc3d-admm", 55}};
+      {"siconos-fc2d-nsgs", 80}, {"siconos-fc2d-cpg", 55},  {"siconos-fc2d-lemke", 76},
+      {"siconos-fc2d-enum", 70}, {"siconos-fc3d-nsgs", 65}, {"siconos-fc3d-nsn-ac", 50},
+      {"siconos-fc3d-admm", 55}, {"pinocchio-admm", 40},    {"pinocchio-pgs", 50}};
   return least;
 }
 
@@ -55,7 +56,9 @@ TEST(FrictionPeers, AnswerTheRecordsOrRefuseByName) {
       }
       EXPECT_EQ(refusal, "");
       EXPECT_NE(result.status, LcpStatus::kInfeasible);
-      EXPECT_NE(result.status, LcpStatus::kIterationLimit) << "the time limit decides";
+      if (!key.starts_with("pinocchio")) {
+        EXPECT_NE(result.status, LcpStatus::kIterationLimit) << "the time limit decides";
+      }
       if (!record.is_solved()) continue;
       ++taken;
       if (Verify(record.problem(), result, 1e-6).passes) ++right;
@@ -67,7 +70,7 @@ TEST(FrictionPeers, AnswerTheRecordsOrRefuseByName) {
 // What is eliminated has w = 0 to rounding, whatever the library makes of the rest.
 TEST(FrictionPeers, JointsLeaveAndComeBack) {
   for (const auto& [key, least_right] : LeastRight()) {
-    if (!FindSolver(key).available) continue;
+    if (!FindSolver(key).available || key.starts_with("pinocchio")) continue;  // which iterates on joints
     const auto solver = MakeSolver(key);
     int joints = 0;
     for (const FrictionRecord& record : FrictionRecords()) {
