@@ -217,9 +217,10 @@ constexpr PeerEntry kPeers[] = {
     {kQuadprog, "quadprog-dual", "dual active set (Goldfarb, Idnani); QP in forces"},
     {kQuadprog, "quadprog-primal", "dual active set (Goldfarb, Idnani); QP in velocities"},
     {kDrake, "drake-moby", "Lemke's method with growing shifts (MobyLcpSolver)"},
-    {kPinocchio, "pinocchio-admm", "ADMM of its contact solvers", TierSettings{{1e-4, 1e-7, 1e-10}, 2e4, kFeasibility}},
-    {kPinocchio, "pinocchio-pgs", "projected Gauss-Seidel of its contact solvers",
-     TierSettings{{1e-4, 1e-7, 1e-10}, 1e6, kFeasibility}},
+    WithFriction(FrictionLaw::kSpatial, {kPinocchio, "pinocchio-admm", "ADMM of its contact solvers",
+                                         TierSettings{{1e-4, 1e-7, 1e-10}, 2e4, kFeasibility}}),
+    WithFriction(FrictionLaw::kSpatial, {kPinocchio, "pinocchio-pgs", "projected Gauss-Seidel of its contact solvers",
+                                         TierSettings{{1e-4, 1e-7, 1e-10}, 1e6, kFeasibility}}),
     {kPortfolio, "peer-portfolio", "Bullet's Dantzig, the same with cfm, ALGLIB's QuickQP, until an answer passes",
      TierSettings{{1e-3, 1e-6, 1e-9}, 0, kJudged}},
 };

@@ -7,6 +7,7 @@ library's own options alone. f are n numbers, or None.
 import importlib
 import importlib.metadata
 import math
+import time
 
 import numpy as np
 
@@ -279,41 +280,87 @@ class DrakeMoby(Adapter):
         return answer(FAILURE, 0, "Drake: " + str(result.get_solution_result()), f if np.all(np.isfinite(f)) else None)
 
 
+class Rows:
+    """What Pinocchio is given of a problem: A and b in its order of rows. Plain rows stay as they are. Of a problem with
+    friction each contact is a point contact in space, t, t', n: the second tangent, and both of a contact without
+    friction, are coupled to nothing and have no load, so that their forces are 0."""
+
+    def __init__(self, p, H, g):
+        self.bilateral = np.frombuffer(p["bilateral"], np.uint8) != 0
+        tangents = np.frombuffer(p["friction_row"], np.int32)
+        self.n, self.H, self.g, self.row, self.mu = g.size, H, g, None, None
+        if tangents.size == 0:
+            return
+        tangent_of = np.full(self.n, -1)
+        tangent_of[np.frombuffer(p["friction_normal"], np.int32)] = tangents
+        mu_of = np.zeros(self.n)
+        mu_of[np.frombuffer(p["friction_normal"], np.int32)] = numbers(p["friction_mu"])
+        is_normal = ~self.bilateral
+        is_normal[tangents] = False
+        normals, joints = np.flatnonzero(is_normal), np.flatnonzero(self.bilateral)
+        self.mu, has_tangent = mu_of[normals], tangent_of[normals] >= 0
+        first = np.where(has_tangent, tangent_of[normals], normals)
+        self.row = np.concatenate([np.stack([first, first, normals], axis=1).ravel(), joints])
+        factor = np.stack([has_tangent, np.zeros(normals.size), np.ones(normals.size)], axis=1).ravel()
+        self.factor = np.concatenate([factor, np.ones(joints.size)])
+        self.H = H[np.ix_(self.row, self.row)] * np.outer(self.factor, self.factor)
+        dummies = np.flatnonzero(self.factor == 0)
+        self.H[dummies, dummies] = H[self.row[dummies], self.row[dummies]]
+        self.g = g[self.row] * self.factor
+        self.bilateral = np.ones(joints.size, bool)
+
+    def key(self):
+        return (b"" if self.mu is None else self.mu.tobytes(), self.bilateral.tobytes())
+
+    def into(self, f):
+        return np.array(f) if self.row is None else np.asarray(f)[self.row] * self.factor
+
+    def out_of(self, x):
+        return x if self.row is None else np.bincount(self.row, x * self.factor, self.n)
+
+
 class Pinocchio(Adapter):
-    """Constraint solvers on a dense Delassus matrix. All rows are one friction of joints, whose forces have bounds: 0
-    and infinity where a row pushes, none where it is a joint; beside another set the Gauss-Seidel solver stops too
-    early. They stop where feasibility and complementarity are below absolute or relative tolerances, or at a limit of
-    iterations: they read no clock."""
+    """Constraint solvers on a dense Delassus matrix. Plain rows are one friction of joints, whose forces have bounds: 0
+    and infinity where a row pushes, none where it is a joint. They stop where feasibility and complementarity are below
+    absolute or relative tolerances, or at a limit of iterations: they read no clock."""
 
     def __init__(self, module, settings):
         super().__init__(module, settings)
         self.kept = {}
 
-    def constraint(self, bilateral):
+    def constraint(self, rows):
         """By a model of as many joints, of which nothing else is used: kept between problems with the same rows, as a
         user would keep it."""
-        key = bilateral.tobytes()
+        key = rows.key()
         if key not in self.kept:
             if len(self.kept) >= 1000:
                 self.kept.clear()
-            self.kept[key] = self.new_constraint(bilateral)
+            self.kept[key] = self.new_constraint(rows)
         return self.kept[key]
 
-    def new_constraint(self, bilateral):
+    def new_constraint(self, rows):
         pin = self.module
         model = pin.Model()
-        joints = pin.StdVec_Index()
-        for i in range(bilateral.size):
-            joints.append(model.addJoint(0, pin.JointModelPX(), pin.SE3.Identity(), str(i)))
-        friction = pin.JointFrictionConstraintModel(model, joints)
-        friction.setFrictionLowerLimit(np.where(bilateral, -LARGEST, 0.0))
-        friction.setFrictionUpperLimit(np.full(bilateral.size, LARGEST))
         models, states = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
-        models.append(pin.ConstraintModel(friction))
-        states.append(pin.ConstraintData(models[0].createData()))
+        if rows.mu is not None:
+            body = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "body")
+        joints = pin.StdVec_Index()
+        for i in range(rows.bilateral.size):
+            joints.append(model.addJoint(0, pin.JointModelPX(), pin.SE3.Identity(), str(i)))
+        for mu in rows.mu if rows.mu is not None else ():
+            contact = pin.PointContactConstraintModel(model, body)
+            contact.setFriction(float(mu))
+            models.append(pin.ConstraintModel(contact))
+        if rows.bilateral.size:
+            friction = pin.JointFrictionConstraintModel(model, joints)
+            friction.setFrictionLowerLimit(np.where(rows.bilateral, -LARGEST, 0.0))
+            friction.setFrictionUpperLimit(np.full(rows.bilateral.size, LARGEST))
+            models.append(pin.ConstraintModel(friction))
         state = model.createData()
         pin.forwardKinematics(model, state, pin.neutral(model))
-        models[0].calc(model, state, states[0])
+        for one in models:
+            states.append(pin.ConstraintData(one.createData()))
+            one.calc(model, state, states[len(states) - 1])
         return model, models, states
 
     def options(self, tuned):
@@ -321,8 +368,8 @@ class Pinocchio(Adapter):
 
     def solve(self, p, tolerance, time_limit, most):
         pin, q = self.module, Program(p)
-        bilateral = np.frombuffer(p["bilateral"], np.uint8) != 0
-        _, models, states = self.constraint(bilateral)
+        rows = Rows(p, q.H, q.g)
+        _, models, states = self.constraint(rows)
         solver, settings, result = self.options(tolerance > 0)
         if tolerance > 0:
             settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = tolerance
@@ -330,9 +377,14 @@ class Pinocchio(Adapter):
         if most > 0:
             settings.max_iterations = int(min(most, 2**31 - 1))
         if q.start is not None:
-            result.setConstraintImpulseGuess(np.array(q.start[0]))
-        done = solver.solve(pin.DelassusOperatorDense(q.H), q.g, models, states, settings, result)
-        return answer(SOLVED if done else ITERATION_LIMIT, result.iterations, "", result.retrieveConstraintImpulses())
+            result.setConstraintImpulseGuess(rows.into(q.start[0]))
+        matrix = pin.DelassusOperatorDense(rows.H)
+        call = lambda: solver.solve(matrix, rows.g, models, states, settings, result)
+        status, iterations = self.run(call, rows, len(models), settings, result, time_limit)
+        return answer(status, iterations, "", rows.out_of(result.retrieveConstraintImpulses()))
+
+    def run(self, call, rows, sets, settings, result, time_limit):
+        return (SOLVED if call() else ITERATION_LIMIT), result.iterations
 
 
 class PinocchioAdmm(Pinocchio):
@@ -346,12 +398,41 @@ class PinocchioAdmm(Pinocchio):
 
 
 class PinocchioPgs(Pinocchio):
+    """Beside another set its own measure ends the sweeps too early: it is that of one set. There sweeps are asked for in
+    growing numbers, until one more corrects no velocity by more than the tolerance times the largest of b, or the time
+    is over."""
+
     def options(self, tuned):
         pin = self.module
         settings = pin.PGSSolverSettings()
         if tuned:
             settings.over_relaxation = float(self.settings["over_relaxation"])
         return pin.PGSConstraintSolver(), settings, pin.PGSSolverResult()
+
+    def run(self, call, rows, sets, settings, result, time_limit):
+        if sets < 2:
+            return super().run(call, rows, sets, settings, result, time_limit)
+        tolerance = settings.absolute_feasibility_tol * np.abs(rows.g).max()
+        settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = 0.0
+        settings.relative_feasibility_tol = settings.relative_complementarity_tol = 0.0
+        most, done, portion, largest = settings.max_iterations, 0, 16, 1024
+        diagonal = np.diag(rows.H)
+        end = time.monotonic() + time_limit
+        while True:
+            settings.max_iterations = min(portion, most - done)
+            call()
+            before = np.array(result.retrieveConstraintImpulses())
+            result.setConstraintImpulseGuess(before)
+            settings.max_iterations = 1
+            call()
+            after = np.array(result.retrieveConstraintImpulses())
+            done += min(portion, most - done)
+            result.setConstraintImpulseGuess(after)
+            if np.max(diagonal * np.abs(after - before)) <= tolerance:
+                return SOLVED, done
+            if done >= most or time.monotonic() >= end:
+                return (ITERATION_LIMIT if done >= most else TIME_LIMIT), done
+            portion = min(2 * portion, largest)
 
 
 CLASSES = {"piqp": Piqp, "clarabel": Clarabel, "qpalm": Qpalm, "scs": Scs, "quadprog": Quadprog, "drake": DrakeMoby, "daqp": DaqpAvi,

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "solvers/friction/relaxed_rows.h"
 #include "solvers/peers/qp/quadratic_program.h"
 #include "support/input_error.h"
 #include "support/program_folder.h"
@@ -139,7 +140,10 @@ class PythonPeer : public QpPeer {
     solver_ = Own(PyObject_CallMethod(PeersModule(), "make", "sO", key_.c_str(), chosen.get()));
   }
 
+  bool TakesFriction() const override { return key_.starts_with("pinocchio"); }
+
   std::string WhyUnsupported(const LcpProblem& problem) const override {
+    if (const std::string why = WhyNotPlanar(problem); !why.empty()) return why;
     if (key_.starts_with("daqp-avi")) return "";
     if (key_ == "drake-moby") {
       return problem.bilateral_rows().empty() ? "" : "takes unilateral rows only";
@@ -148,6 +152,18 @@ class PythonPeer : public QpPeer {
   }
 
  protected:
+  void DoPrepare(const LcpProblem& problem) override {
+    QpPeer::DoPrepare(problem);
+    tangents_.clear();
+    normals_.clear();
+    mu_.clear();
+    for (const FrictionRow& tangent : problem.friction_rows()) {
+      tangents_.push_back(static_cast<int>(tangent.row));
+      normals_.push_back(static_cast<int>(tangent.normal));
+      mu_.push_back(tangent.mu);
+    }
+  }
+
   void Run(QuadraticProgram& qp, QpStart* start, const LcpOptions& options, const Deadline& deadline,
            LcpResult* result) override {
     const Object problem = Own(PyDict_New());
@@ -156,6 +172,9 @@ class PythonPeer : public QpPeer {
     Set(p, "rows", Own(PyLong_FromSsize_t(qp.rows())));
     Set(p, "primal", Own(PyBool_FromLong(qp.is_primal ? 1 : 0)));
     Set(p, "bilateral", View(qp.bilateral.data(), static_cast<Index>(qp.bilateral.size())));
+    Set(p, "friction_row", View(tangents_.data(), static_cast<Index>(tangents_.size())));
+    Set(p, "friction_normal", View(normals_.data(), static_cast<Index>(normals_.size())));
+    Set(p, "friction_mu", View(mu_.data(), static_cast<Index>(mu_.size())));
     Set(p, "g", View(qp.g.data(), qp.g.size()));
     Set(p, "x_lower", View(qp.x_lower.data(), qp.x_lower.size()));
     Set(p, "lower", View(qp.lower.data(), qp.lower.size()));
@@ -208,6 +227,8 @@ class PythonPeer : public QpPeer {
 
   std::string key_;
   Object solver_;
+  std::vector<int> tangents_, normals_;  // of the friction rows
+  std::vector<double> mu_;
 };
 
 }  // namespace

@@ -149,7 +149,7 @@ QpStart MakeStart(const LcpProblem& problem, const QuadraticProgram& qp, const E
   w = w.cwiseMax(0);
   start.x = f;
   for (Index row = 0; row < f.size(); ++row) {
-    if (problem.is_bilateral(row)) {
+    if (problem.kind(row) != RowKind::kUnilateral) {
       w[row] = 0;
     } else {
       start.x[row] = std::max(0.0, f[row]);

@@ -55,7 +55,9 @@ const std::map<std::string, Least>& LeastRight() {
                                                   {"proxqp-relaxed", {0, 74}},
                                                   {"piqp-relaxed", {0, 76}},
                                                   {"daqp-relaxed", {0, 78}},
-                                                  {"osqp-relaxed", {0, 75}}};
+                                                  {"osqp-relaxed", {0, 75}},
+                                                  {"pinocchio-admm", {40}},
+                                                  {"pinocchio-pgs", {50}}};
   return least;
 }
 
