@@ -91,8 +91,8 @@ void Parts(Io& io, Verdict& v) {
 
 template <typename Io>
 void Parts(Io& io, LcpResult& r) {
-  State(io, r.status, r.f, r.model, r.friction_bounds, r.iterations, r.detail, r.own_solve_s, r.own_convert_s, r.own_fresh_s, r.factor_s,
-        r.farkas_ray);
+  State(io, r.status, r.f, r.model, r.friction_bounds, r.iterations, r.detail, r.own_solve_s, r.own_convert_s,
+        r.own_fresh_s, r.factor_s, r.farkas_ray);
 }
 
 template <typename Io, typename T>

@@ -134,7 +134,8 @@ It passes tier T where f is finite, rho <= T and backward_error <= sqrt(T).)")
       .def_ro("false_infeasible", &Verdict::false_infeasible, "Claimed infeasible without an accepted ray.")
       .def_prop_ro(
           "model_rho", [](const Verdict& v) { return Measured(v.model_rho); },
-          nb::sig("def model_rho(self) -> float | None"), "Of an answer that obeys another law than Coulomb's: the residual in that.")
+          nb::sig("def model_rho(self) -> float | None"),
+          "Of an answer that obeys another law than Coulomb's: the residual in that.")
       .def_ro("ray", &Verdict::farkas, "Of a result with a ray, what that is worth.")
       .def_ro("reason", &Verdict::reason, "Why it does not pass.")
       .def("__repr__", [](const Verdict& v) {

@@ -25,10 +25,10 @@ const std::map<std::string, Least>& LeastRight() {
   static const std::map<std::string, Least> least{{"siconos-fc2d-nsgs", {80}},
                                                   {"siconos-fc2d-cpg", {55}},
                                                   {"siconos-fc2d-lemke", {76}},
-                                                  {"siconos-fc2d-enum", {70}},
-                                                  {"siconos-fc3d-nsgs", {65}},
-                                                  {"siconos-fc3d-nsn-ac", {50}},
-                                                  {"siconos-fc3d-admm", {55}},
+                                                  {"siconos-fc2d-enum", {75}},
+                                                  {"siconos-fc3d-nsgs", {80}},
+                                                  {"siconos-fc3d-nsn-ac", {78}},
+                                                  {"siconos-fc3d-admm", {76}},
                                                   {"ode-dantzig", {30, 80}},
                                                   {"ode-dantzig-cfm", {25, 80}},
                                                   {"ode-dantzig-native", {30, 80}},
@@ -47,11 +47,11 @@ const std::map<std::string, Least>& LeastRight() {
                                                   {"petsc-rsls-direct-friction", {73}},
                                                   {"petsc-ssls-direct-friction", {71}},
                                                   {"tao-asfls-friction", {68}},
-                                                  {"ode-dantzig-loop", {1}},
-                                                  {"bullet-dantzig-loop", {1}},
-                                                  {"dart-dantzig-loop", {1}},
-                                                  {"mujoco-newton-relaxed", {0, 1}},
-                                                  {"mujoco-cg-relaxed", {0, 1}},
+                                                  {"ode-dantzig-loop", {76}},
+                                                  {"bullet-dantzig-loop", {73}},
+                                                  {"dart-dantzig-loop", {73}},
+                                                  {"mujoco-newton-relaxed", {0, 58}},
+                                                  {"mujoco-cg-relaxed", {0, 62}},
                                                   {"proxqp-relaxed", {0, 74}},
                                                   {"piqp-relaxed", {0, 76}},
                                                   {"daqp-relaxed", {0, 78}},
@@ -108,7 +108,8 @@ TEST(FrictionPeers, AnswerTheRecordsOrRefuseByName) {
       const std::string refusal = ExpectedRefusal(peer, record.problem());
       if (result.detail == "more than 6 contacts") continue;
       if (result.status == LcpStatus::kUnsupported) {
-        const bool is_of_bodies = key == "bullet-si" && !record.problem().has_two_body_rows();
+        const bool is_of_bodies = (key == "bullet-si" && !record.problem().has_two_body_rows()) ||
+                                  (key.starts_with("mujoco") && !record.problem().has_factors());
         EXPECT_TRUE(is_of_bodies || (!refusal.empty() && result.detail == refusal)) << result.detail;
         continue;
       }
@@ -126,7 +127,6 @@ TEST(FrictionPeers, AnswerTheRecordsOrRefuseByName) {
       right += static_cast<int>(verdict.passes);
       by_own_law += static_cast<int>(obeys);
     }
-    std::fprintf(stderr, "COUNT %s %d %d of %d\n", key.c_str(), right, by_own_law, taken);
     EXPECT_GE(right, least.right) << key << " of " << taken;
     EXPECT_GE(by_own_law, least.by_own_law) << key << " of " << taken;
   }
