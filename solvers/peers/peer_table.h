@@ -64,7 +64,7 @@ struct PeerEntry {
   MethodClass method_class = MethodClass::kDenseMatrix;
   /// So many sweeps whatever is asked for, as its users run it.
   bool fixed_effort = false;
-  FrictionLaw law = FrictionLaw::kNone;
+  FrictionLaw law = FrictionLaw::kNone;  ///< that its answers obey
   /// Other than kNone: the solver `within` is given what the transformation makes of a problem, and no plain ones.
   Transformation transformation = Transformation::kNone;
   std::string_view within = {};  ///< the key of another entry of the project
