@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <iostream>
 #include <span>
 #include <string>
@@ -63,23 +64,11 @@ std::string StopsBy(const PeerEntry& peer) {
   return std::string(found->tiers->bounds);  // AllPeers made its -default of it
 }
 
-// "" of solvers that take no friction rows.
 std::string_view InWords(FrictionLaw law) {
-  switch (law) {
-    case FrictionLaw::kNone:
-      return "";
-    case FrictionLaw::kCoulomb:
-      return "Coulomb";
-    case FrictionLaw::kSpatial:
-      return "Coulomb, in space";
-    case FrictionLaw::kSweptBounds:
-      return "swept bounds";
-    case FrictionLaw::kFrozenBounds:
-      return "frozen bounds";
-    case FrictionLaw::kRelaxation:
-      return "relaxed";
-  }
-  return "";
+  // In the order of FrictionLaw; "" of solvers that take no friction rows.
+  constexpr std::array<std::string_view, 6> kLaws = {
+      "", "Coulomb", "Coulomb, in space", "swept bounds", "frozen bounds", "relaxed"};
+  return kLaws.at(static_cast<std::size_t>(law));
 }
 
 FrictionLaw LawOfOwn(const SolverEntry& entry) {

@@ -68,7 +68,7 @@ class DantzigPeer : public LcpSolver {
   void Assemble(const ProblemView& given);
   /// On A_ as assembled.
   void Run(const ProblemView& given, const LcpOptions& options, LcpResult* result);
-  /// Of friction and bounded rows.
+  /// Sets the bounds of friction and bounded rows.
   void SetBounds(const ProblemView& given);
   void TakeBounds(const ProblemView& given, LcpResult* result) const;
 

@@ -36,7 +36,7 @@ Settings ParseSettings(int argc, char** argv) {
 
 constexpr double kShift = 1e-9;  // what the engines' users take
 
-// Of the tolerance: the relaxed problem is solved as the next tier is.
+// The relaxed problem gets this part of the tolerance, because the tier measures by other loads.
 constexpr double kOfRelaxed = 0.1;
 
 std::unique_ptr<LcpSolver> Transformed(Transformation transformation, const WithinOptions& options) {

@@ -128,8 +128,10 @@ class SolverTest : public testing::TestWithParam<SolverEntry> {
         EXPECT_TRUE(is_named || result.detail.find("bodies") != std::string::npos) << result.detail;
       } else {
         const Verdict verdict = Verify(problem, result, 1e-6);
-        if (!GetParam().library_defaults) {  // whose tolerance is another
-          EXPECT_EQ(result.status, LcpStatus::kSolved) << result.detail;
+        const bool is_solved = result.status == LcpStatus::kSolved;
+        // Peers may fail, if they say so, and their defaults have another tolerance.
+        EXPECT_TRUE(is_solved || GetParam().origin == SolverOrigin::kPeer) << result.detail;
+        if (is_solved && !GetParam().library_defaults) {
           EXPECT_FALSE(verdict.false_success) << verdict.reason;
           EXPECT_TRUE(verdict.passes || (verdict.model_rho >= 0 && verdict.model_rho <= 1e-6)) << verdict.reason;
         }

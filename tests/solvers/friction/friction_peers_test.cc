@@ -15,8 +15,8 @@
 namespace lcpbench {
 namespace {
 
-// Of the solvable records that a key takes so many at least are right by Coulomb's law, and by a law of its own: what
-// was measured, less a few.
+// The least number of solvable records on which a key is right by Coulomb's law, and by a law of its own: what was
+// measured, less a few.
 struct Least {
   int right = 0;
   int by_own_law = 0;
