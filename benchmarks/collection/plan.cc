@@ -223,6 +223,12 @@ Tier Recorded() {
 // ----- with friction
 
 constexpr const char* kFrictionVersion = "4.0.0";
+
+Tier OfFriction(Tier tier) {
+  tier.has_friction = true;
+  tier.version = kFrictionVersion;
+  return tier;
+}
 const std::initializer_list<double> kFrictions = {0.1, 0.3, 0.6, 1};
 
 // Families without friction get it on every contact, which doubles their rows; the others have their own, drawn about
@@ -233,10 +239,9 @@ void AddFrictionGrid(const Scenes& scenes, std::initializer_list<int> contacts, 
 }
 
 Tier FrictionEngine() {
-  Tier tier{"friction-engine", "One to three contacts with friction, as a physics engine's islands mostly are.", true,
-            true};
-  tier.version = kFrictionVersion;
-  tier.has_friction = true;
+  Tier tier =
+      OfFriction({"friction-engine", "One to three contacts with friction, as a physics engine's islands mostly are.",
+                  true, true});
   // The least sizes of two families have joints and no contact.
   Scenes scenes = EveryScene();
   std::erase(scenes, "oval-train");
@@ -254,12 +259,11 @@ Tier FrictionEngine() {
 }
 
 Tier WithFriction() {
-  Tier tier{"friction",
-            "What solvers of Coulomb's law are compared on: all families, with and without thresholds of their own, at "
-            "4 to 10^4 rows.",
-            true, true};
-  tier.version = kFrictionVersion;
-  tier.has_friction = true;
+  Tier tier = OfFriction(
+      {"friction",
+       "What solvers of Coulomb's law are compared on: all families, with and without thresholds of their own, at "
+       "4 to 10^4 rows.",
+       true, true});
   AddFrictionGrid(EveryScene(), {4, 10, 25, 64}, kFrictions, &tier);
   AddFrictionGrid(EveryScene(), {160}, {0.3}, &tier);
   for (const SceneFamily& scene : FrictionScenes()) {
@@ -278,29 +282,25 @@ Tier WithFriction() {
 }
 
 Tier FrictionRecorded() {
-  Tier tier{"friction-recorded",
-            "What physics engines met in scenes of their own, with their coefficients of friction: whole scenes, and "
-            "islands of 2 rows or more. In space friction has two tangents.",
-            true, true};
-  tier.version = kFrictionVersion;
-  tier.has_friction = true;
+  Tier tier = OfFriction(
+      {"friction-recorded",
+       "What physics engines met in scenes of their own, with their coefficients of friction: whole scenes, and "
+       "islands of 2 rows or more. In space friction has two tangents.",
+       true, true});
   tier.recordings = RecordedShare{RecordedLevel::kFriction, 3, 120};
   return tier;
 }
 
 Tier FrictionLiterature() {
-  Tier tier{"friction-literature", "Problems with friction that others published.", false, true};
-  tier.version = kFrictionVersion;
-  tier.has_friction = true;
+  Tier tier = OfFriction({"friction-literature", "Problems with friction that others published.", false, true});
   tier.has_literals = true;
   return tier;
 }
 
 Tier FrictionPathological() {
-  Tier tier{"friction-pathological",
-            "Problems with friction that are meant to break something, each of which says what.", false, true};
-  tier.version = kFrictionVersion;
-  tier.has_friction = true;
+  Tier tier =
+      OfFriction({"friction-pathological",
+                  "Problems with friction that are meant to break something, each of which says what.", false, true});
   tier.has_literals = true;
   const auto add = [&tier](const Scenes& scenes, std::initializer_list<int> contacts, double mu,
                            const std::vector<Change>& changes, std::string_view purpose) {
@@ -332,11 +332,9 @@ Tier FrictionPathological() {
 }
 
 Tier Painleve() {
-  Tier tier{"painleve",
-            "Accelerations of contacts that slide, stick or roll: problems with no, one or several solutions.", false,
-            true};
-  tier.version = kFrictionVersion;
-  tier.has_friction = true;
+  Tier tier = OfFriction(
+      {"painleve", "Accelerations of contacts that slide, stick or roll: problems with no, one or several solutions.",
+       false, true});
   tier.has_literals = true;
   return tier;
 }
