@@ -301,6 +301,7 @@ SolverEntry EntryOf(const PeerEntry& peer) {
   entry.library_defaults = peer.has_library_defaults();
   entry.takes_friction = peer.takes_friction();
   entry.takes_bounded = peer.takes_bounded();
+  entry.law = ToString(peer.law);
   entry.takes_plain = peer.transformation == Transformation::kNone;
   if (!entry.available) return entry;
   entry.make = [&peer](const Settings& settings) {
@@ -322,6 +323,11 @@ std::string_view PresentKey(std::string_view key) {
 std::vector<SolverEntry>& Solvers() {
   static std::vector<SolverEntry> solvers = [] {
     std::vector<SolverEntry> all = OwnSolvers();
+    for (SolverEntry& own : all) {
+      if (own.takes_friction) {
+        own.law = ToString(own.key == "relaxation" ? FrictionLaw::kRelaxation : FrictionLaw::kCoulomb);
+      }
+    }
     for (const PeerEntry& peer : AllPeers()) all.push_back(EntryOf(peer));
     return all;
   }();
@@ -410,6 +416,7 @@ void RegisterSolverVariant(const std::string& key, const std::string& base, cons
     entry.uses_tolerance = true;
     entry.library_defaults = false;
     entry.takes_friction = entry.takes_bounded = false;  // the check is that of plain rows
+    entry.law = {};
   }
   entry.base = entry.base.empty() ? entry.key : entry.base;
   entry.key = key;
@@ -488,6 +495,7 @@ void RegisterExternalSolver(const std::string& key, const std::vector<std::strin
       entry.uses_tolerance = found->uses_tolerance;
       entry.takes_friction = found->takes_friction;
       entry.takes_bounded = found->takes_bounded;
+      entry.law = found->law;
       entry.takes_plain = found->takes_plain;
       entry.method_class = found->method_class;
       entry.base = found->key;

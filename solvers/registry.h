@@ -46,6 +46,9 @@ struct SolverEntry {
   /// LcpSolver::TakesFriction and TakesBounded: what problems campaigns give it.
   bool takes_friction = false;
   bool takes_bounded = false;  ///< see takes_friction
+  /// Of friction, that its answers obey, in words: "Coulomb", "relaxed", ... (FrictionLaw); "" where it takes none, and
+  /// where only a user's command knows.
+  std::string_view law = {};
   /// False of a method made for friction: campaigns give it no plain problem.
   bool takes_plain = true;
   /// What limits its size (SizeLimitOf).

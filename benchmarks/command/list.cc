@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <iostream>
 #include <span>
 #include <string>
@@ -64,18 +63,6 @@ std::string StopsBy(const PeerEntry& peer) {
   return std::string(found->tiers->bounds);  // AllPeers made its -default of it
 }
 
-std::string_view InWords(FrictionLaw law) {
-  // In the order of FrictionLaw; "" of solvers that take no friction rows.
-  constexpr std::array<std::string_view, 6> kLaws = {
-      "", "Coulomb", "Coulomb, in space", "swept bounds", "frozen bounds", "relaxed"};
-  return kLaws.at(static_cast<std::size_t>(law));
-}
-
-FrictionLaw LawOfOwn(const SolverEntry& entry) {
-  if (entry.key == "relaxation") return FrictionLaw::kRelaxation;
-  return entry.takes_friction ? FrictionLaw::kCoulomb : FrictionLaw::kNone;
-}
-
 // All solvers as report/ and docs/ read them (report/lcpbench_report/peers.json): `own` [{`key, method, tolerance` (as
 // SolverEntry::tolerance) `, law` (of friction, in words)}], `peers` [{`key, library, method, licence, route`
 // ("compiled" or "python") `, tolerance, tolerances` (for the tiers 1e-3, 1e-6, 1e-9; null where it follows none) `,
@@ -89,7 +76,7 @@ void PrintPeers() {
     own.push_back({{"key", entry.key},
                    {"method", entry.method},
                    {"tolerance", entry.tolerance()},
-                   {"law", InWords(LawOfOwn(entry))}});
+                   {"law", entry.law}});
   }
   nlohmann::ordered_json peers = nlohmann::ordered_json::array();
   for (const PeerEntry& peer : AllPeers()) {
@@ -102,7 +89,7 @@ void PrintPeers() {
     entry["tolerances"] = nullptr;
     if (peer.tiers) entry["tolerances"] = peer.tiers->tolerances;
     entry["stops"] = StopsBy(peer);
-    entry["law"] = InWords(peer.law);
+    entry["law"] = ToString(peer.law);
     if (!peer.within.empty()) entry["within"] = peer.within;
     peers.push_back(entry);
   }

@@ -109,6 +109,8 @@ struct Recommend {
     all_.least_rows = static_cast<double>(smallest->problem.size());
     all_.most_rows = static_cast<double>(largest->problem.size());
     all_.rows_are_known = problems.rows_are_known;
+    all_.has_friction = std::ranges::any_of(
+        problems.steps, [](const SequenceStep& step) { return !step.problem.friction_rows().empty(); });
     all_.request.by_tail = all_.problems > 1;
     all_.step_sizes = FindStepSizes(problems.steps);
     all_.rounds = race.rounds;

@@ -14,6 +14,7 @@
 #include "benchmarks/measure/budget_clock.h"
 #include "benchmarks/measure/progress.h"
 #include "model/contact/loads.h"
+#include "model/motion/contact_finder.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "support/csv.h"
@@ -55,8 +56,9 @@ double EnergyOfLoads(const std::vector<Body>& bodies, double h) {
 
 /// The reference motion at the multiples of the scene's step.
 struct Reference {
-  std::vector<Instant> instants;
+  std::vector<Instant> instants = {};
   double scale = 0;  ///< MotionStudy's of energies [J]
+  double width = 0;  ///< of the thinnest movable body; 0: none has an outline [m]
 };
 
 constexpr const char* kCold = "cold";
@@ -66,6 +68,7 @@ struct Sample {
   const MotionStudy& study;
   const MotionOutcome& outcome;
   double energy = 0;
+  double width = 0;  ///< Reference's
   const WorstFigures& since_last;
 };
 
@@ -89,6 +92,7 @@ constexpr Column kColumns[] = {
     {"penetration", [](const Sample& s) { return Csv::Cell(s.since_last.penetration); }},
     {"joint_error", [](const Sample& s) { return Csv::Cell(s.since_last.joint_error); }},
     {"distance", [](const Sample& s) { return Csv::Cell(s.since_last.distance); }},
+    {"width", [](const Sample& s) { return Csv::Cell(s.width); }},
     {"rho", [](const Sample& s) { return Csv::Cell(s.since_last.rho); }},
     {"lost_gap", [](const Sample& s) { return Csv::Cell(s.since_last.lost_gap); }},
     {"creep", [](const Sample& s) { return Csv::Cell(s.outcome.creep); }},
@@ -141,7 +145,7 @@ class Study {
     constexpr double kPatience = 3;  // without it nothing can be compared
     const std::unique_ptr<LcpSolver> solver = MakeSolver(kDrivingSolver);
     const std::unique_ptr<Motion> motion = Start(scene, kReferenceTolerance, {}, solver.get());
-    Reference reference;
+    Reference reference{.width = ContactFinder(scene.world).least_width()};
     const auto note = [&] {
       reference.instants.push_back(InstantOf(motion->world()));
       reference.scale = std::max(reference.scale, KineticEnergy(motion->world().bodies));
@@ -173,7 +177,7 @@ class Study {
     const int interval = std::max(1, study_.steps / kSamples);
     WorstFigures since_last{.energy_error = 0, .distance = 0};  // at the start
     const auto write = [&](double energy) {
-      const Sample sample{study_, outcome, energy, since_last};
+      const Sample sample{study_, outcome, energy, reference.width, since_last};
       csv_.Row(Row([&](const Column& column) { return column.cell(sample); }));
       since_last = {};
     };

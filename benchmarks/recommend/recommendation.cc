@@ -31,9 +31,15 @@ std::string Rounded(double value) {
 
 std::string ErrorText(double value) { return std::isfinite(value) ? FormatNumber(value, "%.1e") : "-"; }
 
+std::string LawOf(const Assessment& each) { return std::string(FindSolver(each.measured.solver).law); }
+
+std::string LawNote(const Recommendation& all, const Assessment& each) {
+  return all.has_friction && !LawOf(each).empty() ? " (law of friction: " + LawOf(each) + ")" : "";
+}
+
 std::string Evidence(const Recommendation& all, const Assessment& each) {
   const char* start = !all.rows_are_known ? "" : each.measured.warm ? ", warm starts" : ", cold starts";
-  std::string text = each.measured.solver + start + ": " + TimeText(each.p50_s) + " median, " + TimeText(each.p99_s) +
+  std::string text = each.measured.solver + LawNote(all, each) + start + ": " + TimeText(each.p50_s) + " median, " + TimeText(each.p99_s) +
                      " p99, rho " + ErrorText(each.measured.rho);
   if (all.request.deadline_s) text += ", in time " + ShortText(100 * each.in_time) + " %";
   if (each.measured.proofs > 0) {
@@ -62,6 +68,7 @@ std::string Table(const Recommendation& all) {
   std::vector<std::vector<std::string>> rows = {{"solver", "start", "passes", "median", "p99", "max"}};
   if (all.request.deadline_s) rows.front().emplace_back("in time");
   for (const char* heading : {"verified", "rho", ""}) rows.front().emplace_back(heading);
+  if (all.has_friction) rows.front().insert(rows.front().begin() + 1, "law");
   for (const Assessment& each : all.ranked) {
     const Measurement& measured = each.measured;
     std::vector<std::string> row = {measured.solver,
@@ -74,6 +81,7 @@ std::string Table(const Recommendation& all) {
     row.push_back(ShortText(100 * each.verified) + " %");
     row.push_back(ErrorText(measured.rho));
     row.push_back(each.shortcoming.empty() ? measured.dropped : each.shortcoming);
+    if (all.has_friction) row.insert(row.begin() + 1, LawOf(each));
     rows.push_back(row);
   }
   return FormatTable(rows);
@@ -223,6 +231,7 @@ nlohmann::ordered_json DescribeRecommendation(const Recommendation& all) {
     Json tiers = Json::array();
     for (const auto& [tier, passed] : measured.passed) tiers.push_back({{"tier", tier}, {"passed", passed}});
     json["ranked"].push_back({{"solver", measured.solver},
+                              {"law", LawOf(each)},
                               {"start", measured.warm ? "warm" : "cold"},
                               {"passes", measured.passes},
                               {"meets", each.meets},

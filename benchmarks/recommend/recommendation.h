@@ -37,6 +37,7 @@ struct Recommendation {
   double least_rows = 0;
   double most_rows = 0;
   bool rows_are_known = false;  ///< so that solvers also ran from warm starts
+  bool has_friction = false;    ///< so that it matters which law a solver answers for (SolverEntry::law)
   int samples = 0;              ///< solves of a pass
   int rounds = 0;
   double budget_s = 0;

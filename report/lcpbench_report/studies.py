@@ -16,9 +16,10 @@ MOTION_COLUMNS = {
     "joint_error": "number?", "distance": "number?", "rho": "number?", "solve_time_s": "number", "solves": "integer",
     "failed": "integer", "not_passed": "integer", "false_successes": "integer", "stopped": "text?",
     "lost_gap": "number?", "creep": "number?", "created": "number?", "max_iterations": "integer", "start": "text",
+    "width": "number?",
 }
 # Columns that files of earlier versions lack -> what their cells would be.
-_LATER = {"lost_gap": "", "creep": "", "created": "", "max_iterations": "0", "start": "warm"}
+_LATER = {"lost_gap": "", "creep": "", "created": "", "max_iterations": "0", "start": "warm", "width": ""}
 DRIVER = "driver"  # a column that is made here: how the command names solver, max_iterations and start
 MASS_RATIO, REGULARIZATION, SWEEPS, PRECISION = "mass-ratio", "regularization", "sweeps", "precision"
 # Curve -> columns of its file, <curve>.csv.

@@ -2,7 +2,7 @@
 
 import math
 
-from . import choice, shown_tables
+from . import choice, peers as peer_facts, shown_tables, studies
 from .choice import main_tier
 from .headline_table import Headline, headline, verdicts
 from .inputs import Inputs
@@ -21,7 +21,8 @@ def summary_lines(inputs: Inputs) -> list[str]:
     """Plain text; solver keys in backticks."""
     of_cells = (_what, lambda of: peers(headline(of)), _coverage, false_successes, _fastest, _by_size, origins,
                 _accuracy, _robustness, friction)
-    rules = (*of_cells, _sequences, _motion, _scaling) if len(inputs.cells) else (_sequences, _motion)
+    of_motions = (_sequences, _motion, friction_motion)
+    rules = (*of_cells, *of_motions, _scaling) if len(inputs.cells) else of_motions
     return [line for rule in rules if (line := rule(inputs))][:MOST_LINES]
 
 
@@ -165,6 +166,31 @@ def _motion(inputs: Inputs) -> str:
         if len(rows):
             parts.append((words, (rows["stopped"] == "").sum(), len(rows), errors["energy_error"]))
     return say("motion", parts=parts, strict=strict)
+
+
+def friction_motion(inputs: Inputs) -> str:
+    """What one percent of error costs: the drivers that keep every body within 1 % of the thinnest one's width of the
+    reference motion, and the sweeps that this takes."""
+    table = inputs.friction_motion
+    if table is None or table["width"].isna().any():
+        return ""
+    warm = table[table["start"] == "warm"].assign(off=table["distance"] / table["width"])
+    runs = warm.groupby(["scene", studies.DRIVER, "tolerance"], sort=False).agg(solver=("solver", "last"), sweeps=("max_iterations", "last"), off=("off", "max"), steps=("step", "max"),
+                    time=("solve_time_s", "last"), stopped=("stopped", "last")).reset_index()
+    runs["time"] /= runs["steps"].clip(lower=1)
+    runs["near"] = (runs["off"] <= 0.01) & (runs["stopped"] == "")
+    # The number of sweeps is the study's, or part of the key.
+    in_key = runs["solver"].str.extract(r"^(.*)-(\d+)$")
+    runs["code"] = in_key[0].fillna(runs["solver"])
+    runs["sweeps"] = in_key[1].astype(float).fillna(runs["sweeps"])
+    to_the_end = [(of, part) for of, part in runs[runs["sweeps"] == 0].groupby([studies.DRIVER, "tolerance"], sort=False)]
+    swept = []
+    for code, part in runs[runs["sweeps"] > 0].groupby("code", sort=False):
+        least = part[part["near"]].sort_values("sweeps").groupby("scene", sort=False).first()
+        needs = [(sweeps, of) for sweeps, of in least.groupby("sweeps")]
+        swept.append((code, needs, [of for of in part["scene"].unique() if of not in least.index], part["sweeps"].max()))
+    return say("friction_motion", scenes=runs["scene"].nunique(), steps=table["step"].max(), to_the_end=to_the_end, swept=swept,
+               law=peer_facts.law)
 
 
 def _scaling(inputs: Inputs) -> str:

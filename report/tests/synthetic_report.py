@@ -87,7 +87,7 @@ def write_friction_motion(folder: Path) -> Path:
         for step in range(20):
             rows.append(_moved(scene, solver, 1e-6, step) | {
                 "joint_error": math.nan, "distance": creep * step, "rho": creep, "lost_gap": creep / 10 if step else math.nan,
-                "creep": creep * step if step else math.nan, "created": 0.0, "max_iterations": limit, "start": start})
+                "creep": creep * step if step else math.nan, "created": 0.0, "max_iterations": limit, "start": start, "width": 1.0})
     pd.DataFrame(rows, columns=list(studies.MOTION_COLUMNS)).to_csv(folder / studies.MOTION_FILE, index=False)
     return folder
 

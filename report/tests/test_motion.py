@@ -1,6 +1,8 @@
 """What motion.csv says, in words."""
 
-from lcpbench_report import shown_tables, studies
+from types import SimpleNamespace
+
+from lcpbench_report import shown_tables, studies, summary
 from lcpbench_report.errors import ReportError
 from .cases import FolderCase
 from .synthetic_report import LEVEL, SCENE, SLIPPING, write_friction_motion, write_motion
@@ -28,6 +30,16 @@ class Motion(FolderCase):
             self.assertEqual([row["solver"] for row in rows], ["`auto`", "`pgs@10`", "`pgs@10@cold`"])
             self.assertEqual([row["creep [m]"] for row in rows], ["0", "1.9e-2", "1.9e-1"])
             self.assertEqual([row["lost gap [m]"] for row in rows], ["0", "1.0e-4", "1.0e-3"])
+
+    def test_one_percent_of_error_is_a_share_of_a_bodys_width(self):
+        motion = studies.read_motion(write_friction_motion(self.folder / "slipping"))
+        # The worst distance is 1.9 % of a width in both scenes, and 0.95 % in one of bodies that are twice as wide.
+        for widths, words in (((1, 1), "needs more than 10 in "), ((1, 2), "needs 10 sweeps in "), ((2, 2), "needs 10 sweeps in ")):
+            table = motion.assign(width=motion["scene"].map(dict(zip(SLIPPING, widths))))
+            sentence = " ".join(summary.friction_motion(SimpleNamespace(friction_motion=table)).split())
+            self.assertIn("`auto` (Coulomb) at 1e-6 in 2,", sentence)
+            self.assertIn("`pgs` (Coulomb) " + words, sentence)
+            self.assertEqual("more than 10 in" in sentence, 1 in widths)
 
     def test_a_scene_is_in_one_folder(self):
         with self.assertRaisesRegex(ReportError, "scene 'disc-pile' is in another folder too"):

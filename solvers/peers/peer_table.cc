@@ -306,6 +306,13 @@ const TierSettings& TiersOf(std::string_view key) {
 
 }  // namespace
 
+std::string_view ToString(FrictionLaw law) {
+  // In the order of FrictionLaw.
+  constexpr std::array<std::string_view, 6> kLaws = {
+      "", "Coulomb", "Coulomb, in space", "swept bounds", "frozen bounds", "relaxed"};
+  return kLaws.at(static_cast<std::size_t>(law));
+}
+
 std::span<const PeerEntry> AllPeers() {
   static const std::vector<PeerEntry> peers = WithDefaults();
   return peers;

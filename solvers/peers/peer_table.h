@@ -43,6 +43,8 @@ enum class FrictionLaw {
   kFrozenBounds,  ///< bounds from the normal forces without friction, computed once
   kRelaxation,    ///< the associated law
 };
+/// In words: "Coulomb", "frozen bounds", ...; "" for kNone.
+std::string_view ToString(FrictionLaw law);
 
 /// How a problem with friction is given to a solver that knows none, in the worker and on the clock.
 enum class Transformation {

@@ -132,7 +132,10 @@ TEST_F(FrictionCommand, SolveNamesWhatIsRefusedAndJudgesARelaxedAnswerTwice) {
 TEST_F(FrictionCommand, OnlyWhoTakesTheRowsRaces) {
   Write("first.jsonl", Lines(ReadFile(kOracle)).front());
   const Json race = Answer("recommend --json --rounds 1 --budget 60 " + Path("first.jsonl"));
-  for (const Json& ranked : race["ranked"]) EXPECT_TRUE(FindSolver(ranked["solver"].get<std::string>()).takes_friction);
+  for (const Json& ranked : race["ranked"]) {
+    EXPECT_TRUE(FindSolver(ranked["solver"].get<std::string>()).takes_friction);
+    EXPECT_EQ(ranked["law"], ranked["solver"] == "relaxation" ? "relaxed" : "Coulomb");
+  }
   EXPECT_FALSE(race["ranked"].empty());
   for (const Json& left : race["not_tried"]) {
     const SolverEntry& solver = FindSolver(left["solver"].get<std::string>());
