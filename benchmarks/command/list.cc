@@ -73,10 +73,7 @@ void PrintPeers() {
   nlohmann::ordered_json own = nlohmann::ordered_json::array();
   for (const SolverEntry& entry : AllSolvers()) {
     if (entry.origin != SolverOrigin::kOwn) continue;
-    own.push_back({{"key", entry.key},
-                   {"method", entry.method},
-                   {"tolerance", entry.tolerance()},
-                   {"law", entry.law}});
+    own.push_back({{"key", entry.key}, {"method", entry.method}, {"tolerance", entry.tolerance()}, {"law", entry.law}});
   }
   nlohmann::ordered_json peers = nlohmann::ordered_json::array();
   for (const PeerEntry& peer : AllPeers()) {

@@ -39,8 +39,8 @@ std::string LawNote(const Recommendation& all, const Assessment& each) {
 
 std::string Evidence(const Recommendation& all, const Assessment& each) {
   const char* start = !all.rows_are_known ? "" : each.measured.warm ? ", warm starts" : ", cold starts";
-  std::string text = each.measured.solver + LawNote(all, each) + start + ": " + TimeText(each.p50_s) + " median, " + TimeText(each.p99_s) +
-                     " p99, rho " + ErrorText(each.measured.rho);
+  std::string text = each.measured.solver + LawNote(all, each) + start + ": " + TimeText(each.p50_s) + " median, " +
+                     TimeText(each.p99_s) + " p99, rho " + ErrorText(each.measured.rho);
   if (all.request.deadline_s) text += ", in time " + ShortText(100 * each.in_time) + " %";
   if (each.measured.proofs > 0) {
     text += ", shows that " + std::to_string(each.measured.proofs) + " of " +

@@ -56,6 +56,7 @@ constexpr double kFineTolerance = 1e-7, kLooseTolerance = 1e-4;
 constexpr double kSweepsPerRoot = 40, kFirstSweepsPerRoot = 6;
 constexpr std::int64_t kLastSweeps = 20000;
 constexpr int kRoundsOfShift = 4;
+constexpr std::int64_t kStepsOfPath = 2000;
 
 bool IsLargeIsland(const Facts& facts) { return facts.has_problem && facts.rows >= kLargeIsland; }
 std::int64_t SweepsOfLargeIsland(const Facts& facts, double per_root) {
@@ -70,7 +71,7 @@ static_assert(Facts::IsNarrow(45) && !Facts::IsNarrow(46) && Facts::kMostRowsInO
               kMostFactorizationsOfBpp == 24 && kContactsOfModes == 16 && kContactsOfAllModes == 3 &&
               kContactsOfLemke == 128 && kLargeIsland == 129 && kFineTolerance == 1e-7 && kLooseTolerance == 1e-4 &&
               kSweepsPerRoot == 40 && kFirstSweepsPerRoot == 6 && kRoundsOfShift == 4 && kLastSweeps == 20000 &&
-              kMostContactsOfExact == 8 && Facts::kLeastRowsOfHybridNncg == 500 &&
+              kStepsOfPath == 2000 && kMostContactsOfExact == 8 && Facts::kLeastRowsOfHybridNncg == 500 &&
               HybridOptions{}.most_iterations == 600);
 
 using enum AutoStage;
@@ -108,6 +109,10 @@ constexpr std::array kRules = {
                return facts.tolerance >= kLooseTolerance ? SweepsOfLargeIsland(facts, kSweepsPerRoot) : 0;
              },
              "40 √n sweeps, while their rate promises an answer"},
+    AutoRule{
+        kLaws, kAnyRows, "from 129 rows on, one friction row a contact, none slides, no bounded rows", kCoulombPath,
+        [](const Facts& facts) { return std::int64_t{IsLargeIsland(facts) && facts.can_relax ? kStepsOfPath : 0}; },
+        "2000 steps"},
     AutoRule{kLaws, kAnyRows, "from 129 rows on, and others than those that are relaxed", kModeNewton,
              [](const Facts& facts) { return std::int64_t{facts.can_relax && !IsLargeIsland(facts) ? 0 : 30}; },
              "30 steps; from 129 rows on its own limit"},
@@ -260,6 +265,8 @@ std::string_view KeyOf(AutoMethod method) {
       return "relaxation, shifted from the second round on, with 8 Newton steps after each";
     case kModeNewton:
       return "mode-newton";
+    case kCoulombPath:
+      return "central path";
     case kLemke:
       return "lemke";
     case kProximalPoints:

@@ -37,6 +37,7 @@ enum class AutoMethod : std::uint8_t {
   kSweeps,             ///< ModeSteps::Sweep
   kRelaxation,         ///< ShiftRounds
   kModeNewton,         ///< ModeSteps::TakeDampedSteps
+  kCoulombPath,        ///< CoulombPath
   kLemke,              ///< NormalMapPath::Cover
   kProximalPoints,     ///< NormalMapPath::Approach
   kRay,                ///< of the problem without friction

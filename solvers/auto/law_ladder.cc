@@ -114,6 +114,8 @@ const char* LawLadder::TryMethod(const AutoRule& rule, const ContactRows& rows, 
       }
       return newton_.TakeDampedSteps(rows, {.steps = granted, .eps = kFirstEps}, &phi_, answer) ? "mode-newton"
                                                                                                 : nullptr;
+    case AutoMethod::kCoulombPath:
+      return coulomb_path_.Follow(rows, granted, &newton_, &phi_, answer) ? "central path" : nullptr;
     case AutoMethod::kLemke:
       return path_.Cover(rows, kSeeds, &newton_, &phi_, answer) ? "lemke" : nullptr;
     case AutoMethod::kProximalPoints:

@@ -9,6 +9,7 @@
 
 #include "solvers/auto/auto_rules.h"
 #include "solvers/friction/contact_rows.h"
+#include "solvers/friction/coulomb_path.h"
 #include "solvers/friction/friction_answer.h"
 #include "solvers/friction/mode_steps.h"
 #include "solvers/friction/normal_map_path.h"
@@ -41,6 +42,7 @@ class LawLadder {
   ShiftRounds rounds_;
   bool has_rounds_ = false;  // rounds_ has begun with this island
   NormalMapPath path_;
+  CoulombPath coulomb_path_;
   PaddedVector phi_;
 };
 

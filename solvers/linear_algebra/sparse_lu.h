@@ -16,7 +16,12 @@ class SparseLu {
 
   /// @param K  n x n, compressed; is read again by no later call
   /// @return false where K is singular in double: there is no factor then
-  bool Factorize(const Eigen::SparseMatrix<double>& K);
+  bool Factorize(const Eigen::SparseMatrix<double>& K) { return SetPattern(K) && FactorizeValues(K); }
+  /// The two parts of it: the order, and the factor of a matrix of the same pattern.
+  bool SetPattern(const Eigen::SparseMatrix<double>& K);
+  bool FactorizeValues(const Eigen::SparseMatrix<double>& K);
+  /// The sign of det K.  O(n)
+  bool has_negative_determinant() const;
   /// x with K x = b; O(nnz of the factor). Factorize has returned true.
   Eigen::VectorXd Solve(const Eigen::VectorXd& b) const;
   /// x with K^T x = b.

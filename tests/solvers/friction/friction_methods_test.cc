@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "solvers/friction/coulomb_path.h"
 #include "solvers/friction/shift.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
@@ -72,6 +73,27 @@ TEST(FrictionMethods, ThePathHasNoRayWhereASolutionExists) {
     const LcpProblem problem = RandomFrictionProblem(1000 + seed, 32);
     ExpectSolved(problem, SolveWith(solver.get(), problem));
   }
+}
+
+// Joints, contacts without friction and mu of up to 5 among them.
+TEST(FrictionMethods, TheCentralPathOfCoulombsLawEndsMostlyAtAnAnswer) {
+  int right = 0, all = 0;
+  for (const LcpProblem& problem : SomeProblems()) {
+    ContactRows rows;
+    rows.Prepare(problem);
+    if (!rows.can_relax()) continue;
+    const LcpOptions options{.tolerance = 1e-9, .time_limit_s = 10};
+    LcpResult result;
+    result.f.setZero(problem.size());
+    FrictionAnswer answer(rows, &problem, options, &result);
+    ModeSteps newton;
+    PaddedVector phi;
+    const bool found = CoulombPath().Follow(rows, 2000, &newton, &phi, &answer);
+    EXPECT_EQ(found, Verify(problem, result, 1e-9).passes && result.status == LcpStatus::kSolved) << problem.id();
+    right += found ? 1 : 0;
+    ++all;
+  }
+  EXPECT_GE(100 * right, 95 * all) << right << " of " << all;
 }
 
 // With more unknowns than a dense factor takes: through the bodies from factors, by K itself from A. Drums are answered
