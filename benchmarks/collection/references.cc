@@ -102,7 +102,9 @@ std::optional<Eigen::VectorXd> Solve(const LcpProblem& problem, const ExamineOpt
 // True where an answer is proved; then it is written into `examined`. With friction or bounded rows, w counts as that
 // of every solution only where all modes say so.
 bool CertifyInto(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
+  constexpr std::int64_t kModesOfEightContacts = 65536;
   ExactOptions certify = FromSolvers(problem, options.time_limit_s);
+  certify.most_modes = kModesOfEightContacts;
   certify.guessed_modes = [&] {
     const std::optional<Eigen::VectorXd> f = Solve(problem, options);
     if (!f) return std::vector<std::string>();

@@ -35,7 +35,7 @@ void CountedSolver::Solve(const LcpProblem& problem, const Eigen::VectorXd* init
   const double begin = SteadyNow();
   solver_.Prepare(problem);
   solver_.Solve(problem, options_, result);
-  statistics_->solve_time_s += SteadyNow() - begin;
+  statistics_->solve_time_s += result->own_fresh_s >= 0 ? result->own_fresh_s : SteadyNow() - begin;
   ++statistics_->solves;
   if (result->status != LcpStatus::kSolved) ++statistics_->failed_solves;
 }

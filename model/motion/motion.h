@@ -56,7 +56,7 @@ struct MotionStatistics {
   std::int64_t impacts = 0;
   double worst_penetration = 0;  ///< deepest overlap of bodies met (overlap.h) [m], >= 0
   double worst_joint_error = 0;  ///< largest |d| of a bilateral row met [m]
-  double solve_time_s = 0;       ///< wall clock inside LcpSolver::Prepare and Solve
+  double solve_time_s = 0;       ///< in LcpSolver::Prepare and Solve, without the way to another process
 };
 
 /// eps_d of the acceleration level: gaps up to this are contacts [m]. What is nearer touches, and takes part in

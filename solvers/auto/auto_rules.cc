@@ -56,7 +56,7 @@ constexpr double kFineTolerance = 1e-7, kLooseTolerance = 1e-4;
 constexpr double kSweepsPerRoot = 40, kFirstSweepsPerRoot = 6;
 constexpr std::int64_t kLastSweeps = 20000;
 constexpr int kRoundsOfShift = 4;
-constexpr std::int64_t kStepsOfPath = 2000;
+constexpr std::int64_t kStepsOfPath = 2000, kRoundsOfBounds = 4;
 
 bool IsLargeIsland(const Facts& facts) { return facts.has_problem && facts.rows >= kLargeIsland; }
 std::int64_t SweepsOfLargeIsland(const Facts& facts, double per_root) {
@@ -71,8 +71,8 @@ static_assert(Facts::IsNarrow(45) && !Facts::IsNarrow(46) && Facts::kMostRowsInO
               kMostFactorizationsOfBpp == 24 && kContactsOfModes == 16 && kContactsOfAllModes == 3 &&
               kContactsOfLemke == 128 && kLargeIsland == 129 && kFineTolerance == 1e-7 && kLooseTolerance == 1e-4 &&
               kSweepsPerRoot == 40 && kFirstSweepsPerRoot == 6 && kRoundsOfShift == 4 && kLastSweeps == 20000 &&
-              kStepsOfPath == 2000 && kMostContactsOfExact == 8 && Facts::kLeastRowsOfHybridNncg == 500 &&
-              HybridOptions{}.most_iterations == 600);
+              kStepsOfPath == 2000 && kRoundsOfBounds == 4 && kMostContactsOfExact == 8 &&
+              Facts::kLeastRowsOfHybridNncg == 500 && HybridOptions{}.most_iterations == 600);
 
 using enum AutoStage;
 using enum AutoMethod;
@@ -113,6 +113,10 @@ constexpr std::array kRules = {
         kLaws, kAnyRows, "from 129 rows on, one friction row a contact, none slides, no bounded rows", kCoulombPath,
         [](const Facts& facts) { return std::int64_t{IsLargeIsland(facts) && facts.can_relax ? kStepsOfPath : 0}; },
         "2000 steps"},
+    AutoRule{
+        kLaws, kAnyRows, "from 129 rows on, several friction rows a contact", kLaggedBounds,
+        [](const Facts& facts) { return std::int64_t{IsLargeIsland(facts) && !facts.is_paired ? kRoundsOfBounds : 0}; },
+        "4 rounds"},
     AutoRule{kLaws, kAnyRows, "from 129 rows on, and others than those that are relaxed", kModeNewton,
              [](const Facts& facts) { return std::int64_t{facts.can_relax && !IsLargeIsland(facts) ? 0 : 30}; },
              "30 steps; from 129 rows on its own limit"},
@@ -267,6 +271,8 @@ std::string_view KeyOf(AutoMethod method) {
       return "mode-newton";
     case kCoulombPath:
       return "central path";
+    case kLaggedBounds:
+      return "lagged-bounds";
     case kLemke:
       return "lemke";
     case kProximalPoints:

@@ -38,6 +38,7 @@ enum class AutoMethod : std::uint8_t {
   kRelaxation,         ///< ShiftRounds
   kModeNewton,         ///< ModeSteps::TakeDampedSteps
   kCoulombPath,        ///< CoulombPath
+  kLaggedBounds,       ///< LaggedBoundsSolver
   kLemke,              ///< NormalMapPath::Cover
   kProximalPoints,     ///< NormalMapPath::Approach
   kRay,                ///< of the problem without friction

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "solvers/friction/lagged_bounds.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/islands.h"
 #include "support/array_index.h"
@@ -116,6 +117,8 @@ const char* LawLadder::TryMethod(const AutoRule& rule, const ContactRows& rows, 
                                                                                                 : nullptr;
     case AutoMethod::kCoulombPath:
       return coulomb_path_.Follow(rows, granted, &newton_, &phi_, answer) ? "central path" : nullptr;
+    case AutoMethod::kLaggedBounds:
+      return TryLaggedBounds(granted, answer) ? "lagged-bounds" : nullptr;
     case AutoMethod::kLemke:
       return path_.Cover(rows, kSeeds, &newton_, &phi_, answer) ? "lemke" : nullptr;
     case AutoMethod::kProximalPoints:
@@ -146,6 +149,19 @@ const char* LawLadder::TrySweeps(const ContactRows& rows, double granted, Fricti
     before = rho;
   }
   return nullptr;
+}
+
+// So many rounds from 0.
+bool LawLadder::TryLaggedBounds(int rounds, FrictionAnswer* answer) const {
+  LcpOptions of_rounds = answer->options();
+  of_rounds.initial_f = nullptr;
+  of_rounds.max_iterations = rounds;
+  of_rounds.time_limit_s = std::max(answer->Remaining(), std::numeric_limits<double>::min());
+  LcpResult found;
+  LaggedBoundsSolver(plain_).Solve(answer->problem(), of_rounds, &found);
+  answer->ForgetTime();
+  answer->iterations() += found.iterations;
+  return answer->TakeForces(found.f);
 }
 
 // Whether there is no solution even without friction, whose forces then do not help [docs/friction.md section 2].

@@ -20,8 +20,8 @@ constexpr double kCalm = 0.7;
 constexpr double kKept = 0.1;
 // A path that does not come nearer for so many steps winds through folds; near an answer it may take twice as many. It
 // leaves the rest of the time to other methods.
-constexpr int kPatience = 250;
-constexpr double kNearAnswer = 1e-3, kShareOfTime = 1.0 / 3;
+constexpr int kPatience = 200;
+constexpr double kNearAnswer = 1e-3, kShareOfTime = 2.0 / 3;
 // A path that is as far from the answer as that has come back.
 constexpr double kFarthest = 1e3;
 constexpr double kNearest = 1e-15;  // rounding
