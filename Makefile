@@ -60,7 +60,7 @@ REFERENCE_RESULTS := $(REFERENCE)/core $(REFERENCE)/sequences --precision $(REFE
                      --curves $(REFERENCE)/curves $(REFERENCE_ABLATION) --pictures $(PICTURES)
 REFERENCE_OTHERS  := smoke pathological large sequences-qp friction
 # Of a report: folders besides that of its name, and studies.
-MORE_friction     := $(REFERENCE)/friction-pathological --motion $(REFERENCE)/friction-motion --pictures $(PICTURES)
+MORE_friction     := $(REFERENCE)/friction-pathological --motion $(REFERENCE)/friction-motion $(REFERENCE)/curved-friction-motion --pictures $(PICTURES)
 
 .PHONY: $(BASELINE) $(V3) core help deps peers configure command build test test-long python-test report run pictures ablation calibrate benchmark solver-curves doc reference-report check format fuzz attack install clean
 
