@@ -13,6 +13,7 @@ from .statistics.model import ORIGINS
 from .statistics.rivals import DOMINATED, DOMINATES, FASTER, FASTEST, PORTFOLIO
 
 MOST_LINES = 13
+_MOST_PEERS = 4  # that a sentence names
 _NAMES = {PORTFOLIO: "the portfolio of peers", FASTEST: "the fastest peer of each problem"}
 _KINDS = {DOMINATES: "that are faster and at least as often right", FASTER: "that are faster, though less often right,"}
 
@@ -126,10 +127,12 @@ def friction(inputs: Inputs) -> str:
     main, plain = shares[main_tier(of)], shown_tables.plain_times(inputs)
     over = [row.entries[of.ours].time_s / plain[row.size_class] for row in headline(of).classes
             if row.size_class in plain and of.ours in row.entries and math.isfinite(row.entries[of.ours].time_s)]
+    best = sorted(of.peers, key=lambda solver: -main.loc[solver, "right_share"])[:_MOST_PEERS]
     return say("friction", of=of, own=main.loc[of.ours], tiers=shares, tier=main_tier(of), over=over,
                shares=[by.loc[of.ours, "right_share"] for by in shares.values()],
                rows=[inputs.problems[name]["rows"] for name in dict.fromkeys(of.cells["problem"])],
-               peers=[(solver, main.loc[solver, RATIO], main.loc[solver, "right_share"]) for solver in of.peers])
+               peers=[(solver, main.loc[solver, RATIO], main.loc[solver, "right_share"]) for solver in best],
+               others=len(of.peers) - len(best))
 
 
 def _robustness(inputs: Inputs) -> str:

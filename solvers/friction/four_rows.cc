@@ -45,7 +45,7 @@ FourRows::FourRows(const LcpProblem& problem) {
   SparseMatrix A(size, size);
   A.setFromTriplets(coupling.begin(), coupling.end());
   A += problem.WithRows(rows_, LoadsOf(problem.b()), bounds).SparseA();
-  lcp_ = LcpProblem::FromSparse(problem.id(), std::move(A), LoadsOf(problem.b()), std::move(bounds));
+  lcp_ = LcpProblem::FromSparse(problem.id(), A, LoadsOf(problem.b()), std::move(bounds));
 }
 
 Eigen::VectorXd FourRows::VariablesOf(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const {

@@ -150,7 +150,7 @@ class ContactProblem : public SiconosMatrix {
       largest_mu = std::max(largest_mu, tangent.mu);
     }
     mu_.clear();
-    const Eigen::VectorXd diagonal = problem.DiagonalA();
+    const Eigen::VectorXd& diagonal = problem.DiagonalA();
     for (Index row = 0; row < problem.size(); ++row) {
       if (problem.kind(row) != RowKind::kUnilateral) continue;
       const FrictionRow* tangent = tangents[static_cast<std::size_t>(row)];
