@@ -1,4 +1,4 @@
-"""What the data say, in ten lines at most. Every figure is computed; a line whose data are absent is left out."""
+"""What the data say, in MOST_LINES at most. Every figure is computed; a line whose data are absent is left out."""
 
 import math
 
@@ -12,7 +12,7 @@ from .statistics.class_times import RATIO
 from .statistics.model import ORIGINS
 from .statistics.rivals import DOMINATED, DOMINATES, FASTER, FASTEST, PORTFOLIO
 
-MOST_LINES = 13
+MOST_LINES = 14
 _MOST_PEERS = 4  # that a sentence names
 _NAMES = {PORTFOLIO: "the portfolio of peers", FASTEST: "the fastest peer of each problem"}
 _KINDS = {DOMINATES: "that are faster and at least as often right", FASTER: "that are faster, though less often right,"}
@@ -175,25 +175,31 @@ def friction_motion(inputs: Inputs) -> str:
     """What one percent of error costs: the drivers that keep every body within 1 % of the thinnest one's width of the
     reference motion, and the sweeps that this takes."""
     table = inputs.friction_motion
-    if table is None or table["width"].isna().any():
+    if table is None:
         return ""
-    warm = table[table["start"] == "warm"].assign(off=table["distance"] / table["width"])
-    runs = warm.groupby(["scene", studies.DRIVER, "tolerance"], sort=False).agg(solver=("solver", "last"), sweeps=("max_iterations", "last"), off=("off", "max"), steps=("step", "max"),
-                    time=("solve_time_s", "last"), stopped=("stopped", "last")).reset_index()
+    warm = table[(table["start"] == "warm") & (table["width"] > 0)]
+    if warm.empty:
+        return ""
+    runs = warm.assign(off=warm["distance"] / warm["width"]).groupby(["scene", studies.DRIVER, "tolerance"], sort=False)
+    # A distance is missing where the reference stopped before.
+    runs = runs.agg(solver=("solver", "last"), sweeps=("max_iterations", "last"), steps=("step", "max"),
+                    off=("off", lambda of: of.max(skipna=False)), time=("solve_time_s", "last"),
+                    stopped=("stopped", "last")).reset_index()
     runs["time"] /= runs["steps"].clip(lower=1)
     runs["near"] = (runs["off"] <= 0.01) & (runs["stopped"] == "")
     # The number of sweeps is the study's, or part of the key.
     in_key = runs["solver"].str.extract(r"^(.*)-(\d+)$")
     runs["code"] = in_key[0].fillna(runs["solver"])
     runs["sweeps"] = in_key[1].astype(float).fillna(runs["sweeps"])
-    to_the_end = [(of, part) for of, part in runs[runs["sweeps"] == 0].groupby([studies.DRIVER, "tolerance"], sort=False)]
+    exact = runs[runs["sweeps"] == 0].groupby([studies.DRIVER, "tolerance"], sort=False)
     swept = []
     for code, part in runs[runs["sweeps"] > 0].groupby("code", sort=False):
         least = part[part["near"]].sort_values("sweeps").groupby("scene", sort=False).first()
         needs = [(sweeps, of) for sweeps, of in least.groupby("sweeps")]
-        swept.append((code, needs, [of for of in part["scene"].unique() if of not in least.index], part["sweeps"].max()))
-    return say("friction_motion", scenes=runs["scene"].nunique(), steps=table["step"].max(), to_the_end=to_the_end, swept=swept,
-               law=peer_facts.law)
+        beyond = [scene for scene in part["scene"].unique() if scene not in least.index]
+        swept.append((code, needs, beyond, part["sweeps"].max()))
+    return say("friction_motion", scenes=runs["scene"].nunique(), steps=table["step"].max(), to_the_end=list(exact),
+               swept=swept, law=peer_facts.law)
 
 
 def _scaling(inputs: Inputs) -> str:

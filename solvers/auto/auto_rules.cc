@@ -110,7 +110,8 @@ constexpr std::array kRules = {
              },
              "40 √n sweeps, while their rate promises an answer"},
     AutoRule{
-        kLaws, kAnyRows, "from 129 rows on, one friction row a contact, none slides, no bounded rows", kCoulombPath,
+        kLaws, kAnyRows, "from 129 rows on, one friction row a contact, none slides, no bounded rows, J given",
+        kCoulombPath,
         [](const Facts& facts) { return std::int64_t{IsLargeIsland(facts) && facts.can_relax ? kStepsOfPath : 0}; },
         "2000 steps"},
     AutoRule{

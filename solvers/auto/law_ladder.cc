@@ -28,6 +28,15 @@ std::vector<std::vector<Index>> IslandsOf(const LcpProblem& problem) {
   return islands;
 }
 
+// Whether `found` has a ray that proves that this problem has no solution; *result has it then.
+bool TakeRay(const LcpProblem& problem, LcpResult* found, LcpResult* result) {
+  std::optional<Eigen::VectorXd>& ray = found->farkas_ray;
+  if (found->status != LcpStatus::kInfeasible || !ray || !VerifyFarkasRay(problem, *ray).accepted) return false;
+  result->farkas_ray = std::move(ray);
+  result->status = LcpStatus::kInfeasible;
+  return true;
+}
+
 }  // namespace
 
 LawLadder::LawLadder(SmallPivoting* tableau, const WithinOptions& plain) : plain_(plain), rounds_(tableau, plain) {}
@@ -118,7 +127,7 @@ const char* LawLadder::TryMethod(const AutoRule& rule, const ContactRows& rows, 
     case AutoMethod::kCoulombPath:
       return coulomb_path_.Follow(rows, granted, &newton_, &phi_, answer) ? "central path" : nullptr;
     case AutoMethod::kLaggedBounds:
-      return TryLaggedBounds(granted, answer) ? "lagged-bounds" : nullptr;
+      return TryLaggedBounds(granted, answer, result) ? "lagged-bounds" : nullptr;
     case AutoMethod::kLemke:
       return path_.Cover(rows, kSeeds, &newton_, &phi_, answer) ? "lemke" : nullptr;
     case AutoMethod::kProximalPoints:
@@ -151,17 +160,19 @@ const char* LawLadder::TrySweeps(const ContactRows& rows, double granted, Fricti
   return nullptr;
 }
 
-// So many rounds from 0.
-bool LawLadder::TryLaggedBounds(int rounds, FrictionAnswer* answer) const {
+// So many rounds from 0. True where an answer passes, or a ray proves that there is none.
+bool LawLadder::TryLaggedBounds(int rounds, FrictionAnswer* answer, LcpResult* result) const {
+  constexpr double kShareOfTime = 0.2;
   LcpOptions of_rounds = answer->options();
   of_rounds.initial_f = nullptr;
-  of_rounds.max_iterations = rounds;
-  of_rounds.time_limit_s = std::max(answer->Remaining(), std::numeric_limits<double>::min());
+  if (of_rounds.max_iterations > 0) of_rounds.max_iterations -= answer->iterations();
+  if (of_rounds.max_iterations <= 0 || of_rounds.max_iterations > rounds) of_rounds.max_iterations = rounds;
+  of_rounds.time_limit_s = std::max(kShareOfTime * answer->Remaining(), std::numeric_limits<double>::min());
   LcpResult found;
   LaggedBoundsSolver(plain_).Solve(answer->problem(), of_rounds, &found);
   answer->ForgetTime();
   answer->iterations() += found.iterations;
-  return answer->TakeForces(found.f);
+  return answer->TakeForces(found.f) || TakeRay(answer->problem(), &found, result);
 }
 
 // Whether there is no solution even without friction, whose forces then do not help [docs/friction.md section 2].
@@ -176,11 +187,7 @@ bool LawLadder::FindRay(const FrictionAnswer& answer, LcpResult* result) const {
   LcpResult frictionless;
   plain_.make_plain()->Solve(problem.WithBounds(std::move(bounds)), plain, &frictionless);
   answer.ForgetTime();
-  std::optional<Eigen::VectorXd>& ray = frictionless.farkas_ray;
-  if (frictionless.status != LcpStatus::kInfeasible || !ray || !VerifyFarkasRay(problem, *ray).accepted) return false;
-  result->farkas_ray = std::move(ray);
-  result->status = LcpStatus::kInfeasible;
-  return true;
+  return TakeRay(problem, &frictionless, result);
 }
 
 void TakeAnswer(const LcpProblem& problem, std::span<const Index> rows, const LcpResult& part, LcpResult* result) {

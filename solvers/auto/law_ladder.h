@@ -34,7 +34,7 @@ class LawLadder {
  private:
   const char* TryMethod(const AutoRule& rule, const ContactRows& rows, FrictionAnswer* answer, LcpResult* result);
   const char* TrySweeps(const ContactRows& rows, double granted, FrictionAnswer* answer);
-  bool TryLaggedBounds(int rounds, FrictionAnswer* answer) const;
+  bool TryLaggedBounds(int rounds, FrictionAnswer* answer, LcpResult* result) const;
   bool FindRay(const FrictionAnswer& answer, LcpResult* result) const;
 
   const WithinOptions plain_;

@@ -30,7 +30,7 @@ constexpr double kWorthModes = 3e-2, kFallOfRho = 0.25;
 
 }  // namespace
 
-// Of contacts: joints come first, and have no parts.
+// A mean over contacts: joints come first, and have no parts.
 double CoulombPath::Compare(const Parts& a, const Parts& b) const {
   const Index contacts = std::ssize(places_) - joints_;
   return (a.bottomRows(contacts) * b.bottomRows(contacts) / parts_.bottomRows(contacts).square()).sum() /
@@ -44,7 +44,9 @@ double CoulombPath::Largest(const Parts& change) const {
 
 bool CoulombPath::Follow(const ContactRows& rows, int steps, ModeSteps* newton, PaddedVector* phi,
                          FrictionAnswer* answer) {
-  if (!rows.can_relax() || rows.laws().normals.empty() || rows.OnBodies() == nullptr) return false;
+  if (!rows.can_relax() || rows.laws().normals.empty() || rows.OnBodies() == nullptr || rows.OnBodies()->cols() == 0) {
+    return false;
+  }
   Start(rows);
   const double enough = (1 - kShareOfTime) * answer->Remaining();
   double halved = std::numeric_limits<double>::infinity();
@@ -180,7 +182,7 @@ bool CoulombPath::TryModes(const ContactRows& rows, ModeSteps* newton, PaddedVec
   return newton->TakeDampedSteps(rows, kFew, phi, answer);
 }
 
-// K = I + G^T D^-1 G, with D the derivatives of v by the forces: (D + G G^T) d = r is d = D^-1 (r - G u), K u = G^T
+// K = I + G^T D^-1 G, with D = -dv/dphi: (D + G G^T) d = r is d = D^-1 (r - G u), K u = G^T
 // D^-1 r.
 bool CoulombPath::Factorize() {
   const Index count = std::ssize(places_);
@@ -264,6 +266,7 @@ bool CoulombPath::Advance() {
   double log_kappa = towards * back + down * onward;
   change = towards * change + log_kappa * along;
   Solve(-change.leftCols<kParts / 2>() * change.rightCols<kParts / 2>(), Rest::Zero(rest_.rows(), 2), &second);
+  second += log_kappa * log_kappa / 2 * along;  // kappa's own second order
   const double of_second = -Compare(along, second) / length;
   second += of_second * along;
   if (Largest(second) < kLargestCorrection) {

@@ -15,13 +15,13 @@ namespace lcpbench {
 /// The central path of Coulomb's law, followed through its folds. With velocities v_n of opening and v+, v- of slip, a
 /// contact has three pairs, (phi_n, v_n), (mu phi_n + phi_t, v+) and (mu phi_n - phi_t, v-), and
 ///     omega_n = v_n,  omega_t = v+ - v-
-/// [docs/friction.md section 5]. The products of all pairs are kappa, and what these equations are off by at the start
+/// [docs/solvers/friction.md]. The products of all pairs are kappa, and what these equations are off by at the start
 /// shrinks with kappa from 1 to 0. The problem is not monotone, so that kappa may rise in between: the sign of a
 /// determinant tells which way the path goes [Allgower, Georg 1990, ch. 2]. Modes of points on the way are tried by
 /// Newton steps, which end most paths long before kappa is rounding.
 ///
-/// Of problems given by factors that the relaxation takes (ContactRows::can_relax). A step costs one sparse LU factor
-/// of the bodies' graph, always of the same pattern.
+/// For problems given by factors that the relaxation takes (ContactRows::can_relax). A step costs one sparse LU factor
+/// of the bodies' graph, always of the same pattern. Allocates.
 class CoulombPath {
  public:
   /// Up to so many steps; *phi: room.
@@ -29,9 +29,10 @@ class CoulombPath {
   bool Follow(const ContactRows& rows, int steps, ModeSteps* newton, PaddedVector* phi, FrictionAnswer* answer);
 
  private:
-  // What is positive at a contact, or how it changes. Of rows without friction only kForce and kOpening have a meaning,
-  // of joints kForce alone.
-  enum Part { kForce, kUpperCone, kLowerCone, kOpening, kForward, kBackward, kParts };
+  // What is positive at a contact, or how it changes. Rows without friction have kForce and kOpening only, joints
+  // kForce alone.
+  static constexpr int kForce = 0, kUpperCone = 1, kLowerCone = 2, kOpening = 3, kForward = 4, kBackward = 5;
+  static constexpr int kParts = 6;
   using Parts = Eigen::Array<double, Eigen::Dynamic, kParts>;
   using Products = Eigen::Array<double, Eigen::Dynamic, kParts / 2>;
   using Rest = Eigen::Array<double, Eigen::Dynamic, 2>;  // of the equations of omega_n, omega_t

@@ -17,10 +17,11 @@ class SparseLu {
   /// @param K  n x n, compressed; is read again by no later call
   /// @return false where K is singular in double: there is no factor then
   bool Factorize(const Eigen::SparseMatrix<double>& K) { return SetPattern(K) && FactorizeValues(K); }
-  /// The two parts of it: the order, and the factor of a matrix of the same pattern.
+  /// The two parts of it: the order, and the factor of a matrix of the same pattern, with the pivots of the factor
+  /// before where these still do.
   bool SetPattern(const Eigen::SparseMatrix<double>& K);
   bool FactorizeValues(const Eigen::SparseMatrix<double>& K);
-  /// The sign of det K.  O(n)
+  /// The sign of det K.  O(n). A factor was made.
   bool has_negative_determinant() const;
   /// x with K x = b; O(nnz of the factor). Factorize has returned true.
   Eigen::VectorXd Solve(const Eigen::VectorXd& b) const;

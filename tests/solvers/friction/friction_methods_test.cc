@@ -78,6 +78,7 @@ TEST(FrictionMethods, ThePathHasNoRayWhereASolutionExists) {
 // Joints, contacts without friction and mu of up to 5 among them.
 TEST(FrictionMethods, TheCentralPathOfCoulombsLawEndsMostlyAtAnAnswer) {
   int right = 0, all = 0;
+  CoulombPath path;
   for (const LcpProblem& problem : SomeProblems()) {
     ContactRows rows;
     rows.Prepare(problem);
@@ -88,7 +89,7 @@ TEST(FrictionMethods, TheCentralPathOfCoulombsLawEndsMostlyAtAnAnswer) {
     FrictionAnswer answer(rows, &problem, options, &result);
     ModeSteps newton;
     PaddedVector phi;
-    const bool found = CoulombPath().Follow(rows, 2000, &newton, &phi, &answer);
+    const bool found = path.Follow(rows, 2000, &newton, &phi, &answer);
     EXPECT_EQ(found, Verify(problem, result, 1e-9).passes && result.status == LcpStatus::kSolved) << problem.id();
     right += found ? 1 : 0;
     ++all;
