@@ -55,7 +55,7 @@ struct SparseLu::Factor {
   }
   // With the pivots of the factor before, which is several times faster, where they still do.
   bool FactorizeValues(const Eigen::SparseMatrix<double>& K) {
-    constexpr double kLeastGrowth = 1e-6;
+    constexpr double kLeastGrowth = 1e-4;  // reciprocal: smallest of max |K| over max |U|, by columns
     const auto columns = const_cast<int*>(K.outerIndexPtr()), rows = const_cast<int*>(K.innerIndexPtr());
     const auto values = const_cast<double*>(K.valuePtr());
     if (numeric != nullptr && klu_refactor(columns, rows, values, symbolic, numeric, &common) != 0 &&

@@ -29,9 +29,10 @@ TEST(SparseLu, SolvesAndTellsTheSignOfTheDeterminant) {
       ASSERT_TRUE(lu.FactorizeValues(K));
       const Eigen::MatrixXd dense = K;
       const Eigen::VectorXd x = Eigen::VectorXd::Ones(30);
-      const double lost = 1e-14 / Eigen::FullPivLU<Eigen::MatrixXd>(dense).rcond();
-      EXPECT_LE((lu.Solve(dense * x) - x).lpNorm<Eigen::Infinity>(), 100 * lost);
-      EXPECT_LE((lu.SolveTransposed(dense.transpose() * x) - x).lpNorm<Eigen::Infinity>(), 100 * lost);
+      // Pivots of another matrix may grow by what SparseLu allows.
+      const double lost = 1e-14 * 1e4 / Eigen::FullPivLU<Eigen::MatrixXd>(dense).rcond();
+      EXPECT_LE((lu.Solve(dense * x) - x).lpNorm<Eigen::Infinity>(), lost);
+      EXPECT_LE((lu.SolveTransposed(dense.transpose() * x) - x).lpNorm<Eigen::Infinity>(), lost);
       EXPECT_EQ(lu.has_negative_determinant(), dense.determinant() < 0);
       negative += dense.determinant() < 0 ? 1 : 0;
       ++all;
