@@ -18,9 +18,9 @@ constexpr double kLargestChange = 0.8, kLargestCorrection = 1;
 constexpr double kCalm = 0.7;
 // Steps keep this part of what is positive.
 constexpr double kKept = 0.1;
-// A path that does not come nearer for so many steps winds through folds; near an answer it may take twice as many. It
-// leaves the rest of the time to other methods.
-constexpr int kPatience = 200;
+// A path that does not come nearer for so many steps, by rows, winds through folds; near an answer it may take twice as
+// many. It leaves the rest of the time to other methods.
+constexpr int kRowsPerStep = 8, kLeastPatience = 40, kMostPatience = 200;
 constexpr double kNearAnswer = 1e-3, kShareOfTime = 2.0 / 3;
 // A path that is as far from the answer as that has come back.
 constexpr double kFarthest = 1e3;
@@ -49,6 +49,7 @@ bool CoulombPath::Follow(const ContactRows& rows, int steps, ModeSteps* newton, 
   }
   Start(rows);
   const double enough = (1 - kShareOfTime) * answer->Remaining();
+  const auto few = static_cast<int>(std::clamp<Index>(rows.size() / kRowsPerStep, kLeastPatience, kMostPatience));
   double halved = std::numeric_limits<double>::infinity();
   for (int step = 0, last = 0; step < steps && !answer->IsOver(); ++step) {
     ++answer->iterations();
@@ -58,7 +59,7 @@ bool CoulombPath::Follow(const ContactRows& rows, int steps, ModeSteps* newton, 
       halved = rho_;
       last = step;
     }
-    const int patience = halved > kNearAnswer ? kPatience : 2 * kPatience;
+    const int patience = halved > kNearAnswer ? few : 2 * few;
     const bool is_under_way = kappa_ > kNearest && kappa_ < kFarthest && step - last < patience;
     if (!is_under_way || answer->Remaining() < enough || !Factorize() || !Advance()) return false;
   }
