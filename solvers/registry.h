@@ -46,8 +46,8 @@ struct SolverEntry {
   /// LcpSolver::TakesFriction and TakesBounded: what problems campaigns give it.
   bool takes_friction = false;
   bool takes_bounded = false;  ///< see takes_friction
-  /// Of friction, that its answers obey, in words: "Coulomb", "relaxed", ... (FrictionLaw); "" where it takes none, and
-  /// where only a user's command knows.
+  /// The law of friction that its answers obey, in words (FrictionLaw): "Coulomb", "relaxed", ...; "" where it takes no
+  /// friction, and for a user's command, whose law is not known.
   std::string_view law = {};
   /// False of a method made for friction: campaigns give it no plain problem.
   bool takes_plain = true;

@@ -30,8 +30,8 @@ constexpr const char* kCoreSolvers =
     "clarabel-dual highs-dual-tuned qpoases-dual-tuned qpalm-primal quadprog-primal pinocchio-pgs dart-pgs "
     "daqp-avi";
 
-// Ours that take friction, and of every law and project the codes that users would ask, 24 of them. Left to `lcpbench
-// run --solvers`: Bullet's and DART's copies of ODE's pivoting code, MuJoCo's second method for the same program,
+// Our solvers that take friction, and 24 keys of peers, some for every law and project. Left to `lcpbench run
+// --solvers`: Bullet's and DART's copies of ODE's pivoting code, MuJoCo's second method for the same program,
 // PETSc's third for the same equations, and what is a worse setting of a code that is here.
 constexpr const char* kFrictionSolvers =
     "auto lemke pgs psor relaxation shift mode-newton lagged-bounds "

@@ -11,10 +11,9 @@ namespace {
 
 // Joints have no barrier: so much is added to their diagonal.
 constexpr double kJointEps = 1e-9;
-// How much of themselves parts change in a step at most, by the first order; and its correction of the second one.
+// The largest relative change of a part in a predictor, and in a correction of the second order.
 constexpr double kLargestChange = 0.8, kLargestCorrection = 1;
-// The step along the path grows from 0, where parts are off it by themselves, to all of it, where they are off by 1 -
-// kCalm.
+// A predictor has its full length where parts are off the path by at most 1 - kCalm of themselves, and none from 1 on.
 constexpr double kCalm = 0.7;
 // Steps keep this part of what is positive.
 constexpr double kKept = 0.1;
