@@ -98,6 +98,7 @@ void PrintPeers() {
 }
 
 void PrintRules() { std::cout << AutoRulesAsMarkdown(); }
+void PrintLimits() { std::cout << AutoLimitsAsMarkdown(); }
 
 struct ListFields {
   bool as_json = false;
@@ -120,8 +121,8 @@ struct ListFields {
 }  // namespace
 
 void AddListCommand(CLI::App& app, CommandRun& run) {
-  CLI::App* list =
-      app.add_subcommand("list", "Lists solvers, scenes, metrics, the rules of auto, peers or fields of result files");
+  CLI::App* list = app.add_subcommand(
+      "list", "Lists solvers, scenes, metrics, rules and limits of auto, peers or fields of result files");
   list->require_subcommand(1);
   const auto add = [list, &run](const char* name, const char* description, void (*print)()) {
     list->add_subcommand(name, description)->callback([print, &run] { run = [print] { return print(), 0; }; });
@@ -130,6 +131,7 @@ void AddListCommand(CLI::App& app, CommandRun& run) {
   add("scenes", "Scene families: key, title, purpose", PrintScenes);
   add("metrics", "Metrics of the verdict: key, formula", PrintMetrics);
   add("rules", "How auto decides, as docs/solvers/auto.md shows it", PrintRules);
+  add("limits", "The numbers in these rules: name, default, range, unit, meaning", PrintLimits);
   add("peers", "Facts of our solvers, the peers and those that are left out, as one JSON object, which report/ reads",
       PrintPeers);
   AddCommand<ListFields>(*list, run, "fields", "Fields of a campaign's lines as Markdown: name, type, unit, meaning");

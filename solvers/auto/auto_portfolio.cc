@@ -13,24 +13,8 @@
 namespace lcpbench {
 namespace {
 
-// Cycles per body in the graph of bodies. Up to here a factor has so little fill that block pivoting is the fastest;
-// above, sweeps arrive before block pivoting would be set up. The scene families lie below 0.13 or above 0.5.
-constexpr double kFewCycles = 0.25;
-// Below, block pivoting is set up in so short a time that it pays where the same rows are solved again and again.
-constexpr Index kLeastRowsOfPacking = 5000;
-// Iterations before the rate of nncg on a sparse A is looked at: it rises once the active set is nearly found.
-constexpr std::int64_t kPatience = 48;
-
 #ifdef LCPBENCH_WITH_SUITESPARSE
 constexpr bool kHasIpm = true;
-// Above, ordering and analysis may take longer than the sweeps, so they wait until they are needed.
-constexpr Index kMostRowsAnalysed = 20000;
-// The active set of a start is tried before the sweeps where a factorization takes no longer than so many, with pivots
-// that take no longer than so many together.
-constexpr double kCheapFactorization = 17;
-constexpr double kGuessWork = 90;
-// A start is used where its rho is below this share of that of f = 0.
-constexpr double kWorthTrying = 0.5;
 #else
 constexpr bool kHasIpm = false;
 #endif
@@ -84,26 +68,37 @@ double CyclesPerBody(const LcpProblem& problem) {
 }
 
 // Whether a factor within the band of A takes so few operations that no sweep is cheaper.
-bool IsNarrow(const LcpProblem& problem) {
+bool IsNarrow(const LcpProblem& problem, Index narrow_band) {
   const SparseMatrix& A = problem.SparseA();
   for (Index i = 0; i < A.rows(); ++i) {
     const Index last = A.innerIndexPtr()[A.outerIndexPtr()[i + 1] - 1];  // the diagonal is always stored
-    if (!AutoFacts::IsNarrow(last - i)) return false;
+    if (last - i > narrow_band) return false;
   }
   return true;
 }
 
 }  // namespace
 
-AutoPortfolio::AutoPortfolio(const HybridOptions& hybrid, std::int64_t newton_factorizations)
+AutoPortfolio::AutoPortfolio(const HybridOptions& hybrid) : AutoPortfolio(hybrid, kDefaultLimits, true) {}
+
+AutoPortfolio::AutoPortfolio(const AutoLimits& limits, bool self_check)
+    : AutoPortfolio({.least_iterations = static_cast<int>(limits.hybrid_least_sweeps),
+                     .most_iterations = static_cast<int>(limits.hybrid_most_sweeps),
+                     .self_check = self_check},
+                    limits, false) {}
+
+AutoPortfolio::AutoPortfolio(const HybridOptions& hybrid, const AutoLimits& limits, bool is_hybrid)
     : hybrid_(hybrid),
-      newton_factorizations_(newton_factorizations),
+      limits_(limits),
+      is_hybrid_(is_hybrid),
       psor_({.relaxation = PgsOptions::kFirstOfAdaptive,
              .adaptive = true,
              .end_when_hopeless = true,
              .self_check = hybrid.self_check}),
       nncg_({.end_when_hopeless = true, .self_check = hybrid.self_check}),
-      patient_nncg_({.end_when_hopeless = true, .least_iterations = kPatience, .self_check = hybrid.self_check}),
+      patient_nncg_({.end_when_hopeless = true,
+                     .least_iterations = limits.sparse_nncg_patience,
+                     .self_check = hybrid.self_check}),
       hybrid_nncg_(
           {.end_when_hopeless = true, .least_iterations = hybrid.least_iterations, .self_check = hybrid.self_check}),
       bpp_({.end_when_singular = true, .self_check = hybrid.self_check}),
@@ -119,10 +114,10 @@ AutoPortfolio::AutoPortfolio(const HybridOptions& hybrid, std::int64_t newton_fa
 }
 
 void AutoPortfolio::Classify(const LcpProblem& problem) {
-  facts_ = {.rows = problem.size()};
+  facts_ = {.limits = &limits_, .rows = problem.size()};
   facts_.is_redundant = RowsOutnumberDegreesOfFreedom(problem);
-  facts_.is_large = kHasIpm && problem.size() > AutoFacts::kSmallRows && problem.given_form() != MatrixForm::kDense;
-  if (kHasIpm && problem.size() >= AutoFacts::kLeastRowsOfHybridNncg && hybrid_.most_iterations > 0) {
+  facts_.is_large = kHasIpm && problem.size() > limits_.large_rows && problem.given_form() != MatrixForm::kDense;
+  if (kHasIpm && problem.size() >= limits_.hybrid_rows && hybrid_.most_iterations > 0) {
     facts_.hybrid_sweeps = std::max(hybrid_.least_iterations, hybrid_.most_iterations);
   }
   start_.setZero(problem.size());
@@ -131,13 +126,14 @@ void AutoPortfolio::Classify(const LcpProblem& problem) {
 void AutoPortfolio::Prepare(const LcpProblem& problem) {
   Classify(problem);
 #ifdef LCPBENCH_WITH_SUITESPARSE
-  if (newton_factorizations_ == 0) return PrepareHybrid(problem);
+  if (is_hybrid_) return PrepareHybrid(problem);
 #endif
   facts_.iteration_time = CostModel::Sweep(problem);
   const bool is_sound = facts_.is_large && !facts_.is_redundant;
-  facts_.is_wide_sparse = is_sound && problem.given_form() == MatrixForm::kSparse && !IsNarrow(problem);
-  facts_.is_packing = is_sound && problem.size() >= kLeastRowsOfPacking && problem.has_factors() &&
-                      problem.has_two_body_rows() && CyclesPerBody(problem) > kFewCycles;
+  facts_.is_wide_sparse =
+      is_sound && problem.given_form() == MatrixForm::kSparse && !IsNarrow(problem, limits_.narrow_band);
+  facts_.is_packing = is_sound && problem.size() >= limits_.packing_rows && problem.has_factors() &&
+                      problem.has_two_body_rows() && CyclesPerBody(problem) > limits_.packing_cycles;
   if (facts_.is_wide_sparse) return patient_nncg_.Prepare(problem);
   if (facts_.is_packing) return nncg_.Prepare(problem);
   if (facts_.is_redundant && !facts_.is_large) {
@@ -243,7 +239,7 @@ bool AutoPortfolio::TryMethod(AutoMethod method, std::int64_t granted, LcpResult
     case AutoMethod::kBpp:
       return TryBpp(granted, result);
     case AutoMethod::kSemismoothNewton:
-      return TryFromStart(&newton_, name, newton_factorizations_, result);
+      return TryFromStart(&newton_, name, limits_.newton_factorizations, result);
     case AutoMethod::kHybridNncg:
       return TrySweeps(&hybrid_nncg_, name, granted, result);
     case AutoMethod::kGuess:
@@ -271,7 +267,7 @@ void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, 
   iterations_ = 0;
   if (!result->f.isZero(0)) Remember(result->f);
   for (const AutoRule& rule : AutoRulesOf(AutoStage::kBackends)) {
-    if (newton_factorizations_ == 0 && !IsOfHybrid(rule.method)) continue;
+    if (is_hybrid_ && !IsOfHybrid(rule.method)) continue;
     const std::int64_t granted = rule.Grants(facts_);
     if (granted > 0 && TryMethod(rule.method, granted, result)) break;
   }
@@ -289,20 +285,20 @@ void HybridOptions::Read(SettingsReader* reader) {
 #ifdef LCPBENCH_WITH_SUITESPARSE
 void AutoPortfolio::PrepareHybrid(const LcpProblem& problem) {
   if (facts_.hybrid_sweeps > 0) hybrid_nncg_.Prepare(problem);
-  if (facts_.hybrid_sweeps == 0 || problem.size() <= kMostRowsAnalysed) ipm_.Prepare(problem);
+  if (facts_.hybrid_sweeps == 0 || problem.size() <= limits_.analysed_rows) ipm_.Prepare(problem);
 }
 
 // A start that says nothing is passed over. Of others the active set is tried, where factorizations are cheap.
 bool AutoPortfolio::TryGuess(std::string_view name, LcpResult* result) {
   test_.Reset(*problem_, GivenFormTest::Rows::kGivenWhenNeeded);
   const long double rho = test_.Rho(start_);
-  if (!(rho < kWorthTrying * test_.Rho(Eigen::VectorXd::Zero(start_.size())))) StartAt(nullptr);
-  if (!facts_.has_start || start_.size() > kMostRowsAnalysed || !HasPrepared(&ipm_, *problem_)) return false;
+  if (!(rho < limits_.start_share * test_.Rho(Eigen::VectorXd::Zero(start_.size())))) StartAt(nullptr);
+  if (!facts_.has_start || start_.size() > limits_.analysed_rows || !HasPrepared(&ipm_, *problem_)) return false;
   const IpmStatistics& factor = ipm_.statistics();
   const double sweeps = CostModel::SweepsPerFactorization(*problem_, factor.factor_flops, factor.fill);
-  if (sweeps > kCheapFactorization) return false;
+  if (sweeps > limits_.guess_factorization) return false;
   ipm_.UseWarmStart(IpmSolver::WarmStart::kGuessOnly);
-  return TrySweeps(&ipm_, name, static_cast<std::int64_t>(kGuessWork / sweeps), result);
+  return TrySweeps(&ipm_, name, static_cast<std::int64_t>(limits_.guess_sweeps / sweeps), result);
 }
 
 std::string AutoPortfolio::WhyUnsupported(const LcpProblem& problem) const { return ipm_.WhyUnsupported(problem); }

@@ -28,8 +28,8 @@ namespace lcpbench {
 /// any of them ended at. Iterations, and their limit, are those of all methods that were asked, each in its own unit.
 class AutoPortfolio {
  public:
-  /// @param newton_factorizations  AutoOptions'; 0: the rules of HybridSolver alone
-  explicit AutoPortfolio(const HybridOptions& hybrid, std::int64_t newton_factorizations = 0);
+  explicit AutoPortfolio(const HybridOptions& hybrid);  ///< the rules of HybridSolver alone
+  AutoPortfolio(const AutoLimits& limits, bool self_check);
 
   /// The facts that need no set-up.  O(nnz J log)
   void Classify(const LcpProblem& problem);
@@ -50,6 +50,7 @@ class AutoPortfolio {
   AutoFacts& facts() { return facts_; }  ///< of the problem; those of other stages are the caller's
 
  private:
+  AutoPortfolio(const HybridOptions& hybrid, const AutoLimits& limits, bool is_hybrid);
   void PrepareHybrid(const LcpProblem& problem);
   bool TryMethod(AutoMethod method, std::int64_t granted, LcpResult* result);
   bool TrySweeps(LcpSolver* solver, std::string_view name, std::int64_t granted, LcpResult* result);
@@ -63,7 +64,8 @@ class AutoPortfolio {
 
   AutoFacts facts_;
   const HybridOptions hybrid_;
-  const std::int64_t newton_factorizations_;
+  const AutoLimits limits_;
+  const bool is_hybrid_;
 
   PgsSolver psor_;
   NncgSolver nncg_;

@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "solvers/auto/exact_rule.h"
-#include "solvers/auto/hybrid.h"
 #include "solvers/friction/few_contacts.h"
 #include "solvers/friction/mode_steps.h"
 #include "solvers/pivoting/small_pivoting.h"
@@ -16,70 +14,35 @@ namespace {
 
 using Facts = AutoFacts;
 
-// A factorization that costs so many nncg iterations is put off.
-constexpr double kDearFactor = 6;
-// What nncg may cost before others take over, in factorizations: about what block pivoting needs where it does well,
-// and half of what the Newton method needs on redundant rows. psor is asked only where it is the cheapest.
-constexpr double kFactorizationsOfBpp = 6;
-constexpr double kFactorizationsOfNewton = 12;
-constexpr double kFactorizationsForPsor = 4;
 constexpr double kPsorTime = 0.5;  // of a sweep, in nncg iterations
-constexpr std::int64_t kLeastNncgIterations = 16;
-// On grids the iterations of nncg grow with the root of the number of rows.
-constexpr double kSweepsPerRootOfRows = 8;
-// Block pivoting that needs more than this has met cycles, which cost it more than the Newton method.
-constexpr std::int64_t kMostFactorizationsOfBpp = 24;
-// Its A takes 0.2 GB, and a solve minutes.
-constexpr Index kMostRowsOfDantzig = 5000;
 
 std::int64_t If(bool holds) { return holds ? kOwnLimit : 0; }
 
 // How many iterations cost as much as so many factorizations.
 std::int64_t NncgIterations(const Facts& facts, double factorizations) {
   const double iterations = factorizations * facts.factor_time / facts.iteration_time;
-  return std::max(kLeastNncgIterations, static_cast<std::int64_t>(iterations));
+  return std::max(facts.limits->least_nncg, static_cast<std::int64_t>(iterations));
 }
 
 bool HasFullRank(const Facts& facts) { return !facts.tableau_failed && !facts.is_redundant; }
 bool HasDearFactor(const Facts& facts) {
-  return HasFullRank(facts) && facts.factor_time > kDearFactor * facts.iteration_time;
+  return HasFullRank(facts) && facts.factor_time > facts.limits->dear_factorization * facts.iteration_time;
 }
 
-// Islands with laws: of how many contacts Newton steps from 0 come before the relaxation, and of how many all modes and
-// Lemke's path are tried.
-constexpr Index kContactsOfModes = 16, kContactsOfAllModes = 3, kContactsOfLemke = 128;
-// Large ones are swept first: the relaxation, a plain problem of as many rows, may take longer than all these sweeps.
-// Forces travel a row or so a sweep. What needs more is mostly a stack, which the relaxation answers; at loose
-// tolerances sweeps then go on before Newton steps, at fine ones they come after all others.
-constexpr Index kLargeIsland = 129;
-constexpr double kFineTolerance = 1e-7, kLooseTolerance = 1e-4;
-constexpr double kSweepsPerRoot = 40, kFirstSweepsPerRoot = 6;
-constexpr std::int64_t kLastSweeps = 20000;
-constexpr int kRoundsOfShift = 4;
-constexpr std::int64_t kStepsOfPath = 2000, kRoundsOfBounds = 4;
-
-bool IsLargeIsland(const Facts& facts) { return facts.has_problem && facts.rows >= kLargeIsland; }
+bool IsLargeIsland(const Facts& facts) { return facts.has_problem && facts.rows >= facts.limits->large_island_rows; }
 std::int64_t SweepsOfLargeIsland(const Facts& facts, double per_root) {
-  const bool holds = IsLargeIsland(facts) && facts.tolerance >= kFineTolerance;
+  const bool holds = IsLargeIsland(facts) && facts.tolerance >= facts.limits->fine_tolerance;
   return holds ? static_cast<std::int64_t>(per_root * std::sqrt(static_cast<double>(facts.rows))) : 0;
 }
 
-// The words of the table below have these numbers.
-static_assert(Facts::IsNarrow(45) && !Facts::IsNarrow(46) && Facts::kMostRowsInOneIsland == 0.75 &&
-              Facts::kSmallRows == 900 && kDearFactor == 6 && kFactorizationsForPsor == 4 &&
-              kFactorizationsOfBpp == 6 && kFactorizationsOfNewton == 12 && kSweepsPerRootOfRows == 8 &&
-              kMostFactorizationsOfBpp == 24 && kContactsOfModes == 16 && kContactsOfAllModes == 3 &&
-              kContactsOfLemke == 128 && kLargeIsland == 129 && kFineTolerance == 1e-7 && kLooseTolerance == 1e-4 &&
-              kSweepsPerRoot == 40 && kFirstSweepsPerRoot == 6 && kRoundsOfShift == 4 && kLastSweeps == 20000 &&
-              kStepsOfPath == 2000 && kRoundsOfBounds == 4 && kMostContactsOfExact == 8 &&
-              Facts::kLeastRowsOfHybridNncg == 500 && HybridOptions{}.most_iterations == 600);
+static_assert(AutoLimits::kTableau == SmallPivoting::kMaxRows);
 
 using enum AutoStage;
 using enum AutoMethod;
 constexpr std::array kRules = {
     AutoRule{kRows, FixedSizeBpp::kMostRows, "", kFixedSizeBpp},
     AutoRule{kRows, SmallPivoting::kMaxRows, "", kPrincipalPivoting},
-    AutoRule{kRows, Facts::kMostIslandRows, "", kProfilePivoting,
+    AutoRule{kRows, &AutoLimits::island_rows, "", kProfilePivoting,
              [](const Facts& facts) { return If(!facts.is_undivided); }},
 
     AutoRule{kLaws, 2 * FewContacts::kMostContacts, "1 to 6 contacts and nothing else, read in place", kFixedSizeModes,
@@ -87,115 +50,133 @@ constexpr std::array kRules = {
     AutoRule{kLaws, kAnyRows, "no row can stick", kNoFriction,
              [](const Facts& facts) { return If(facts.has_problem && !facts.can_stick && facts.can_relax); }},
     AutoRule{kLaws, kAnyRows, "`initial_f`", kWarmModes,
-             [](const Facts& facts) { return std::int64_t{facts.has_start ? 3 : 0}; }, "3 steps"},
-    AutoRule{kLaws, ModeFactor::kMostDense, "up to 16 contacts", kModes,
-             [](const Facts& facts) { return std::int64_t{facts.contacts <= kContactsOfModes ? 8 : 0}; }, "8 steps"},
-    AutoRule{kLaws, ModeSteps::kFewRows, "up to 3 contacts, no bounded rows", kAllModes,
-             [](const Facts& facts) { return If(facts.contacts <= kContactsOfAllModes && !facts.has_bounded); }},
-    AutoRule{kLaws, kAnyRows, "from 129 rows on, at tolerances from 1e-7 on", kSweeps,
+             [](const Facts& facts) { return facts.has_start ? facts.limits->warm_steps : 0; }, "{warm_steps} steps"},
+    AutoRule{
+        kLaws, ModeFactor::kMostDense, "up to {mode_contacts} contacts", kModes,
+        [](const Facts& facts) { return facts.contacts <= facts.limits->mode_contacts ? facts.limits->mode_steps : 0; },
+        "{mode_steps} steps"},
+    AutoRule{kLaws, ModeSteps::kFewRows, "up to {all_modes_contacts} contacts, no bounded rows", kAllModes,
              [](const Facts& facts) {
-               return SweepsOfLargeIsland(facts, -kFirstSweepsPerRoot * std::log10(facts.tolerance));
+               return If(facts.contacts <= facts.limits->all_modes_contacts && !facts.has_bounded);
+             }},
+    AutoRule{kLaws, kAnyRows, "from {large_island_rows} rows on, at tolerances from {fine_tolerance} on", kSweeps,
+             [](const Facts& facts) {
+               return SweepsOfLargeIsland(facts, -facts.limits->first_sweeps_per_root * std::log10(facts.tolerance));
              },
-             "6 √n sweeps a digit, while their rate promises an answer"},
+             "{first_sweeps_per_root} √n sweeps a digit, while their rate promises an answer"},
     AutoRule{kLaws, kAnyRows, "one friction row a contact, none slides, no bounded rows", kRelaxation,
              [](const Facts& facts) {
-               return std::int64_t{!facts.can_relax ? 0 : IsLargeIsland(facts) ? 1 : kRoundsOfShift};
+               return !facts.can_relax ? 0 : IsLargeIsland(facts) ? 1 : facts.limits->shift_rounds;
              },
-             "4 rounds; from 129 rows on 1"},
+             "{shift_rounds} rounds; from {large_island_rows} rows on 1"},
     AutoRule{kLaws, kAnyRows, "the relaxation has no answer", kRay,
              [](const Facts& facts) { return If(facts.has_problem && facts.relaxation_failed); }},
-    AutoRule{kLaws, kAnyRows, "from 129 rows on, at tolerances from 1e-4 on", kSweeps,
+    AutoRule{kLaws, kAnyRows, "from {large_island_rows} rows on, at tolerances from {loose_tolerance} on", kSweeps,
              [](const Facts& facts) {
-               return facts.tolerance >= kLooseTolerance ? SweepsOfLargeIsland(facts, kSweepsPerRoot) : 0;
+               return facts.tolerance >= facts.limits->loose_tolerance
+                          ? SweepsOfLargeIsland(facts, facts.limits->sweeps_per_root)
+                          : 0;
              },
-             "40 √n sweeps, while their rate promises an answer"},
+             "{sweeps_per_root} √n sweeps, while their rate promises an answer"},
+    AutoRule{kLaws, kAnyRows,
+             "from {large_island_rows} rows on, one friction row a contact, none slides, no bounded rows, J given",
+             kCoulombPath,
+             [](const Facts& facts) { return IsLargeIsland(facts) && facts.can_relax ? facts.limits->path_steps : 0; },
+             "{path_steps} steps"},
     AutoRule{
-        kLaws, kAnyRows, "from 129 rows on, one friction row a contact, none slides, no bounded rows, J given",
-        kCoulombPath,
-        [](const Facts& facts) { return std::int64_t{IsLargeIsland(facts) && facts.can_relax ? kStepsOfPath : 0}; },
-        "2000 steps"},
+        kLaws, kAnyRows, "from {large_island_rows} rows on, several friction rows a contact", kLaggedBounds,
+        [](const Facts& facts) { return IsLargeIsland(facts) && !facts.is_paired ? facts.limits->bounds_rounds : 0; },
+        "{bounds_rounds} rounds"},
     AutoRule{
-        kLaws, kAnyRows, "from 129 rows on, several friction rows a contact", kLaggedBounds,
-        [](const Facts& facts) { return std::int64_t{IsLargeIsland(facts) && !facts.is_paired ? kRoundsOfBounds : 0}; },
-        "4 rounds"},
-    AutoRule{kLaws, kAnyRows, "from 129 rows on, and others than those that are relaxed", kModeNewton,
-             [](const Facts& facts) { return std::int64_t{facts.can_relax && !IsLargeIsland(facts) ? 0 : 30}; },
-             "30 steps; from 129 rows on its own limit"},
-    AutoRule{kLaws, kAnyRows, "from 129 rows on", kSweeps,
-             [](const Facts& facts) { return IsLargeIsland(facts) ? kLastSweeps : 0; },
-             "20000 sweeps, while their rate promises an answer"},
-    AutoRule{kLaws, kAnyRows, "from 129 rows on, and the first round is solved", kRelaxation,
+        kLaws, kAnyRows, "from {large_island_rows} rows on, and others than those that are relaxed", kModeNewton,
+        [](const Facts& facts) { return facts.can_relax && !IsLargeIsland(facts) ? 0 : facts.limits->newton_steps; },
+        "{newton_steps} steps; from {large_island_rows} rows on its own limit"},
+    AutoRule{kLaws, kAnyRows, "from {large_island_rows} rows on", kSweeps,
+             [](const Facts& facts) { return IsLargeIsland(facts) ? facts.limits->last_sweeps : 0; },
+             "{last_sweeps} sweeps, while their rate promises an answer"},
+    AutoRule{kLaws, kAnyRows, "from {large_island_rows} rows on, and the first round is solved", kRelaxation,
              [](const Facts& facts) {
                const bool holds = IsLargeIsland(facts) && facts.can_relax && !facts.relaxation_failed;
-               return std::int64_t{holds ? kRoundsOfShift - 1 : 0};
+               return holds ? facts.limits->shift_rounds - 1 : 0;
              },
-             "3 rounds"},
-    AutoRule{kLaws, kAnyRows, "up to 128 contacts, one friction row each", kLemke,
-             [](const Facts& facts) { return If(facts.is_paired && facts.contacts <= kContactsOfLemke); }},
-    AutoRule{kLaws, kAnyRows, "", kProximalPoints, [](const Facts&) { return std::int64_t{1000}; }, "1000 points"},
+             "{shift_rounds} rounds with the first"},
+    AutoRule{kLaws, kAnyRows, "up to {lemke_contacts} contacts, one friction row each", kLemke,
+             [](const Facts& facts) { return If(facts.is_paired && facts.contacts <= facts.limits->lemke_contacts); }},
+    AutoRule{kLaws, kAnyRows, "", kProximalPoints, [](const Facts& facts) { return facts.limits->proximal_points; },
+             "{proximal_points} points"},
     AutoRule{kLaws, kAnyRows, "", kRay, [](const Facts& facts) { return If(facts.has_problem); }},
 
     AutoRule{kMatrix, SmallPivoting::kMaxRows, "up to `tableau_rows`; `hard_tableau_rows` where the band is half of A",
              kPrincipalPivoting, [](const Facts& facts) { return If(facts.rows <= facts.tableau_rows); }},
-    AutoRule{kMatrix, Facts::kMostDenseRows, "A given dense", kBandPivoting,
+    AutoRule{kMatrix, &AutoLimits::dense_rows, "A given dense", kBandPivoting,
              [](const Facts& facts) { return If(facts.is_dense); }},
-    AutoRule{kMatrix, Facts::kMostStepRows, "A given sparse, bandwidth up to 45", kBandPivoting,
-             [](const Facts& facts) { return If(!facts.is_dense && Facts::IsNarrow(facts.bandwidth)); }},
+    AutoRule{kMatrix, &AutoLimits::step_rows, "A given sparse, bandwidth up to {narrow_band}", kBandPivoting,
+             [](const Facts& facts) { return If(!facts.is_dense && facts.bandwidth <= facts.limits->narrow_band); }},
 
     AutoRule{kProblem, SmallPivoting::kMaxRows,
              "up to `tableau_rows`; `hard_tableau_rows` where rows are redundant or the factor is dense",
              kPrincipalPivoting,
              [](const Facts& facts) { return If(!facts.tableau_failed && facts.rows <= facts.tableau_rows); }},
-    AutoRule{kProblem, kAnyRows, "more than that, and at most 75 % of the rows lie in islands of more", kIslands,
+    AutoRule{kProblem, kAnyRows,
+             "more than that, and at most a share of {dominant_share} of the rows lie in islands of more", kIslands,
              [](const Facts& facts) { return If(facts.rows > facts.tableau_rows && facts.may_divide); }},
 
-    AutoRule{kBackends, kAnyRows, "full rank, and a factorization costs more than 6 iterations of `nncg`", kPsor,
+    AutoRule{kBackends, kAnyRows,
+             "full rank, and a factorization costs more than {dear_factorization} iterations of `nncg`", kPsor,
              [](const Facts& facts) {
-               const double iterations = kFactorizationsForPsor * facts.factor_time / facts.iteration_time;
+               const double iterations = facts.limits->psor_factorizations * facts.factor_time / facts.iteration_time;
                return HasDearFactor(facts) ? static_cast<std::int64_t>(iterations / kPsorTime) : 0;
              },
-             "4 factorizations"},
+             "{psor_factorizations} factorizations"},
     AutoRule{kBackends, kAnyRows, "the same", kNncg,
-             [](const Facts& facts) { return HasDearFactor(facts) ? NncgIterations(facts, kFactorizationsOfBpp) : 0; },
-             "6 factorizations"},
-    AutoRule{kBackends, kAnyRows, "full rank, more than 900 rows, A given sparse with a bandwidth above 45",
-             kPatientNncg,
              [](const Facts& facts) {
-               const double iterations = kSweepsPerRootOfRows * std::sqrt(static_cast<double>(facts.rows));
-               return facts.is_wide_sparse ? static_cast<std::int64_t>(iterations) : 0;
+               return HasDearFactor(facts) ? NncgIterations(facts, facts.limits->nncg_before_bpp) : 0;
              },
-             "8 √n iterations"},
-    AutoRule{kBackends, kAnyRows, "full rank, from 5000 rows on, J given, more than 0.25 cycles per body", kNncg,
-             [](const Facts& facts) { return facts.is_packing ? facts.hybrid_sweeps : 0; }, "600 iterations"},
-    AutoRule{kBackends, Facts::kSmallRows, "redundant rows", kNncg,
+             "{nncg_before_bpp} factorizations"},
+    AutoRule{
+        kBackends, kAnyRows,
+        "full rank, more than {large_rows} rows, A given sparse with a bandwidth above {narrow_band}", kPatientNncg,
+        [](const Facts& facts) {
+          const double iterations = facts.limits->sparse_nncg_per_root * std::sqrt(static_cast<double>(facts.rows));
+          return facts.is_wide_sparse ? static_cast<std::int64_t>(iterations) : 0;
+        },
+        "{sparse_nncg_per_root} √n iterations"},
+    AutoRule{kBackends, kAnyRows,
+             "full rank, from {packing_rows} rows on, J given, more than {packing_cycles} cycles per body", kNncg,
+             [](const Facts& facts) { return facts.is_packing ? facts.hybrid_sweeps : 0; },
+             "{hybrid_most_sweeps} iterations"},
+    AutoRule{kBackends, &AutoLimits::large_rows, "redundant rows", kNncg,
              [](const Facts& facts) {
                const bool holds = facts.is_redundant && !facts.tableau_failed;
-               return holds ? NncgIterations(facts, kFactorizationsOfNewton) : 0;
+               return holds ? NncgIterations(facts, facts.limits->nncg_before_newton) : 0;
              },
-             "12 factorizations"},
+             "{nncg_before_newton} factorizations"},
     AutoRule{kBackends, kAnyRows, "full rank, and no packing as above", kBpp,
-             [](const Facts& facts) { return HasFullRank(facts) && !facts.is_packing ? kMostFactorizationsOfBpp : 0; },
-             "24 factorizations"},
-    AutoRule{kBackends, Facts::kSmallRows,
+             [](const Facts& facts) {
+               return HasFullRank(facts) && !facts.is_packing ? facts.limits->bpp_factorizations : 0;
+             },
+             "{bpp_factorizations} factorizations"},
+    AutoRule{kBackends, &AutoLimits::large_rows,
              "`bpp` has met dependent rows, its factor is not dense, and `nncg` was not asked", kNncg,
              [](const Facts& facts) {
                const bool holds = facts.has_dependent_rows && !facts.has_dense_factor && !facts.has_swept;
-               return holds ? NncgIterations(facts, kFactorizationsOfNewton) : 0;
+               return holds ? NncgIterations(facts, facts.limits->nncg_before_newton) : 0;
              },
-             "12 factorizations"},
-    AutoRule{kBackends, kAnyRows, "up to 900 rows, or A given dense", kSemismoothNewton,
+             "{nncg_before_newton} factorizations"},
+    AutoRule{kBackends, kAnyRows, "up to {large_rows} rows, or A given dense", kSemismoothNewton,
              [](const Facts& facts) { return If(!facts.is_large); }},
-    AutoRule{kBackends, kAnyRows, "`hybrid`, from 500 rows on, and there is a start", kGuess,
+    AutoRule{kBackends, kAnyRows, "`hybrid`, from {hybrid_rows} rows on, and there is a start", kGuess,
              [](const Facts& facts) { return If(facts.has_start && facts.hybrid_sweeps > 0); },
-             "the active set of the start, in the time of 90 iterations of `nncg`"},
-    AutoRule{kBackends, kAnyRows, "`hybrid`, from 500 rows on", kHybridNncg,
-             [](const Facts& facts) { return facts.hybrid_sweeps; }, "`most_iterations`, 600"},
+             "the active set of the start, in the time of {guess_sweeps} iterations of `nncg`"},
+    AutoRule{kBackends, kAnyRows, "`hybrid`, from {hybrid_rows} rows on", kHybridNncg,
+             [](const Facts& facts) { return facts.hybrid_sweeps; }, "{hybrid_most_sweeps}"},
     AutoRule{kBackends, kAnyRows, "`hybrid`", kIpm},
-    AutoRule{kBackends, kAnyRows, "more than 900 rows", kSemismoothNewton,
+    AutoRule{kBackends, kAnyRows, "more than {large_rows} rows", kSemismoothNewton,
              [](const Facts& facts) { return If(facts.is_large); }},
-    AutoRule{kBackends, kMostRowsOfDantzig, "", kDantzig},
+    AutoRule{kBackends, &AutoLimits::dantzig_rows, "", kDantzig},
 
-    AutoRule{kLast, kMostRowsOfExact, "with friction, sliding or bounded rows: up to 8 contacts", kExact},
+    AutoRule{kLast, &AutoLimits::exact_rows, "with friction, sliding or bounded rows: up to {exact_contacts} contacts",
+             kExact},
 };
 
 // A stage's rules stand together.
@@ -297,9 +278,15 @@ std::string AutoRulesAsMarkdown() {
     }
     const bool has_words = rule->stage == kLaws || rule->method == kIslands;
     const std::string_view quote = has_words ? "" : "`";
-    text.append("| ").append(rule->most_rows == kAnyRows ? "any" : "≤ " + std::to_string(rule->most_rows));
-    text.append(" | ").append(rule->when).append(" | ").append(quote).append(KeyOf(rule->method)).append(quote);
-    text.append(" | ").append(rule->limit).append(" |\n");
+    const Index most = rule->most_rows.In(kDefaultLimits);
+    text.append("| ").append(most == kAnyRows ? "any" : "≤ " + std::to_string(most));
+    text.append(" | ")
+        .append(WithDefaults(rule->when))
+        .append(" | ")
+        .append(quote)
+        .append(KeyOf(rule->method))
+        .append(quote);
+    text.append(" | ").append(WithDefaults(rule->limit)).append(" |\n");
   }
   return text;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "solvers/auto/auto_limits.h"
 #include "solvers/lcp/problem.h"
 
 /// How `auto` decides: one table, read from the top. Every rule whose condition holds is asked in turn until one of the
@@ -60,23 +61,10 @@ enum class AutoStage : std::uint8_t {
 
 /// What rules look at. Each stage fills in what its rules need.
 struct AutoFacts {
-  // Limits of the first two stages.
-  static constexpr Index kMostStepRows = 20000;    ///< of a step; larger ones have islands that are left open anyway
-  static constexpr Index kMostDenseRows = 1000;    ///< of a dense A; above, a blocked factor pays
-  static constexpr Index kMostIslandRows = 2000;   ///< a step with a larger island is left to kProblem
-  static constexpr Index kMostUndividedRows = 16;  ///< a step of so many rows is tried before islands are looked for
-  static constexpr double kMostRowsInOneIsland = 0.75;  ///< of all: where one has more, dividing does not pay
-
-  /// Above, `hybrid` is faster than the semismooth Newton method on every redundant family (1e-9, one thread).
-  static constexpr Index kSmallRows = 900;
-  /// Below, a factorization takes no longer than a few sweeps, and its answers have more digits.
-  static constexpr Index kLeastRowsOfHybridNncg = 500;
-  /// Whether a factor within the band of a sparse A takes so few operations that sweeps are not cheaper.
-  static constexpr bool IsNarrow(Index bandwidth) { return bandwidth * bandwidth <= 2048; }
-
-  Index rows = 0;             ///< n, or of the island
-  bool is_undivided = false;  ///< kRows: a small step, islands not looked for
-  Index tableau_rows = 0;     ///< AutoOptions::tableau_rows, or hard_tableau_rows of redundant or full problems
+  const AutoLimits* limits = &kDefaultLimits;  ///< outlive the facts
+  Index rows = 0;                              ///< n, or of the island
+  bool is_undivided = false;                   ///< kRows: a small step, islands not looked for
+  Index tableau_rows = 0;  ///< AutoLimits::tableau_rows, or hard_tableau_rows of redundant or full problems
   // kLaws.
   double tolerance = 0;
   Index contacts = 0;              ///< unilateral rows
@@ -94,7 +82,7 @@ struct AutoFacts {
   bool tableau_failed = false;      ///< a tableau has left the problem open
   bool may_divide = false;          ///< islands have not been found to be too large
   bool is_redundant = false;        ///< rows outnumber degrees of freedom, so that A is singular
-  bool is_large = false;            ///< more than kSmallRows, not given as a dense matrix, and `ipm` in this build
+  bool is_large = false;            ///< more than large_rows, not given as a dense matrix, and `ipm` in this build
   bool is_wide_sparse = false;      ///< large, not redundant, A given sparse with a band too wide for a factor
   bool is_packing = false;          ///< large, not redundant, by factors, with many cycles in the graph of bodies
   bool has_dense_factor = false;    ///< block pivoting's
@@ -110,10 +98,20 @@ inline constexpr std::int64_t kOwnLimit = std::numeric_limits<std::int64_t>::max
 /// AutoRule::most_rows of a rule for any number.
 inline constexpr Index kAnyRows = std::numeric_limits<Index>::max();
 
-/// One line of the table.
+/// A number of rows: of a method, or a limit.
+struct AutoRows {
+  constexpr AutoRows(Index rows) : fixed(rows) {}  // NOLINT(google-explicit-constructor): for the table
+  constexpr AutoRows(Index AutoLimits::*rows) : fixed(0), limit(rows) {}  // NOLINT(google-explicit-constructor)
+  Index In(const AutoLimits& limits) const { return limit == nullptr ? fixed : limits.*limit; }
+
+  Index fixed;
+  Index AutoLimits::*limit = nullptr;
+};
+
+/// One line of the table. In words, {name} stands for the default of a limit.
 struct AutoRule {
   AutoStage stage;
-  Index most_rows;        ///< the rule holds up to so many rows
+  AutoRows most_rows;     ///< the rule holds up to so many rows
   std::string_view when;  ///< what else must hold, in words
   AutoMethod method;
   /// Iterations that the method is granted, in its own unit; 0 where the rule does not hold. nullptr: kOwnLimit.
@@ -122,7 +120,7 @@ struct AutoRule {
 
   /// 0 where the rule does not hold.
   std::int64_t Grants(const AutoFacts& facts) const {
-    if (facts.rows > most_rows) return 0;
+    if (facts.rows > most_rows.In(*facts.limits)) return 0;
     return grants == nullptr ? kOwnLimit : grants(facts);
   }
 };

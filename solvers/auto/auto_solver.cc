@@ -30,23 +30,15 @@ namespace {
 
 using Judgement = SmallPivoting::Answer::Judgement;
 
-// Fewer idle rows than one in so many are not likely to cut an island into pieces of a tableau's size: the longest
-// piece of a chain cut at random is some ln(cuts) times the mean one.
-constexpr Index kRowsPerCut = 16;
-
 }  // namespace
 
 AutoOptions AutoOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("auto", settings);
   AutoOptions options;
-  const auto read_rows = [&](const char* name, Index* rows) {
-    *rows = static_cast<Index>(
-        reader.Number(name, static_cast<double>(*rows), 0, static_cast<double>(SmallPivoting::kMaxRows)));
-  };
-  read_rows("tableau_rows", &options.tableau_rows);
-  read_rows("hard_tableau_rows", &options.hard_tableau_rows);
-  options.newton_factorizations = static_cast<std::int64_t>(
-      reader.Number("newton_factorizations", static_cast<double>(options.newton_factorizations), 1, 1e9));
+  for (const AutoLimit& limit : kAutoLimits) {
+    const double value = limit.Of(options.limits);
+    limit.Set(reader.Number(std::string(limit.name), value, limit.least, limit.most), &options.limits);
+  }
   options.self_check = reader.SelfCheck();
   options.instructions = InstructionSetOf(reader.Choice("instructions", "best", {"best", "sse2", "avx2", "avx512"}));
   reader.Finish();
@@ -57,7 +49,7 @@ AutoOptions AutoOptions::Only(AutoMethod method, const Settings& settings) {
   SettingsReader(KeyOf(method), settings).Finish();
   AutoOptions options;
   options.only = method;
-  options.tableau_rows = options.hard_tableau_rows = SmallPivoting::kMaxRows;
+  options.limits.tableau_rows = options.limits.hard_tableau_rows = SmallPivoting::kMaxRows;
   return options;
 }
 
@@ -69,7 +61,7 @@ class AutoEngine {
   static constexpr bool kSolvesByFaces = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const;
-  void Reserve(Index max_rows) { tableau_.Reserve(std::min(max_rows, options_.tableau_rows)); }
+  void Reserve(Index max_rows) { tableau_.Reserve(std::min(max_rows, options_.limits.tableau_rows)); }
   void Prepare(const LcpProblem& problem);
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
   bool SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
@@ -123,7 +115,7 @@ class AutoEngine {
   Ladder rows_;
   Eigen::VectorXd gaps_;
   MatrixArrays matrix_;
-  AutoFacts matrix_facts_;
+  AutoFacts matrix_facts_{.limits = &options_.limits};
   BandPivoting band_;
 
   // For problems that are not plain, made by the first that rows in place do not answer.
@@ -154,14 +146,13 @@ class AutoEngine {
 AutoEngine::AutoEngine(const AutoOptions& options)
     : options_(options),
       tableau_(options.instructions),
-      rows_(options.instructions, options.only),
+      rows_(options.instructions, options.only, options_.limits),
       band_(options.instructions),
-      whole_({.self_check = options.self_check}, options.newton_factorizations) {
-  if (options.newton_factorizations < 1) throw InputError("auto: newton_factorizations must be >= 1");
-  for (const Index rows : {options.tableau_rows, options.hard_tableau_rows}) {
-    if (rows < 0 || rows > SmallPivoting::kMaxRows) {
-      throw InputError("auto: rows for a tableau must be in [0, " + std::to_string(SmallPivoting::kMaxRows) + "]");
-    }
+      whole_(options.limits, options.self_check) {
+  for (const AutoLimit& limit : kAutoLimits) {
+    const double value = limit.Of(options.limits);
+    if (value >= limit.least && value <= limit.most) continue;
+    throw InputError("auto: " + std::string(limit.name) + " is out of its range");
   }
 }
 
@@ -169,7 +160,7 @@ std::string AutoEngine::WhyUnsupported(const LcpProblem& problem) const {
   std::string why = WhyNotSymmetric(problem);
   if (!why.empty() || !options_.only.has_value()) return why;
   const bool has_rows = problem.has_factors() && problem.has_two_body_rows();
-  const Index most = has_rows ? AutoFacts::kMostStepRows : SmallPivoting::kMaxRows;
+  const Index most = has_rows ? options_.limits.step_rows : SmallPivoting::kMaxRows;
   switch (*options_.only) {
     case AutoMethod::kBandPivoting:
       return problem.has_factors() ? "it takes A given as a matrix" : "";
@@ -181,7 +172,7 @@ std::string AutoEngine::WhyUnsupported(const LcpProblem& problem) const {
 }
 
 bool AutoEngine::IsReadInPlace(MatrixForm form, Index rows) const {
-  const Index most = form == MatrixForm::kDense ? AutoFacts::kMostDenseRows : AutoFacts::kMostStepRows;
+  const Index most = form == MatrixForm::kDense ? options_.limits.dense_rows : options_.limits.step_rows;
   return options_.self_check && rows <= most;
 }
 
@@ -234,7 +225,8 @@ bool AutoEngine::SolveMatrix(const LcpOptions& options, const Deadline* deadline
   const bool is_full = 2 * matrix_.bandwidth() >= matrix_.size();
   AutoFacts& facts = matrix_facts_;
   facts.rows = matrix_.size();
-  facts.tableau_rows = is_full ? std::max(options_.tableau_rows, options_.hard_tableau_rows) : options_.tableau_rows;
+  facts.tableau_rows = is_full ? std::max(options_.limits.tableau_rows, options_.limits.hard_tableau_rows)
+                               : options_.limits.tableau_rows;
   facts.is_dense = matrix_.is_dense();
   facts.bandwidth = matrix_.bandwidth();
   bool is_for_one = false;
@@ -291,7 +283,7 @@ bool AutoEngine::TryIslands(const LcpProblem& problem, const LcpOptions& options
   const Index idle = idle_rows_.Find(problem);
   if (idle < few_idle_rows_ && !has_islands_) return false;
   islands_.Find(problem.SparseA(), idle_rows_.keep());
-  const double worth = AutoFacts::kMostRowsInOneIsland * static_cast<double>(problem.size());
+  const double worth = options_.limits.dominant_share * static_cast<double>(problem.size());
   Index large_rows = 0;
   for (Index k = 0; k < islands_.count(); ++k) {
     const auto rows = static_cast<Index>(islands_.rows(k).size());
@@ -341,7 +333,7 @@ void AutoEngine::SolveRest(const LcpProblem& problem, const LcpOptions& options,
     rest_start_ = (*options.initial_f)(rest_);
     part_options.initial_f = &rest_start_;
   }
-  AutoPortfolio portfolio({.self_check = options_.self_check}, options_.newton_factorizations);
+  AutoPortfolio portfolio(options_.limits, options_.self_check);
   portfolio.Prepare(part);
   LcpResult answer;
   answer.f.setZero(part.size());
@@ -357,8 +349,8 @@ void AutoEngine::SolveFriction(const LcpProblem& problem, LcpOptions options, co
     AutoOptions plain = options_;
     plain.reached = nullptr;
     plain.asks_exact = false;
-    laws_ = std::make_unique<LawPortfolio>(&tableau_,
-                                           WithinOptions{[plain] { return std::make_unique<AutoSolver>(plain); }});
+    laws_ = std::make_unique<LawPortfolio>(
+        &tableau_, WithinOptions{[plain] { return std::make_unique<AutoSolver>(plain); }}, options_.limits);
   }
   if (!std::exchange(laws_are_ready_, true)) laws_->Prepare(problem);
   if (deadline != nullptr) options.time_limit_s = deadline->RestOfLimit();
@@ -387,21 +379,21 @@ void AutoEngine::PrepareProblem(const LcpProblem& problem) {
   problem_is_ready_ = true;
   if (options_.only.has_value() && *options_.only != AutoMethod::kPrincipalPivoting) return;
   const Index n = problem.size();
-  tableau_rows_ = options_.tableau_rows;
+  tableau_rows_ = options_.limits.tableau_rows;
   whole_is_ready_ = false;
   may_divide_ = n > tableau_rows_;
   whole_.Classify(problem);
   const bool looks_first = may_divide_ && whole_.facts().is_large && problem.has_factors();
   if (looks_first) {
     islands_.FindByColumns(problem.J(), problem.inverse_mass());
-    may_divide_ = static_cast<double>(islands_.largest()) <= AutoFacts::kMostRowsInOneIsland * static_cast<double>(n);
+    may_divide_ = static_cast<double>(islands_.largest()) <= options_.limits.dominant_share * static_cast<double>(n);
   }
   if (n > tableau_rows_) {
     // Where large problems may be divided, the whole is set up only if the islands turn out to be too large.
     if (!looks_first || !may_divide_) PrepareWhole(problem);
     const AutoFacts& facts = whole_.facts();
     const bool is_hard = facts.is_redundant || facts.has_dense_factor;
-    if (is_hard) tableau_rows_ = std::max(tableau_rows_, options_.hard_tableau_rows);
+    if (is_hard) tableau_rows_ = std::max(tableau_rows_, options_.limits.hard_tableau_rows);
   }
   if (n <= tableau_rows_) {
     problem.DenseA();
@@ -420,8 +412,8 @@ void AutoEngine::PrepareDividing(const LcpProblem& problem, bool islands_are_kno
   judge_.Reset(problem, false);
   islands_.Reserve(n);
   if (!islands_are_known) islands_.Find(problem.SparseA(), idle_rows_.keep());
-  has_islands_ = static_cast<double>(islands_.largest()) <= AutoFacts::kMostRowsInOneIsland * static_cast<double>(n);
-  few_idle_rows_ = n / kRowsPerCut;
+  has_islands_ = static_cast<double>(islands_.largest()) <= options_.limits.dominant_share * static_cast<double>(n);
+  few_idle_rows_ = n / options_.limits.rows_per_cut;
 }
 
 void AutoEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
@@ -444,7 +436,7 @@ void AutoEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lcp
     SolveFriction(problem, options, limit.has_value() ? &*limit : nullptr, result);
   }
   const bool is_open = result->status == LcpStatus::kNumericalFailure || result->status == LcpStatus::kIterationLimit;
-  if (is_open && options_.asks_exact && !options_.only) TryExact(problem, options, deadline, result);
+  if (is_open && options_.asks_exact && !options_.only) TryExact(problem, options, options_.limits, deadline, result);
 }
 
 // AutoStage::kProblem, and then kBackends.

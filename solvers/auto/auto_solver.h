@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "solvers/auto/auto_limits.h"
 #include "solvers/lcp/engine_solver.h"
 #include "solvers/linear_algebra/instruction_set.h"
 
@@ -21,13 +22,7 @@ struct RowsReached {
 
 /// Options of AutoSolver.
 struct AutoOptions {
-  /// Up to this many rows a dense tableau is tried first; in [0, SmallPivoting::kMaxRows].
-  Index tableau_rows = 64;
-  /// The same where rows outnumber the degrees of freedom of the bodies, or A is nearly full: other methods find that
-  /// harder.
-  Index hard_tableau_rows = 128;
-  /// Factorizations that the semismooth Newton method is granted, >= 1; problems up to 10^3 rows need 10 to 70.
-  std::int64_t newton_factorizations = 150;
+  AutoLimits limits = {};  ///< within the ranges of kAutoLimits
   /// SettingsReader::SelfCheck, of the methods too. Without it nothing is read in place, and a tableau's answer is
   /// taken as it is.
   bool self_check = true;
@@ -38,8 +33,8 @@ struct AutoOptions {
   /// One method of AutoStage::kRows or kMatrix that is asked and no other; empty: all.
   std::optional<AutoMethod> only = {};
 
-  /// Keys `tableau_rows`, `hard_tableau_rows`, `newton_factorizations`, `self_check` and `instructions` (best, sse2,
-  /// avx2, avx512). @throws InputError for others
+  /// Keys: the names of kAutoLimits, `self_check` and `instructions` (best, sse2, avx2, avx512).
+  /// @throws InputError for others
   static AutoOptions FromSettings(const Settings& settings);
   /// The options of a solver that is one method of `auto` and no other. @throws InputError for any setting
   static AutoOptions Only(AutoMethod method, const Settings& settings);

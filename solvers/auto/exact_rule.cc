@@ -12,27 +12,26 @@
 namespace lcpbench {
 namespace {
 
-constexpr Index kMostRowsOfModes = 32;      // a step of their path is O(rows^3) rational operations
-constexpr std::int64_t kMostModes = 256;    // all are tried, in about a second; above, a path is followed
 constexpr double kSecondsOfProduct = 1e-6;  // of two rationals, in J M^-1 J^T
 
 }  // namespace
 
-void TryExact(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result) {
+void TryExact(const LcpProblem& problem, const LcpOptions& options, const AutoLimits& limits, const Deadline& deadline,
+              LcpResult* result) {
   const Index n = problem.size();
   const auto others = problem.bilateral_rows().size() + problem.friction_rows().size() + problem.bounded_rows().size();
-  const bool has_few = n - static_cast<Index>(others) <= kMostContactsOfExact && n <= kMostRowsOfModes &&
+  const bool has_few = n - static_cast<Index>(others) <= limits.exact_contacts && n <= limits.exact_mode_rows &&
                        (problem.has_factors() || problem.Asymmetry() == 0);
   const auto entries = static_cast<double>(problem.has_factors() ? problem.J().nonZeros() : 0);
   LcpOptions rest = options;
   rest.time_limit_s = deadline.Remaining() - kSecondsOfProduct * entries * entries / static_cast<double>(n);
-  if (!(problem.is_plain() || has_few) || n > kMostRowsOfExact || options.max_iterations > 0) return;
+  if (!(problem.is_plain() || has_few) || n > limits.exact_rows || options.max_iterations > 0) return;
   if (!(rest.time_limit_s > 0)) return;
   LcpResult exact;
   exact.status = LcpStatus::kUnsupported;
   if (problem.is_plain()) ExactSolver(true).Solve(problem, rest, &exact);
   if (exact.status == LcpStatus::kUnsupported && has_few) {
-    ExactOptions modes{.time_limit_s = rest.time_limit_s, .now = options.now, .most_modes = kMostModes};
+    ExactOptions modes{.time_limit_s = rest.time_limit_s, .now = options.now, .most_modes = limits.exact_modes};
     modes.guessed_modes = [&] { return std::vector{ModesOf(problem, result->f)}; };
     const ExactAnswer answer = SolveByModes(ExactFrom(problem), modes);
     if (answer.is_solved()) exact.status = LcpStatus::kSolved;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "solvers/auto/auto_limits.h"
 #include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
@@ -9,10 +10,10 @@ struct IpmStatistics;  // solvers/interior_point/ipm.h
 /// Options of HybridSolver.
 struct HybridOptions {
   /// Iterations that the sweeps take in any case, as the interior point starts better from them, in [0, 100000].
-  int least_iterations = 100;
+  int least_iterations = static_cast<int>(kDefaultLimits.hybrid_least_sweeps);
   /// Iterations that they may take while their rate of convergence promises an answer within them, in [0, 100000]: at
   /// 10^5 rows of a pile about four factorizations. 0: the interior point at once.
-  int most_iterations = 600;
+  int most_iterations = static_cast<int>(kDefaultLimits.hybrid_most_sweeps);
   bool self_check = true;  ///< SettingsReader::SelfCheck
 
   /// Names: least_iterations, most_iterations, self_check.

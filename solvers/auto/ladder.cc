@@ -28,7 +28,7 @@ void Ladder::Reserve(Index max_rows, Index max_bodies) {
   islands_.Reserve(max_rows, max_bodies);
   tableau_.ReserveRows(std::min(max_rows, SmallPivoting::kMaxRows), max_bodies);
   judge_.Reserve(max_rows, max_bodies);
-  profile_.Reserve(std::min(max_rows, AutoFacts::kMostIslandRows), max_bodies);
+  profile_.Reserve(std::min(max_rows, limits_.island_rows), max_bodies);
   const Index known = static_cast<Index>(all_.size());
   if (known >= max_rows) return;
   all_.resize(At(max_rows));
@@ -39,7 +39,7 @@ void Ladder::ReserveLaws(Index max_rows, Index max_bodies) {
   if (laws_.has_value() && max_rows <= std::ssize(laws_->law) && max_bodies <= reserved_bodies_) return;
   Reserve(max_rows, max_bodies);
   max_rows = reserved_rows_;
-  if (!laws_.has_value()) laws_.emplace(&relaxations_);
+  if (!laws_.has_value()) laws_.emplace(&relaxations_, limits_);
   LawWork& own = *laws_;
   for (std::vector<std::int32_t>* const numbers : {&own.law, &own.place}) numbers->resize(At(max_rows));
   own.friction.reserve(At(max_rows));
@@ -71,7 +71,7 @@ RowAnswer Ladder::Solve(const StepRows& rows, double tolerance, const Deadline* 
     if (!has_friction || !TakeLaws(rows)) return answer;
     answer.next = AutoRulesOf(AutoStage::kLaws).size();
   }
-  if (rows.rows <= (has_laws ? ModeSteps::kFewRows : AutoFacts::kMostUndividedRows)) {
+  if (rows.rows <= (has_laws ? ModeSteps::kFewRows : limits_.undivided_rows)) {
     facts_.is_undivided = true;
     answer.solved = SolvePart(request, {all_.data(), At(rows.rows)}, &answer) == PartEnd::kSolved;
     if (answer.solved || has_laws) return answer;
@@ -80,7 +80,7 @@ RowAnswer Ladder::Solve(const StepRows& rows, double tolerance, const Deadline* 
   islands_.Find(rows);
   answer.solved = true;
   for (Index k = 0; k < islands_.count() && !has_laws; ++k) {
-    if (std::ssize(islands_.rows(k)) > AutoFacts::kMostIslandRows) answer.solved = answer.fits = false;
+    if (std::ssize(islands_.rows(k)) > limits_.island_rows) answer.solved = answer.fits = false;
   }
   if (has_laws && islands_.count() > 1) request.tolerance *= kPartOfTolerance;
   Index rows_since_clock = 0;

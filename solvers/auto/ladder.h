@@ -33,7 +33,7 @@ struct RowAnswer {
 /// Rows fall into islands that share no moving body and no law (RowIslands). Each one is solved by itself, by the
 /// methods that the rules of AutoStage::kRows name for its size, or those of AutoStage::kLaws where the step has
 /// friction rows, until an f passes by rho and backward errors, in double and with a bound of what rounding can hide.
-/// What does not pass is left to the caller, as are a step with a plain island of more than AutoFacts::kMostIslandRows
+/// What does not pass is left to the caller, as are a step with a plain island of more than AutoLimits::island_rows
 /// rows, islands with laws of more than kMostLawRows, steps whose mu are all 0, and wrong lists of laws. Only Reserve
 /// allocates.
 class Ladder {
@@ -42,8 +42,15 @@ class Ladder {
 
   /// @param instructions  of the kernels. @throws InputError where the machine lacks them
   /// @param only          asks no other method
-  explicit Ladder(InstructionSet instructions = InstructionSet::kBest, std::optional<AutoMethod> only = {})
-      : only_(only), few_(instructions), profile_(instructions), tableau_(instructions), relaxations_(instructions) {}
+  /// @param limits        outlive this
+  explicit Ladder(InstructionSet instructions = InstructionSet::kBest, std::optional<AutoMethod> only = {},
+                  const AutoLimits& limits = kDefaultLimits)
+      : only_(only),
+        limits_(limits),
+        few_(instructions),
+        profile_(instructions),
+        tableau_(instructions),
+        relaxations_(instructions) {}
   Ladder(const Ladder&) = delete;
   Ladder& operator=(const Ladder&) = delete;
 
@@ -89,7 +96,7 @@ class Ladder {
 
   // Rows with laws.
   struct LawWork {
-    explicit LawWork(SmallPivoting* tableau) : ladder(tableau) {}
+    LawWork(SmallPivoting* tableau, const AutoLimits& limits) : ladder(tableau, {}, limits) {}
 
     LawLadder ladder;
     // By row of the step: its place in the friction rows, in the bounded rows beyond these, or -1; and in its part.
@@ -110,7 +117,8 @@ class Ladder {
   void NameMethod(const char* method, Index size);
 
   const std::optional<AutoMethod> only_;
-  AutoFacts facts_;  // of the part at hand
+  const AutoLimits& limits_;
+  AutoFacts facts_{.limits = &limits_};  // of the part at hand
   Index reserved_rows_ = 0, reserved_bodies_ = 0;
   RowIslands islands_;
   FixedSizeBpp few_;

@@ -39,7 +39,8 @@ bool TakeRay(const LcpProblem& problem, LcpResult* found, LcpResult* result) {
 
 }  // namespace
 
-LawLadder::LawLadder(SmallPivoting* tableau, const WithinOptions& plain) : plain_(plain), rounds_(tableau, plain) {}
+LawLadder::LawLadder(SmallPivoting* tableau, const WithinOptions& plain, const AutoLimits& limits)
+    : plain_(plain), limits_(limits), rounds_(tableau, plain) {}
 
 void LawLadder::Reserve(Index max_rows) {
   newton_.Reserve(max_rows);
@@ -50,7 +51,7 @@ void LawLadder::Reserve(Index max_rows) {
 
 const char* LawLadder::Solve(const ContactRows& rows, std::size_t* next, FrictionAnswer* answer, LcpResult* result) {
   const Laws laws = rows.laws();
-  facts_ = {};
+  facts_ = {.limits = &limits_};
   facts_.rows = rows.size();
   facts_.tolerance = answer->tolerance();
   facts_.contacts = std::ssize(laws.normals);
@@ -143,15 +144,13 @@ const char* LawLadder::TryMethod(const AutoRule& rule, const ContactRows& rows, 
 // Sweeps from phi_, in spans that double, as long as the rate of the last one promises an answer within `granted`.
 const char* LawLadder::TrySweeps(const ContactRows& rows, double granted, FrictionAnswer* answer) {
   constexpr double kFirstSpan = 2;  // times the root of the rows: forces travel a row or so a sweep
-  // rho of sweeps whose modes may be the answer's.
-  constexpr double kWorthNewton = 1e-5;
   constexpr ModeSteps::Limits kNear{.steps = 3, .eps = 1e-8};
   double all = 0, rest = 0, before = std::numeric_limits<double>::infinity();
   double span = kFirstSpan * std::sqrt(static_cast<double>(rows.size()));
   for (; all + rest <= granted && !answer->IsOver(); span = all) {
     if (newton_.Sweep(rows, static_cast<int>(span), &phi_, answer) || answer->Take(phi_)) return "sweeps";
     const double rho = answer->rho();
-    if (rho < kWorthNewton && newton_.TakeDampedSteps(rows, kNear, &phi_, answer)) return "mode-newton";
+    if (rho < limits_.newton_rho && newton_.TakeDampedSteps(rows, kNear, &phi_, answer)) return "mode-newton";
     if (!(rho < before)) break;
     all += span;
     rest = span * std::log(rho / answer->tolerance()) / std::log(before / rho);
@@ -162,12 +161,12 @@ const char* LawLadder::TrySweeps(const ContactRows& rows, double granted, Fricti
 
 // So many rounds from 0. True where an answer passes, or a ray proves that there is none.
 bool LawLadder::TryLaggedBounds(int rounds, FrictionAnswer* answer, LcpResult* result) const {
-  constexpr double kShareOfTime = 0.2;
   LcpOptions of_rounds = answer->options();
   of_rounds.initial_f = nullptr;
   if (of_rounds.max_iterations > 0) of_rounds.max_iterations -= answer->iterations();
   if (of_rounds.max_iterations <= 0 || of_rounds.max_iterations > rounds) of_rounds.max_iterations = rounds;
-  of_rounds.time_limit_s = std::max(kShareOfTime * answer->Remaining(), std::numeric_limits<double>::min());
+  of_rounds.time_limit_s =
+      std::max(limits_.bounds_time_share * answer->Remaining(), std::numeric_limits<double>::min());
   LcpResult found;
   LaggedBoundsSolver(plain_).Solve(answer->problem(), of_rounds, &found);
   answer->ForgetTime();

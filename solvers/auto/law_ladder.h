@@ -24,7 +24,8 @@ class LawLadder {
  public:
   /// @param tableau  of the relaxations of a dense A, outlives this
   /// @param plain    of other relaxations, and of rays; without it there are none
-  explicit LawLadder(SmallPivoting* tableau, const WithinOptions& plain = {});
+  /// @param limits   outlive this
+  LawLadder(SmallPivoting* tableau, const WithinOptions& plain, const AutoLimits& limits);
   /// For islands of up to so many rows, of a dense A.
   void Reserve(Index max_rows);
   /// The method that answered, in words; nullptr if none did: then answer->Fail or others.
@@ -38,6 +39,7 @@ class LawLadder {
   bool FindRay(const FrictionAnswer& answer, LcpResult* result) const;
 
   const WithinOptions plain_;
+  const AutoLimits& limits_;
   AutoFacts facts_;
   ModeSteps newton_;
   ShiftRounds rounds_;
@@ -56,7 +58,8 @@ void TakeAnswer(const LcpProblem& problem, std::span<const Index> rows, const Lc
 class LawPortfolio {
  public:
   /// @param plain  what makes the solver of plain problems
-  LawPortfolio(SmallPivoting* tableau, const WithinOptions& plain) : ladder_(tableau, plain) {}
+  LawPortfolio(SmallPivoting* tableau, const WithinOptions& plain, const AutoLimits& limits)
+      : ladder_(tableau, plain, limits) {}
   void Prepare(const LcpProblem& problem);  ///< LcpSolver::DoPrepare
   /// LcpSolver::DoSolve.
   /// @param next   the first rule to ask, of islands of up to ModeFactor::kMostDense rows

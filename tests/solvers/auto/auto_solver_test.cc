@@ -7,12 +7,15 @@
 #include <Eigen/Dense>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "solvers/active_set/semismooth_newton.h"
 #include "solvers/auto/auto_rules.h"
 #include "support/input_error.h"
+#include "support/number_text.h"
 #include "tests/solvers/exact_problems.h"
 #include "tests/solvers/solve_with.h"
 
@@ -44,6 +47,37 @@ TEST(AutoRules, TheDocumentShowsTheTableThatRuns) {
   std::ifstream file(LCPBENCH_SOURCE_DIR "/docs/solvers/auto.md");
   const std::string page{std::istreambuf_iterator<char>(file), {}};
   EXPECT_NE(page.find(AutoRulesAsMarkdown()), std::string::npos) << "expected what `lcpbench list rules` prints";
+}
+
+TEST(AutoLimits, HaveNamesOfTheirOwnAndAreDocumented) {
+  std::ifstream file(LCPBENCH_SOURCE_DIR "/docs/solvers/auto.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_NE(page.find(AutoLimitsAsMarkdown()), std::string::npos) << "expected what `lcpbench list limits` prints";
+  std::set<std::string_view> names;
+  for (const AutoLimit& limit : kAutoLimits) {
+    EXPECT_TRUE(names.insert(limit.name).second) << limit.name;
+    EXPECT_FALSE(limit.meaning.empty() || limit.unit.empty()) << limit.name;
+    // No two names are of one member: what is set is what is read, and nothing else changes.
+    AutoLimits limits;
+    limit.Set(limit.least == limit.Of(limits) ? limit.most : limit.least, &limits);
+    for (const AutoLimit& other : kAutoLimits) {
+      EXPECT_EQ(other.Of(limits) == other.Of(kDefaultLimits), other.name != limit.name) << limit.name << other.name;
+    }
+    const std::string name(limit.name);
+    EXPECT_EQ(limit.Of(AutoOptions::FromSettings({{name, NumberText(limit.most)}}).limits), limit.most);
+    EXPECT_THROW(AutoOptions::FromSettings({{name, NumberText(limit.most * 2)}}), InputError);
+    EXPECT_THROW(AutoOptions::FromSettings({{name, "-1"}}), InputError);
+  }
+}
+
+TEST(AutoLimits, OthersLeadToOtherMethods) {
+  const LcpProblem problem = InForm(DiscPile(60, 1), MatrixForm::kSparse);
+  AutoSolver small({.limits = {.tableau_rows = 0, .hard_tableau_rows = 0}});
+  const LcpResult result = SolveWith(&small, problem);
+  ExpectSolved(problem, result);
+  EXPECT_EQ(Solve(problem).detail, "tableau");
+  EXPECT_NE(result.detail, "tableau");
+  EXPECT_THROW(AutoSolver({.limits = {.tableau_rows = 129}}), InputError);
 }
 
 // Whatever the facts are, one method or another is asked of a problem, and limits are granted.
@@ -85,7 +119,7 @@ TEST(AutoSolver, SolvesIslandsOneByOne) {
   EXPECT_GT(with_rest, 10);
 }
 
-// Above AutoFacts::kSmallRows: one island or one that dominates stays whole, many are taken one by one, and a few
+// Above AutoLimits::large_rows: one island or one that dominates stays whole, many are taken one by one, and a few
 // large ones go to the portfolio together. Without its own check auto asks Ladder for nothing.
 TEST(AutoSolver, DividesLargeProblemsWhereTheirColumnsDo) {
   const auto check = [](const LcpProblem& problem, bool divides) {

@@ -48,7 +48,7 @@ LcpResult Ask(const LcpProblem& problem, const LcpOptions& options) {
   LcpResult result;
   result.f.setZero(problem.size());
   result.status = LcpStatus::kNumericalFailure;
-  TryExact(problem, options, Deadline(options), &result);
+  TryExact(problem, options, kDefaultLimits, Deadline(options), &result);
   return result;
 }
 
@@ -137,10 +137,10 @@ TEST(ExactRule, KeepsTheTimeLimit) {
 }
 
 TEST(ExactRule, IsNotAskedBeyondItsSizesNorWithALimitOfIterations) {
-  EXPECT_EQ(Ask(NearlyParallel(1, kMostRowsOfExact + 1, {}), {}).detail, "");
+  EXPECT_EQ(Ask(NearlyParallel(1, kDefaultLimits.exact_rows + 1, {}), {}).detail, "");
   RowBounds bounds;
-  for (Index c = 0; c <= kMostContactsOfExact; ++c) bounds.friction.push_back({2 * c + 1, 2 * c, 0.5});
-  EXPECT_EQ(Ask(NearlyParallel(1, 2 * kMostContactsOfExact + 2, bounds), {}).detail, "");
+  for (Index c = 0; c <= kDefaultLimits.exact_contacts; ++c) bounds.friction.push_back({2 * c + 1, 2 * c, 0.5});
+  EXPECT_EQ(Ask(NearlyParallel(1, 2 * kDefaultLimits.exact_contacts + 2, bounds), {}).detail, "");
   EXPECT_EQ(Ask(NearlyParallel(1, 3, {}), {.max_iterations = 10}).detail, "");
 }
 

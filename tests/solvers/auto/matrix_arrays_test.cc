@@ -52,7 +52,7 @@ TEST(MatrixArrays, ObstaclesNeedNoOtherBackend) {
         const LcpProblem given = InForm(problem, form);
         const LcpResult result = SolveArrays(ProblemArrays::Of(given));
         ExpectSolved(given, result);
-        const AutoOptions defaults;
+        const AutoLimits& defaults = kDefaultLimits;
         const Index most = form == MatrixForm::kDense ? defaults.hard_tableau_rows : defaults.tableau_rows;
         EXPECT_EQ(result.detail, side * side > most ? "band" : "tableau") << problem.id();
         ExpectSolved(given, SolveArrays(ProblemArrays::Of(given), {.initial_f = &result.f}));
