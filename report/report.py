@@ -237,6 +237,32 @@ def _tune(options: argparse.Namespace) -> int:
     return 0
 
 
+@_command("thresholds", _file("--lcpbench", required=True, metavar="FILE", help="the command"),
+          _file("--data", default=_ROOT / "data", help="of the problem collection, with limits.json [%(default)s]"),
+          _word("--only", metavar="NAMES", help="only these limits, divided by commas [all of limits.json]"),
+          _word("--launches", type=_whole(1), default=3, help="timed launches of every value [%(default)s]"),
+          _word("--problems", type=_whole(1), default=40, help="that are timed of a limit, at most [%(default)s]"),
+          _word("--time-limit", type=float, default=1, help="seconds of an untimed solve [%(default)s]"),
+          _word("--cpu", type=_whole(0), help="the processor that solves are kept on"),
+          _file("--folder", default=Path("build/results/thresholds"), help="of answers and campaigns [%(default)s]"),
+          _file("-o", "--output", metavar="FILE", help="the trials as JSON, with commit and machine"))
+def _thresholds(options: argparse.Namespace) -> int:
+    """Try other values of the limits of auto, on problems without the sealed families and engines, and print the table."""
+    from lcpbench_report.statistics.jsonl import write_object
+    from lcpbench_report.tuning import campaign, thresholds
+
+    command = campaign.Command(options.lcpbench)
+    trials = thresholds.load_trials(options.data / "limits.json", options.only)
+    try:
+        found = thresholds.run_trials(command, trials, options)
+    except subprocess.CalledProcessError as error:
+        return error.returncode
+    print(thresholds.table(found).markdown(), end="")
+    if options.output is not None:
+        write_object(options.output, found)
+    return 0
+
+
 @_command("headline", _file("folders", nargs="+", metavar="FOLDER", help="of a campaign"),
           _file("--ablation", help="a campaign of `--suite ablation`"),
           _file("--update", nargs="+", metavar="FILE", help="write the blocks of numbers of these Markdown files, and "

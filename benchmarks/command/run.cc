@@ -145,6 +145,9 @@ struct RunCampaigns {
     app.add_flag_callback(
         "--no-fills", [this] { changes.emplace_back([](CampaignPlan& plan) { plan.fills = false; }); },
         "Only the manifests' own problems, without further seeds");
+    app.add_flag_callback(
+        "--without-sealed", [this] { changes.emplace_back([](CampaignPlan& plan) { plan.without_sealed = true; }); },
+        "Leaves out the families and engines that are for measuring only (data/sealed.json)");
     AddCpuOption(app, &options.cpu);
     app.add_option("--again", again,
                    "A folder of the same campaign, or of one with more solvers or classes: when all is run, prints how "

@@ -25,10 +25,16 @@ class Command:
         """@throws CalledProcessError where it does not end with 0, and has told the user why"""
         subprocess.run([self.program, *arguments], stdout=output, check=True)
 
+    def output(self, *arguments: str, statuses: tuple[int, ...] = (0,)) -> str:
+        """@throws CalledProcessError as run, where it ends with another status"""
+        found = subprocess.run([self.program, *arguments], stdout=subprocess.PIPE, text=True, check=False)
+        if found.returncode not in statuses:
+            found.check_returncode()
+        return found.stdout
+
     def available(self, what: str) -> list[str]:
         """Keys that `lcpbench list` has, that are in this build, and not of scenes with friction."""
-        found = subprocess.run([self.program, "list", what], stdout=subprocess.PIPE, text=True, check=True)
-        return [line.split()[0] for line in found.stdout.splitlines() if not line.endswith(("(not in this build)", "(friction)"))]
+        return [line.split()[0] for line in self.output("list", what).splitlines() if not line.endswith(("(not in this build)", "(friction)"))]
 
 
 def make_problems(command: Command, data: Path, folder: Path, sizes: list[int], seed: int) -> None:
@@ -59,12 +65,12 @@ def require_disjoint(manifest: Path, data: Path) -> list[str]:
     @returns the names of the other sets
     @throws ReportError naming the problem that is in another set
     """
-    own = _problems(manifest)
+    own = problems_of(manifest)
     others = []
-    for path in sorted(data.glob("*.json")):
-        if path.name == SMOKE or _MARK not in json.loads(path.read_text(encoding="utf-8")):
+    for path in manifests(data):
+        if path.name == SMOKE:
             continue
-        found = _problems(path)
+        found = problems_of(path)
         hashes = {problem["sha256"] for problem in found.values()}
         for name, problem in own.items():
             if name in found or problem["sha256"] in hashes:
@@ -100,7 +106,11 @@ def keys_of(solver: str, count: int) -> list[str]:
     return [solver, *(f"{solver}-try{index}" for index in range(1, count))]
 
 
-def _problems(manifest: Path) -> dict[str, dict]:
+def manifests(data: Path) -> list[Path]:
+    return [path for path in sorted(data.glob("*.json")) if _MARK in json.loads(path.read_text(encoding="utf-8"))]
+
+
+def problems_of(manifest: Path) -> dict[str, dict]:
     return {problem["id"]: problem for problem in json.loads(manifest.read_text(encoding="utf-8"))["problems"]}
 
 

@@ -32,7 +32,7 @@ from .campaign import TIER, keys_of
 from .space import Configuration, Space
 
 SCHEMA = "lcpbench-tuned/2"
-_MACHINE = ("cpu", "cores", "memory_bytes", "os", "compiler", "flags", "solver_flags", "libraries")
+MACHINE = ("cpu", "cores", "memory_bytes", "os", "compiler", "flags", "solver_flags", "libraries")
 
 
 @dataclass
@@ -113,7 +113,7 @@ def describe(campaign: Campaign, spaces: dict[str, Space], tried: dict[str, list
     own = {solver: cells["solver"].isin(keys_of(solver, len(configurations))) for solver, configurations in tried.items()}
     environment, hash_ = info.get("environment", {}), hashlib.sha256(asked.space_file.read_bytes()).hexdigest()
     return {"schema": SCHEMA, "commit": environment.get("git_commit", ""), "dirty": environment.get("git_dirty", False),
-            "date": date, "machine": {key: environment.get(key) for key in _MACHINE}, "budget": asked.budget,
+            "date": date, "machine": {key: environment.get(key) for key in MACHINE}, "budget": asked.budget,
             "seed": asked.seed, "space": {"file": asked.space_file.name, "sha256": hash_},
             "tier": TIER, "passes": info.get("passes"),
             "problems": {"manifests": info["manifests"], "count": len(campaign.problems), "sizes": asked.sizes,

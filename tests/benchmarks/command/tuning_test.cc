@@ -2,6 +2,8 @@
 
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
+#include "solvers/auto/auto_limits.h"
+#include "support/number_text.h"
 #include "tests/benchmarks/command/command_fixture.h"
 #include "tests/solvers/solve_with.h"
 
@@ -32,6 +34,19 @@ TEST(TuningSpace, EveryDeclaredValueIsTaken) {
     if (!FindSolver(key).available) continue;
     for (const auto& [name, values] : solver["settings"].items()) {
       for (const std::string value : values) EXPECT_NO_THROW(MakeSolver(key, {{name, value}})) << key << name << value;
+    }
+  }
+}
+
+TEST(TriedLimits, AreAllLimitsOfAutoInValuesThatItTakes) {
+  const auto trials = ReadJson(LCPBENCH_SOURCE_DIR "/data/limits.json").at("trials");
+  ASSERT_EQ(trials.size(), kAutoLimits.size());
+  for (std::size_t k = 0; k < kAutoLimits.size(); ++k) {
+    const std::string name = trials[k]["limit"];
+    EXPECT_EQ(name, kAutoLimits[k].name);
+    for (const std::string value : trials[k]["values"]) {
+      EXPECT_NO_THROW(MakeSolver("auto", {{name, value}})) << name << value;
+      EXPECT_NE(ParseNumber(value), kAutoLimits[k].Of(kDefaultLimits)) << name;
     }
   }
 }
