@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 
 from lcpbench_report.errors import ReportError
-from lcpbench_report.statistics.launches import Levels
 from lcpbench_report.statistics.jsonl import write_object
 from lcpbench_report.tuning import thresholds
 from lcpbench_report.tuning.campaign import Command
@@ -41,7 +40,7 @@ class Rule(unittest.TestCase):
         for key, verdict in verdicts.items():
             lost = cells["solver"] == key.replace("_", "-")
             cells.loc[lost & (cells["problem"] == times.index[0]), ["verdict", "time_s"]] = verdict, np.inf
-        return thresholds.compare(cells, Levels(), "auto-try1")
+        return thresholds.compare(cells, "auto-try1")
 
     def test_a_faster_value_that_is_right_as_often_may_replace_the_default(self):
         row = self._row(0.8)
@@ -74,15 +73,17 @@ class Asked(FolderCase):
                 if arguments[0] == "run":
                     return "solve/disc-pile-n40-s1/auto/1e-3\nsolve/discs-in-v-n1-s1/auto/1e-3\n"
                 steps = 7 if "--set" in arguments and arguments[arguments.index("--set") + 1] == "mode_steps=9" else 6
-                return json.dumps({"id": "disc-pile-n40-s1", "iterations": steps}) + "\n"
+                return json.dumps({"id": "disc-pile-n40-s1", "iterations": steps, "detail": "rows"}) + "\n"
 
             def run(self, *arguments, output=None):
                 asked.append(arguments[3:])
+                output.write(b'{"id": "disc-pile-n40-s1"}\n')
 
         asked = []
         options = type("Options", (), {"data": DATA, "folder": Path(self.folder), "time_limit": 1})
         answers = thresholds.Answers(Command_(Path("lcpbench")), options)
         trial = thresholds.Trial("mode_steps", ["8", "9"], "core", [2, 50])
-        self.assertEqual(answers.differing(trial, "8", "1e-06"), set())
-        self.assertEqual(answers.differing(trial, "9", "1e-06"), {"disc-pile-n40-s1"})
+        self.assertEqual(answers.differing(trial, "1e-06"), [set(), {"disc-pile-n40-s1"}])
+        trial.after = "rows|band"
+        self.assertEqual(answers.differing(trial, "1e-06"), [set(), set()])
         self.assertEqual(asked, [("disc-pile-n40-s1",)])  # once, and not what has too few rows

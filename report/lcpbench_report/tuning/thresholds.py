@@ -1,11 +1,9 @@
 """Trials of the limits of `auto` (data/limits.json), on problems of the collection without what is sealed.
 
-Every value of a limit is tried alone, the others being the defaults. Problems on which no value changes anything of the
-answer (forces, iterations, methods) at a tier are not timed: the limit is not reached. Of the others a fair sample is,
-in a campaign. The time is the weighted median ratio to the default's over problems and tiers that both solve and on
-which the value changes something, with its interval by bases and launches (statistics/pairwise.py). A value replaces
-the default only if it is right at least as often and the whole interval lies below 1, the ratio below 1 / MARGIN; of
-several the one with the least ratio.
+Every value of a limit is tried alone. Problems on which no value changes the answer (forces, iterations, methods) at a
+tier are not timed: the limit is not reached. Of the others a sample is, in a campaign, and compared with the default as
+`lcpbench tune` does (choice.py), all tiers together. A value takes the default's place only if it is right at least as
+often, and faster by more than MARGIN with its whole interval below 1; of several the fastest.
 """
 
 import hashlib
@@ -13,30 +11,27 @@ import json
 import math
 import re
 import sys
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from .. import formats
 from ..errors import ReportError
 from ..files import replaced
-from ..statistics.cells import VERIFIED, measured
+from ..statistics.cells import EXCLUDED, cell_table
 from ..statistics.fields import check_fields
-from ..statistics.intervals import MARGIN, Bootstrap
+from ..statistics.intervals import MARGIN
 from ..statistics.jsonl import read_object
-from ..statistics.launches import Levels
 from ..statistics.load import load_campaign
-from ..statistics.pairwise import ABOUT, compare_two
 from ..table import Table, code
 from .campaign import Command, keys_of, manifests, problems_of
-from .choice import MACHINE
+from .choice import MACHINE, judge
 
 SCHEMA, TRIALS = "lcpbench-limits/1", "lcpbench-thresholds/1"
 TIERS = ("0.001", "1e-06", "1e-09")
 OPEN = ("--no-fills", "--without-sealed")
-SAID = ("status", "iterations", "detail", "f")  # of an answer: what tells whether a limit was reached
 
 
 @dataclass
@@ -46,6 +41,7 @@ class Trial:
     suite: str
     rows: list[int]  # from, to
     all: bool = False  # whether all problems are timed
+    after: str = "(?!)"  # a regular expression: the limit is asked after these methods, by `detail` of the default's answer
 
 
 def load_trials(path: Path, only: str | None) -> list[Trial]:
@@ -65,16 +61,23 @@ class Answers:
     def __init__(self, command: Command, options):
         self._command, self._options = command, options
         self._files: set[Path] = set()
-        self._default: dict[tuple, dict[str, str]] = {}
+        self._default: dict[tuple, dict[str, tuple]] = {}
+        self.seconds: dict[str, float] = {}  # the longest solve of a problem
 
-    def differing(self, trial: Trial, value: str, tier: str) -> set[str]:
-        """Problems whose answer is another one than by default, or all that the trial is on."""
+    def differing(self, trial: Trial, tier: str) -> list[set[str]]:
+        """By value: problems whose answer is another one than by default, or all that the trial is on."""
         file = self._file(trial.suite, *trial.rows)
         if (file, tier) not in self._default:
             self._default[file, tier] = self._solve(file, tier)
-        default = self._default[file, tier]
-        other = {} if trial.all else self._solve(file, tier, "--set", f"{trial.limit}={value}")
-        return {name for name in default if default[name] != other.get(name)}
+        asked = {name: said for name, said in self._default[file, tier].items() if not re.fullmatch(trial.after, said[0])}
+        if trial.all or not asked:
+            return [set(asked)] * len(trial.values)
+        with tempfile.NamedTemporaryFile("w", suffix=".jsonl", dir=self._options.folder, encoding="utf-8") as some:
+            with open(file, encoding="utf-8") as lines:
+                some.writelines(line for line in lines if json.loads(line)["id"] in asked)
+            some.flush()
+            others = [self._solve(some.name, tier, "--set", f"{trial.limit}={value}") for value in trial.values]
+        return [{name for name in asked if asked[name] != other.get(name)} for other in others]
 
     def _file(self, suite: str, least: int, most: int) -> Path:
         path = self._options.folder / f"{suite}-{least}-{most}.jsonl"
@@ -91,10 +94,15 @@ class Answers:
             self._files.add(path)
         return path
 
-    def _solve(self, file: Path, tier: str, *setting: str) -> dict[str, str]:
+    def _solve(self, file: Path | str, tier: str, *setting: str) -> dict[str, tuple]:
+        """By problem: the methods in words, and what else tells whether a limit was reached."""
         lines = self._command.output("solve", "--solver", "auto", "--tolerance", tier, "--time-limit",
                                      str(self._options.time_limit), *setting, str(file), statuses=(0, 1)).splitlines()
-        return {of["id"]: hashlib.sha256(repr([of.get(name) for name in SAID]).encode()).hexdigest() for of in map(json.loads, lines)}
+        said = {}
+        for of in map(json.loads, lines):
+            said[of["id"]] = of.get("detail") or "", of.get("status"), of.get("iterations"), hash(str(of.get("f")))
+            self.seconds[of["id"]] = max(of.get("time_s") or 0, self.seconds.get(of["id"], 0))
+        return said
 
 
 def run_trials(command: Command, trials: list[Trial], options) -> dict:
@@ -105,11 +113,12 @@ def run_trials(command: Command, trials: list[Trial], options) -> dict:
     options.folder.mkdir(parents=True, exist_ok=True)
     answers, rows, environment = Answers(command, options), [], {}
     for trial in trials:
-        differing = {value: {(name, float(tier)) for tier in TIERS for name in answers.differing(trial, value, tier)}
-                     for value in trial.values}
+        by_tier = {float(tier): answers.differing(trial, tier) for tier in TIERS}
+        differing = {value: {(name, tier) for tier, found in by_tier.items() for name in found[k]}
+                     for k, value in enumerate(trial.values)}
         folder = options.folder / trial.limit
         rows += [{"limit": trial.limit, "default": defaults[trial.limit]} | row
-                 for row in _time(command, trial, differing, folder, options)]
+                 for row in _time(command, trial, differing, answers.seconds, folder, options)]
         if (folder / "campaign.json").is_file():
             environment = json.loads((folder / "campaign.json").read_text(encoding="utf-8"))["environment"]
         print(f"{trial.limit}: {[row['differ'] for row in rows[-len(trial.values):]]} problems differ", file=sys.stderr)
@@ -117,42 +126,39 @@ def run_trials(command: Command, trials: list[Trial], options) -> dict:
             "machine": {key: environment.get(key) for key in MACHINE}, "trials": rows}
 
 
-def _time(command: Command, trial: Trial, differing: dict[str, set], folder: Path, options) -> list[dict]:
+def _time(command: Command, trial: Trial, differing: dict[str, set], seconds: dict[str, float], folder: Path,
+          options) -> list[dict]:
     """@param differing  of every value the problems and tiers on which it changes something"""
     names = {value: {name for name, _ in pairs} for value, pairs in differing.items()}
     rows = [{"value": value, "differ": len(names[value])} for value in trial.values]
     if union := set().union(*names.values()):
-        drawn = sorted(union, key=lambda name: hashlib.sha256(name.encode()).digest())[:options.problems]
-        keys = keys_of("auto", 1 + len(trial.values))
+        keys, drawn = keys_of("auto", 1 + len(trial.values)), []
+        left = options.seconds / (len(keys) * len(TIERS) * (options.launches + 3))  # judged, timed by parts, warm-up
+        for name in sorted(union, key=lambda name: hashlib.sha256(name.encode()).digest()):
+            if len(drawn) < options.problems and (seconds[name] <= left or not drawn):
+                drawn.append(name)
+                left -= seconds[name]
         variants = [f"--variant={key}=auto,{trial.limit}={value}" for key, value in zip(keys[1:], trial.values)]
         command.run("run", "--suite", trial.suite, *OPEN, "--tiers", ",".join(TIERS), "--launches", str(options.launches),
                     "--filter", f"^solve/({'|'.join(map(re.escape, drawn))})/", "--solvers", ",".join(keys), *variants,
                     "-o", str(folder), *([] if options.cpu is None else ["--cpu", str(options.cpu)]), output=sys.stderr)
-        cells, launched = measured(load_campaign(folder))
+        cells = cell_table(load_campaign(folder))
         for key, row in zip(keys[1:], rows):
             is_asked = [pair in differing[row["value"]] for pair in zip(cells["problem"], cells["tier"])]
-            row |= compare(cells[is_asked & cells["solver"].isin(["auto", key])], Levels(launched), key)
-    allowed = [row for row in rows if may_replace(row)]
-    chosen = min(allowed, key=lambda row: row["ratio"], default=None)
+            row |= compare(cells[is_asked & cells["solver"].isin(["auto", key])], key)
+    chosen = min(filter(may_replace, rows), key=lambda row: row["ratio"], default=None)
     return [{key: formats.short(value) for key, value in row.items()} | {"chosen": row is chosen} for row in rows]
 
 
-def compare(cells: pd.DataFrame, levels: Levels, key: str) -> dict:
+def compare(cells: pd.DataFrame, key: str) -> dict:
     """@param cells  of `auto` and `key`, of problems and tiers on which they differ"""
-    cells = cells.assign(at=cells["problem"].astype(str) + "@" + cells["tier"].astype(str))
-    times = cells.pivot(index="at", columns="solver", values="time_s").dropna()
-    if times.empty:
+    cells = cells[cells["verdict"] != EXCLUDED]
+    if cells["solver"].nunique() < 2:
         return {}
-    about = cells.drop_duplicates("at").set_index("at").loc[times.index, ABOUT]
-
-    def shift(solver: str, classes: pd.Series, weights: np.ndarray):
-        return sum(levels.shift(solver, classes, float(tier), weights) for tier in TIERS) / len(TIERS)
-    right = cells[cells["verdict"] == VERIFIED]["solver"].value_counts()
-    found = {"timed": len(times), "right": int(right.get(key, 0)), "right_default": int(right.get("auto", 0))}
-    if np.isfinite(times).all(axis=1).any():
-        pair = compare_two(times, about, Bootstrap(about.assign(problem=about.index)), key, "auto", shift=shift)
-        found |= {name: pair[name] for name in ("ratio", "ratio_low", "ratio_high")}
-    return found
+    cells = cells.assign(problem=cells["problem"].astype(str) + "@" + cells["tier"].astype(str))
+    default, of = judge(cells, ["auto", key])[1]
+    return {"timed": of.problems, "right": of.verified, "right_default": default.verified, "ratio": of.ratio,
+            "ratio_low": of.ratio_low, "ratio_high": of.ratio_high}
 
 
 def may_replace(row: dict) -> bool:
