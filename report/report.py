@@ -242,7 +242,7 @@ def _tune(options: argparse.Namespace) -> int:
           _word("--only", metavar="NAMES", help="only these limits, divided by commas [all of limits.json]"),
           _word("--launches", type=_whole(1), default=3, help="timed launches of every value [%(default)s]"),
           _word("--problems", type=_whole(1), default=40, help="that are timed of a limit, at most [%(default)s]"),
-          _word("--seconds", type=_whole(1), default=20, help="that timed solves of a limit take, about [%(default)s]"),
+          _word("--seconds", type=_whole(1), default=10, help="that timed solves of a limit take, about [%(default)s]"),
           _word("--time-limit", type=float, default=1, help="seconds of an untimed solve [%(default)s]"),
           _word("--cpu", type=_whole(0), help="the processor that solves are kept on"),
           _file("--folder", default=Path("build/results/thresholds"), help="of answers and campaigns [%(default)s]"),
