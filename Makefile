@@ -21,10 +21,9 @@ FRICTION_MOTION = --scenes data/scenes/arch_of_stones.json \
 PICTURES     ?= build/results/pictures
 PICTURE_SIZE ?= 24
 
-# The campaigns `ablation` and `core` run our solvers from these builds, too, which are for narrower instruction sets.
+# The campaign `core` runs `auto` from these builds, too, which are for narrower instruction sets.
 BASELINE := build/baseline
 V3       := build/v3
-OWN       = dantzig auto semismooth-newton lemke bpp active-set pgs psor nncg apgd ipopt-qp ipopt-ncp ipm hybrid
 
 # `auto` at the flags of Debian's peers, and with AVX2.
 CORE_RESULTS ?= build/results/core
@@ -47,22 +46,15 @@ ATTACK_SEED     ?= 100000
 CURVES         ?=
 CURVES_RESULTS ?= build/results/curves
 
-# One solver under two names, and slowed by a tenth: what a campaign must find, and must not.
-CALIBRATION_RESULTS ?= build/results/calibration
-CALIBRATION = --suite standard --filter '-n(25|64|160|400)-s[123]/' --no-fills --tiers 1e-6 --solvers bpp,bpp-again,bpp-slow,pgs,pgs-again,pgs-slow \
-              --variant bpp-again=bpp --variant bpp-slow=bpp,slowdown=1.1 \
-              --variant pgs-again=pgs --variant pgs-slow=pgs,slowdown=1.1
-
 # The campaigns and studies whose results are committed (report/reference/README.md).
 REFERENCE         := report/reference
-REFERENCE_ABLATION := --ablation $(REFERENCE)/ablation
-REFERENCE_RESULTS := $(REFERENCE)/core $(REFERENCE)/sequences --precision $(REFERENCE)/precision --motion $(REFERENCE)/motion \
-                     --curves $(REFERENCE)/curves $(REFERENCE_ABLATION) --pictures $(PICTURES)
-REFERENCE_OTHERS  := smoke pathological large sequences-qp friction
+REFERENCE_RESULTS := $(REFERENCE)/core $(REFERENCE)/sequences --motion $(REFERENCE)/motion \
+                     --curves $(REFERENCE)/curves --pictures $(PICTURES)
+REFERENCE_OTHERS  := pathological large friction
 # Of a report: folders besides that of its name, and studies.
 MORE_friction     := $(REFERENCE)/friction-pathological --motion $(REFERENCE)/friction-motion $(REFERENCE)/curved-friction-motion --pictures $(PICTURES)
 
-.PHONY: $(BASELINE) $(V3) core help deps peers configure command build test test-long python-test report run pictures ablation calibrate benchmark solver-curves doc reference-report check format fuzz attack install clean
+.PHONY: $(BASELINE) $(V3) core help deps peers configure command build test test-long python-test report run pictures benchmark solver-curves doc reference-report check format fuzz attack install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
@@ -71,8 +63,6 @@ help:
 	@echo "make python-test   install the Python package into build/python-venv, on the libraries of the build, and run its tests"
 	@echo "make build    install what is missing, configure and build"
 	@echo "make core       the campaign behind the published numbers, on two processors (AGAIN=FOLDER compares with that one)"
-	@echo "make ablation   what our own checks, checks for peers, and instruction sets are worth: a build and a campaign (20 minutes)"
-	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
 	@echo "make benchmark       fresh times of our solvers, ODE and Bullet, by size class and origin; of batches, derivatives and scenes (OPTIONS=--benchmark_filter=scene/)"
 	@echo "make solver-curves        residual against mass ratio, regularization, sweeps and precision, for the report (CURVES=sweeps; a minute or two)"
 	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, numbers in README.md and docs/"
@@ -151,17 +141,13 @@ reference-report: pictures
 	@$(foreach suite,$(REFERENCE_OTHERS), \
 	  $(PYTHON) report/report.py report $(REFERENCE)/$(suite) $(MORE_$(suite)) -o build/reference/$(suite)/index.html && \
 	  cp build/reference/$(suite)/summary.md $(REFERENCE)/$(suite)-summary.md || exit 1;)
-	@$(PYTHON) report/report.py headline $(REFERENCE)/core $(REFERENCE)/sequences $(REFERENCE_ABLATION) --update README.md docs/*.md
+	@$(PYTHON) report/report.py headline $(REFERENCE)/core $(REFERENCE)/sequences --update README.md docs/*.md
 	@echo "report: $(CURDIR)/build/reference/index.html, with figures and tables beside it"
 
 $(BASELINE) $(V3): deps
 	@mkdir -p build
 	@cmake --preset $(@F) > build/configure-$(@F).log 2>&1 || { cat build/configure-$(@F).log; exit 1; }
 	@cmake --build --preset $(@F) -j $(JOBS)
-
-ablation: command $(BASELINE)
-	@$(BUILD)/lcpbench run --suite ablation --ablations --resume --output build/results/ablation $(RUN_OPTIONS) \
-	  $(foreach key,$(OWN),--external "$(key)-baseline=$(CURDIR)/$(BASELINE)/lcpbench serve $(key)")
 
 # The campaign behind the numbers in README.md and docs/, every other size class on each of two processors.
 core: command $(BASELINE) $(V3)
@@ -171,11 +157,7 @@ core: command $(BASELINE) $(V3)
 	done; failed=0; for one in $$started; do wait $$one || failed=1; done; exit $$failed
 	@rm -rf $(CORE_RESULTS)
 	@$(BUILD)/lcpbench merge $(CORE_RESULTS)-1 $(CORE_RESULTS)-2 --output $(CORE_RESULTS)
-	@$(if $(AGAIN),$(BUILD)/lcpbench compare --by moved $(AGAIN) $(CORE_RESULTS))
-
-calibrate: command
-	@$(BUILD)/lcpbench run --resume $(CALIBRATION) --output $(CALIBRATION_RESULTS)
-	@$(PYTHON) report/report.py calibrate $(CALIBRATION_RESULTS)
+	@$(if $(AGAIN),$(BUILD)/lcpbench compare $(AGAIN) $(CORE_RESULTS))
 
 benchmark: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target lcpbench_benchmark

@@ -116,22 +116,6 @@ def _load(options: argparse.Namespace, *folders: Path) -> list:
     return campaigns
 
 
-def _compared(options: argparse.Namespace, by: str, old: Path, new: Path, show: int | None = None) -> tuple[str, bool]:
-    """In words, and whether they agree: nothing regressed, no value moved, all results are the same."""
-    from lcpbench_report import comparison
-    from lcpbench_report.statistics import changes
-
-    campaigns = _load(options, old, new)
-    if by == "moved":
-        table, alone = changes.moved_table(*campaigns)
-        return comparison.moved_text(table, alone, 40 if show is None else show), table["agrees"].all()
-    if by == "same":
-        parts = changes.same_results(*campaigns)
-        return comparison.same_text(parts, 10 if show is None else show), all(part.same for part in parts.values())
-    found = changes.compare_campaigns(*campaigns)
-    return comparison.changes_text(str(old), campaigns[0], str(new), campaigns[1], found), not found.regressed
-
-
 @_command("analyse", _file("campaign", help="folder of a campaign; tables go to DIR/analysis"))
 def _analyse(options: argparse.Namespace) -> None:
     """Write the statistics of a campaign's folder as CSV tables."""
@@ -141,29 +125,29 @@ def _analyse(options: argparse.Namespace) -> None:
 
 
 @_command("compare", _file("old", metavar="OLD", help="folder of a campaign"),
-          _file("new", metavar="NEW", help="folder of another one"),
-          _word("--by", choices=("changes", "moved", "same"), default="changes",
-                help="changes: what became slower, faster or wrong, of one plan; moved: how far medians and ratios moved, "
-                "which agree within 3 %% or their intervals; same: whether all results but times are the same [%(default)s]"),
-          _word("--show", type=_whole(0), help="values that agree, or differences of a kind, that are listed [40, 10]"),
+          _file("new", metavar="NEW", help="folder of another one, with solvers and problems in common"),
+          _word("--show", type=_whole(0), default=20, metavar="N",
+                help="how many are listed of what only one has or what differs, and of the values that agree [%(default)s]"),
           _file("-o", "--output", metavar="FILE", help="instead of standard output"))
 def _compare(options: argparse.Namespace) -> int:
-    """Compare two campaigns; exit status 1 for a regression, or for what does not agree."""
-    text, agrees = _compared(options, options.by, options.old, options.new, options.show)
+    """Tell which answers of two campaigns differ, and how far published times and ratios moved; exit status 1 for a lost
+    answer, a new false success, or a value that moved by more than 3 %% and out of both intervals."""
+    from lcpbench_report import comparison
+    from lcpbench_report.statistics import changes
+
+    found = changes.compare(*_load(options, options.old, options.new))
+    text = comparison.text(f"{options.new} against {options.old}", found, options.show)
     if options.output is None:
         print(text, end="")
     else:
         write_text(options.output, text)
-    return int(not agrees)
+    return int(not found.agrees)
 
 
 @_command("report", _file("campaigns", nargs="+", metavar="FOLDER", help="written by `lcpbench run`"),
           _file("--motion", nargs="+", default=[], help="folders written by `lcpbench motion`"),
-          _file("--precision", help="a campaign of `--suite precision`"),
-          _file("--ablation", help="a campaign of `--suite ablation`"),
           _file("--curves", help="a folder written by `make solver-curves`"),
           _file("--pictures", help="pictures of the scene families (make pictures)"),
-          _file("--previous", help="an earlier run of the first campaign: summary.md tells what changed"),
           _file("-o", "--output", metavar="OUT.html", default=Path("build/report/index.html"),
                 help="the page [%(default)s]; figures, tables and summary.md go beside it"))
 def _report(options: argparse.Namespace) -> None:
@@ -174,17 +158,14 @@ def _report(options: argparse.Namespace) -> None:
     from lcpbench_report.web import gallery
     from lcpbench_report.web.page import render
 
-    inputs = load_inputs(options.campaigns, options.motion, options.precision, options.ablation, options.curves)
+    inputs = load_inputs(options.campaigns, options.motion, options.curves)
     for note in inputs.notes:
         _tell(f"report: note: {note}")
     folder = options.output.parent
     folder.mkdir(parents=True, exist_ok=True)
     page = render(inputs, gallery.read(options.pictures) if options.pictures else [])
     write_text(options.output, page)
-    # Read anew: a report counts fewer problems than a comparison.
-    changed, _ = _compared(options, "changes", options.previous, options.campaigns[0]) if options.previous else ("", False)
-    words = markdown.render(inputs, summary.summary_lines(inputs), changed)
-    write_text(folder / "summary.md", words)
+    write_text(folder / "summary.md", markdown.render(inputs, summary.summary_lines(inputs)))
     write_static(inputs, folder)
 
 
@@ -265,7 +246,6 @@ def _thresholds(options: argparse.Namespace) -> int:
 
 
 @_command("headline", _file("folders", nargs="+", metavar="FOLDER", help="of a campaign"),
-          _file("--ablation", help="a campaign of `--suite ablation`"),
           _file("--update", nargs="+", metavar="FILE", help="write the blocks of numbers of these Markdown files, and "
                 "the figure that they show; files without blocks stay as they are"),
           _file("--root", default=_ROOT, help="of the repository, whose figure and data/ are meant [%(default)s]"))
@@ -276,7 +256,7 @@ def _headline(options: argparse.Namespace) -> None:
     from lcpbench_report.inputs import load_inputs
     from lcpbench_report.static import write_figure_of_times
 
-    inputs = load_inputs(options.folders, ablation=options.ablation)
+    inputs = load_inputs(options.folders)
     found = headline(inputs)
     if options.update is None:
         print(markdown.full_headline(inputs, found), end="")
@@ -302,16 +282,6 @@ def _compact(options: argparse.Namespace) -> None:
 
     for name, size in compact(options.campaign, options.output).items():
         print(f"{options.output / name}: {size / 1e6:.2f} MB")
-
-
-@_command("calibrate", _file("campaign", help="a campaign with variants, see `make calibrate`"))
-def _calibrate(options: argparse.Namespace) -> int:
-    """Tell whether a campaign finds no difference where there is none, and a slow-down where there is one."""
-    from lcpbench_report.statistics import pairwise
-
-    found = pairwise.calibration_table(*_load(options, options.campaign))
-    print(found.to_string(index=False, float_format="%.4g"))
-    return 0 if found["right"].all() else 1
 
 
 if __name__ == "__main__":

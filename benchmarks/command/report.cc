@@ -23,8 +23,8 @@ constexpr ReportCommand kCommands[] = {
     {"report", "Makes a report of campaigns: an interactive page, figures, tables, a summary"},
     {"analyse", "Writes the statistics of a campaign's folder as CSV tables"},
     {"compare",
-     "What changed between two campaigns, how far times and ratios moved, or whether results are the same (--by), as "
-     "Markdown; exit status 1 for a regression or what does not agree"},
+     "Which answers of two campaigns differ, and how far times and ratios moved, as Markdown; exit status 1 for a lost "
+     "answer, a new false success, or a value that moved"},
     {"tune", "Tunes all solvers with one budget, for lcpbench run --tuned"},
 };
 

@@ -194,7 +194,7 @@ struct RunCampaigns {
     }
     const int status = RunCampaign(plan, options);
     std::cout << "results: " << options.folder << (status == 0 ? "" : " (interrupted; --resume goes on)") << std::endl;
-    if (status == 0 && !again.empty()) return RunReportCommand("compare", {"--by", "moved", again, options.folder});
+    if (status == 0 && !again.empty()) return RunReportCommand("compare", {again, options.folder});
     return status;
   }
 

@@ -23,7 +23,7 @@ from .solver_facts import library, method
 TIER = 1e-6  # that every solver here is meant for
 # Columns of tables that are not there.
 _ASKED_FOR = ["solver", "tier", "mean", "a", "problems"]
-TIERS = (1e-3, 1e-6, 1e-9)  # of the collection; what has many more is a study of precision
+TIERS = (1e-3, 1e-6, 1e-9)  # of the collection
 
 
 def main_tier(inputs: Inputs) -> float:
@@ -37,7 +37,7 @@ def nearest(tiers, wanted: float = TIER) -> float:
 
 
 def shown_tiers(inputs: Inputs) -> list[float]:
-    """All tiers; the collection's three where a study of precision has many. Loosest first."""
+    """All tiers; the collection's three where a campaign has many. Loosest first."""
     if len(inputs.tiers) <= 4:
         return inputs.tiers
     usual = [tier for tier in inputs.tiers if any(math.isclose(tier, t, rel_tol=1e-6) for t in TIERS)]

@@ -54,8 +54,7 @@ def compact(folder: Path, output: Path) -> dict[str, int]:
                 lines = sorted((line for _, line in read_lines(folder / name, lambda note: None)), key=order)
                 written[name] = _bytes(_rounded(line, *digits) for line in lines)
         if is_there(folder / STREAMS_FILE) or is_there(folder / records.FILE):
-            lines = [line for of in (False, True) for line in records.lines(campaign, measured(campaign, of))]
-            written[records.FILE] = _bytes(sorted(lines, key=lambda line: (
+            written[records.FILE] = _bytes(sorted(records.lines(campaign, measured(campaign)), key=lambda line: (
                 line["size_class"], line["solver"], line["first"], -line["tier"])))
     sizes = {}
     for name, content in written.items():

@@ -81,8 +81,7 @@ def _solvers(inputs: Inputs) -> dict:
                      and verified.get((key, strict), 0) < _TIER_DROP * verified.get((key, loose), 0)],
             "direct": [key for key, entry in run.items() if not entry["uses_tolerance"]],
             "first_protocol": [key for key, entry in run.items() if entry.get("protocol") == 1],
-            "at_floor": int(inputs.cells["at_floor"].sum()), "below_floor": int(inputs.cells["below_floor"].sum()),
-            "ablations": sum(bool(entry.get("ablation")) for entry in inputs.solvers)}
+            "at_floor": int(inputs.cells["at_floor"].sum()), "below_floor": int(inputs.cells["below_floor"].sum())}
 
 
 def _problems(inputs: Inputs) -> dict:

@@ -10,12 +10,10 @@ import pandas as pd
 from . import studies
 from .errors import ReportError
 from .statistics import tables
-from .statistics.cells import Measured, cell_table, measured
-from .statistics.class_times import ablation_table
+from .statistics.cells import Measured, measured
 from .statistics.friction import refusers, with_friction
 from .statistics.load import load_campaign
 from .statistics.model import INFEASIBLE, LITERATURE, Campaign
-from .statistics.means import delivered_table
 from .statistics.rivals import is_own
 from .style import Look, solver_styles
 
@@ -30,18 +28,15 @@ class Inputs:
 
     names: list[str]  # of the folders
     campaigns: list[Campaign]
-    measured: Measured  # without the solvers of ablations
-    ablated: Measured  # of those alone: for the table `ablation` and equal flags, and nothing else
+    measured: Measured
     motion: pd.DataFrame | None = None  # studies.read_motion, of scenes without friction
     friction_motion: pd.DataFrame | None = None  # of those with friction
     notes: list[str] = field(default_factory=list)
-    precision: pd.DataFrame | None = None  # the table `delivered` of a campaign over every decade
     curves: dict[str, pd.DataFrame] = field(default_factory=dict)  # studies.CURVES, those that there are
-    ablation: Campaign | None = None  # a campaign of its own for the table `ablation`, whose problems may be those of others
 
-    @property
+    @cached_property
     def cells(self) -> pd.DataFrame:
-        return self.measured.cells
+        return tables.without_builds(self.measured.cells)
 
     @cached_property
     def ours(self) -> str:
@@ -121,23 +116,16 @@ class Inputs:
     @cached_property
     def analysis(self) -> tables.Tables:
         """The tables of statistics.tables (RESULTS.md), by name; those of cells over all folders together."""
-        makers = tables.makers_of(self.measured, self.ablated, self.solvers, self.ours) if len(self.cells) else {}
-        if self.ablation is not None:
-            both = measured(self.ablation), measured(self.ablation, True)
-            makers["ablation"] = partial(ablation_table, *(one.cells for one in both), self.ablation.info["solvers"],
-                                         tables.levels_of(*both))
+        makers = tables.makers_of(self.measured, self.solvers, self.ours) if len(self.cells) else {}
         for campaign in self.campaigns:
             if campaign.passes:  # of one at most
                 makers |= {name: partial(table, campaign) for name, table in tables.STEP_TABLES.items()}
         return tables.Tables(makers)
 
 
-def load_inputs(folders: list[Path], motion: Sequence[Path] = (), precision: Path | None = None,
-                ablation: Path | None = None, curves: Path | None = None) -> Inputs:
-    """@param motion     folders of `lcpbench motion`
-    @param precision  a campaign that asks for every decade, `--suite precision`; its problems may be those of others
-    @param ablation   a campaign of `--suite ablation`; likewise
-    @param curves     a folder of `make solver-curves`
+def load_inputs(folders: list[Path], motion: Sequence[Path] = (), curves: Path | None = None) -> Inputs:
+    """@param motion  folders of `lcpbench motion`
+    @param curves  a folder of `make solver-curves`
     @throws ReportError for the first thing that does not fit
     """
     moved = _by_friction(studies.read_motion(*motion)) if motion else (None, None)
@@ -152,12 +140,9 @@ def load_inputs(folders: list[Path], motion: Sequence[Path] = (), precision: Pat
             seen[name] = str(folder)
     if sum(bool(campaign.sequences) for campaign in campaigns) > 1:
         raise ReportError(str(folders[-1]), "a second campaign of sequences", "at most one")
-    both = (_joined([measured(campaign, of) for campaign in campaigns]) for of in (False, True))
     notes = [f"{folder.name}: {note}" for folder, campaign in zip(folders, campaigns) for note in campaign.notes]
-    delivered = delivered_table(cell_table(load_campaign(precision))) if precision is not None else None
-    return Inputs([folder.resolve().name for folder in folders], campaigns, *both, *moved, notes, delivered,
-                  studies.read_curves(curves) if curves is not None else {},
-                  load_campaign(ablation) if ablation is not None else None)
+    return Inputs([folder.resolve().name for folder in folders], campaigns, _joined([*map(measured, campaigns)]), *moved,
+                  notes, studies.read_curves(curves) if curves is not None else {})
 
 
 def _by_friction(motion: pd.DataFrame) -> tuple[pd.DataFrame | None, pd.DataFrame | None]:

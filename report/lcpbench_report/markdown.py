@@ -5,7 +5,6 @@ from .fairness import limitations
 from .headline_table import Headline, headline
 from .inputs import Inputs
 from .sentences import render as rendered
-from .sentences import say
 from .statistics.class_times import LEAST_FOR_P99
 from .summary import false_successes, peers
 
@@ -16,19 +15,11 @@ def full_headline(inputs: Inputs, found: Headline, block: str = "") -> str:
                     least=LEAST_FOR_P99, false_successes=false_successes(inputs))
 
 
-def ablation(inputs: Inputs) -> str:
-    """The table of all size classes together."""
-    table = shown_tables.ablation(inputs, all_only=True)
-    return "This campaign has no ablations.\n" if table is None else f"{say('ablation_words')}\n\n{table.markdown()}"
-
-
-def render(inputs: Inputs, lines: list[str], changes: str = "") -> str:
-    """@param lines    what the report finds, a sentence each; they come first
-    @param changes  against an earlier run, in Markdown (compare.md.j2)
-    """
+def render(inputs: Inputs, lines: list[str]) -> str:
+    """@param lines  what the report finds, a sentence each; they come first"""
     found = headline(inputs) if len(inputs.cells) else None
     friction = inputs.friction if len(inputs.cells) else None
     return rendered("summary.md.j2", inputs=inputs, lines=lines, shown=shown_tables, tier=choice.main_tier(inputs),
                     headline=full_headline(inputs, found) if found and found.classes else "",
                     with_friction=friction and headline(friction), false_with_friction=friction and false_successes(friction),
-                    limitations=limitations(inputs), changes=changes.replace("\n#", "\n##").replace("# ", "### ", 1))
+                    limitations=limitations(inputs))

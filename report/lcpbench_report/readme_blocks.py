@@ -116,7 +116,6 @@ BLOCKS: dict[str, Callable[[Page], str]] = {
     "headline": _headline,
     # The conventions, the table by size class, false successes, and the table of all solvers.
     "headline-details": lambda page: markdown.full_headline(page.inputs, page.found),
-    "ablation": lambda page: markdown.ablation(page.inputs),
     "streams": lambda page: say("streams", classes={of["stream"]: of["most"] for of in page.info["size_classes"] if of["stream"]}),
     "limits": lambda page: say("limits", rules=Counter((of["reason"], of["largest"]) for of in page.info.get("size_limits", []))),
     "manifests": lambda page: formats.words([f"`{of['name']}` {of['version']}" for of in page.info.get("manifests", [])]),

@@ -135,27 +135,6 @@ def _sample(problems: int, n_eff: float) -> str:
     return f"{problems} ({n_eff:.0f})"
 
 
-def ablation(inputs: Inputs, all_only: bool = False) -> Table | None:
-    """A row per solver and class, at the main tier.
-
-    @param all_only  of all size classes together
-    """
-    rows, found = [], ablations(inputs)
-    for of in (found[found["size_class"] == ALL] if all_only and len(found) else found).to_dict("records"):
-        false, before = (int(of[prefix + "false_successes"] + of[prefix + "below_tier"]) for prefix in ("", "base_"))
-        rows.append([of["base"], solver_facts.ABLATIONS[of["ablation"]],
-                     "all" if of["size_class"] == ALL else size_class(of["size_class"]), int(of["problems"]),
-                     with_interval(of["ratio"], of["ratio_low"], of["ratio_high"]),
-                     f"{share_of(of['verified_share'])}, {share_of(of['base_verified_share'])}", f"{false}, {before}"])
-    return _table(["solver", "version", "rows", "problems", "time", "right", "false"], rows, "llrrrrr")
-
-
-def ablations(inputs: Inputs) -> pd.DataFrame:
-    """The analysis' table at the main tier, by solver; empty without ablations."""
-    table = choice.table(inputs, "ablation", choice.main_tier(inputs))
-    return pd.concat([own for _, own in table.groupby("solver", sort=False)]) if len(table) else table
-
-
 # ----- which backend
 
 

@@ -9,8 +9,6 @@ LIBRARIES = ("bullet", "ode", "dart", "siconos", "petsc", "tao", "cgal", "clp")
 MARKERS = {"dantzig": "o", "lemke": "s", "lexicolemke": "s", "pgs": "^", "newton-fb": "D", "nsgs-sbm": "v", "avi": "P",
            "rsls": "o", "ssls": "D", "bntr": "o", "tron": "s", "qp": "o", "clp": "o"}
 VARIANTS = ("default", "cfm", "tuned")  # endings of a peer's keys that are other settings of the same method
-ABLATIONS = {"no-self-check": "without its own check", "checked": "with a check and one more solve, diagonal shifted",
-             "baseline": "built for the baseline instruction set"}
 ORIGINS = {"own": "ours", "peer": "another project's", "external": "named by the user"}
 TOLERANCES = {"direct": "none (direct)", "follows": "the tier", "default": "its library's own"}
 

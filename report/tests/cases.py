@@ -33,13 +33,6 @@ class FolderCase(unittest.TestCase):
         for word in told:
             self.assertIn(word, error)
 
-    def expect(self, by: str, status: int, *words: str, more: tuple = ()) -> None:
-        """What `report.py compare` tells of the folders `old` and `new` has these words."""
-        found, text, error = run("compare", "--by", by, self.old, self.new, *more)
-        self.assertEqual((found, error), (status, ""), text)
-        for word in words:
-            self.assertIn(word, text)
-
 
 class SharedFolderCase(unittest.TestCase):
     """All tests of a class have one folder, `path`."""

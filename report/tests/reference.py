@@ -13,8 +13,7 @@ from lcpbench_report.inputs import Inputs, load_inputs
 
 FOLDER = Path(__file__).resolve().parents[1] / "reference"
 # Summary -> folders of its campaigns (Makefile, reference-report).
-SUMMARIES = {"summary.md": ("core", "sequences"), **{f"{name}-summary.md": (name,) for name in
-                                                     ("smoke", "pathological", "large", "sequences-qp")},
+SUMMARIES = {"summary.md": ("core", "sequences"), **{f"{name}-summary.md": (name,) for name in ("pathological", "large")},
              "friction-summary.md": ("friction", "friction-pathological")}
 
 ROOT = FOLDER.parents[1]
@@ -28,7 +27,7 @@ _OF_HEADLINE = (shown_tables.classes, shown_tables.front, shown_tables.by_solver
 
 @functools.cache
 def inputs_of(*folders: str) -> Inputs:
-    return load_inputs([FOLDER / name for name in folders], ablation=FOLDER / "ablation" if "core" in folders else None)
+    return load_inputs([FOLDER / name for name in folders])
 
 
 def described(folder: str) -> SimpleNamespace:

@@ -205,7 +205,7 @@ def _is_plain(cell: dict) -> bool:
 
 def solver_entry(key: str, available: bool = True, origin: str = "own") -> dict:
     return {"key": key, "setting": "tuned", "origin": origin, "uses_tolerance": True, "available": available,
-            "tolerance": "follows", "ablation": "", "base": "", "settings": {}, "licence": "", "library_version": ""}
+            "tolerance": "follows", "base": "", "settings": {}, "licence": "", "library_version": ""}
 
 
 def _problem(name: str, chosen_set: str, family: str, rows: int) -> dict:

@@ -19,7 +19,7 @@ SLIPPING = ("slabs", "arch")  # scenes with friction
 STARTED = "2026-01-02T03:04:05Z"
 
 # What the page and the files have, in order.
-FIGURES = ["time-by-size", "metrics", "front", "profiles", "accuracy", "precision", "coverage", "pathological", "scaling", "latency",
+FIGURES = ["time-by-size", "metrics", "front", "profiles", "accuracy", "coverage", "pathological", "scaling", "latency",
            "deadline", "motion", "friction-motion"]
 
 # ----- three solvers: for pages and decisions

@@ -1,183 +1,118 @@
-"""Two campaigns of one plan: is a regression told when there is one, and only then?"""
+"""Two campaigns: is told what differs, and only that?"""
 
-import unittest
-from pathlib import Path
-from unittest import mock
+import itertools
+import math
 
 import numpy as np
 
-from lcpbench_report.errors import ReportError
-from lcpbench_report.statistics import changes, pairwise
-from lcpbench_report.statistics.intervals import holm
+from lcpbench_report.statistics import changes
 from lcpbench_report.statistics.load import load_campaign
-from lcpbench_report.statistics.model import Campaign
-from .cases import FolderCase, campaign_of, edit_info, edit_lines, run
-from .synthetic_campaign import COPIES, FAMILIES, TIERS, Noise, exclude, fail, only, slower, write_campaign
+from .cases import FolderCase, edit_info, edit_lines, run
+from .synthetic_campaign import Noise, exclude, fail, only, slower, write_campaign
 
-FACTORS = {"a": 1.0, "b": 2.0, "c": 3.0}
-# Passes have levels of their own, as on real machines.
-NOISE = Noise(problem=0.02, level=0.02, passes=3)
-SAME_SEEDS, SLOWER_SEEDS = 10, 6
-TIER = TIERS[1]
-CLASSES = 5  # of the problems that count
+FACTORS = {"auto": 1.0, "pgs": 3.0, "ode-dantzig": 2.0, "peer-portfolio": 1.5}
+PEERS = ("ode-dantzig", "peer-portfolio")
 VICTIM = "piles-50-0"  # a problem
+CELLS = 25 * len(FACTORS)
 
 
-def drop(folder: Path, gone) -> None:
-    """Whole tasks."""
-    edit_lines(folder / "streams.jsonl", lambda line: None if gone(line) else line)
-
-
-class Truth(unittest.TestCase):
-    """Seeded campaigns in which it is known what changed."""
-
-    def test_two_runs_of_one_binary_are_silent(self):
-        """Also without the margin, which hides no fault of the tests or of Holm's correction."""
-        pairs = self._pairs(SAME_SEEDS, copies=2)
-        for margin, most in ((pairwise.MARGIN, 1), (1.0, 0.1 * SAME_SEEDS)):
-            with mock.patch.object(pairwise, "MARGIN", margin):
-                found = [changes.compare_campaigns(*pair) for pair in pairs]
-            self.assertLessEqual(sum(c.regressed or not c.faster.empty for c in found), most)
-
-    def test_what_the_machine_does_meanwhile_is_no_regression(self):
-        """A neighbour during two of three launches, seen on a real machine: the medians of all problems move alike."""
-        def change(record):
-            if record["solver"] != "b":
-                return record
-            quiet, *busy = record["fresh_s"]
-            return record | {"fresh_s": [quiet, *(1.35 * time for time in busy)]}
-
-        found = self._many(SLOWER_SEEDS // 2, change)
-        for c in found:
-            row = c.speeds[(c.speeds["solver"] == "b") & (c.speeds["family"] == changes.ALL)
-                           & (c.speeds["size_class"] == changes.ALL)].iloc[0]
-            self.assertGreater(row["ratio"], 1.2)
-            self.assertLess(row["ratio_low"], 1)
-            self.assertFalse(c.regressed)
-
-    def test_all_comparisons_are_adjusted_together(self):
-        families = []
-        with mock.patch.object(changes, "holm", side_effect=lambda p: families.append(p) or holm(p)):
-            found = self._many(1)[0]
-        # All, by class, by family, and the engine's problem, which is one.
-        comparisons = len(FACTORS) * (1 + CLASSES + len(FAMILIES) + 1)
-        self.assertEqual([len(p) for p in families], [comparisons])
-        self.assertEqual([np.count_nonzero(~np.isnan(p)) for p in families], [comparisons - len(FACTORS)])
-        self.assertEqual(len(found.speeds), comparisons)
-
-    def test_ten_per_cent_more_time_of_one_solver_are_found(self):
-        found = self._many(SLOWER_SEEDS, only("b", "", lambda record: slower(record, 1.1)))
-        hits = [c for c in found if ("b", changes.ALL, changes.ALL) in
-                zip(c.slower["solver"], c.slower["family"], c.slower["size_class"])]
-        self.assertGreaterEqual(len(hits), 0.95 * SLOWER_SEEDS)
-        self.assertTrue(all(c.regressed for c in hits))
-        self.assertLessEqual(sum(set(c.slower["solver"]) > {"b"} for c in found), 1)
-        for c in hits:
-            row = c.slower.iloc[0]
-            self.assertAlmostEqual(row["ratio"], 1.1, delta=0.04)
-            self.assertTrue(row["ratio_low"] < row["ratio"] < row["ratio_high"])
-        self.assertEqual(sum(len(c.faster) for c in found), 0)
-
-    def test_what_is_slow_on_one_family_or_size_class_is_found_there(self):
-        for column, there, elsewhere, parts in (("family", "chains", "piles", ("chains",)),
-                                                ("size_class", "31-100", "301-1000", ("-50-", "-100-"))):
-            for c in self._many(SLOWER_SEEDS // 2, lambda record: slower(record, 1.3) if record["solver"] == "c"
-                                and any(part in record["problem"] for part in parts) else record):
-                self.assertIn(("c", there), set(zip(c.slower["solver"], c.slower[column])))
-                self.assertNotIn(elsewhere, set(c.slower[column]))
-
-    def _many(self, seeds: int, change=lambda record: record) -> list[changes.Changes]:
-        return [changes.compare_campaigns(*pair) for pair in self._pairs(seeds, change)]
-
-    def _pairs(self, seeds: int, change=lambda record: record, copies: int = COPIES) -> list[tuple[Campaign, Campaign]]:
-        return [tuple(campaign_of(write_campaign, FACTORS, seed, (TIER,), NOISE, copies, run=run,
-                                  change=change if run else lambda record: record)
-                      for run in range(2)) for seed in range(seeds)]
-
-
-class Summary(FolderCase):
-    """Two small campaigns, and one thing that changed."""
-
+class Compare(FolderCase):
     def setUp(self):
         super().setUp()
-        self.old = self._write("old")
-        self.new = self._write("new", run=1)
+        self.old, self.new = self.write("old"), self.write("new")
 
-    def test_nothing_new(self):
-        self.expect("changes", 0, "**No regression** in 147 cells.", "No cell lost its verified answer", "same environment")
-        self.assertNotIn("Only in one", run("compare", self.old, self.new)[1])
+    def write(self, name: str, **arguments):
+        return write_campaign(self.folder / name, FACTORS, tiers=(1e-6,), copies=2, peers=PEERS,
+                              noise=Noise(problem=0.01, passes=10), **arguments)
 
-    def test_a_new_false_success_is_a_regression_however_it_was_before(self):
-        for before in (lambda record: record, fail):
-            with self.subTest(before=before):
-                self.old = self._write("old", change=only("b", VICTIM, before))
-                self.new = self._write("new", change=only("b", VICTIM, lambda record: fail(record, "solved")))
-                self.expect("changes", 1, "1 new false success", f"`solve/{VICTIM}/b/1e-06`")
-        self.old = self._write("old", change=only("b", VICTIM, lambda record: fail(record, "solved")))
-        self.expect("changes", 0)  # it lied before
+    def compared(self) -> changes.Comparison:
+        return changes.compare(load_campaign(self.old), load_campaign(self.new))
 
-    def test_what_one_change_is_told_as(self):
-        for status, change, *words in (
-                (1, only("b", VICTIM, fail), "1 cell verified before and not now",
-                 "| verified | failed: iteration limit |"),
-                (1, only("b", VICTIM, lambda record: exclude(record, "out of time at 1e-3")),
-                 "| excluded: out of time at 1e-3 |"),  # by a rule
-                (0, only("b", VICTIM, lambda record: exclude(record, "task budget")), "| `b` | OLD | 1 |"),  # no turn
-                (1, only("c", "", lambda record: slower(record, 1.5)), "| `c` | all | all |  | 1e-6 | 48 | 1."),
-                (1, only("a", "", fail), "49 cells verified before and not now", "... and 29 more.")):
+    def expect(self, status: int, *words: str, more: tuple = ()) -> str:
+        """What the command tells of `old` and `new` has these words."""
+        found, text, error = run("compare", self.old, self.new, *more)
+        self.assertEqual((found, error), (status, ""), text)
+        for part in words:
+            self.assertIn(part, text)
+        return text
+
+    def test_equal_campaigns_differ_in_nothing(self):
+        text = self.expect(0, "**They agree**: 0 lost answers, 0 new false successes, 0 published values that moved.",
+                           f"Of {CELLS} cells that both have, {CELLS} are the same")
+        for title in ("verified before", "verified now", "false successes:", "only one has", "differences of", "**no**"):
+            self.assertNotIn(title, text)
+        self.assertEqual(run("compare", self.old, self.new, "-o", self.folder / "text.md"), (0, "", ""))
+        self.assertEqual((self.folder / "text.md").read_text(encoding="utf-8"), text)
+
+    def test_two_runs_agree_and_what_became_slower_does_not(self):
+        self.new = self.write("new", run=1)
+        self.expect(0, "0 are beyond both", "`auto / peer-portfolio`", "`auto / fastest`", "`ode-dantzig`", "101–300",
+                    more=("--show", "99"))
+        self.new = self.write("new", run=1, change=only("auto", "-50-", lambda record: slower(record, 1.5)))
+        text = self.expect(1, "0 lost answers", more=("--show", "0"))
+        self.assertRegex(text, r"\| 31–100 \| `auto / peer-portfolio` \| .* \+\d\d\.\d % \| \*\*no\*\* \|")
+
+    def test_answers_that_are_lost_found_or_newly_false(self):
+        row = f"| `{VICTIM}` | `pgs` | 1e-6 |"
+        for status, before, now, *words in (
+                (1, None, fail, "**They do not agree**: 1 lost answer,", "1 verified before and not now:",
+                 f"{row} verified | failed: iteration limit |", f"{CELLS - 1} are the same"),
+                (1, None, lambda record: fail(record, "solved"), "1 new false success", f"{row} verified | false success |"),
+                (1, fail, lambda record: fail(record, "solved"), "0 lost answers", "1 new false successes:"),
+                (1, None, lambda record: exclude(record, "out of time at 1e-3"), "| excluded: out of time at 1e-3 |"),
+                (0, fail, None, "1 verified now and not before:"),
+                (0, None, lambda record: exclude(record, "task budget"), "| old | `pgs` | 1 |"),
+                (0, fail, lambda record: fail(record, "time_limit"), f"{CELLS - 1} are the same")):
             with self.subTest(words=words):
-                self.new = self._write("new", change=change)
-                self.expect("changes", status, *words)
+                self.old, self.new = (self.write(name, change=only("pgs", VICTIM, change or (lambda record: record)))
+                                      for name, change in (("old", before), ("new", now)))
+                self.expect(status, *words)
+        self.old, self.new = self.write("old"), self.write("new", change=only("pgs", "", fail))
+        self.expect(1, "25 lost answers", "... and 22 more.", more=("--show", "3"))
 
-    def test_an_answer_that_is_found_is_no_regression(self):
-        self.old = self._write("old", change=only("b", VICTIM, fail))
-        self.expect("changes", 0, "Verified now, and not before")
-
-    def test_what_only_one_has_is_told_and_judged_by_nothing(self):
-        drop(self.new, lambda record: record["solver"] == "c")
-        drop(self.old, lambda record: record["size_class"] == "7-12" and record["solver"] == "a")
-        self.expect("changes", 0, "| `c` | OLD | 49 |", "| `a` | NEW | 8 |", "in 90 cells")
-
-    def test_other_builds_of_one_plan_are_compared_and_named(self):
-        first, *others = edit_info(self.new, environment_hash="1", environment={
-            "git_commit": "abc", "libraries": {"Eigen": "3.4.1"}})["solvers"]
-        edit_info(self.new, solvers=[first | {"library_version": "2.0"}, *others, first | {"key": "newcomer"}])
-        self.expect("changes", 0, "| git_commit |  | abc |")
-
-    def test_how_a_setting_is_called_may_differ(self):
+    def test_other_plans_are_compared_where_they_meet(self):
+        """What only one has is listed, and moves nothing."""
         first, *others = edit_info(self.new)["solvers"]
-        # Older folders lack the last two.
-        edit_info(self.new, solvers=[first | {"setting": "default", "base": "", "settings": {}}, *others])
-        self.expect("changes", 0)
+        edit_info(self.new, seed=2, tiers=[1e-6, 1e-9], environment={"git_commit": "abc"},
+                  solvers=[first | {"settings": {"sweep": "forward"}}, *others])
+        edit_lines(self.new / "streams.jsonl", lambda line: None if line["solver"] == "pgs" else line)
+        for folder, part in ((self.old, "piles-50-"), (self.new, "chains-")):
+            edit_lines(folder / "problems.jsonl", lambda about, part=part: about | ({"weight": 0.5} if part in about["problem"] else {}))
+        self.expect(0, "| old | `pgs` | 25 |", "| seed | 1 | 2 |", "| tiers | [1e-06] | [1e-06, 1e-09] |",
+                    "| environment.git_commit | – | abc |", "| solvers.auto.settings.sweep | – | forward |",
+                    f"| {VICTIM}.weight | 0.5 | 1.0 |", more=("--show", "99"))
 
-    def test_mixed_plans_are_refused_in_one_line(self):
-        info = edit_info(self.new)
-        solvers = [info["solvers"][0] | {"base": "b", "settings": {"sweep": "forward"}}, *info["solvers"][1:]]
-        for values in ({"tiers": [TIER, 1e-9]}, {"manifests": [{"name": "other"}]}, {"passes": 7},
-                       {"limits": info["limits"] | {"most_s": 1.0}}, {"seed": 9}, {"solvers": solvers}):
-            with self.subTest(values=values):
-                edit_info(self.new, **info | values)
-                self._expect_refused("campaign.json", "'a'" if "solvers" in values else f"'{next(iter(values))}'")
-        edit_info(self.new, **info)
-        edit_lines(self.new / "problems.jsonl", lambda problem: problem | ({"rows": 51} if problem["rows"] == 50 else {}))
-        self._expect_refused("problems.jsonl", "'rows'", " 50 ")
+    def test_the_values_by_hand(self):
+        self.new = self.write("new", change=lambda record: slower(record, 1.02))
+        table = self.compared().values
+        medians, ratios = (table[table["what"].str.contains("/") == of] for of in (False, True))
+        np.testing.assert_allclose(medians["moved"], 0.02)
+        np.testing.assert_allclose(ratios["moved"], 0, atol=1e-12)
+        self.assertLess(0.02, changes.REACH)
+        self.assertTrue(table["agrees"].all())
+        self.assertEqual(len(medians), len(FACTORS) * 5)
 
-    def test_nothing_in_common_and_missing_folders_are_refused(self):
-        drop(self.new, lambda record: record["solver"] != "c")
-        drop(self.old, lambda record: record["solver"] == "c")
-        self._expect_refused("no cell in common")
-        self.new = self.folder / "nowhere"
-        self._expect_refused("nowhere")
+    def test_a_failure_in_one_run_does_not_agree_and_in_both_does(self):
+        self.new = self.write("new", change=only("pgs", "-50-", fail))
+        table = self.compared().values
+        row = table[(table["what"] == "pgs") & (table["size_class"] == "31-100")].iloc[0]
+        self.assertEqual((row["new"], row["agrees"]), (math.inf, False))
+        self.old = self.new
+        self.assertTrue(self.compared().agrees)
 
-    def test_the_summary_goes_into_a_file(self):
-        out = run("compare", self.old, self.new)[1]
-        self.assertEqual(run("compare", self.old, self.new, "-o", self.folder / "summary.md"), (0, "", ""))
-        self.assertEqual((self.folder / "summary.md").read_text(encoding="utf-8"), out)
+    def test_a_median_that_is_infinite_in_one_run_only_does_not_agree(self):
+        def some(of_20: int):
+            count = itertools.count()
+            return lambda record: fail(record) if record["solver"] == "pgs" and 7 * next(count) % 20 < of_20 else record
 
-    def _write(self, name: str, **arguments) -> Path:
-        return write_campaign(self.folder / name, FACTORS, tiers=(TIER,), noise=NOISE, **arguments)
+        self.old, self.new = (self.write(name, change=some(of_20)) for name, of_20 in (("old", 6), ("new", 14)))
+        table = self.compared().values
+        mixed = table[np.isinf(table["old"]) != np.isinf(table["new"])]
+        self.assertGreater(len(mixed), 0)
+        self.assertFalse(mixed["agrees"].any())
 
-    def _expect_refused(self, *words: str) -> None:
-        self.assert_refused("compare", self.old, self.new, told=words)
-        with self.assertRaises(ReportError):
-            changes.compare_campaigns(load_campaign(self.old), load_campaign(self.new))
+    def test_campaigns_without_anything_in_common_and_missing_folders_are_refused(self):
+        for folder, of_pgs in ((self.old, False), (self.new, True)):
+            edit_lines(folder / "streams.jsonl", lambda line, of_pgs=of_pgs: line if (line["solver"] == "pgs") == of_pgs else None)
+        self.assert_refused("compare", self.old, self.new, told=("no cell in common",))
+        self.assert_refused("compare", self.old, self.folder / "nowhere", told=("nowhere",))

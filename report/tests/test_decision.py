@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pandas as pd
 
-from lcpbench_report import choice, fairness, shown_tables, summary
+from lcpbench_report import choice, fairness, summary
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.statistics.launches import TOGETHER
@@ -89,7 +89,6 @@ class WholeReport(unittest.TestCase):
         self.assertNotIn("Direct methods", found)
         self.assertIn("one interval from the caller's arrays", found["Fresh times"])
         self.assertNotIn("External programs of protocol 1", found)
-        self.assertNotIn("Ablation", found)
         self.assertNotIn("Disturbed launches", found)
 
     def test_disturbed_launches_are_told_with_their_share_and_what_they_do(self):
@@ -113,16 +112,6 @@ class Parts(FolderCase):
         each = len(inputs.problems) * len(inputs.tiers)
         self.assertIn(f"0 in {each} solves of ours, {each} in {each} of other projects' solvers that were asked", text)
         self.assertIn(f"end below it in {each} of {each} solves", text)
-
-    def test_ablations_stand_in_their_own_table_and_nowhere_else(self):
-        inputs = inputs_of(write_campaign, {"auto": 1.0, "pgs": 3.0, "auto-unchecked": 0.5}, copies=2,
-                           solvers={"auto-unchecked": {"ablation": "no-self-check", "base": "auto"}},
-                           change=only("auto-unchecked", "piles-20-1", lambda record: fail(record, "solved")))
-        (row,) = shown_tables.ablation(inputs, all_only=True).rows
-        solver, version, rows, _, time, _, false = row
-        self.assertEqual((solver, version, rows, false), ("auto", "without its own check", "all", "1, 0"))
-        self.assertRegex(time, r"^0\.[45]\d \(0\.[45]\d–0\.[45]\d\)$")
-        self.assertNotIn("auto-unchecked", "".join(summary.summary_lines(inputs)) + str(choice.by_class(inputs)))
 
     def test_a_problem_in_two_folders_is_told(self):
         (standard, sequences), (motion, _) = write_all(self.folder)

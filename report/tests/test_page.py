@@ -3,14 +3,12 @@
 import base64
 import json
 import re
-from unittest import mock
 
 from lcpbench_report.charts import plotly
 from lcpbench_report.errors import ReportError
 from lcpbench_report.web import gallery, page
-from .cases import FolderCase, SharedFolderCase, inputs_of, page_of, run
-from .synthetic_campaign import write_campaign
-from .synthetic_report import FACTORS, whole_inputs, write_pictures, write_steps
+from .cases import FolderCase, SharedFolderCase, inputs_of, page_of
+from .synthetic_report import whole_inputs, write_pictures, write_steps
 
 
 def data_of(text: str) -> dict:
@@ -81,14 +79,3 @@ class Script(FolderCase):
         self.assertLess(len(text.encode()), 10e6)
         self.assertIn("Licensed under the MIT license", text)
         self.assertEqual(text.count("</script>"), 3)
-
-    def test_the_summary_tells_what_changed_since_an_earlier_run(self):
-        slower = FACTORS | {"pgs": 2 * FACTORS["pgs"]}
-        old, new = (write_campaign(self.folder / str(run), factors, tiers=(1e-6,), run=run)
-                    for run, factors in enumerate((FACTORS, slower)))
-        with mock.patch.object(plotly, "script", return_value=""):
-            self.assertEqual(run("report", new, "--previous", old, "-o", self.folder / "out" / "index.html")[0], 0)
-        text = (self.folder / "out" / "summary.md").read_text(encoding="utf-8")
-        part = text[text.index("## Compared with an earlier run"):]
-        self.assertRegex(part, r"(?m)^\| .*pgs.*\b(2\.0|1\.9)")
-        self.assertNotRegex(part, r"(?m)^# ")

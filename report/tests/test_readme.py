@@ -8,7 +8,7 @@ import unittest
 from lcpbench_report import readme_blocks
 from .reference import FOLDER, PAGES, ROOT, described
 
-_OF_TIMES = {"headline", "headline-details", "ablation"}
+_OF_TIMES = {"headline", "headline-details"}
 
 
 class Readme(unittest.TestCase):
@@ -32,10 +32,9 @@ class Readme(unittest.TestCase):
     def test_tables_of_times_are_those_of_the_summary(self):
         summary = set((FOLDER / "summary.md").read_text(encoding="utf-8").splitlines())
         blocks = dict(readme_blocks.BLOCK.findall(PAGES[ROOT / "docs" / "results.md"]))
-        for name in ("headline-details", "ablation"):
-            rows = [line for line in blocks[name].splitlines() if line.startswith("|")]
-            self.assertGreater(len(rows), 10)
-            self.assertEqual([line for line in rows if line not in summary], [], name)
+        rows = [line for line in blocks["headline-details"].splitlines() if line.startswith("|")]
+        self.assertGreater(len(rows), 10)
+        self.assertEqual([line for line in rows if line not in summary], [])
 
     def test_every_solver_and_scene_is_spoken_of_on_its_page(self):
         core = described("core")

@@ -7,14 +7,11 @@ from unittest import mock
 import numpy as np
 import pandas as pd
 
-from lcpbench_report.errors import ReportError
 from lcpbench_report.statistics import pairwise
 from lcpbench_report.statistics.intervals import holm
-from .cases import campaign_of
-from .synthetic_campaign import Noise, cells_of, median_times, write_campaign
+from .synthetic_campaign import Noise, cells_of, median_times
 
 INF = math.inf
-VARIANTS = {"again": {}, "slow": {"slowdown": "1.1"}, "other": {"relaxation": "1.3"}}
 SAME_SEEDS, SLOWER_SEEDS, INTERVAL_SEEDS = 200, 60, 150
 
 
@@ -180,24 +177,3 @@ class Truth(unittest.TestCase):
         """Seeds with a claim of a difference."""
         return sum(bool((compared(median_times(np.random.default_rng([10, seed]), factors, problems, noise))["verdict"]
                          != pairwise.NO_DIFFERENCE).any()) for seed in range(seeds))
-
-
-class Calibration(unittest.TestCase):
-    def rows(self, **factors: float) -> pd.DataFrame:
-        campaign = campaign_of(write_campaign, {"plain": 1.0} | factors, tiers=(1e-6,), solvers={
-            key: {"base": "plain", "settings": settings} for key, settings in VARIANTS.items()})
-        return pairwise.calibration_table(campaign).set_index("variant")
-
-    def test_truth_is_found(self):
-        rows = self.rows(again=1.0, slow=1.1, other=2.0)
-        self.assertEqual(sorted(rows.index), ["again", "slow"])  # nobody knows how much another setting should take
-        self.assertTrue(rows["right"].all())
-        self.assertAlmostEqual(rows.loc["slow", "ratio"], 1.1, delta=0.02)
-        self.assertLess(rows.loc["slow", "ratio_low"], rows.loc["slow", "ratio_high"])
-
-    def test_a_false_alarm_and_a_miss_are_wrong(self):
-        self.assertFalse(self.rows(again=1.2, slow=1.0)["right"].any())
-
-    def test_campaigns_without_variants_are_refused(self):
-        with self.assertRaisesRegex(ReportError, "variant"):
-            self.rows(other=2.0)

@@ -1,4 +1,4 @@
-"""What a user pays by size class, the rivals, ablations: true ratios found, false ones not."""
+"""What a user pays by size class, the rivals, other builds of ours: true ratios found, false ones not."""
 
 import math
 import unittest
@@ -8,14 +8,13 @@ import pandas as pd
 
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.statistics.cells import measured
-from lcpbench_report.statistics.class_times import ablation_table, class_table
+from lcpbench_report.statistics.class_times import class_table
 from lcpbench_report.statistics.launches import Levels
 from lcpbench_report.statistics.load import load_campaign
 from lcpbench_report.statistics.rivals import (DOMINATED, DOMINATES, FASTER, FASTEST, PORTFOLIO, SLOWER, UNDECIDED, flag_table,
                                                pareto_front, relation, rival_table)
-from lcpbench_report.statistics.tables import levels_of
 from .cases import SharedFolderCase
-from .synthetic_campaign import AGAIN, COPIES, FAMILIES, FIRST, cells_of, fail, launches_of, write_campaign
+from .synthetic_campaign import AGAIN, FIRST, cells_of, launches_of, write_campaign
 
 INF, NAN = math.inf, math.nan
 
@@ -138,43 +137,21 @@ class ClassTimes(unittest.TestCase):
 class Folder(SharedFolderCase):
     """All of it, from files."""
 
-    FACTORS = {"own": 1.0, "peer": 4.0, "bare": 0.9, "checked": 5.0}
+    FACTORS = {"own": 1.0, "peer": 4.0, "auto-v3": 0.9}
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        write_campaign(cls.path, cls.FACTORS, tiers=(1e-6,), change=cls.change,
-                       peers=("peer", "checked"), solvers={"bare": {"ablation": "no-self-check", "base": "own"},
-                                                           "checked": {"ablation": "checked", "base": "peer"}})
+        write_campaign(cls.path, cls.FACTORS, tiers=(1e-6,), peers=("peer",), solvers={"auto-v3": {"origin": "external"}})
         cls.campaign, cls.inputs = load_campaign(cls.path), load_inputs([cls.path])
-        of_all, of_ablations = measured(cls.campaign), measured(cls.campaign, True)
-        cls.cells, cls.ablated, cls.levels = of_all.cells, of_ablations.cells, levels_of(of_all, of_ablations)
+        cls.cells, launches = measured(cls.campaign)
+        cls.levels = Levels(launches)
 
-    # The bare one claims too much on one copy of four.
-    change = staticmethod(lambda record: fail(record, "solved") if record["solver"] == "bare"
-                          and record["problem"].endswith("-0") else record)
-
-    def test_ablations_are_in_their_table_and_nowhere_else(self):
-        self.assertEqual(set(self.cells["solver"]), {"own", "peer"})
-        self.assertEqual(set(self.ablated["solver"]), {"bare", "checked"})
+    def test_other_builds_of_ours_are_in_no_table_but_of_flags_and_of_all_cells(self):
         self.assertEqual(self.inputs.keys, ["own", "peer"])
         for name, table in self.inputs.analysis.items():
-            if name not in ("ablation", "equal_flags") and "solver" in table:
+            if name not in ("cells", "launches", "equal_flags") and "solver" in table:
                 self.assertLessEqual(set(table["solver"]), {"own", "peer"}, name)
-        self.assertEqual(set(self.inputs.analysis["ablation"]["solver"]), {"bare", "checked"})
-
-    def test_the_ablation_table_finds_the_true_ratios_and_what_went_wrong(self):
-        table = ablation_table(self.cells, self.ablated, self.campaign.info["solvers"], self.levels).set_index(["solver", "size_class"])
-        problems = len(FAMILIES) * 6 * COPIES
-        bare, checked = table.loc[("bare", "all")], table.loc[("checked", "all")]
-        self.assertEqual((bare["base"], bare["ablation"], bare["problems"]), ("own", "no-self-check", problems))
-        self.assertEqual((bare["both"], bare["false_successes"], bare["base_false_successes"]),
-                         (problems * 3 // 4, problems // 4, 0))
-        self.assertAlmostEqual(bare["verified_share"], 3 / 4)
-        for row, ratio in ((bare, 0.9), (checked, 1.25)):
-            self.assertAlmostEqual(row["ratio"], ratio, delta=0.03)
-            self.assertTrue(row["ratio_low"] <= ratio <= row["ratio_high"])
-        self.assertEqual(len(table.loc["bare"]), 6)  # five classes and all
 
     def test_times_by_class(self):
         table = class_table(self.cells, self.levels).set_index(["size_class", "solver"])

@@ -63,7 +63,7 @@ class Tables(SharedFolderCase):
     def test_all_is_written_without_a_word(self):
         self.assertEqual((self.status, self.error), (0, ""))
         for name, table in self.tables.items():
-            self.assertEqual(table.empty, name in ("ablation", "rank_correlation", "rivals", "equal_flags", "friction"), name)
+            self.assertEqual(table.empty, name in ("rank_correlation", "rivals", "equal_flags", "friction"), name)
         line = (self.folder / FOLDER / "cells.csv").read_text(encoding="utf-8").splitlines()[1]
         self.assertEqual(("true" in line.split(","), "True" in line), (True, False))  # booleans are words
 
@@ -316,8 +316,6 @@ class Files(FolderCase):
         solver = info["solvers"][0]
         for members, word in (({"schema": "lcpbench-campaign/1"}, "schema"), ({"solvers": info["solvers"] * 2}, "'a'"),
                               ({"solvers": [solver | {"tolerance": "own"}]}, "tolerance"),
-                              ({"solvers": [solver | {"ablation": "all"}]}, "ablation"),
-                              ({"solvers": [solver | {"ablation": "checked", "base": ""}]}, "base"),
                               ({"size_classes": info["size_classes"] * 2}, "size_classes")):
             edit_info(self.folder, **info | members)
             self._expect_refused("campaign.json", word)

@@ -19,7 +19,7 @@ from ..headline_table import ClassRow, headline
 from ..inputs import PATHOLOGICAL, Inputs
 from ..sentences import say
 from ..statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, NOT_ASKED, VERIFIED, within_rounding
-from ..statistics.groups import COUNTED, common, wide
+from ..statistics.groups import common, wide
 from ..statistics.model import ORIGINS
 from ..statistics.rivals import FASTEST, PORTFOLIO
 from ..statistics.weighted import weighted_median
@@ -66,8 +66,6 @@ def figures(inputs: Inputs) -> Iterable[Figure]:
                      {(): partial(profiles, inputs.friction, inputs.friction.cells)})
     yield Figure("accuracy", "Errors of verified answers", say("accuracy_figure"),
                  {(words,): partial(accuracy, inputs, tier) for words, tier in tiers.items()}, ("tier",))
-    yield Figure("precision", "What precision costs, and what is delivered", say("delivered_figure"),
-                 {(): partial(delivered, inputs)})
     for name, title, cells in (("coverage", "What becomes of problems", inputs.counted),
                                ("pathological", "Problems that are meant to break something",
                                 inputs.cells[inputs.cells["set"] == PATHOLOGICAL])):
@@ -193,15 +191,6 @@ def accuracy(inputs: Inputs, tier: float) -> Chart | None:
                   Trace("99 %", found[0.99], found.index, _TAIL)] if len(found) else []
         panels += [Panel(Axis(title, "residual"), NAME_AXIS, traces)] if traces else []
     return Chart(panels, len(panels)) if panels else None
-
-
-def delivered(inputs: Inputs) -> Chart | None:
-    table = inputs.analysis["delivered"] if inputs.precision is None else inputs.precision
-    table = table[(table["set"] == COUNTED) & (table["rho_median"] > 0)].sort_values("tier", ascending=False)
-    traces = [Trace(solver, own["mean_s"], own["rho_median"].clip(lower=_LEAST), inputs.styles[solver])
-              for solvers in _compared(inputs).values() for solver in solvers if len(own := table[table["solver"] == solver])]
-    panel = Panel(Axis("shifted geometric mean of the time of all answers", "seconds"), Axis("median ρ", "residual"), traces)
-    return Chart([panel]) if traces else None
 
 
 def coverage(inputs: Inputs, cells: pd.DataFrame) -> Chart | None:

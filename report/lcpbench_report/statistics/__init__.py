@@ -11,7 +11,7 @@
                           tables, from the tables of cells and launches
     latency               the tables of sequences: steps of motions, warm starts, deadlines
     tables                all tables, by name
-    changes               two campaigns: what became slower, faster or wrong, how far it moved, or whether it is the same
+    changes               two campaigns: which answers differ, and how far what is published moved
 
 Every table is a pure function of the table of cells, or of the passes over sequences; random numbers come from a
 fixed seed.

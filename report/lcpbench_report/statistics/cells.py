@@ -41,17 +41,16 @@ class Measured(NamedTuple):
     launches: pd.DataFrame  # launches.COLUMNS
 
 
-def cell_table(campaign: Campaign, of_ablations: bool = False) -> pd.DataFrame:
-    return measured(campaign, of_ablations).cells
+def cell_table(campaign: Campaign) -> pd.DataFrame:
+    return measured(campaign).cells
 
 
-def measured(campaign: Campaign, of_ablations: bool = False) -> Measured:
-    """A row per cell, and one per solver, size class, tier and launch, times in seconds; without the solvers of
-    ablations, or of those alone.
+def measured(campaign: Campaign) -> Measured:
+    """A row per cell, and one per solver, size class, tier and launch, times in seconds.
 
     Whole columns at a time: a campaign has a million cells."""
     solvers = campaign.solvers
-    tasks = [task for task in campaign.tasks if bool(solvers[task.solver]["ablation"]) == of_ablations]
+    tasks = campaign.tasks
     counts = [len(task.at) for task in tasks]
     columns = _about(campaign, tasks)
     columns["solver"] = np.repeat(np.array([task.solver for task in tasks], dtype=object), counts)

@@ -1,5 +1,4 @@
-"""What a user pays, by size class: every solver's fresh time, and how much it solves; and what ablations change. Problems
-that count only.
+"""What a user pays, by size class: every solver's fresh time, and how much it solves. Problems that count only.
 
 Medians are of the class's weight, failures infinite: failing on the hard ones cannot lower them. Problems of a class take
 very different times, so that intervals of medians are wide (launches, families, bases: launches.Levels, intervals.
@@ -30,9 +29,6 @@ _SHARES = [f"{share}{end}" for share in ("taken_share", "attempted_share", "veri
 RATIO = [f"ratio{end}" for end in _ENDS]
 COLUMNS = [*GROUP, "size_class", "solver", "asked", "problems", "weight", "n_eff", "launches", "not_asked", "attempted",
            "verified", "false_successes", "below_tier", *_SHARES, "median_s", "median_low", "median_high", "p99_s", *MEDIANS]
-_COUNTS = ["verified_share", "false_successes", "below_tier"]
-ABLATION_COLUMNS = [*GROUP, "size_class", "solver", "ablation", "base", "problems", "both", *RATIO, *_COUNTS,
-                    *(f"base_{count}" for count in _COUNTS)]
 
 
 def classes(cells: pd.DataFrame) -> Iterator[Part]:
@@ -91,35 +87,3 @@ def _row(cells: pd.DataFrame, bootstrap: Bootstrap, levels: Levels, key: tuple[s
                      "median_low": low, "median_high": high,
                      "p99_s": levels.together(*key, "p99_s") if len(cells) >= LEAST_FOR_P99 else math.nan,
                      **{name: levels.together(*key, name) for name in MEDIANS}}
-
-
-def ablation_table(cells: pd.DataFrame, ablated: pd.DataFrame, solvers: list[dict], levels: Levels) -> pd.DataFrame:
-    """What single means are worth: solvers without their self-check, peers with a check and one more solve with a shifted
-    diagonal, own solvers built for the baseline instruction set, each against the solver that it is a version of. They
-    stand in no other table. A row per group, size class (and `all`) and solver of an ablation, over the problems that
-    both have a cell on; `ratio`: of fresh times where both are verified.
-
-    @param cells    of cells.cell_table
-    @param ablated  the same of ablations
-    @param solvers  the entries of campaign.json
-    """
-    versions = {entry["key"]: entry for entry in solvers if entry["ablation"]}
-    bases = {entry["base"] for entry in versions.values()}
-    rows = []
-    for label, of_class in classes(pd.concat([cells[cells["solver"].isin(bases)], ablated], ignore_index=True)):
-        bootstrap, found = Bootstrap(of_class), by_solver(of_class)
-        for key, entry in versions.items():
-            if key not in found or entry["base"] not in found:
-                continue
-            shared = found[key].index.intersection(found[entry["base"]].index, sort=False)
-            if not len(shared):
-                continue
-            own, base = found[key].loc[shared], found[entry["base"]].loc[shared]
-            both = own.index[np.isfinite(own["time_s"]) & np.isfinite(base["time_s"])]
-            counts, of_base = coverage(own), coverage(base)
-            rows.append(label | {"solver": key, "ablation": entry["ablation"], "base": entry["base"],
-                                 "problems": len(shared), "both": len(both)}
-                        | ratio(own, base.loc[both], label["tier"], bootstrap, levels)
-                        | {count: counts[count] for count in _COUNTS}
-                        | {f"base_{count}": of_base[count] for count in _COUNTS})
-    return pd.DataFrame(rows, columns=ABLATION_COLUMNS)

@@ -10,7 +10,7 @@ from pathlib import Path
 from ..errors import ReportError
 from .fields import check_fields, check_record, check_word
 from .jsonl import is_there, read_lines, read_object
-from .model import ABLATIONS, LITERATURE, ORIGINS, PROBLEMS_FILE, STREAMS_FILE, TOLERANCES, Campaign
+from .model import LITERATURE, ORIGINS, PROBLEMS_FILE, STREAMS_FILE, TOLERANCES, Campaign
 from .records import FILE as RECORDS_FILE
 from .records import read_records
 from .steps import FILE as STEPS_FILE
@@ -21,7 +21,7 @@ SCHEMA = "lcpbench-campaign/2"
 _CAMPAIGN = {"schema": "name", "name": "text", "solvers": "list", "tiers": "list", "limits": "object",
              "size_classes": "list"}
 _SOLVER = {"key": "name", "setting": "text", "origin": "text", "uses_tolerance": "boolean", "available": "boolean",
-           "tolerance": "name", "ablation": "text"}
+           "tolerance": "name"}
 _LIMITS = {"time_per_row_s": "nonnegative", "least_s": "nonnegative", "most_s": "positive"}
 _SIZE_CLASS = {"key": "name", "least": "count", "most": "count?", "stream": "count"}
 _REFERENCES = ("certified", "bounded", "none")
@@ -56,9 +56,6 @@ def _read_info(path: Path) -> dict:
         place = f"{path.name}: solvers[{index}]"
         check_fields(place, solver, _SOLVER)
         check_word(place, solver, "tolerance", TOLERANCES)
-        check_word(place, solver, "ablation", ABLATIONS)
-        if solver["ablation"]:
-            check_fields(place, solver, {"base": "name"})
     for index, size_class in enumerate(info["size_classes"]):
         check_fields(f"{path.name}: size_classes[{index}]", size_class, _SIZE_CLASS)
     for what in ("solvers", "size_classes"):

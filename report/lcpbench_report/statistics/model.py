@@ -12,7 +12,6 @@ PROBLEMS_FILE, STREAMS_FILE = "problems.jsonl", "streams.jsonl"
 # What a solver takes for the tier: its method has no tolerance; the tier's is passed on; the library's own one.
 DEFAULT = "default"
 TOLERANCES = ("direct", "follows", DEFAULT)
-ABLATIONS = ("", "no-self-check", "checked", "baseline")
 KINDS = JUDGE, FRESH, PARTS, AGAIN = ("judge", "fresh", "parts", "again")
 TASK_BUDGET = "task budget"  # the rule that excludes what had no turn
 # Origins of problems -> in words.

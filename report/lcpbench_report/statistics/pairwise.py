@@ -20,12 +20,10 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from ..errors import ReportError
-from .cells import NOT_RUN, measured
+from .cells import NOT_RUN
 from .groups import COUNTED, GROUP, groups, wide
 from .intervals import MARGIN, Bootstrap, holm
 from .launches import Levels
-from .model import Campaign
 from .weighted import weighted_median
 
 LEVEL = 0.05
@@ -143,33 +141,3 @@ def _mirrored(pair: dict) -> dict:
     row |= {"ratio": 1 / pair["ratio"], "ratio_low": 1 / pair["ratio_high"], "ratio_high": 1 / pair["ratio_low"]}
     row["verdict"] = {A_FASTER: B_FASTER, B_FASTER: A_FASTER}.get(pair["verdict"], NO_DIFFERENCE)
     return row
-
-
-# ----- where the truth is known: a solver against itself under another name, and against itself slowed by a known factor
-
-SLOWDOWN = "slowdown"
-CALIBRATION_COLUMNS = ["tier", "solver", "variant", "slowdown", "problems", "ratio", "ratio_low", "ratio_high",
-                       "expected", "found", "right"]
-
-
-def calibration_table(campaign: Campaign) -> pd.DataFrame:
-    """Over problems that count, a row per tier and variant that is its base or its base slowed: time of the variant over
-    that of the base.
-
-    @throws ReportError where the campaign has no such variant
-    """
-    known = {(entry["base"], key): float((entry.get("settings") or {}).get(SLOWDOWN, 1))
-             for key, entry in campaign.solvers.items()
-             if entry.get("base") in campaign.solvers and set(entry.get("settings") or {}) <= {SLOWDOWN}}
-    if not known:
-        raise ReportError("campaign.json", "no solver is a variant without settings or with a slow-down",
-                          "a campaign run with --variant KEY=SOLVER and --variant KEY=SOLVER,slowdown=1.1")
-    cells, launches = measured(campaign)
-    pairs = pairwise_table(cells[cells["counts"]], Levels(launches)).set_index(["a", "b"]).sort_index()
-    rows = []
-    for (base, variant), factor in known.items():
-        for _, pair in pairs.loc[[(base, variant)]].iterrows():
-            expected = A_FASTER if factor > 1 else NO_DIFFERENCE
-            rows.append([pair["tier"], base, variant, factor, pair["both"], 1 / pair["ratio"], 1 / pair["ratio_high"],
-                         1 / pair["ratio_low"], expected, pair["verdict"], bool(pair["verdict"] == expected)])
-    return pd.DataFrame(rows, columns=CALIBRATION_COLUMNS)

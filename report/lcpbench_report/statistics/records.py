@@ -45,7 +45,7 @@ _QUANTILES = [key for key in OF_LAUNCH if key.endswith("_s")]
 
 
 def lines(campaign: Campaign, measured: Measured) -> Iterator[dict]:
-    """@param measured  the campaign's cells, those of ablations or the others"""
+    """@param measured  the campaign's cells"""
     place = {name: number for names in campaign.classes.values() for number, name in enumerate(names)}
     cells = measured.cells.assign(place=measured.cells["problem"].map(place), changed=measured.cells["verdict"] == CHANGED)
     cells["passes"] = cells["passes"].astype(bool) | cells["changed"]  # as it was judged by itself: the reader takes it away

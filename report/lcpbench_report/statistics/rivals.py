@@ -33,7 +33,7 @@ _LCP_CODES = ("ode-dantzig", "bullet-dantzig")
 _NATIVE = tuple(f"{key}-native" for key in _LCP_CODES)
 FLAGS = {"any x86-64": ("auto-baseline", (PORTFOLIO, *_LCP_CODES)), "x86-64-v3": ("auto-v3", _NATIVE),
          "the machine's": ("auto", _NATIVE)}
-OWN_BUILDS = ("auto-baseline", "auto-v3")  # external programs by their origin, and ours
+OWN_BUILDS = ("auto-baseline", "auto-v3")  # external programs by their origin, and ours: in no other table
 LEAST_TURNS = 20  # problems of a class that a peer must have had its turn at, where budgets ended some
 DOMINATED, SLOWER, UNDECIDED, FASTER, DOMINATES = RELATIONS = (
     "dominated by ours", "slower, more often right", "undecided", "faster, less often right", "dominates ours")
@@ -58,7 +58,7 @@ def rival_table(cells: pd.DataFrame, own: Collection[str], ours: str, levels: Le
 def flag_table(cells: pd.DataFrame, levels: Levels) -> pd.DataFrame:
     """A row per group, size class, entry of FLAGS and rival that there are.
 
-    @param cells  of all solvers, those of ablations too
+    @param cells  of all solvers, OWN_BUILDS too
     """
     rows = []
     for label, of_class in classes(cells):

@@ -9,7 +9,7 @@ import pandas as pd
 
 from ..files import replaced
 from .cells import Measured, measured
-from .class_times import ablation_table, class_table
+from .class_times import class_table
 from .coverage import coverage_table
 from .friction import friction_table
 from .latency import deadline_table, latency_by_solver_table
@@ -18,7 +18,7 @@ from .model import Campaign
 from .means import delivered_table, mean_table, scaling_table
 from .origins import origin_table, rank_table
 from .pairwise import pairwise_table
-from .rivals import flag_table, is_own, rival_table
+from .rivals import OWN_BUILDS, flag_table, is_own, rival_table
 
 FOLDER = "analysis"
 # Name -> function of a campaign that has passes over sequences.
@@ -26,7 +26,7 @@ STEP_TABLES: dict[str, Callable[[Campaign], pd.DataFrame]] = {
     "latency_by_solver": latency_by_solver_table, "deadline": deadline_table,
 }
 TABLES = ("cells", "coverage", "scaling", "delivered", "rank_correlation", "class_times", "pairwise", "means", "origins",
-          "launches", "rivals", "friction", "equal_flags", "ablation")
+          "launches", "rivals", "friction", "equal_flags")
 MAIN = "auto"  # the solver of ours that users start with
 _DIGITS = "%.9g"
 
@@ -40,26 +40,25 @@ class Tables(UserDict):
         return self.data[name]
 
 
-def makers_of(of_all: Measured, of_ablations: Measured, solvers: list[dict],
-              ours: str) -> dict[str, Callable[[], pd.DataFrame]]:
+def makers_of(of_all: Measured, solvers: list[dict], ours: str) -> dict[str, Callable[[], pd.DataFrame]]:
     """A maker for each of TABLES.
 
     @param solvers  the entries of campaign.json
     @param ours     the solver of the tables `rivals` and `friction`
     """
-    cells, own = of_all.cells, {entry["key"] for entry in solvers if is_own(entry)}
-    levels = levels_of(of_all, of_ablations)
+    cells, own = without_builds(of_all.cells), {entry["key"] for entry in solvers if is_own(entry)}
+    levels = Levels(of_all.launches)
     return dict(zip(TABLES, (
-        lambda: cells, partial(coverage_table, cells), partial(scaling_table, cells), partial(delivered_table, cells),
+        lambda: of_all.cells, partial(coverage_table, cells), partial(scaling_table, cells), partial(delivered_table, cells),
         partial(rank_table, cells), partial(class_table, cells, levels), partial(pairwise_table, cells, levels),
         partial(mean_table, cells, levels), partial(origin_table, cells, levels), lambda: of_all.launches,
         partial(rival_table, cells, own, ours, levels), partial(friction_table, cells, ours, levels),
-        lambda: flag_table(pd.concat([cells, of_ablations.cells], ignore_index=True), levels),
-        partial(ablation_table, cells, of_ablations.cells, solvers, levels))))
+        partial(flag_table, of_all.cells, levels))))
 
 
-def levels_of(of_all: Measured, of_ablations: Measured) -> Levels:
-    return Levels(pd.concat([of_all.launches, of_ablations.launches], ignore_index=True))
+def without_builds(cells: pd.DataFrame) -> pd.DataFrame:
+    """Of the builds of ours, that for this machine alone: the others say nothing but what flags are worth."""
+    return cells[~cells["solver"].isin(OWN_BUILDS)]
 
 
 def main_own(keys: Collection[str]) -> str:
@@ -72,10 +71,10 @@ def write_tables(campaign: Campaign, folder: Path) -> None:
     tables of steps are written, of one without sequences those of cells."""
     folder.mkdir(parents=True, exist_ok=True)
     if campaign.tasks or not campaign.passes:
-        both = measured(campaign), measured(campaign, True)
-        ran = dict.fromkeys(both[0].cells["solver"])
+        of_all = measured(campaign)
+        ran = dict.fromkeys(of_all.cells["solver"])
         ours = main_own([key for key in ran if is_own(campaign.solvers[key])])
-        found = Tables(makers_of(*both, campaign.info["solvers"], ours))
+        found = Tables(makers_of(of_all, campaign.info["solvers"], ours))
         for name, table in found.items():
             write_csv(table, folder / f"{name}.csv")
     if campaign.passes:
