@@ -131,7 +131,7 @@ def _analyse(options: argparse.Namespace) -> None:
           _file("-o", "--output", metavar="FILE", help="instead of standard output"))
 def _compare(options: argparse.Namespace) -> int:
     """Tell which answers of two campaigns differ, and how far published times and ratios moved; exit status 1 for a lost
-    answer, a new false success, or a value that moved by more than 3 %% and out of both intervals."""
+    answer, a new false success, or a value that moved by more than 3 per cent and out of both intervals."""
     from lcpbench_report import comparison
     from lcpbench_report.statistics import changes
 
