@@ -25,10 +25,26 @@ PICTURE_SIZE ?= 24
 BASELINE := build/baseline
 V3       := build/v3
 
-# `auto` at the flags of Debian's peers, and with AVX2.
-CORE_RESULTS ?= build/results/core
-CORE = --suite core --external "auto-baseline=$(CURDIR)/$(BASELINE)/lcpbench serve auto instructions=sse2" \
-       --external "auto-v3=$(CURDIR)/$(V3)/lcpbench serve auto instructions=avx2"
+# The campaigns of the reference by name, and their options. `core`, which has `auto` at the flags of Debian's peers and
+# with AVX2, too, is run twice, the other campaigns between its two runs.
+PARTS := core friction friction-pathological pathological large sequences core-again
+PART_core = --suite core --external "auto-baseline=$(CURDIR)/$(BASELINE)/lcpbench serve auto instructions=sse2" \
+            --external "auto-v3=$(CURDIR)/$(V3)/lcpbench serve auto instructions=avx2"
+PART_friction              = --suite friction
+PART_friction-pathological = --suite friction-pathological
+PART_pathological          = --suite pathological --tuned data/tuned.json
+PART_large                 = --suite large
+PART_sequences             = --suite sequences
+PART_core-again            = $(PART_core)
+
+# Motions without friction driven by own solvers; with it by codes of every law, on straight and on curved edges.
+DRIVERS := auto@1e-9,relaxation@1e-9,daqp-relaxed@1e-9,ode-dantzig@1e-9,ode-dantzig-loop@1e-9,siconos-fc2d-nsgs@1e-6,pgs@1e-6,pgs@1e-3,pgs@10,pgs@50,pgs@200,pgs@10@cold,bullet-si-10@1e-6,bullet-si-50@1e-6,bullet-si-1000@1e-6
+MOTIONS := motion friction-motion curved-friction-motion
+MOTION_motion = --budget 4 --steps 200
+MOTION_friction-motion = --scenes data/scenes/slabs_on_slope.json,data/scenes/arch_of_stones.json,data/scenes/sliding_block.json \
+                         --solvers $(DRIVERS) --steps 120 --budget 6
+MOTION_curved-friction-motion = --scenes drum@velocity,cam-follower@velocity,ovals-in-bowl@velocity --friction 0.5 --size 30 \
+                                --solvers $(DRIVERS) --steps 120 --budget 6
 
 # How long and with which new inputs `make fuzz` goes on.
 FUZZ_SECONDS ?= 60
@@ -54,7 +70,7 @@ REFERENCE_OTHERS  := pathological large friction
 # Of a report: folders besides that of its name, and studies.
 MORE_friction     := $(REFERENCE)/friction-pathological --motion $(REFERENCE)/friction-motion $(REFERENCE)/curved-friction-motion --pictures $(PICTURES)
 
-.PHONY: $(BASELINE) $(V3) core help deps peers configure command build test test-long python-test report run pictures benchmark solver-curves doc reference-report check format fuzz attack install clean
+.PHONY: $(BASELINE) $(V3) core reference help deps peers configure command build test test-long python-test report run pictures benchmark solver-curves doc reference-report check format fuzz attack install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
@@ -63,6 +79,7 @@ help:
 	@echo "make python-test   install the Python package into build/python-venv, on the libraries of the build, and run its tests"
 	@echo "make build    install what is missing, configure and build"
 	@echo "make core       the campaign behind the published numbers, on two processors (AGAIN=FOLDER compares with that one)"
+	@echo "make reference  that campaign twice, those with friction, sequences, large and pathological problems, motions and curves: what report/reference has (hours; goes on where it was)"
 	@echo "make benchmark       fresh times of our solvers, ODE and Bullet, by size class and origin; of batches, derivatives and scenes (OPTIONS=--benchmark_filter=scene/)"
 	@echo "make solver-curves        residual against mass ratio, regularization, sweeps and precision, for the report (CURVES=sweeps; a minute or two)"
 	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, numbers in README.md and docs/"
@@ -149,15 +166,28 @@ $(BASELINE) $(V3): deps
 	@cmake --preset $(@F) > build/configure-$(@F).log 2>&1 || { cat build/configure-$(@F).log; exit 1; }
 	@cmake --build --preset $(@F) -j $(JOBS)
 
-# The campaign behind the numbers in README.md and docs/, every other size class on each of two processors.
-core: command $(BASELINE) $(V3)
+# A campaign, every other size class on each of two processors; goes on where it was.
+part-%: command
 	@started=; for k in 1 2; do \
-	  $(BUILD)/lcpbench run $(CORE) $(RUN_OPTIONS) --shard $$k/2 --cpu $$((k - 1)) --resume --output $(CORE_RESULTS)-$$k & \
+	  $(BUILD)/lcpbench run $(PART_$*) $(RUN_OPTIONS) --shard $$k/2 --cpu $$((k - 1)) --resume --output build/results/$*-$$k & \
 	  started="$$started $$!"; \
 	done; failed=0; for one in $$started; do wait $$one || failed=1; done; exit $$failed
-	@rm -rf $(CORE_RESULTS)
-	@$(BUILD)/lcpbench merge $(CORE_RESULTS)-1 $(CORE_RESULTS)-2 --output $(CORE_RESULTS)
-	@$(if $(AGAIN),$(BUILD)/lcpbench compare $(AGAIN) $(CORE_RESULTS))
+	@rm -rf build/results/$*
+	@$(BUILD)/lcpbench merge build/results/$*-1 build/results/$*-2 --output build/results/$*
+
+core: $(BASELINE) $(V3) part-core
+	@$(if $(AGAIN),$(BUILD)/lcpbench compare $(AGAIN) build/results/core)
+
+# Everything that is committed below report/reference, at one commit, and the pages made of it. Goes on where it was.
+reference: command $(BASELINE) $(V3)
+	@$(foreach part,$(PARTS),$(MAKE) --no-print-directory part-$(part) &&) true
+	@$(foreach study,$(MOTIONS),$(BUILD)/lcpbench motion $(MOTION_$(study)) --output build/results/$(study) &&) true
+	@$(MAKE) --no-print-directory solver-curves
+	@rm -rf $(REFERENCE)/*/
+	@$(foreach folder,$(filter-out core-again,$(PARTS)) $(MOTIONS) curves, \
+	  $(PYTHON) report/report.py compact build/results/$(folder) -o $(REFERENCE)/$(folder) &&) true
+	@$(PYTHON) report/report.py compare build/results/core build/results/core-again -o $(REFERENCE)/core/moved.md; [ $$? -le 1 ]
+	@$(MAKE) --no-print-directory reference-report
 
 benchmark: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target lcpbench_benchmark

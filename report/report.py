@@ -245,6 +245,19 @@ def _thresholds(options: argparse.Namespace) -> int:
     return 0
 
 
+@_command("portfolio", _file("folders", nargs="+", metavar="FOLDER", help="of a campaign on tuning problems"),
+          _file("-o", "--output", metavar="FILE", help="what was chosen [portfolio.json in data/]"))
+def _portfolio(options: argparse.Namespace) -> None:
+    """Choose the peers of the portfolio and their order by size class, for `lcpbench run`."""
+    from lcpbench_report.statistics.jsonl import write_object
+    from lcpbench_report.tuning.portfolio import describe
+
+    found = describe(_load(options, *options.folders))
+    write_object(options.output or _ROOT / "data/portfolio.json", found)
+    for size_class, keys in found["classes"].items():
+        print(f"{size_class}: {', '.join(keys)}")
+
+
 @_command("headline", _file("folders", nargs="+", metavar="FOLDER", help="of a campaign"),
           _file("--update", nargs="+", metavar="FILE", help="write the blocks of numbers of these Markdown files, and "
                 "the figure that they show; files without blocks stay as they are"),

@@ -299,6 +299,7 @@ SolverEntry EntryOf(const PeerEntry& peer) {
   entry.licence = peer.project.licence;
   entry.method_class = peer.method_class;
   entry.library_defaults = peer.has_library_defaults();
+  entry.shifted = peer.is_shifted();
   entry.takes_friction = peer.takes_friction();
   entry.takes_bounded = peer.takes_bounded();
   entry.law = ToString(peer.law);
@@ -405,19 +406,6 @@ void RegisterSolverVariant(const std::string& key, const std::string& base, cons
   SolverEntry entry = FindSolver(base);
   // What is wrong with the settings is said now.
   MakeSolver(base, settings);
-  const auto is = [&](const char* name, const char* value) {
-    const auto setting = settings.find(name);
-    return setting != settings.end() && setting->second == value;
-  };
-  if (entry.origin == SolverOrigin::kOwn && is("self_check", "no")) entry.ablation = "no-self-check";
-  if (entry.origin == SolverOrigin::kPeer && is("check", "yes")) {
-    entry.ablation = "checked";
-    // Whether it solves once more depends on the tier.
-    entry.uses_tolerance = true;
-    entry.library_defaults = false;
-    entry.takes_friction = entry.takes_bounded = false;  // the check is that of plain rows
-    entry.law = {};
-  }
   entry.base = entry.base.empty() ? entry.key : entry.base;
   entry.key = key;
   for (const auto& [name, value] : settings) entry.settings[name] = value;
@@ -453,25 +441,6 @@ const std::string& KeyForRows(const SolverEntry& solver, Index rows) {
   return nearest == solver.by_rows.end() ? solver.key : nearest->second;
 }
 
-void RegisterAblations() {
-  const std::vector<SolverEntry> bases(AllSolvers().begin(), AllSolvers().end());
-  const auto is_there = [&](const std::string& key) {
-    return std::any_of(bases.begin(), bases.end(), [&](const SolverEntry& entry) { return entry.key == key; });
-  };
-  for (const SolverEntry& base : bases) {
-    if (!base.available || !base.base.empty() || base.origin == SolverOrigin::kExternal) continue;
-    const bool is_own = base.origin == SolverOrigin::kOwn;
-    if (!is_own && !base.takes_plain) continue;  // the check is that of plain rows
-    const std::string key = base.key + (is_own ? "-unchecked" : "-checked");
-    if (is_there(key)) continue;
-    try {
-      RegisterSolverVariant(key, base.key, is_own ? Settings{{"self_check", "no"}} : Settings{{"check", "yes"}});
-    } catch (const InputError&) {
-      if (!is_own) throw;  // own solvers without that setting have no check to leave out
-    }
-  }
-}
-
 void RegisterExternalSolver(const std::string& key, const std::vector<std::string>& command, double start_limit_s) {
   if (command.empty()) throw InputError("external solver '" + key + "': expected a command");
   SolverEntry entry;
@@ -499,7 +468,6 @@ void RegisterExternalSolver(const std::string& key, const std::vector<std::strin
       entry.takes_plain = found->takes_plain;
       entry.method_class = found->method_class;
       entry.base = found->key;
-      entry.ablation = "baseline";
     }
   }
   entry.make = [=](const Settings& settings) {

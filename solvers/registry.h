@@ -55,10 +55,8 @@ struct SolverEntry {
   MethodClass method_class = MethodClass::kAnySize;
   /// A library's own options, never asked for the tier's tolerance.
   bool library_defaults = false;
-  /// "", or why it stands in the ablation table only, never in a headline: "no-self-check" (an own solver without its
-  /// own check), "checked" (a peer with a check and one more solve, CheckedSolver), "baseline" (an own solver of
-  /// another build).
-  std::string ablation = {};
+  /// It solves A with a larger diagonal on purpose (PeerEntry::is_shifted): its answers are those of another problem.
+  bool shifted = false;
 
   /// What the requested tolerance is to it: "follows", "direct" (the method has none) or "default" (library_defaults).
   std::string_view tolerance() const;
@@ -90,8 +88,7 @@ std::string WorkerVersion(std::string_view key);
 /// @throws InputError unless the key is new and made of a-z, 0-9, '-', '_'
 void RegisterSolver(SolverEntry entry);
 
-/// Adds a solver that is another one with settings of its own, or with none: one solver under two names. A peer's
-/// with check=yes and an own one's with self_check=no are ablations.
+/// Adds a solver that is another one with settings of its own, or with none: one solver under two names.
 /// @throws InputError as RegisterSolver, and for an unknown base, one that is not in this build, or wrong settings
 void RegisterSolverVariant(const std::string& key, const std::string& base, const Settings& settings);
 
@@ -105,13 +102,8 @@ void RegisterSolverBySize(const std::string& key, const std::string& base, const
 /// number by ratio, of two the smaller one; else the solver's own.
 const std::string& KeyForRows(const SolverEntry& solver, Index rows);
 
-/// Adds the keys of the ablation table that this build can run: KEY-checked for every peer, KEY-unchecked for every own
-/// solver with the setting `self_check`. Those that are there already stay. Not counted: KEY-baseline, an external
-/// solver.
-void RegisterAblations();
-
 /// Adds a solver that runs as a command of the user's (solvers/peers/protocol/protocol.h). KEY-baseline, where KEY is
-/// an own solver, stands for that one in another build, `lcpbench serve KEY`: an ablation with the facts of KEY.
+/// an own solver, stands for that one in another build, `lcpbench serve KEY`, with the facts of KEY.
 /// @param command  program and arguments
 /// @param start_limit_s  for the worker to greet [s]
 /// @throws InputError as RegisterSolver, and for an empty command

@@ -1,6 +1,7 @@
 #include "benchmarks/campaign/campaign.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -31,6 +32,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// To a tenth.
+double SecondsSince1970() {
+  const std::chrono::duration<double> now = std::chrono::system_clock::now().time_since_epoch();
+  return std::round(10 * now.count()) / 10;
+}
+
 std::string In(const std::string& folder, const char* file) { return (fs::path(folder) / file).string(); }
 
 class Campaign {
@@ -59,10 +66,12 @@ class Campaign {
     StartWorker();
     if (!VisitAll(tasks_, 0, "judging", [&](const Task& task) { Judge(task); })) return false;
     std::vector<Task> timed = tasks_;
-    for (int launch = 1; launch <= launches.near; ++launch) {
+    for (int launch = 1; launch <= launches.near + launches.repeats; ++launch) {
       if (launch == launches.others + 1) timed = NearTasks();
+      const std::vector<Task> repeated = launch > launches.near ? TasksToRepeat(timed, launch) : std::vector<Task>();
       const auto time = [&](const Task& task) { Time(task, PassKind::kFresh, launch); };
-      if (!VisitAll(timed, launch, "launch " + std::to_string(launch), time)) return false;
+      const std::string title = (launch > launches.near ? "repeated round " : "launch ") + std::to_string(launch);
+      if (!VisitAll(launch > launches.near ? repeated : timed, launch, title, time)) return false;
       if (launch == 1) PrintStandings();
     }
     const auto explain = [&](const Task& task) {
@@ -91,7 +100,7 @@ class Campaign {
   bool VisitAll(const std::vector<Task>& tasks, int round, const std::string& title, const Visit& visit) {
     if (tasks.empty()) return true;
     ProgressBar bar(title, static_cast<double>(tasks.size()));
-    for (const std::size_t k : OrderOfRound(tasks, plan_.seed, round)) {
+    for (const std::size_t k : OrderOfRound(plan_, tasks, round)) {
       if (Interruption::Requested()) return false;
       visit(tasks[k]);
       bar.Advance(1, Summary());
@@ -108,12 +117,28 @@ class Campaign {
     return plan_.limits.Of(ProblemOf(task, place).entry->properties.rows);
   }
 
+  // Its measured time is beyond its limit, whatever the answer is.
+  bool IsLate(const Task& task, std::size_t place, double seconds) const {
+    return std::isfinite(seconds) && seconds > LimitOf(task, place);
+  }
+  bool RanOutOfTime(const Task& task, std::size_t place, const Journal::Judgement& found) const {
+    return found.out_of_time.contains(place) ||
+           (place < found.first_s.size() && IsLate(task, place, found.first_s[place]));
+  }
+
+  // Its judged time stands (Launches::longest_s).
+  bool IsLong(const Journal::Judgement& found, std::size_t place) const {
+    return std::isfinite(found.first_s.at(place)) && found.first_s[place] > plan_.launches.longest_s;
+  }
+
   // Declared beforehand: what ran out of time at a looser tier is not tried at stricter ones. "" for no rule.
   std::string RuleFor(const Task& task, std::size_t place) const {
     for (const double tier : plan_.tiers) {
       if (tier <= task.tier) continue;
       const Journal::Judgement* looser = journal_.Find(TaskKey(task, tier));
-      if (looser != nullptr && looser->out_of_time.count(place) > 0) return OutOfTimeRule(tier);
+      const bool is_late = looser != nullptr && (task.sequence != nullptr ? looser->out_of_time.contains(place)
+                                                                          : RanOutOfTime(task, place, *looser));
+      if (is_late) return OutOfTimeRule(tier);
     }
     return {};
   }
@@ -123,6 +148,7 @@ class Campaign {
     if (journal_.Has(TaskKey(task, task.judged.back()), "judge", 0)) return;
     if (!task.excluded.empty()) return journal_.WriteExcluded(task);
     std::vector<Judged> judged;
+    auto [tried, late] = LateBefore(task);
     for (std::size_t place = 0; place < task.count(); ++place) {
       const ProblemProperties& properties = ProblemOf(task, place).entry->properties;
       Judged one;
@@ -133,6 +159,8 @@ class Campaign {
       }
       one.excluded = SizeRefusal(FindSolver(task.solver), properties.rows);
       if (one.excluded.empty()) one.excluded = RuleFor(task, place);
+      if (one.excluded.empty() && late >= plan_.limits.most_late && 2 * late >= tried)
+        one.excluded = OutOfTimeRule(plan_.limits);
       if (one.excluded.empty()) {
         one.reply =
             worker_->Run(JudgeRequest{NameOf(task, place), task.runs, task.tier, task.judged, LimitOf(task, place)});
@@ -144,10 +172,35 @@ class Campaign {
         const bool not_asked = !records.empty() && records.back()["claim"] == ToString(LcpStatus::kUnsupported);
         if (!not_asked && (records.empty() || records.back()["passes"] != true)) ++failures_;
         if (!records.empty() && records.back()["false_success"] == true) ++false_successes_;
+        ++tried;
+        if (EndedLate(task, place, one.reply)) ++late;
       }
       judged.push_back(std::move(one));
     }
     journal_.WriteJudged(task, judged);
+  }
+
+  // Of problems of the class in tasks before this one how many had their turn, and on how many the time ran out.
+  std::pair<std::size_t, std::size_t> LateBefore(const Task& task) const {
+    std::size_t tried = 0;
+    std::size_t late = 0;
+    for (const Task& other : tasks_) {
+      const bool is_before = other.about == task.about && other.first < task.first;
+      if (!is_before || other.solver != task.solver || other.tier != task.tier) continue;
+      const Journal::Judgement* found = journal_.Find(TaskKey(other, other.judged.back()));
+      if (found == nullptr) continue;
+      tried += found->attempted;
+      for (std::size_t place = 0; place < found->attempted; ++place) late += RanOutOfTime(other, place, *found) ? 1 : 0;
+    }
+    return {tried, late};
+  }
+
+  bool EndedLate(const Task& task, std::size_t place, const JudgeReply& reply) const {
+    if (reply.records.empty()) return reply.outcome == "killed";
+    const nlohmann::json& record = reply.records.back();
+    const nlohmann::json& first_s = record["first_s"];
+    return record["claim"] == ToString(LcpStatus::kTimeLimit) ||
+           (first_s.is_number() && IsLate(task, place, first_s.get<double>()));
   }
 
   PassRequest PassOf(const Task& task, PassKind kind, int launch) const {
@@ -155,7 +208,7 @@ class Campaign {
     double time_limit_s = 0;
     const Journal::Judgement& loosest = *journal_.Find(TaskKey(task, task.judged.front()));
     for (std::size_t place = 0; place < loosest.attempted; ++place) {
-      if (loosest.unverified.count(place) > 0) continue;
+      if (loosest.unverified.contains(place) || IsLong(loosest, place) || RanOutOfTime(task, place, loosest)) continue;
       verified.push_back(place);
       time_limit_s = std::max(time_limit_s, LimitOf(task, place));
     }
@@ -174,6 +227,12 @@ class Campaign {
   // By tier and first problem, then by solver.
   using Standings = std::map<std::pair<double, std::size_t>, std::map<std::string, Standing>>;
 
+  // Infinite where a launch warmed up on it.
+  double MeasuredTime(const Journal::Judgement& found, std::size_t place) const {
+    if (place < found.first_s.size() && IsLong(found, place)) return found.first_s[place];
+    return place < found.quickest_s.size() ? found.quickest_s[place] : std::numeric_limits<double>::infinity();
+  }
+
   // What is known so far. @param whole  of whole size classes, also where every problem is a task of its own
   Standings FindStandings(bool whole) const {
     Standings standings;
@@ -181,15 +240,17 @@ class Campaign {
     for (const Task& task : tasks_) {
       for (const double tier : task.judged) {
         const Journal::Judgement* found = journal_.Find(TaskKey(task, tier));
-        if (found == nullptr || found->quickest_s.empty()) continue;
+        if (found == nullptr || found->first_s.empty()) continue;
         Standing& standing = standings[{tier, task.begin - (whole ? task.first : 0)}][task.solver];
         for (std::size_t place = 0; place < task.count(); ++place) {
           const ManifestEntry& entry = *ProblemOf(task, place).entry;
           const bool has_solution = entry.reference.status != "infeasible";
           if (!has_solution || !NotTaken(FindSolver(task.solver), entry.properties).empty()) continue;
           const double own = ProblemOf(task, place).weight;
-          const bool fails = found->unverified.contains(place) || found->changed.contains(place);
-          const double time_s = fails ? std::numeric_limits<double>::infinity() : found->quickest_s[place];
+          const double measured_s = MeasuredTime(*found, place);
+          const bool fails = found->unverified.contains(place) || found->changed.contains(place) ||
+                             RanOutOfTime(task, place, *found) || IsLate(task, place, measured_s);
+          const double time_s = fails ? std::numeric_limits<double>::infinity() : measured_s;
           standing.weight += own;
           if (!fails) standing.right += own;
           // What a launch warms up on it does not time.
@@ -201,8 +262,28 @@ class Campaign {
     return standings;
   }
 
+  static std::vector<std::string> FrontOfPeers(const std::map<std::string, Standing>& solvers) {
+    std::vector<std::pair<std::pair<double, double>, std::string>> peers;  // time, share that is wrong
+    for (const auto& [solver, standing] : solvers) {
+      const bool is_peer = FindSolver(solver).origin == SolverOrigin::kPeer;
+      if (is_peer && std::isfinite(standing.median_s)) {
+        peers.push_back({{standing.median_s, 1 - standing.right / standing.weight}, solver});
+      }
+    }
+    std::ranges::sort(peers);
+    std::vector<std::string> front;
+    double least_wrong = 1;
+    for (const auto& [of, solver] : peers) {
+      if (of.second >= least_wrong) continue;
+      least_wrong = of.second;
+      front.push_back(solver);
+    }
+    return front;
+  }
+
   // Near are those within Launches::within times the least median of those that verify Launches::right of the class's
-  // weight, or of all where nobody does. Where nobody solves half of a class at a tier, nobody is near there.
+  // weight, or of all where nobody does; peers that no other peer is both faster and more often right than, and those
+  // of the class's portfolio. Where nobody solves half of a class at a tier, nobody is near there.
   std::vector<Task> NearTasks() const {
     std::set<std::pair<std::size_t, std::string>> near;  // class and solver
     for (const auto& [of, solvers] : FindStandings(false)) {
@@ -218,10 +299,31 @@ class Campaign {
         const bool is_near = std::isfinite(best) && standing.median_s <= plan_.launches.within * best;
         if (is_near) near.emplace(of.second, solver);
       }
+      for (const std::string& peer : FrontOfPeers(solvers)) near.emplace(of.second, peer);
+      const auto portfolio = plan_.portfolio.find(std::string(problems_[of.second].size_class->key));
+      if (portfolio == plan_.portfolio.end()) continue;
+      for (const std::string& peer : portfolio->second) near.emplace(of.second, peer);
     }
     std::vector<Task> tasks = tasks_;
     std::erase_if(tasks, [&](const Task& task) { return !near.contains({task.begin, task.solver}); });
     return tasks;
+  }
+
+  // A round with a launch that is off is repeated as a whole, under a number of its own: the k-th such round of a class
+  // and tier by launch near + k.
+  std::vector<Task> TasksToRepeat(const std::vector<Task>& tasks, int launch) const {
+    std::map<std::pair<std::size_t, double>, std::set<int>> off;
+    for (const Task& task : tasks) {
+      const Journal::Judgement* found = journal_.Find(TaskKey(task, task.judged.back()));
+      for (int round = plan_.launches.others + 1; found != nullptr && round <= plan_.launches.near; ++round) {
+        if (journal_.IsOff(*found, round)) off[RoundOf(plan_, task)].insert(round);
+      }
+    }
+    std::vector<Task> repeated = tasks;
+    std::erase_if(repeated, [&](const Task& task) {
+      return std::ssize(off[RoundOf(plan_, task)]) < launch - plan_.launches.near;
+    });
+    return repeated;
   }
 
   // A first result while the other launches run.
@@ -276,17 +378,19 @@ class Campaign {
     double least = std::numeric_limits<double>::infinity();
     for (int run = 0; run <= plan_.noise.most_reruns; ++run) {
       request.run = run;
+      const double began_s = SecondsSince1970();
       TimedReply reply = worker_->Run(request);
       // Who killed a worker is told, whichever run counts.
       if (!reply.retried.empty()) retried += (retried.empty() ? "" : "; ") + reply.retried;
       reply.retried = retried;
-      if (reply.outcome != "completed") return {RunHalves(request, reply)};
-      if (!reply.disturbance) return {std::move(reply)};
+      if (reply.outcome != "completed") return {RunHalves(request, reply), began_s};
+      if (!reply.disturbance) return {std::move(reply), began_s};
       const double fast_s = std::min(journal_.FastProbe(), reply.disturbance->probe_s);
       const double found = DisturbanceOf(plan_.noise, *reply.disturbance, fast_s);
       if (found < least) {
         least = found;
         best.reply = std::move(reply);
+        best.began_s = began_s;
       }
       best.reruns = run;
       best.disturbed = least > 0;

@@ -57,7 +57,7 @@ Json DescribeSolver(const SolverEntry& entry) {
           {"origin", kOrigins.at(static_cast<std::size_t>(entry.origin))},
           {"uses_tolerance", entry.uses_tolerance},
           {"tolerance", entry.tolerance()},
-          {"ablation", entry.ablation},
+          {"shifted", entry.shifted},
           {"available", entry.available},
           {"licence", entry.licence},
           {"library_version", entry.available ? WorkerVersion(entry.key) : ""}};
@@ -86,10 +86,12 @@ void DescribeSequences(const CampaignPlan& plan, const std::vector<Manifest>& ma
 void RequireDescribes(const nlohmann::json& line, const std::string& set, const PlannedProblem& planned) {
   const LcpProblem none = LcpProblem::FromDense("none", Eigen::MatrixXd(0, 0), Eigen::VectorXd(0));
   // As a file has it: without infinite numbers.
-  const std::string text = RecordOf<DescribedProblem>(ProblemFields(), {set, planned, none, {}, {}}).dump();
+  const std::string text = RecordOf<DescribedProblem>(ProblemFields(), {set, planned, none}).dump();
   auto expected = nlohmann::json::parse(text);
   expected["rows"] = planned.entry->properties.rows;
-  for (const char* measured : {"bilateral", "oracle_s", "floor"}) expected[measured] = line.at(measured);
+  for (const char* measured : {"bilateral", "oracle_s", "check_s", "floor"}) {
+    if (line.contains(measured)) expected[measured] = line[measured];
+  }
   for (const auto& [field, value] : expected.items()) {
     const auto found = line.find(field);  // RequireFields knows what may be missing
     if (found != line.end() && *found != value) throw InputError(field + " " + found->dump());
@@ -116,6 +118,7 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
                {"most_of_side", plan.most_of_side},
                {"seed", plan.seed},
                {"sealed", plan.sealed.names()},
+               {"portfolio", plan.portfolio},
                {"size_classes", Json::array()}});
   for (const SizeClass& size_class : kSizeClasses) {
     const bool is_last = &size_class == &kSizeClasses.back();
@@ -127,14 +130,14 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
   std::size_t lines = 0;
   for (const Task& task : PlanTasks(plan, problems)) lines += task.judged.size();
   json["passes"] = plan.launches.near;
-  json["launches"] = {{"others", plan.launches.others},
-                      {"within", plan.launches.within},
-                      {"right", plan.launches.right},
-                      {"settle_s", plan.launches.settle_s},
+  json["launches"] = {{"others", plan.launches.others},       {"within", plan.launches.within},
+                      {"right", plan.launches.right},         {"repeats", plan.launches.repeats},
+                      {"longest_s", plan.launches.longest_s}, {"settle_s", plan.launches.settle_s},
                       {"parts", plan.launches.parts}};
   json["limits"] = {{"time_per_row_s", plan.limits.time_per_row_s},
                     {"least_s", plan.limits.least_s},
                     {"most_s", plan.limits.most_s},
+                    {"most_late", plan.limits.most_late},
                     {"memory_bytes", plan.memory_bytes}};
   json["noise"] = {{"slower_clock", plan.noise.slower_clock},
                    {"least_cpu_share", plan.noise.least_cpu_share},
@@ -215,13 +218,14 @@ void WriteProblems(const std::string& path, const CampaignPlan& plan, const std:
     const ManifestEntry& entry = *planned.entry;
     ProblemSet& set = *sets[planned.manifest];
     const LcpProblem problem = set.source.Get(entry);
-    DescribedProblem described{set.manifest.name, planned, problem, {}, {}};
+    DescribedProblem described{set.manifest.name, planned, problem};
     const std::optional<KnownAnswer> answer = set.references.Find(problem);
     if (answer && answer->f.size() > 0) {
       if (std::isfinite(*answer->reference.floor)) described.floor = answer->reference.floor;
       const bool is_factorizable = problem.is_plain() && problem.IsNumericallySymmetric() && answer->reference.w;
       const double oracle_s = is_factorizable ? TimeOracle(problem, answer->f, *answer->reference.w) : -1;
       if (oracle_s > 0) described.oracle_s = oracle_s;
+      described.check_s = TimeCheck(problem, answer->f);
     }
     file.Append({RecordOf<DescribedProblem>(ProblemFields(), described)});
     bar.Advance(1, entry.id);

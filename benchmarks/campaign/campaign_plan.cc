@@ -148,6 +148,9 @@ std::string PassName(const Task& pass) {
 }
 
 std::string OutOfTimeRule(double tier) { return "out of time at the looser tier " + ShortTier(tier); }
+std::string OutOfTimeRule(const SolveLimits& limits) {
+  return "out of time on " + std::to_string(limits.most_late) + " problems of the class or more, half of those tried";
+}
 
 void RequireValid(const CampaignPlan& plan) {
   const auto require = [](bool holds, const std::string& expected) {
@@ -160,7 +163,9 @@ void RequireValid(const CampaignPlan& plan) {
   for (const double tier : plan.tiers) require(tier > 0 && tier < 1, "tiers in (0, 1)");
   require(plan.noise.slower_clock > 0 && plan.noise.least_cpu_share < 1 && plan.noise.most_reruns >= 0,
           "a rule for noise that some cells pass");
-  require(plan.rounds >= 1 && plan.launches.others >= 1 && plan.launches.near >= plan.launches.others, "launches >= 1");
+  require(plan.rounds >= 1 && plan.launches.others >= 1 && plan.launches.near >= plan.launches.others &&
+              plan.launches.repeats >= 0 && plan.limits.most_late >= 1,
+          "launches >= 1");
   require(plan.most_rows >= 0, "rows >= 0");
   require(
       plan.launches.within >= 1 && plan.launches.right > 0 && plan.launches.right <= 1 && plan.launches.settle_s >= 0,
@@ -338,17 +343,28 @@ PassRequest PlanPass(const std::vector<std::size_t>& places, PassKind kind, std:
   return request;
 }
 
-std::vector<std::size_t> OrderOfRound(const std::vector<Task>& tasks, std::uint64_t seed, int round) {
+std::pair<std::size_t, double> RoundOf(const CampaignPlan& plan, const Task& task) {
+  constexpr double kUsual = 1e-6;
+  if (task.judged.size() <= 1) return {task.begin, -task.tier};
+  const auto distance = [](double tier) { return std::abs(std::log(tier / kUsual)); };
+  return {task.begin, -std::ranges::min(plan.tiers, {}, distance)};
+}
+
+std::vector<std::size_t> OrderOfRound(const CampaignPlan& plan, const std::vector<Task>& tasks, int round) {
   std::vector<std::size_t> groups(tasks.size(), 0);
   for (std::size_t k = 1; k < tasks.size(); ++k) {
     const bool same = tasks[k].about == tasks[k - 1].about && tasks[k].first == tasks[k - 1].first &&
                       tasks[k].solver == tasks[k - 1].solver;
     groups[k] = groups[k - 1] + (same ? 0 : 1);
   }
-  std::vector<std::size_t> order = ShuffleGroups(groups, seed, round);
+  std::vector<std::size_t> order = ShuffleGroups(groups, plan.seed, round);
   const auto place = [&](std::size_t k) {
     const SequenceEntry* entry = tasks[k].sequence;
-    if (entry == nullptr || round > 0) return std::tuple(tasks[k].begin, 0.0, std::string_view());
+    if (entry == nullptr) {
+      const auto [begin, tier] = RoundOf(plan, tasks[k]);
+      return std::tuple(begin, tier, std::string_view());
+    }
+    if (round > 0) return std::tuple(tasks[k].begin, 0.0, std::string_view());
     // An exact solve costs about the square of the rows.
     const auto rows = static_cast<double>(entry->most_rows);
     const double work_to_make = static_cast<double>(entry->problems) * rows * rows;

@@ -33,12 +33,15 @@ struct TuningSource {
   int budget = 0;  ///< configurations that were tried of a solver, at most
 };
 
-/// What one solve may take: time_per_row_s times the most rows of its size class, within [least_s, most_s]. There is no
-/// other limit: who is slow takes long, and is measured on all problems that he solves within it.
+/// What one solve may take: time_per_row_s times the most rows of its size class, within [least_s, most_s]. An answer
+/// whose measured time is longer is out of time, of every solver alike; who reads no clock is stopped some time later.
 struct SolveLimits {
   double time_per_row_s = 1e-3;
   double least_s = 0.05;
-  double most_s = 2;
+  double most_s = 10;
+  /// A solver that has run out of time on so many problems of a size class, and on half of those that it was given, is
+  /// not given the others of the class: they count as out of time. The order of a class is drawn (PlanProblems).
+  std::size_t most_late = 4;
 
   /// [s]
   double Of(Index rows) const {
@@ -48,13 +51,20 @@ struct SolveLimits {
 
 /// How often a campaign times a solver on a size class: each time by a launch, a process that warms up, meets every
 /// problem once and ends. What differs between processes (where memory lies, what the machine does) is larger than what
-/// differs within one, so the launches carry the intervals.
+/// differs within one, so the launches carry the intervals. After the first launches the solvers that are near the best
+/// of a class go on by rounds: all of a class and tier one after the other, within a minute or so, so that what the
+/// machine does for minutes is the same for all of a round. Rounds are spread over the campaign.
 struct Launches {
-  int near = 10;        ///< of every solver within `within` times of the best of the class; by turns over the campaign
-  int others = 2;       ///< launches of all other solvers
-  double within = 3;    ///< median times, failures infinite, after `others` launches, at any tier
-  double right = 0.99;  ///< share of the weight that a solver must verify to count as the best, where one does
+  int near = 10;   ///< of every solver within `within` times of the best of the class; those after `others` by rounds
+  int others = 2;  ///< launches of all solvers
+  int repeats =
+      3;  ///< further rounds of a class and tier, at most, for those with a launch that is off (Journal::IsOff)
+  double within = 3;       ///< median times, failures infinite, after `others` launches, at any tier
+  double right = 0.99;     ///< share of the weight that a solver must verify to count as the best, where one does
   double settle_s = 0.05;  ///< how long a launch may warm up until its times settle [s]
+  /// Problems whose judged solve took longer are not timed in launches: that time stands, for what differs between
+  /// launches is small against it [s].
+  double longest_s = 0.1;
   bool parts = true;  ///< of those that have `near`, one more launch times parts, and the same matrix with another b
 };
 
@@ -81,7 +91,10 @@ struct CampaignPlan {
   std::vector<double> deadlines_s = {0.1e-3, 1e-3, 16e-3};  ///< of a step
   double pass_budget_s = 20;  ///< of a pass over a sequence: no further step is begun after it
   TuningSource tuning = {};
-  SealedSet sealed = {};        ///< told in campaign.json, for the report to print it apart
+  SealedSet sealed = {};  ///< told in campaign.json, for the report to print it apart
+  /// By key of a size class: peers that a careful user would ask in turn there, until an answer passes a check; told in
+  /// campaign.json, for the report. Chosen on problems that nothing is compared on (data/portfolio.json).
+  std::map<std::string, std::vector<std::string>> portfolio = {};
   bool without_sealed = false;  ///< leaves its problems out
 };
 
@@ -154,10 +167,15 @@ std::string PassName(const Task& pass);
 /// seed and the round. The same on every machine.
 std::vector<std::size_t> ShuffleGroups(const std::vector<std::size_t>& group_of_cell, std::uint64_t seed, int round);
 
-/// The order of a round: class by class, within a class tasks of one solver together, these groups shuffled by the seed
-/// and the round. Round 0 takes the sequences one after the other, from the least work to the most: a sequence is made
-/// before its first use, and so the first solve waits for one that is made quickly.
-std::vector<std::size_t> OrderOfRound(const std::vector<Task>& tasks, std::uint64_t seed, int round);
+/// What a task's launches are in a round with: those of the same first problem and the same tier. A solver whose
+/// settings do not depend on the tolerance has one launch for all tiers, which is in the rounds of the tier next to
+/// 1e-6.
+std::pair<std::size_t, double> RoundOf(const CampaignPlan& plan, const Task& task);
+
+/// The order of a round: class by class, within a class tier by tier (RoundOf), and within that the solvers shuffled by
+/// the seed and the round. Round 0 takes the sequences one after the other, from the least work to the most: a sequence
+/// is made before its first use, and so the first solve waits for one that is made quickly.
+std::vector<std::size_t> OrderOfRound(const CampaignPlan& plan, const std::vector<Task>& tasks, int round);
 
 /// Tasks of shard k of n (k from 1): every n-th size class, or sequence, so that all solvers of one run in turn on one
 /// processor.
@@ -171,6 +189,8 @@ PassRequest PlanPass(const std::vector<std::size_t>& places, PassKind kind, std:
 
 /// What a solver is excluded by at stricter tiers after it ran out of time at `tier` on the same problem.
 std::string OutOfTimeRule(double tier);
+/// And by what on the rest of a size class (SolveLimits::most_late).
+std::string OutOfTimeRule(const SolveLimits& limits);
 
 /// @throws InputError naming what cannot
 void RequireValid(const CampaignPlan& plan);

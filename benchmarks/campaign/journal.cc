@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <utility>
 
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/campaign/sequence_runner.h"
+#include "benchmarks/measure/quantile.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -32,6 +34,15 @@ Json Rounded(const std::vector<std::optional<double>>& values) {
 // Only where there was one: nearly no line has any.
 void AddRetry(const Reply& reply, const Json& at, Json* line) {
   if (!reply.retried.empty()) (*line)["retried"].push_back({{"at", at}, {"detail", reply.retried}});
+}
+
+// Of a list of times: infinite where there is none.
+std::vector<double> Times(const nlohmann::json& list) {
+  std::vector<double> times;
+  for (const nlohmann::json& time : list) {
+    times.push_back(time.is_number() ? time.get<double>() : std::numeric_limits<double>::infinity());
+  }
+  return times;
 }
 
 // The field of a problem's answer at the k-th tier; null without an answer.
@@ -125,7 +136,7 @@ void Journal::RequireNew(const nlohmann::json& line) const {
   const int least = is_sequence || kind == kJudge ? 0 : 1;
   const int most = is_sequence                         ? rounds_ - 1
                    : kind == kJudge                    ? 0
-                   : kind == KindKey(PassKind::kFresh) ? launches_.near
+                   : kind == KindKey(PassKind::kFresh) ? launches_.near + launches_.repeats
                                                        : 1;
   const nlohmann::json& number = line.at(is_sequence ? "round" : "pass");
   if (number != pass || pass < least || pass > most) {
@@ -181,6 +192,7 @@ void Journal::Note(const nlohmann::json& line) {
   }
   if (kind == kJudge) {
     judged.attempted = line.at("attempted").get<std::size_t>();
+    judged.first_s = Times(line.at("first_s"));
     for (const nlohmann::json& exception : line.at("exceptions")) {
       const auto at = exception.at("at").get<std::size_t>();
       const auto claim = exception.at("claim").get<std::string>();
@@ -195,14 +207,30 @@ void Journal::Note(const nlohmann::json& line) {
     probes_.insert(std::upper_bound(probes_.begin(), probes_.end(), probe_s), probe_s);
   }
   if (kind != KindKey(PassKind::kFresh)) return;
+  const std::vector<double>& times = judged.launches[pass] = Times(line.at("fresh_s"));
   if (pass > launches_.others) return;
   for (const nlohmann::json& at : line.at("failed")) judged.changed.insert(at.get<std::size_t>());
-  const nlohmann::json& times = line.at("fresh_s");
   judged.quickest_s.resize(std::max(judged.quickest_s.size(), times.size()), std::numeric_limits<double>::infinity());
   for (std::size_t place = 0; place < times.size(); ++place) {
-    double& quickest_s = judged.quickest_s[place];
-    if (times[place].is_number()) quickest_s = std::min(quickest_s, times[place].get<double>());
+    judged.quickest_s[place] = std::min(judged.quickest_s[place], times[place]);
   }
+}
+
+bool Journal::IsOff(const Judgement& judged, int launch) const {
+  constexpr std::size_t kLeast = 3;
+  const auto own = judged.launches.find(launch);
+  if (own == judged.launches.end() || judged.launches.size() < kLeast) return false;
+  std::vector<double> levels;
+  for (std::size_t place = 0; place < own->second.size(); ++place) {
+    if (!std::isfinite(own->second[place])) continue;
+    std::vector<double> times;
+    for (const auto& [number, of_launch] : judged.launches) {
+      const bool is_there = number <= launches_.near && place < of_launch.size();
+      if (is_there && std::isfinite(of_launch[place])) times.push_back(of_launch[place]);
+    }
+    levels.push_back(own->second[place] / MedianOf(std::move(times)));
+  }
+  return !levels.empty() && std::abs(MedianOf(std::move(levels)) - 1) > kOff;
 }
 
 void Journal::Append(AppendOnlyFile* file, const std::vector<Json>& lines) {
@@ -263,6 +291,7 @@ void Journal::WriteTimed(const Task& task, PassKind kind, int launch, const Time
   WriteByTier(task, KindKey(kind), launch, [&](std::size_t k, Json* line) {
     (*line)["outcome"] = reply.outcome;
     (*line)["detail"] = reply.detail;
+    if (kind == PassKind::kFresh) (*line)["began_s"] = run.began_s;
     AddRetry(reply, nullptr, line);
     for (const TimeField& field : TimeFields()) {
       if (field.kind != kind) continue;

@@ -44,6 +44,7 @@ struct Judged {
 /// A timed pass, how often it was run again because the machine disturbed it, and whether it still did.
 struct TimedRun {
   TimedReply reply;
+  double began_s = 0;  ///< of the run that counts, since 1970
   int reruns = 0;
   bool disturbed = false;
 };
@@ -68,11 +69,19 @@ class Journal {
     std::set<std::size_t> unverified;   ///< of those that were attempted
     std::set<std::size_t> changed;      ///< not verified in one of the first launches (Launches::others)
     std::set<std::size_t> out_of_time;  ///< stopped, or killed, at the time limit; of a sequence 0 where that ended it
+    std::vector<double> first_s;        ///< what each took when it was judged; infinite where that is not known
     std::vector<double> quickest_s;     ///< the least time of each place in the first launches; infinite without one
-    bool completed = false;             ///< of a sequence
+    std::map<int, std::vector<double>> launches;  ///< by number: the time of each place, infinite without one
+    bool completed = false;                       ///< of a sequence
   };
   /// Null where the task was not judged, or is excluded.
   const Judgement* Find(const TaskKey& key) const;
+
+  /// A launch is off where its level, the median over the problems of its time over their median in all launches, is
+  /// farther than kOff from 1. False where it was not run, and with fewer than three launches. Repeated rounds do not
+  /// count.
+  bool IsOff(const Judgement& judged, int launch) const;
+  static constexpr double kOff = 0.1;
 
   /// The probe of the clock rate that one in ten so far went below; infinite before the first. The shortest of all
   /// says little: a processor may boost its clock for a moment.

@@ -173,6 +173,7 @@ constexpr FieldOf<Described> kProblem[] = {
     {"reference_status", [](const Described& of) { return Json(of.planned.entry->reference.status); }},
     {"counts", [](const Described& of) { return Json(IsInMeans(of.set, *of.planned.entry)); }},
     {"oracle_s", [](const Described& of) { return OrNull(of.oracle_s); }},
+    {"check_s", [](const Described& of) { return of.check_s ? RoundedNumber(*of.check_s) : Json(nullptr); }},
     {"floor", [](const Described& of) { return OrNull(of.floor); }},
 };
 

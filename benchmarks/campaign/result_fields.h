@@ -78,8 +78,9 @@ struct DescribedProblem {
   const std::string& set;
   const PlannedProblem& planned;
   const LcpProblem& problem;
-  std::optional<double> oracle_s;
-  std::optional<double> floor;
+  std::optional<double> oracle_s = {};
+  std::optional<double> check_s = {};
+  std::optional<double> floor = {};
 };
 std::span<const FieldOf<DescribedProblem>> ProblemFields();
 

@@ -27,4 +27,15 @@ TunedFile ReadTunedFile(const std::string& path) {
   return file;
 }
 
+std::map<std::string, std::vector<std::string>> ReadPortfolio(const std::string& path) {
+  const nlohmann::json json = ParseJsonObject(ReadTextFile(path), path);
+  const JsonField root(json, path);
+  root["schema"].Choice<bool>({{"lcpbench-portfolio/1", true}});
+  std::map<std::string, std::vector<std::string>> classes;
+  for (const auto& [size_class, keys] : root["classes"].Members()) {
+    for (const JsonField& key : keys.Items()) classes[size_class].push_back(key.String());
+  }
+  return classes;
+}
+
 }  // namespace lcpbench

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "benchmarks/campaign/campaign_plan.h"
 #include "solvers/registry.h"
@@ -15,7 +16,10 @@ struct TunedFile {
   std::map<std::string, std::map<Index, Settings>> chosen;
 };
 
-/// @throws InputError naming the file and the field, and what was expected
+/// @throws InputError naming the file and the field, and what was expected; here and below
 TunedFile ReadTunedFile(const std::string& path);
+
+/// By size class the peers to ask in turn (CampaignPlan::portfolio) that `report.py portfolio` has chosen.
+std::map<std::string, std::vector<std::string>> ReadPortfolio(const std::string& path);
 
 }  // namespace lcpbench

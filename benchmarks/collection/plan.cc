@@ -275,6 +275,9 @@ Tier WithFriction() {
     }
   }
   AddFrictionGrid({"disc-pile", "boxes-and-discs", "chain-of-links", "tall-stacks"}, {400}, {0.3}, &tier);
+  AddFrictionGrid({"boxes-and-discs", "chain-of-links", "disc-track", "rockers", "roller-bearing", "rounded-wall",
+                   "tall-stacks", "cam-follower"},
+                  {700}, {0.1, 0.6}, &tier);
   AddFrictionGrid({"disc-pile", "ovals-in-bowl"}, {1500}, {0.3}, &tier);
   Add({"slope-stacks", "pyramids", "card-house", "drum"}, {1000}, kUnchanged, &tier);
   Add({"slope-stacks", "pyramids", "voussoir-arch", "wedge-jam"}, {3000, 10'000}, kUnchanged, &tier);

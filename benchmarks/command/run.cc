@@ -49,6 +49,7 @@ CampaignPlan CampaignOf(const std::string& suite) {
     throw InputError("unknown suite '" + suite + "', expected one of " + CampaignNames() + ", or a manifest's path");
   }
   plan.sealed = SealedSet::Read(DataFile("sealed"));
+  plan.portfolio = ReadPortfolio(DataFile("portfolio"));
   return plan;
 }
 
@@ -103,7 +104,6 @@ struct RunCampaigns {
   std::string shard = "1/1";
   std::string tuned;
   std::string again;
-  bool ablations = false;
   bool list = false;
   CampaignOptions options;
   NamedSolvers named;
@@ -140,8 +140,6 @@ struct RunCampaigns {
         ->take_last()
         ->check(AtLeast(1));
     AddChange(app, "--most-rows", &CampaignPlan::most_rows, "No larger problems")->check(AtLeast(1));
-    app.add_flag("--ablations", ablations,
-                 "Adds our solvers without their own check, and peers with one: for the ablation table");
     app.add_flag_callback(
         "--no-fills", [this] { changes.emplace_back([](CampaignPlan& plan) { plan.fills = false; }); },
         "Only the manifests' own problems, without further seeds");
@@ -170,7 +168,6 @@ struct RunCampaigns {
       _exit(kMisuse);
     });
     named.Register();
-    if (ablations) RegisterAblations();
     CampaignPlan plan = CampaignOf(suite);
     const std::vector<std::string> of_the_suite = plan.solvers;
     plan.filter = Both(plan.filter, filter);
@@ -186,7 +183,6 @@ struct RunCampaigns {
     if (!tuned.empty()) AddTunedVariants(tuned, !is_the_suites, &plan, &named.variants);
     if (options.folder.empty()) options.folder = "build/results/" + plan.name;
     options.solver_arguments = named.Words();
-    if (ablations) options.solver_arguments.emplace_back("--ablations");
     ParseShard();
     if (list) {
       for (const std::string& name : CampaignCells(plan, options)) std::cout << name << '\n';
@@ -222,24 +218,19 @@ struct RunCampaigns {
 };
 
 struct CampaignWorker {
-  bool ablations = false;
   std::string served;
   NamedSolvers named;
 
   void Declare(CLI::App& app) {
     app.group("");  // of no use to people
     named.Declare(app);
-    app.add_flag("--ablations", ablations);
     app.add_option("--serve", served, "Solver key: serves it, as a peer's worker does");
   }
 
   int Run() const {
     named.Register();
-    if (ablations) RegisterAblations();
     if (!served.empty()) return ServeSolver(served, {});
-    std::vector<std::string> solver_arguments = named.Words();
-    if (ablations) solver_arguments.emplace_back("--ablations");
-    return ServeTasks(solver_arguments);
+    return ServeTasks(named.Words());
   }
 };
 

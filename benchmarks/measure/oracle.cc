@@ -7,6 +7,9 @@
 #include <limits>
 #include <optional>
 
+#include "benchmarks/measure/quantile.h"
+#include "solvers/lcp/law.h"
+#include "solvers/lcp/residual.h"
 #include "support/array_index.h"
 #include "support/clock.h"
 #ifdef LCPBENCH_WITH_SUITESPARSE
@@ -65,7 +68,62 @@ std::optional<Factorization> Shortest(const ColumnMatrix& lower, Kind kind, cons
 }
 #endif
 
+bool Passes(const LcpProblem& problem, double tolerance, const Eigen::VectorXd& f) {
+  ResidualEstimate residual(problem);
+  return residual.Rho(f) <= tolerance && residual.Meets(tolerance, f);
+}
+
+// From factors by the arrays alone, unless a row's backward error is not small at once: of a small problem an
+// LcpProblem takes longer than the solve.
+bool Passes(const ProblemArrays& arrays, double tolerance, const Eigen::VectorXd& f, Eigen::VectorXd* velocity) {
+  const bool is_plain = arrays.friction.empty() && arrays.bounded.empty();
+  if (arrays.form != MatrixForm::kFactors || !is_plain) return Passes(LcpProblem::FromArrays(arrays), tolerance, f);
+  const auto columns = static_cast<Index>(arrays.inverse_mass.size());
+  const Eigen::Map<const SparseMatrix> J(arrays.rows, columns, arrays.row_start.back(), arrays.row_start.data(),
+                                         arrays.column.data(), arrays.value.data());
+  const Eigen::Map<const Eigen::VectorXd> inverse_mass(arrays.inverse_mass.data(), columns);
+  velocity->setZero(columns);
+  for (Index i = 0; i < arrays.rows; ++i) {
+    if (f[i] == 0) continue;
+    for (decltype(J)::InnerIterator it(J, i); it; ++it) (*velocity)[it.col()] += it.value() * f[i];
+  }
+  velocity->array() *= inverse_mass.array();
+  LawSums<double> sums(std::sqrt(tolerance));
+  for (Index i = 0; i < arrays.rows; ++i) {
+    double diagonal = 0;
+    double sum = 0;
+    for (decltype(J)::InnerIterator it(J, i); it; ++it) {
+      diagonal += inverse_mass[it.col()] * (it.value() * it.value());
+      sum += it.value() * (*velocity)[it.col()];
+    }
+    const double b = arrays.b[At(i)];
+    const bool is_joint = !arrays.bilateral.empty() && arrays.bilateral[At(i)] != 0;
+    // (|A| |f|)_i is at least that.
+    const double magnitude = std::max(std::abs(sum), diagonal * std::abs(f[i])) + std::abs(b);
+    sums.Add(diagonal, b, sum + b, f[i], is_joint, magnitude);
+  }
+  double rho = 0;
+  if (sums.Judge(tolerance, 0, &rho) == LawSums<double>::Known::kRight) return true;
+  return rho <= tolerance && Passes(LcpProblem::FromArrays(arrays), tolerance, f);
+}
+
 }  // namespace
+
+double TimeCheck(const LcpProblem& problem, const Eigen::VectorXd& f) {
+  constexpr double kTolerance = 1e-6;
+  constexpr int kRuns = 5;
+  const ProblemArrays arrays = ProblemArrays::Of(problem);
+  Eigen::VectorXd velocity;
+  Stopwatch watch;
+  std::vector<double> times;
+  for (int run = 0; run < kRuns; ++run) {
+    watch.Start();
+    const volatile bool passes = Passes(arrays, kTolerance, f, &velocity);
+    times.push_back(watch.Seconds());
+    static_cast<void>(passes);
+  }
+  return MedianOf(std::move(times));
+}
 
 Eigen::VectorXi BodySystem::Expand(const Eigen::VectorXi& order_of_bodies) const {
   Eigen::VectorXi order(lower.cols());

@@ -16,6 +16,10 @@ namespace lcpbench {
 /// O(what a sparse factorization costs).
 double TimeOracle(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w);
 
+/// What one check of an answer takes, by rho and backward error in double from the caller's arrays [s]: what whoever
+/// asks several solvers in turn pays after each. The median of a few runs.
+double TimeCheck(const LcpProblem& problem, const Eigen::VectorXd& f);
+
 /// What one ordering, analysis, factorization and solve takes, and how large the factor is.
 struct Factorization {
   double seconds = 0;

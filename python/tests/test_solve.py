@@ -137,7 +137,8 @@ def test_unknown_solvers_and_settings_name_what_is_known():
         lcpbench.solve(A, B, solver="newton")
     with pytest.raises(ValueError, match="omega.*relaxation"):
         lcpbench.solve(A, B, solver="pgs", omega=1.3)
-    assert lcpbench.solve(A, B, solver="pgs", relaxation=1.1, self_check=False).status == "solved"
+    assert lcpbench.solve(A, B, solver="pgs", relaxation=1.1).status == "solved"
+    assert lcpbench.solve(A, B, solver="apgd", restart=False).status == "solved"
     assert {"auto", "lemke", "pgs"} <= {entry.key for entry in lcpbench.available_solvers()}
 
 

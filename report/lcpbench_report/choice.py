@@ -9,11 +9,12 @@ cannot win by failing, and one failure in a hundred does not cost a fast one its
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import pandas as pd
 
 from .inputs import Inputs
-from .statistics.cells import NOT_RUN, VERIFIED
+from .statistics.cells import VERIFIED, ran
 from .statistics.groups import COUNTED, GROUP
 from .statistics.latency import ALL
 from .statistics.means import mean_time, shift_of
@@ -64,11 +65,13 @@ def table(inputs: Inputs, name: str, tier: float, counted: bool = True) -> pd.Da
     return found[chosen].drop(columns=[column for column in GROUP if column != "tier"])
 
 
+@lru_cache(maxsize=64)
 def best_own(inputs: Inputs, most: int = 12) -> list[str]:
     """The better setting of every method; the `most` best ones, in the order of the registry."""
     return _best(inputs, {key: method(inputs.entries[key]) for key in inputs.own}, most)
 
 
+@lru_cache(maxsize=64)
 def best_peers(inputs: Inputs, most: int = 12) -> list[str]:
     """The best solver of every library (and external ones) on the problems that all the library's solvers were given;
     where it is excluded from larger ones by its size limit, also the best of those that are not. The `most` best of
@@ -100,7 +103,7 @@ def _best_of(cells: pd.DataFrame, solvers: list[str]) -> list[str]:
         return solvers[:1]
     mine = cells[cells["solver"].isin(solvers)]
     # Sizes that a solver is not given at all; a single problem may be excluded for the time that a looser tier took.
-    absent = mine["verdict"].isin(NOT_RUN).groupby([mine["solver"], mine["size_class"]]).all()
+    absent = (~ran(mine)).groupby([mine["solver"], mine["size_class"]]).all()
     absent = absent[absent].reset_index()
     common = mine[~mine["size_class"].isin(absent["size_class"])]
     first = _ranked(common if len(common) else mine, solvers)[0]

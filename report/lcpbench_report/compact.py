@@ -1,7 +1,7 @@
 """Makes of a campaign's folder, of a study of motion, or of curves, one that is small enough to be kept with the source.
 
 campaign.json as it is; problems and steps of sequences with few digits; of streams a record per solver, size class and
-tier (statistics/records.py), which has every verdict, residual and median time, and quantiles and level of every launch;
+tier (statistics/records.py), which has every verdict, residual and time;
 CSV files as they are. All but campaign.json is compressed by xz.
 """
 
@@ -55,7 +55,7 @@ def compact(folder: Path, output: Path) -> dict[str, int]:
                 written[name] = _bytes(_rounded(line, *digits) for line in lines)
         if is_there(folder / STREAMS_FILE) or is_there(folder / records.FILE):
             written[records.FILE] = _bytes(sorted(records.lines(campaign, measured(campaign)), key=lambda line: (
-                line["size_class"], line["solver"], line["first"], -line["tier"])))
+                records.has_times(line), line["size_class"], line["solver"], line["first"], -line["tier"])))
     sizes = {}
     for name, content in written.items():
         path = packed(output / name)

@@ -4,11 +4,11 @@ import math
 
 import pandas as pd
 
-from . import formats
+from . import choice, formats
 from .inputs import Inputs
 from .sentences import lines
-from .statistics.cells import CHANGED, NOT_ASKED, VERIFIED
-from .statistics.launches import KEY, TOGETHER
+from .statistics.cells import CHANGED, EXCLUDED, NOT_ASKED, OUT_OF_TIME, VERIFIED
+from .statistics.launches import KEY, OFF, TOGETHER
 from .statistics.model import ORIGINS, TASK_BUDGET
 
 # A solver is called out as built for looser tiers when it verifies less than this part of what it does at the loosest.
@@ -37,20 +37,31 @@ def _noise(inputs: Inputs) -> dict:
     launches = launches[launches["launch"] != TOGETHER]
     spread = launches.groupby(KEY)["level"].agg(["std", "count"])
     changed = inputs.cells[(inputs.cells["excluded"] == "") & (inputs.cells["verdict"] == CHANGED)]
-    return {"spread": spread["std"] if len(launches) else None, "disturbed": _disturbed(launches), "changed": changed,
-            "single": float((spread["count"] < 2).mean()) if len(launches) else 0.0}
+    return {"noise": _launches(launches) if len(launches) else None, "rounds": _rounds(inputs, launches), "changed": changed,
+            "off": math.expm1(OFF), "single": float((spread["count"] < 2).mean()) if len(launches) else 0.0}
 
 
-def _disturbed(launches: pd.DataFrame) -> dict | None:
-    """How many launches the machine disturbed, and whether it shows in the times."""
-    if not launches["disturbed"].any():
+def _launches(launches: pd.DataFrame) -> dict:
+    """How far levels lie apart, each from the median of its solver, class and tier; and how many are flagged."""
+    by_key = launches.groupby(KEY)
+    away = (launches["level"] - by_key["level"].transform("median")).map(math.expm1)
+    flagged = launches["flagged"].astype(bool)
+    return {"count": len(launches), "least": away.min(), "most": away.max(), "spread": by_key["level"].std(),
+            "flagged": int(flagged.sum()), "alone": float(flagged.groupby([launches[key] for key in KEY]).all().mean())}
+
+
+def _rounds(inputs: Inputs, launches: pd.DataFrame) -> dict | None:
+    """How many were repeated, and how long they took, from the begin of the first launch to that of the last, at the main tier;
+    None where no launch says when it began."""
+    first = max(campaign.first_round for campaign in inputs.campaigns)
+    known = launches[launches["began_s"].notna() & (launches["launch"] >= first) & (launches["tier"] == choice.main_tier(inputs))]
+    if known.empty:
         return None
-    levels = launches.groupby([*KEY, "disturbed"])["level"]
-    medians = levels.median().unstack().reindex(columns=[False, True])
-    slower = float((medians[True] - medians[False]).dropna().median())
-    return {"count": int(launches["disturbed"].sum()), "launches": len(launches), "alone": float(medians[False].isna().mean()),
-            "slower": slower if math.isfinite(slower) else None, "change": abs(math.expm1(slower)),
-            "usual": float(levels.std().dropna().median())}
+    began = known.groupby(["size_class", "tier", "launch"])["began_s"].agg(["min", "max"])
+    usual = max(campaign.info.get("passes", 0) for campaign in inputs.campaigns)
+    lasted = began["max"] - began["min"]
+    return {"count": len(began), "repeated": int((began.index.get_level_values("launch") > usual).sum()),
+            "median_s": lasted.median(), "most_s": lasted.max()}
 
 
 def _counts(inputs: Inputs, cells: pd.DataFrame) -> dict[str, int]:
@@ -62,9 +73,9 @@ def _counts(inputs: Inputs, cells: pd.DataFrame) -> dict[str, int]:
 def _rules(inputs: Inputs) -> dict:
     """Limits of time, exclusions, budgets."""
     cells = inputs.cells
-    left_out = cells[~cells["excluded"].isin(("", TASK_BUDGET))]
+    left_out = cells[(cells["verdict"] == EXCLUDED) & (cells["excluded"] != TASK_BUDGET)]
     return {"limits": [(name, campaign.info["limits"]) for name, campaign in zip(inputs.names, inputs.campaigns)],
-            "ended": _counts(inputs, cells[(cells["excluded"] == "") & cells["claim"].isin(("time_limit", "killed"))]),
+            "ended": _counts(inputs, cells[cells["verdict"] == OUT_OF_TIME]),
             "excluded": [(rule, inputs.in_order(of["solver"]), len(of))
                          for rule, of in left_out.groupby("excluded", sort=False)],
             "unasked": _counts(inputs, cells[cells["verdict"] == NOT_ASKED]),

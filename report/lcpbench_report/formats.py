@@ -8,6 +8,7 @@ import numpy as np
 DASH = "–"
 _UNITS = (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9))
 _NARROW = "\u202f"  # no-break space before a unit
+_PERCENT = f"{_NARROW}%"
 
 
 def seconds(value: float) -> str:
@@ -54,7 +55,7 @@ def percent(value: float) -> str:
     if value is None or not math.isfinite(value):
         return DASH
     digits = 0 if value == 0 or value >= 0.00995 else 1 if value >= 0.00095 else 2
-    return f"{100 * value:.{digits}f}\u202f%"
+    return f"{100 * value:.{digits}f}{_PERCENT}"
 
 
 def share_of(value: float) -> str:
@@ -77,6 +78,16 @@ def with_interval(value: float, low: float, high: float) -> str:
     if math.isnan(value):
         return DASH
     return times(value) + ("" if math.isnan(low) else f" ({times(low)}–{times(high)})")
+
+
+def signed_percent(value: float) -> str:
+    """+12 %"""
+    return f"{value:+.0%}".replace("%", _PERCENT)
+
+
+def share_interval(value: float, low: float, high: float) -> str:
+    """12 % (9–15 %)"""
+    return percent(value) + ("" if math.isnan(low) else f" ({percent(low).removesuffix(_PERCENT)}–{percent(high)})")
 
 
 def size_class(key: str) -> str:

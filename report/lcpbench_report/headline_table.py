@@ -14,7 +14,7 @@ import pandas as pd
 from . import choice
 from .inputs import Inputs
 from .statistics.class_times import ALL, RATIO
-from .statistics.rivals import FASTEST, PORTFOLIO, pareto_front
+from .statistics.rivals import FASTER_SHARE, FASTEST, PORTFOLIO, pareto_front
 
 
 class Ratio(NamedTuple):
@@ -37,10 +37,16 @@ class Rival:
     own_share: float
     relation: str  # statistics.rivals.RELATIONS
     ratios: dict[str, Ratio]  # by origin group, and ALL
+    check_share: float  # of the portfolio's time
+    peer_faster: Ratio  # of FASTEST: the share of the problems on which it is faster than ours
 
     @property
     def ratio(self) -> Ratio:
         return self.ratios[ALL]
+
+    @property
+    def is_single(self) -> bool:
+        return self.key not in (PORTFOLIO, FASTEST)
 
 
 @dataclass(frozen=True)
@@ -53,6 +59,11 @@ class ClassRow:
     entries: dict[str, tuple]  # of every solver that was run on the class, see _entries
     peers: int = 0  # that had a turn
     rivals: dict[str, Rival] = field(default_factory=dict)  # the front, the fastest first; PORTFOLIO and FASTEST, where there are
+
+    @property
+    def single(self) -> Rival | None:
+        """The fastest single peer of the front."""
+        return next((of for of in self.rivals.values() if of.is_single), None)
 
 
 @dataclass(frozen=True)
@@ -75,6 +86,12 @@ def verdicts(found: Headline) -> tuple[list[ClassRow], list[ClassRow], list[Clas
     rows = [(row, row.rivals[found.rival].ratio) for row in found.classes if found.rival in row.rivals]
     return ([row for row, ratio in rows if ratio.low > 1], [row for row, ratio in rows if not (ratio.low > 1 or ratio.high < 1)],
             [row for row, ratio in rows if ratio.high < 1])
+
+
+def not_won(found: Headline) -> list[tuple[ClassRow, list[Rival]]]:
+    """Size classes, and the rivals among the fastest single peer and the portfolio over which our win is not sure there."""
+    rows = [(row, [of for of in (row.single, row.rivals.get(PORTFOLIO)) if of and not of.ratio.high < 1]) for row in found.classes]
+    return [(row, rivals) for row, rivals in rows if rivals]
 
 
 @lru_cache(maxsize=2)
@@ -112,7 +129,8 @@ def _row(size_class: str, times: pd.DataFrame, rivals: pd.DataFrame, cells: pd.D
     for of in rivals.to_dict("records"):
         if of["origin"] == ALL:
             found[of["rival"]] = Rival(of["rival"], of["front"], of["launches"], of["rival_s"], of["rival_share"],
-                                       of["own_share"], of["relation"], {})
+                                       of["own_share"], of["relation"], {}, of["check_share"],
+                                       Ratio(*(of[name] for name in FASTER_SHARE)))
         found[of["rival"]].ratios[of["origin"]] = Ratio(*(of[name] for name in RATIO))
     largest = max(entries.values(), key=lambda entry: entry.problems)
     return ClassRow(size_class, cells["problem"].nunique(), largest.n_eff, entries,

@@ -69,6 +69,11 @@ class Inputs:
         return [key for key in self.keys if is_own(self.entries[key])]
 
     @cached_property
+    def portfolio(self) -> dict[str, list[str]]:
+        """Of the first campaign that has one."""
+        return next((campaign.portfolio for campaign in self.campaigns if campaign.portfolio), {})
+
+    @cached_property
     def peers(self) -> list[str]:
         return [key for key in self.keys if key not in self.own]
 
@@ -116,7 +121,7 @@ class Inputs:
     @cached_property
     def analysis(self) -> tables.Tables:
         """The tables of statistics.tables (RESULTS.md), by name; those of cells over all folders together."""
-        makers = tables.makers_of(self.measured, self.solvers, self.ours) if len(self.cells) else {}
+        makers = tables.makers_of(self.measured, self.solvers, self.ours, self.portfolio) if len(self.cells) else {}
         for campaign in self.campaigns:
             if campaign.passes:  # of one at most
                 makers |= {name: partial(table, campaign) for name, table in tables.STEP_TABLES.items()}
@@ -153,5 +158,8 @@ def _by_friction(motion: pd.DataFrame) -> tuple[pd.DataFrame | None, pd.DataFram
 
 def _joined(parts: list[Measured]) -> Measured:
     """Without empty parts, whose columns have no type."""
+    times: dict[tuple, list[pd.DataFrame]] = {}
+    for key, of in (item for part in parts for item in part.rounds.items()):
+        times.setdefault(key, []).append(of)
     return Measured(*(pd.concat([one for one in tables_ if len(one)] or list(tables_[:1]), ignore_index=True)
-                      for tables_ in zip(*parts)))
+                      for tables_ in zip(*(part[:2] for part in parts))), {key: pd.concat(of) for key, of in times.items()})

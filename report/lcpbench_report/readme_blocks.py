@@ -15,7 +15,7 @@ from pathlib import Path
 
 from . import formats, markdown, peers, shown_tables, summary
 from .errors import ReportError
-from .headline_table import Headline
+from .headline_table import Headline, not_won
 from .inputs import Inputs
 from .sentences import say
 from .statistics.rivals import PORTFOLIO
@@ -65,12 +65,12 @@ def fill(text: str, page: Page) -> str:
 
 
 def _headline(page: Page) -> str:
-    """What README shows: caption, where we win, figure, where we lose, and a row per instruction set."""
-    table, flags = shown_tables.outcomes(page.found), shown_tables.single_peers(page.inputs, page.found)
+    """What README shows: caption, a row per size class, where we do not surely win, figure, and a row per instruction set."""
+    table, flags = shown_tables.short(page.found), shown_tables.short_equal_flags(page.inputs)
+    words = say("not_won", rows=not_won(page.found)) if table else summary.peers(page.found)
     return "\n".join([say("short_caption", inputs=page.inputs, found=page.found), "", *([table.markdown()] if table else []),
-                      f"![{_ALT}]({page.link(FIGURE)})", "",
-                      summary.losses(page.found) if table else summary.peers(page.found),
-                      *(["", say("single_words"), "", flags.markdown()] if flags else [])])
+                      words, "", f"![{_ALT}]({page.link(FIGURE)})",
+                      *(["", say("short_flag_words"), "", flags.markdown()] if flags else [])])
 
 
 def _tuning(page: Page) -> str:
@@ -116,6 +116,7 @@ BLOCKS: dict[str, Callable[[Page], str]] = {
     "headline": _headline,
     # The conventions, the table by size class, false successes, and the table of all solvers.
     "headline-details": lambda page: markdown.full_headline(page.inputs, page.found),
+    "sealed": lambda page: shown_tables.sealed_apart(page.inputs),
     "streams": lambda page: say("streams", classes={of["stream"]: of["most"] for of in page.info["size_classes"] if of["stream"]}),
     "limits": lambda page: say("limits", rules=Counter((of["reason"], of["largest"]) for of in page.info.get("size_limits", []))),
     "manifests": lambda page: formats.words([f"`{of['name']}` {of['version']}" for of in page.info.get("manifests", [])]),

@@ -35,7 +35,8 @@ def solvers(keys, most: int = 6) -> str:
 ENVIRONMENT = Environment(loader=FileSystemLoader(Path(__file__).resolve().parent), undefined=StrictUndefined,
                           autoescape=lambda name: name.endswith(".html.j2"), trim_blocks=True, lstrip_blocks=True)
 ENVIRONMENT.filters |= {of.__name__: of for of in (
-    formats.power, formats.seconds, formats.share_of, formats.percent, formats.residual, formats.ratio, formats.times,
+    formats.power, formats.seconds, formats.share_of, formats.percent, formats.signed_percent,
+    formats.residual, formats.ratio, formats.times,
     formats.size_class, formats.plural, formats.words, rows_of, told, few, solvers, code, html, markdown)}
 ENVIRONMENT.filters["interval"] = lambda of: formats.with_interval(*of)
 ENVIRONMENT.filters["split"] = str.split

@@ -9,19 +9,23 @@ import pandas as pd
 
 from . import choice, formats, peers, solver_facts
 from .formats import DASH, power, residual, seconds, share_of, size_class, times, with_interval
-from .headline_table import Headline, headline, verdicts
+from .headline_table import Headline, headline
 from .inputs import PATHOLOGICAL, Inputs
-from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_ASKED, VERIFIED, within_rounding
+from .sentences import say
+from .statistics.cells import (BELOW_TIER, CAUSES, CLOSE, ETA, EXCLUDED, FAR, NOT_ASKED, OUT_OF_TIME, SHIFTED, VERIFIED,
+                               within_rounding)
 from .statistics.class_times import ALL, RATIO
 from .statistics.friction import refusers
 from .statistics.model import ERROR_PARTS, ORIGINS
-from .statistics.rivals import FASTEST, FLAGS, PORTFOLIO
-from .statistics.weighted import weighted_median, weighted_share
+from .statistics.rivals import FASTEST, FLAGS, OPEN, PORTFOLIO, SEALED
 from .studies import DRIVER
 from .table import Table
 from .table import code as key
 
 NOT_ASKED_MARK = "○"
+# Counts of the tables of coverage and friction -> marks.
+_FALSE = {f"false_{cause}": mark for cause, mark in ((FAR, "✗"), (CLOSE, "≈"), (ETA, "η"), (SHIFTED, "↕"))}
+_MARKS = _FALSE | {"below_tier": "↓", "below_floor": "⌊", "out_of_time": "⧖", "not_asked": NOT_ASKED_MARK}
 _MOST_SOLVERS = 25  # of the table of sequences
 
 
@@ -54,11 +58,13 @@ def classes(found: Headline) -> Table:
 
 def front(found: Headline) -> Table | None:
     """A row per size class and peer of its Pareto front, and the portfolio."""
-    rows = [[size_class(row.size_class), key(of.key) + " (not on the front)" * (not of.front), seconds(of.time_s), share_of(of.share),
-             share_of(of.own_share), _sample(row.entries[of.key].problems, row.entries[of.key].n_eff), of.launches,
-             with_interval(*of.ratio), of.relation]
+    rows = [[size_class(row.size_class), key(of.key), seconds(of.time_s), share_of(of.share),
+             share_of(of.own_share), _sample(row.problems, row.n_eff) if of.key not in row.entries else
+             _sample(row.entries[of.key].problems, row.entries[of.key].n_eff), of.launches,
+             formats.percent(of.check_share), with_interval(*of.ratio), of.relation]
             for row in found.classes for of in row.rivals.values() if of.key != FASTEST]
-    return _table(["rows", "peer", "time", "right", "ours right", "problems", "launches", "ours / it", "it is"], rows, "llrrrrrrl")
+    return _table(["rows", "peer", "time", "right", "ours right", "problems", "launches", "checks", "ours / it", "it is"], rows,
+                  "llrrrrrrrl")
 
 
 def equal_flags(inputs: Inputs) -> Table | None:
@@ -76,9 +82,8 @@ def equal_flags(inputs: Inputs) -> Table | None:
     return Table(["compiled for", "ours / peer", *map(size_class, sizes)], rows, "ll" + "r" * len(sizes))
 
 
-def single_peers(inputs: Inputs, found: Headline) -> Table | None:
-    """The front page's: ours over the fastest single peer on the front of a class, by name; and a row per instruction set,
-    ours over the faster of the codes that are compiled for no less."""
+def short_equal_flags(inputs: Inputs) -> Table | None:
+    """The front page's: a row per instruction set, ours over the faster of the codes that are compiled for no less."""
     table = choice.table(inputs, "equal_flags", choice.main_tier(inputs))
     if table.empty:
         return None
@@ -86,27 +91,22 @@ def single_peers(inputs: Inputs, found: Headline) -> Table | None:
     most = table[table["rival"] != PORTFOLIO].groupby(["flags", "size_class"])["ratio"].max()
     rows = [[flags, *(times(most[flags, one]) if (flags, one) in most.index else DASH for one in sizes)]
             for flags in FLAGS if flags in most.index.get_level_values(0)]
-    fronts = {row.size_class: [of for of in row.rivals.values() if of.front and of.key not in (PORTFOLIO, FASTEST)]
-              for row in found.classes}
-    fastest = [max(fronts.get(one, ()), key=lambda of: of.ratio.median, default=None) for one in sizes]
-    rows = [["the machine's, peers as they come", *(times(of.ratio.median) if of else DASH for of in fastest)],
-            ["that peer", *(key(of.key) if of else "the portfolio is faster" for of in fastest)], *rows]
-    return Table(["ours compiled for", *map(size_class, sizes)], rows, "l" + "r" * len(sizes))
+    return _table(["ours compiled for", *map(size_class, sizes)], rows, "l" + "r" * len(sizes))
 
 
-def outcomes(found: Headline) -> Table | None:
-    """The front page's: a row where we lose, one where nothing is decided, and one where we win, over size classes."""
-    rows, shown = [], [key for key in _RIVALS if any(key in row.rivals for row in found.classes)]
-    for words, classes_ in zip(("slower", "undecided", "faster"), verdicts(found)):
-        if classes_:
-            ratios = {key: [row.rivals[key].ratio if key in row.rivals else (math.nan,) * 3 for row in classes_]
-                      for key in shown}
-            rows.append([words, ", ".join(size_class(row.size_class) for row in classes_),
-                         ", ".join(seconds(row.entries[found.own].time_s) for row in classes_),
-                         *(", ".join(with_interval(*of) if key == found.rival else times(of[0]) for of in of_key)
-                           for key, of_key in ratios.items())])
-    return _table(["ours is", "rows", f"median time of {key(found.own)}", *(f"ours / {_RIVALS[key]}" for key in shown)],
-                  rows, "lll" + "l" * len(shown))
+def short(found: Headline) -> Table | None:
+    """The front page's: a row per size class, ours against the fastest single peer of the front and the portfolio."""
+    rows = []
+    for row in found.classes:
+        own, single, portfolio, fastest = row.entries.get(found.own), row.single, *map(row.rivals.get, (PORTFOLIO, FASTEST))
+        if own and row.rivals:
+            rows.append([size_class(row.size_class), seconds(own.time_s),
+                         *((f"{key(single.key)} ({seconds(single.time_s)})", with_interval(*single.ratio), share_of(single.share))
+                           if single else (DASH,) * 3),
+                         *((with_interval(*portfolio.ratio), share_of(portfolio.share)) if portfolio else (DASH,) * 2),
+                         formats.share_interval(*fastest.peer_faster) if fastest else DASH])
+    return _table(["rows", key(found.own), "fastest single peer", "ours / it", "it is right", "ours / portfolio", "it is right",
+                   "a peer is faster on"], rows, "lrlrrrrr")
 
 
 def by_solver(found: Headline) -> Table:
@@ -189,17 +189,18 @@ def within_deadlines(inputs: Inputs) -> Table | None:
 def coverage(inputs: Inputs) -> Table | None:
     """Share verified of all solvers at the shown tiers, and wrong claims: a row per solver, a column per tier."""
     def words(of: pd.Series) -> str:
-        marks = {"false_successes": "✗", "below_tier": "↓", "below_floor": "⌊"}
-        wrong = [f"{mark} {int(of[column])}" for column, mark in marks.items() if of[column]]
-        unasked = [f"{NOT_ASKED_MARK} {int(of['not_asked'])}"] * bool(of["not_asked"])
         share = [share_of(of["verified_share"])] if of["not_asked"] < of["problems"] else []
-        return " · ".join(share + wrong + unasked)
+        return " · ".join(share + _marked(of, _MARKS))
 
     found = {tier: choice.table(inputs, "coverage", tier).set_index("solver") for tier in choice.shown_tiers(inputs)}
     found = {tier: table for tier, table in found.items() if len(table)}
     return _table(["solver", *(f"tier {power(tier)}" for tier in found)],
                   [[key(solver), *(words(table.loc[solver]) if solver in table.index else DASH for table in found.values())]
                    for solver in inputs.in_order(solver for table in found.values() for solver in table.index)])
+
+
+def _marked(counts: pd.Series, marks: dict[str, str]) -> list[str]:
+    return [f"{mark} {int(counts[name])}" for name, mark in marks.items() if counts[name]]
 
 
 def league(inputs: Inputs) -> Table | None:
@@ -209,9 +210,11 @@ def league(inputs: Inputs) -> Table | None:
         return None
     found = covered.set_index("solver").join(means.set_index("solver")[["mean", "over_best"]]).join(
         errors.set_index("solver")[["rho_median", "w_error_p99"]]).sort_values("mean")
-    return Table(["solver", "right", "false", "below the tier", "mean time", "over the best", "median ρ", "99 % of errors of w"],
-                 [[key(solver), share_of(of["verified_share"]) if of["attempted"] else DASH, int(of["false_successes"]),
-                   int(of["below_tier"]), seconds(of["mean"]), times(of["over_best"]), residual(of["rho_median"]), residual(of["w_error_p99"])]
+    return Table(["solver", "right", "false", "below the tier", "out of time", "mean time", "over the best", "median ρ",
+                  "99 % of errors of w"],
+                 [[key(solver), share_of(of["verified_share"]) if of["attempted"] else DASH, " · ".join(_marked(of, _FALSE)) or 0,
+                   int(of["below_tier"]), int(of["out_of_time"]), seconds(of["mean"]), times(of["over_best"]),
+                   residual(of["rho_median"]), residual(of["w_error_p99"])]
                   for solver, of in found.iterrows()])
 
 
@@ -230,8 +233,8 @@ def robustness(inputs: Inputs) -> Table | None:
     cells = pathological(inputs)
     counts = {"verified": cells["verdict"] == VERIFIED, "proved infeasible": cells["proved_infeasible"].astype(bool),
               "infeasible within rounding": within_rounding(cells),
-              "false successes": cells["verdict"] == FALSE_SUCCESS, "below the tier": cells["verdict"] == BELOW_TIER,
-              "excluded": cells["excluded"] != "", NOT_ASKED: cells["verdict"] == NOT_ASKED}
+              **{f"false: {cause}": cells["cause"] == cause for cause in CAUSES}, "below the tier": cells["verdict"] == BELOW_TIER,
+              **{of: cells["verdict"] == of for of in (OUT_OF_TIME, EXCLUDED)}, NOT_ASKED: cells["verdict"] == NOT_ASKED}
     return _table(["solver", *counts], [
         [key(solver), *(int(holds[cells["solver"] == solver].sum()) for holds in counts.values())]
         for solver in inputs.in_order(cells["solver"])])
@@ -251,29 +254,29 @@ def origins(inputs: Inputs) -> Table | None:
 def sealed(inputs: Inputs) -> Table | None:
     """A row per size class, at the main tier: the share right and the median time over that of the fastest right peer of
     each problem, of open problems and of those of sealed families and engines (campaign.json)."""
-    names = {name for campaign in inputs.campaigns for name in campaign.info.get("sealed", [])}
-    cells = choice.main_cells(inputs)
-    if not names or cells.empty:
-        return None
-    own = cells[(cells["solver"] == inputs.ours) & (cells["verdict"] != NOT_ASKED)].set_index("problem")
-    is_sealed = own["family"].str.split(" ").str[0].isin(names)
-    if not is_sealed.any():
-        return None
-    others = cells[cells["solver"].isin(inputs.peers) & (cells["verdict"] == VERIFIED)].groupby("problem")["time_s"].min()
-    ratio = own["time_s"].div(others).reindex(own.index)
+    def words(of: pd.Series | None) -> list:
+        return [0, DASH, DASH] if of is None else [int(of["problems"]), share_of(of["own_share"]), with_interval(*of[RATIO])]
 
-    def words(which: pd.Series) -> list:
-        part, known = own[which], ratio[which].dropna()
-        if part.empty:
-            return [0, DASH, DASH]
-        median = weighted_median(known, part.loc[known.index, "weight"]) if len(known) else math.nan
-        return [len(part), share_of(weighted_share(part["verdict"] == VERIFIED, part["weight"])),
-                times(median) if math.isfinite(median) else DASH]
-
-    rows = [[size_class(one), *words(~is_sealed & (own["size_class"] == one)), *words(is_sealed & (own["size_class"] == one))]
-            for one in choice.size_classes(inputs, own)]
     columns = ["problems", "right", "ours / fastest right peer"]
-    return _table(["rows", *(f"open: {name}" for name in columns), *(f"sealed: {name}" for name in columns)], rows, "lrrrrrr")
+    return _table(["rows", *(f"open: {name}" for name in columns), *(f"sealed: {name}" for name in columns)],
+                  [[size_class(one), *words(parts.get(OPEN)), *words(parts.get(SEALED))]
+                   for one, parts in _sealed(inputs).items()], "lrrrrrr")
+
+
+def sealed_apart(inputs: Inputs) -> str:
+    """In which size classes intervals of sealed and open problems do not overlap; "" without sealed problems."""
+    found = {one: [of[RATIO].tolist() for of in parts.values()] for one, parts in _sealed(inputs).items() if len(parts) == 2}
+    return say("sealed_apart", compared=len(found), apart=[one for one, (first, second) in found.items()
+                                                           if first[2] < second[1] or second[2] < first[1]]) if found else ""
+
+
+def _sealed(inputs: Inputs) -> dict[str, dict[str, pd.Series]]:
+    """Size class -> OPEN, SEALED -> row of the table `rivals`."""
+    found: dict[str, dict[str, pd.Series]] = {}
+    for _, of in choice.table(inputs, "rivals", choice.main_tier(inputs)).iterrows():
+        if of["origin"] in (OPEN, SEALED) and of["problems"]:
+            found.setdefault(of["size_class"], {})[of["origin"]] = of
+    return found
 
 
 def literature(inputs: Inputs) -> Table | None:
@@ -346,8 +349,8 @@ def friction(inputs: Inputs) -> Table | None:
     rows = []
     for (of_set, solver), own in found.groupby(["set", "solver"], sort=False):
         by = own.set_index("tier")
-        words = [" · ".join([share_of(of["right_share"]), *[f"✗ {int(of['false_successes'] + of['false_infeasible'])}"]
-                             * bool(of["false_successes"] + of["false_infeasible"])]) if of["solvable"] else DASH
+        by["false_far"] += by["false_infeasible"]
+        words = [" · ".join([share_of(of["right_share"]), *_marked(of, _FALSE)]) if of["solvable"] else DASH
                  for of in map(by.loc.__getitem__, tiers)]
         main = by.loc[choice.nearest(tiers)]
         rows.append([*of_sets(of_set), key(solver), peers.law(solver) or DASH, f"{int(main['taken'])} of {int(main['problems'])}", *words,

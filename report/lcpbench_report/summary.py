@@ -7,7 +7,7 @@ from .choice import main_tier
 from .headline_table import Headline, headline, verdicts
 from .inputs import Inputs
 from .sentences import say, told
-from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, NOT_RUN, VERIFIED, within_rounding
+from .statistics.cells import BELOW_TIER, FAR, FALSE_SUCCESS, VERIFIED, ran, within_rounding
 from .statistics.class_times import RATIO
 from .statistics.model import ORIGINS
 from .statistics.rivals import DOMINATED, DOMINATES, FASTER, FASTEST, PORTFOLIO
@@ -47,14 +47,15 @@ def _coverage(inputs: Inputs) -> str:
 
 
 def false_successes(inputs: Inputs) -> str:
-    """Two figures: what claims to have solved what it was asked for, and what was never asked."""
-    ran = inputs.cells[~inputs.cells["verdict"].isin(NOT_RUN)]
-    own, asked = ran["solver"].isin(inputs.own), ran["asked"].astype(bool)
-    false = ran["verdict"] == FALSE_SUCCESS
+    """Two figures: what claims to have solved what it was asked for, and is far from it, and what was never asked."""
+    tried = inputs.cells[ran(inputs.cells)]
+    own, asked = tried["solver"].isin(inputs.own), tried["asked"].astype(bool)
+    false = tried["cause"] == FAR
     return say("false_successes", own=((false & own).sum(), own.sum()), unasked=(~asked).sum(),
                peers=((false & ~own).sum(), (asked & ~own).sum()) if inputs.peers else None,
-               worst=list(ran[false & ~own]["solver"].value_counts().items())[:3],
-               below=(ran["verdict"] == BELOW_TIER).sum())
+               others=((tried["verdict"] == FALSE_SUCCESS) & ~false).sum(),
+               worst=list(tried[false & ~own]["solver"].value_counts().items())[:3],
+               below=(tried["verdict"] == BELOW_TIER).sum())
 
 
 def _fastest(inputs: Inputs) -> str:
@@ -141,7 +142,7 @@ def _robustness(inputs: Inputs) -> str:
         return ""
     verified = (cells["verdict"] == VERIFIED) | cells["proved_infeasible"].astype(bool) | within_rounding(cells)
     right = cells[verified]["solver"].value_counts()
-    false = cells[cells["verdict"] == FALSE_SUCCESS]["solver"].value_counts()
+    false = cells[cells["cause"] == FAR]["solver"].value_counts()
     ranked = sorted(inputs.keys, key=lambda solver: (-right.get(solver, 0), false.get(solver, 0)))[:3]
     return say("robustness", cells=cells, tier=main_tier(inputs), right=right, ranked=ranked, liars=len(false))
 

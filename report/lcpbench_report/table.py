@@ -15,7 +15,8 @@ _LATEX = _POWERS | str.maketrans({
     "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
     "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}", ">": r"\textgreater{}", "–": "--",
     "µ": r"\textmu{}", "\u202f": r"\,", "·": r"\textperiodcentered{}", "✗": r"\texttimes{}", "×": r"\texttimes{}",
-    "↓": r"\textdownarrow{}", "⌊": r"$\lfloor$", "∞": r"$\infty$", "ρ": r"$\rho$", "…": r"\dots{}"})
+    "↓": r"\textdownarrow{}", "⌊": r"$\lfloor$", "≈": r"$\approx$",
+    "η": r"$\eta$", "↕": r"$\updownarrow$", "⧖": r"$\bowtie$", "∞": r"$\infty$", "ρ": r"$\rho$", "…": r"\dots{}"})
 
 
 @dataclass(frozen=True)

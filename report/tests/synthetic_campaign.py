@@ -22,6 +22,7 @@ COPIES = 4  # problems of one family and size
 ORACLE_PER_ROW = 1e-7  # [s]
 EXPONENT = 1.5  # of the time over the rows
 TIME_LIMIT = 10.0
+BEGAN = 1.7e9  # the first round, seconds since 1970
 FIRST, AGAIN = 3.0, 0.5  # times of the solve that is judged, and of another b, over the fresh one
 PARTS = {"problem_s": 0.25, "prepare_s": 0.5, "convert_s": 0.0, "solve_s": 0.25}  # of the fresh time
 
@@ -56,9 +57,9 @@ def median_times(rng, factors: dict[str, float], problems: int = 100, noise: Noi
                         columns=list(factors))
 
 
-def launches_of(levels, solver: str = "a", disturbed=()) -> pd.DataFrame:
+def launches_of(levels, solver: str = "a", flagged=()) -> pd.DataFrame:
     return pd.DataFrame([{"solver": solver, "size_class": "7-12", "tier": 1e-6, "launch": k + 1, "level": level,
-                          "disturbed": k in disturbed} for k, level in enumerate(levels)], columns=COLUMNS)
+                          "flagged": k in flagged} for k, level in enumerate(levels)], columns=COLUMNS)
 
 
 def cells_of(times: pd.DataFrame, tier: float = 1e-6, **columns) -> pd.DataFrame:
@@ -71,16 +72,17 @@ def cells_of(times: pd.DataFrame, tier: float = 1e-6, **columns) -> pd.DataFrame
         "set": "main", "counts": True, "tier": tier, "base": cells["problem"].astype(str), "weight": 1.0,
         "origin": "placed", "fill": False, "family": "piles", "rows": 10, "size_class": "7-12", "reference": "certified",
         "asked": True, "fresh_s": known, "first_s": known, "again_s": known, **dict.fromkeys(PARTS, np.nan),
-        "time_limit_s": TIME_LIMIT, "oracle_s": 1e-3, "oracle_ratio": time / 1e-3, "excluded": "", "passes": solved,
+        "time_limit_s": TIME_LIMIT, "check_s": 0.0, "sealed": False, "oracle_s": 1e-3, "oracle_ratio": time / 1e-3, "excluded": "", "passes": solved,
         "at_floor": False, "below_floor": False, "false_success": False, "false_infeasible": False, "rho": tier / 2,
-        "verdict": np.where(solved, "verified", "failed:time_limit"),
+        "verdict": np.where(solved, "verified", "out of time"), "cause": "", "late": False,
         "claim": np.where(solved, "solved", "time_limit")} | columns)
 
 
 def write_campaign(folder: Path, factors: dict[str, float], seed: int = 1, tiers=TIERS, noise: Noise | None = None,
                    copies: int = COPIES, change: Callable[[dict], dict] = lambda record: record, run: int = 0,
                    solvers: dict[str, dict] | None = None, peers: Collection[str] = (),
-                   change_problem: Callable[[dict], dict] = lambda record: record, info: dict | None = None) -> Path:
+                   change_problem: Callable[[dict], dict] = lambda record: record, info: dict | None = None,
+                   rounds: bool = False) -> Path:
     """Fills `folder` and returns it. Besides `copies` problems for every family and size there is an engine's problem,
     which does not count.
 
@@ -91,6 +93,7 @@ def write_campaign(folder: Path, factors: dict[str, float], seed: int = 1, tiers
     @param peers    solvers of other projects
     @param change_problem  what becomes of a problem's record
     @param info  what campaign.json has besides
+    @param rounds  whether launches tell when they began
     """
     noise = noise or Noise()
     folder.mkdir(parents=True, exist_ok=True)
@@ -112,7 +115,7 @@ def write_campaign(folder: Path, factors: dict[str, float], seed: int = 1, tiers
                 median *= 1 - np.log10(tier)
                 cells.append(change(_cell(problem["problem"], solver, tier, times_of_passes(rng, median, noise))))
     write_lines(folder / "problems.jsonl", problems)
-    write_lines(folder / "streams.jsonl", stream_lines(problems, cells))
+    write_lines(folder / "streams.jsonl", stream_lines(problems, cells, rounds))
     return folder
 
 
@@ -125,7 +128,7 @@ def campaign_info(tiers: list[float], seed: int, solvers: list[dict], passes: in
             "size_classes": [dict(zip(("key", "least", "most", "stream"), of)) for of in CLASSES], "solvers": solvers}
 
 
-def stream_lines(problems: list[dict], cells: list[dict]) -> list[dict]:
+def stream_lines(problems: list[dict], cells: list[dict], rounds: bool = False) -> list[dict]:
     """The lines of streams.jsonl. A task ends where a rule begins or ends to exclude the solver, and where a problem of
     the class has no cell; classes without a stream have tasks of single problems."""
     numbers = {key: itertools.count() for key, *_ in CLASSES}
@@ -142,10 +145,10 @@ def stream_lines(problems: list[dict], cells: list[dict]) -> list[dict]:
         for cell in run:
             if task and (not streams[size] or cell["excluded"] != task[-1]["excluded"]
                          or cell["number"] != task[-1]["number"] + 1):
-                lines += _task_lines(solver, size, tier, task)
+                lines += _task_lines(solver, size, tier, task, rounds)
                 task = []
             task.append(cell)
-        lines += _task_lines(solver, size, tier, task)
+        lines += _task_lines(solver, size, tier, task, rounds)
     return lines
 
 
@@ -174,7 +177,7 @@ def slower(record: dict, factor: float) -> dict:
                      "first_s": factor * record["first_s"]}
 
 
-def _task_lines(solver: str, size: str, tier: float, task: list[dict]) -> list[dict]:
+def _task_lines(solver: str, size: str, tier: float, task: list[dict], rounds: bool) -> list[dict]:
     common = {"solver": solver, "size_class": size, "tier": tier, "first": task[0]["number"], "count": len(task),
               "excluded": task[0]["excluded"], "environment": "0"}
     judge = common | {"kind": "judge", "pass": 0}
@@ -188,9 +191,8 @@ def _task_lines(solver: str, size: str, tier: float, task: list[dict]) -> list[d
     lines = [judge]
     for index in range(max(len(cell["fresh_s"]) for cell in task)):
         lines.append(common | {"kind": "fresh", "pass": index + 1, "fresh_s": [c["fresh_s"][index] for c in task],
-                               "failed": [],
-                               "disturbance": {"probe_s": 1e-3, "cpu_share": 1.0, "switches": 0, "reruns": 0,
-                                               "disturbed": any(index in c["disturbed"] for c in task)}})
+                               "failed": [], **({"began_s": BEGAN + 60 * index} if rounds else {}),
+                               "disturbance": {"probe_s": 1e-3, "cpu_share": 1.0, "switches": 0, "reruns": 0, "disturbed": False}})
     lines.append(common | {"kind": "parts", "pass": 1} | {
         key: [None if c["fresh_s"][0] is None else share * c["fresh_s"][0] for c in task]
         for key, share in PARTS.items()})
@@ -216,10 +218,10 @@ def _problem(name: str, chosen_set: str, family: str, rows: int) -> dict:
 
 
 def _cell(problem: str, solver: str, tier: float, times: list[float]) -> dict:
-    """What is known of one cell: the members of a judge line's arrays and of its exceptions, a time for every pass, and
-    which passes were disturbed."""
+    """What is known of one cell: the members of a judge line's arrays and of its exceptions, and a time for every
+    pass."""
     return {"problem": problem, "solver": solver, "tier": tier, "excluded": "", "claim": "solved",
             **{flag: flag == "passes" for flag in FLAGS}, "reason": "", "detail": "",
             "rho": tier / 3, "backward_error": tier / 2, "w_error": tier,
             "f_error": None, "best_tier": tier, "iterations": 7, "first_s": FIRST * times[0],
-            "factor_share": 0.5, "fresh_s": times, "disturbed": []}
+            "factor_share": 0.5, "fresh_s": times}

@@ -1,5 +1,8 @@
 """Campaigns that are kept: small, and read like any other."""
 
+import json
+import lzma
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +13,7 @@ from lcpbench_report.compact import compact
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.statistics import records
-from lcpbench_report.statistics.cells import CHANGED, cell_table
+from lcpbench_report.statistics.cells import CHANGED, cell_table, measured
 from lcpbench_report.statistics.load import load_campaign
 from .cases import SharedFolderCase, edit_lines, run
 from .synthetic_campaign import Noise, write_campaign
@@ -32,7 +35,7 @@ class Compact(SharedFolderCase):
         super().setUpClass()
         cls.campaign, cls.kept = cls.path / "campaign", cls.path / "kept"
         write_campaign(cls.campaign, MANY, copies=2, tiers=(1e-6, 1e-9), change=fail_some, change_problem=_of_engines, noise=Noise(level=0.02),
-                       peers=set(MANY) - set(OWN))
+                       peers=set(MANY) - set(OWN), rounds=True)
         first = iter([True])
         edit_lines(cls.campaign / "streams.jsonl", lambda line: line | (
             {"failed": [1]} if line["kind"] == "fresh" and line["solver"] == "auto" and next(first, False) else {}))
@@ -91,6 +94,23 @@ class Compact(SharedFolderCase):
         np.testing.assert_allclose(records._residuals(codes)[:7], values[:7], rtol=0.051)
         self.assertEqual(records._residuals(codes)[3], 33e-8)
         self.assertTrue(np.isnan(records._residuals(codes)[7]))
+
+    def test_times_of_launches_are_kept_to_half_a_step_and_refused_where_they_do_not_fit(self):
+        one, two = (measured(load_campaign(folder)).times for folder in (self.campaign, self.kept))
+        self.assertEqual(one.keys(), two.keys())
+        for key, times in one.items():
+            verified = two[key].notna().any(axis=1)
+            np.testing.assert_allclose(two[key][verified], times.loc[two[key].index][verified], rtol=_STEP)
+        self.assertTrue(any(times.notna().any(axis=None) for times in two.values()))
+        lines = lzma.decompress((self.kept / "records.jsonl.xz").read_bytes()).decode("utf-8").splitlines(keepends=True)
+        folder = self.path / "misfit"
+        shutil.copytree(self.kept, folder)
+        (folder / "records.jsonl.xz").unlink()
+        last = json.loads(lines[-1])
+        for wrong, words in ((json.dumps(last | {"fresh": last["fresh"][1:]}) + "\n", "characters"), (lines[-1] * 2, "one such line")):
+            (folder / "records.jsonl").write_text("".join(lines[:-1]) + wrong, encoding="utf-8")
+            with self.assertRaisesRegex(ReportError, words):
+                load_campaign(folder)
 
     def test_sequences_are_kept(self):
         folder = write_steps(self.path / "steps")

@@ -59,7 +59,7 @@ class Compare(FolderCase):
                  f"{row} verified | failed: iteration limit |", f"{CELLS - 1} are the same"),
                 (1, None, lambda record: fail(record, "solved"), "1 new false success", f"{row} verified | false success |"),
                 (1, fail, lambda record: fail(record, "solved"), "0 lost answers", "1 new false successes:"),
-                (1, None, lambda record: exclude(record, "out of time at 1e-3"), "| excluded: out of time at 1e-3 |"),
+                (1, None, lambda record: exclude(record, "out of time at 1e-3"), "| out of time: out of time at 1e-3 |"),
                 (0, fail, None, "1 verified now and not before:"),
                 (0, None, lambda record: exclude(record, "task budget"), "| old | `pgs` | 1 |"),
                 (0, fail, lambda record: fail(record, "time_limit"), f"{CELLS - 1} are the same")):

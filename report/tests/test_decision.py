@@ -1,15 +1,15 @@
 """Which backend the report names, and what its summary says."""
 
 import unittest
-from dataclasses import replace
 
 import pandas as pd
 
-from lcpbench_report import choice, fairness, summary
+from lcpbench_report import choice, fairness, shown_tables, summary
+from lcpbench_report.compact import compact
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
-from lcpbench_report.statistics.launches import TOGETHER
-from .cases import FolderCase, inputs_of
+from .cases import FolderCase, edit_lines, inputs_of
+from .synthetic_campaign import Noise as NoiseOf
 from .synthetic_campaign import cells_of, fail, only, write_campaign
 from .synthetic_report import whole_inputs, write_all
 from .synthetic_steps import STEPS
@@ -89,18 +89,27 @@ class WholeReport(unittest.TestCase):
         self.assertNotIn("Direct methods", found)
         self.assertIn("one interval from the caller's arrays", found["Fresh times"])
         self.assertNotIn("External programs of protocol 1", found)
-        self.assertNotIn("Disturbed launches", found)
 
-    def test_disturbed_launches_are_told_with_their_share_and_what_they_do(self):
-        launches = self.inputs.measured.launches
-        calm = launches["launch"] == TOGETHER
-        for first, shift, words in ((1, 0.7, "they took 10[0-9].% more in the median, and none of them counts"),
-                                    (1, 0.0, "it hardly matters"), (0, 0.0, "in 100.% of the pairs of solver and class[.]$")):
-            disturbed = ~calm & (launches["launch"] > first)
-            changed = launches.assign(disturbed=disturbed, level=launches["level"] + shift * disturbed)
-            text = dict(fairness.limitations(replace(self.inputs, measured=self.inputs.measured._replace(launches=changed))))["Disturbed launches"]
-            self.assertIn(f"({disturbed.sum()} of {(~calm).sum()})", text)
-            self.assertRegex(text, words)
+
+class Noise(FolderCase):
+    def test_levels_flags_and_rounds_are_told_from_the_records(self):
+        """The third launch of one solver takes 1.3 times as long; the fourth is the repetition; another solver begins 40 s later."""
+        def change(record):
+            first, second, third, fourth = record["fresh_s"]
+            return record | {"fresh_s": [first, second, third * (1.3 if record["solver"] == "auto" else 1), fourth]}
+
+        write_campaign(self.folder, {"auto": 1.0, "clp": 2.0}, tiers=(1e-6,), copies=10, change=change, noise=NoiseOf(0.001, passes=4),
+                       rounds=True, peers=("clp",), info={"passes": 3})
+        edit_lines(self.folder / "streams.jsonl", lambda line: line | (
+            {"began_s": line["began_s"] + 40} if line["kind"] == "fresh" and line["solver"] == "clp" else {}))
+        for folder in (self.folder, self.folder / "kept"):
+            if folder != self.folder:
+                compact(self.folder, folder)
+            text = dict(fairness.limitations(load_inputs([folder])))["Noise"].replace("\u202f", " ")
+            self.assertRegex(text, r"^40 launches have levels from [+-]0 % to \+30 % of the median")
+            self.assertIn("5 are flagged, being off by more than 10 %", text)
+            self.assertIn("5 of 20 rounds at the main tier are repetitions", text)
+            self.assertIn("took 40.0 s in the median and 40.0 s at most", text)
 
 
 class Parts(FolderCase):

@@ -4,13 +4,15 @@ import math
 import xml.etree.ElementTree
 from pathlib import Path
 
+import numpy as np
+
 from lcpbench_report import formats, markdown, shown_tables, summary
-from lcpbench_report.headline_table import headline, verdicts
+from lcpbench_report.headline_table import headline, not_won, verdicts
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.sentences import say
 from lcpbench_report.statistics.rivals import DOMINATES, FASTER, FASTEST, PORTFOLIO
 from .cases import SharedFolderCase, edit_info, inputs_of, run
-from .synthetic_campaign import exclude, fail, only, slower, write_campaign
+from .synthetic_campaign import TIME_LIMIT, exclude, fail, only, slower, write_campaign
 from .synthetic_report import ENVIRONMENT, FAILING, MANY, NEXT, OWN, write_problems, write_steps
 
 COLUMN = 2  # of problems with 31 to 100 rows
@@ -64,9 +66,12 @@ class Headline(SharedFolderCase):
         text = summary.peers(found)
         self.assertRegex(text, r"^Against the fastest peer of each problem we win at 7–12 rows")
         self.assertRegex(text, r"We lose to the fastest peer of each problem at 31–100 rows \(1\.[67]")
-        lost, won = shown_tables.outcomes(found).rows
-        self.assertEqual((lost[:2], won[0]), (["slower", "31–100"], "faster"))
-        self.assertRegex(lost[3], r"^1\.[67]")
+        rows = {row[0]: row for row in shown_tables.short(found).rows}
+        self.assertRegex(rows["31–100"][2], r"^`ode-lemke` \(\d")
+        self.assertRegex(rows["31–100"][3], r"^1\.[67]")
+        # On every problem a peer is faster, and where ours wins on none.
+        self.assertEqual([rows[of][-1][:3] for of in ("31–100", "7–12")], ["100", "0\u202f%"])
+        self.assertRegex(say("not_won", rows=not_won(found)), r"^At 31–100 rows `ode-lemke` is faster: 1\.[67]")
 
     def test_a_faster_peer_that_is_less_often_right_is_told_as_such(self):
         _, found = self.of(only(NEXT, "piles-50-1", fail))
@@ -84,9 +89,32 @@ class Headline(SharedFolderCase):
         text = shown_tables.classes(found).markdown()
         for column in ("ours / portfolio", "own scenes", "engines", "ours / fastest peer of each problem", "launches", "peers"):
             self.assertIn(f" {column} |", text)
-        self.assertIn("`peer-portfolio` (not on the front)", shown_tables.front(found).markdown())
+        self.assertIn("`peer-portfolio`", shown_tables.front(found).markdown())
+        self.assertEqual(not_won(found), [(row, [row.rivals["bullet-dantzig"]]) for row in found.classes])
         self.assertRegex(summary.peers(found), r"^Against the portfolio of peers we win at .*We lose to the portfolio of peers at no size; to the "
                          r"fastest peer of each problem at 7–12 rows")
+
+    def test_the_portfolio_is_made_of_the_records_of_its_codes(self):
+        """Half of the problems cost both turns; the codes have shares and times of their own beside it."""
+        def write(folder, change=lambda of: of):
+            return write_campaign(folder, {"auto": 1.0, "quick": 2.0, "sure": 4.0}, tiers=(1e-6,), peers=("quick", "sure"), rounds=True,
+                                  change=lambda of: change(only("quick", "piles", lambda of: fail(of) | {"first_s": 3e-4})(of)),
+                                  change_problem=lambda of: of | {"check_s": 1e-4},
+                                  info={"portfolio": {"31-100": ["quick", "sure"], "7-12": ["sure"]}})
+        inputs = inputs_of(write)
+        found = headline(inputs)
+        rows = {row.size_class: row for row in found.classes}
+        self.assertEqual([size for size, row in rows.items() if PORTFOLIO in row.rivals], ["7-12", "31-100"])
+        row, cells = rows["31-100"].rivals[PORTFOLIO], inputs.counted[inputs.counted["size_class"] == "31-100"]
+        times = cells.pivot(index="problem", columns="solver", values="time_s")
+        of = times["quick"].where(np.isfinite(times["quick"]), 3e-4 + 1e-4 + times["sure"]) + 1e-4
+        self.assertAlmostEqual(row.time_s, of.median(), places=9)
+        self.assertEqual((row.share, row.launches), (1, 5))
+        self.assertTrue(0 < row.ratio.low <= row.ratio.median <= row.ratio.high < 1)
+        self.assertGreater(row.check_share, 0.1)
+        self.assertRegex(shown_tables.short(found).rows[2][5], r"^0\.\d\d \(")
+        late = inputs_of(write, lambda of: of | {"first_s": 2 * TIME_LIMIT})
+        self.assertEqual(headline(late).classes[0].entries["auto"].share, 0)  # never in time
 
     def test_at_equal_flags_there_is_a_row_per_instruction_set_and_else_nothing_is_said(self):
         factors = {"auto": 1.0, "auto-baseline": 2.0, "auto-v3": 1.5, "ode-dantzig": 3.0, "ode-dantzig-native": 2.5}
@@ -116,7 +144,7 @@ class Headline(SharedFolderCase):
     def test_a_class_whose_interval_holds_1_is_undecided(self):
         _, found = self.of(only(NEXT, "", lambda record: slower(record, 1 / 0.6 * (
             1.1 if record["problem"].endswith("-1") else 1 / 1.1))))
-        self.assertIn("undecided", [row[0] for row in shown_tables.outcomes(found).rows])
+        self.assertIn("rows `ode-lemke` and ours are not told apart: 1.0", say("not_won", rows=not_won(found)))
         self.assertIn("Undecided, because the interval contains 1", summary.peers(found))
 
     def test_without_a_peer_the_report_says_how_to_get_one_and_not_that_none_is_right(self):
@@ -226,8 +254,8 @@ class Headline(SharedFolderCase):
         readme.write_text("<!-- numbers:headline -->\n<!-- end -->\n", encoding="utf-8")
         self.assertEqual(self.update(readme)[0], 0)
         short, details = readme.read_text(encoding="utf-8"), markdown.full_headline(self.inputs, self.found, "details")
-        self.assertIn(shown_tables.outcomes(self.found).markdown(), short)
-        self.assertIn(summary.losses(self.found) + "\n\n<!-- end -->", short)  # it ends with where we lose
+        table = shown_tables.short(self.found).markdown()
+        self.assertIn(table + "\n" + say("not_won", rows=not_won(self.found)) + "\n\n![", short)
         self.assertNotIn(by_class, short)
         # What we lose stands directly below the table.
         self.assertIn(by_class + "\n" + summary.peers(self.found), self.text)

@@ -1,13 +1,14 @@
 """What the tables say of problems of several origins."""
 
 import math
+import re
 import unittest
 
 import numpy as np
 import pandas as pd
 
 from lcpbench_report import summary
-from lcpbench_report.shown_tables import origins, sealed
+from lcpbench_report.shown_tables import origins, sealed, sealed_apart
 from lcpbench_report.statistics.origins import LARGEST_LOSS, origin_table, rank_table
 from .cases import inputs_of
 from .synthetic_campaign import cells_of, fail, slower, write_campaign
@@ -91,14 +92,20 @@ class Said(unittest.TestCase):
             what if of["problem"].endswith(_ENGINES) else {}), **more)
 
     def test_sealed_problems_stand_beside_the_open_ones(self):
-        text = sealed(self._inputs(of_engines("second", fail), {"family": "engine a"}, peers=("second", "third"),
-                                   info={"sealed": ["engine"]})).markdown()
+        inputs = self._inputs(of_engines("second", fail), {"family": "engine a"}, peers=("second", "third"), info={"sealed": ["engine"]})
+        text = sealed(inputs).markdown()
         self.assertIn("sealed: problems", text)
         row = [cell.strip() for cell in text.splitlines()[2].strip("|").split("|")]
         self.assertEqual([row[1], row[2], row[4], row[5]], ["4", "100\u202f%"] * 2)
-        self.assertAlmostEqual(float(row[3]), 0.5, delta=0.05)
-        self.assertAlmostEqual(float(row[6]), 0.25, delta=0.025)
+        for cell, ratio in ((row[3], 0.5), (row[6], 0.25)):
+            value, low, high = map(float, re.findall(r"[0-9.]+", cell))
+            self.assertAlmostEqual(value, ratio, delta=ratio / 10)
+            self.assertTrue(low <= value <= high)
+        self.assertIn("in 5 of 5 size classes: 7–12, 13–30", sealed_apart(inputs))
+        alike = self._inputs(what={"family": "engine a"}, peers=("second", "third"), info={"sealed": ["engine"]})
+        self.assertIn("does not overlap that of open problems in none of 5 size classes.", sealed_apart(alike))
         self.assertIsNone(sealed(self._inputs()))
+        self.assertEqual(sealed_apart(self._inputs()), "")
 
     def test_equal_rankings_are_said_to_hardly_change(self):
         line = summary.origins(self._inputs())

@@ -148,10 +148,12 @@ class Launches(unittest.TestCase):
                 held = sum(low <= 0 <= high for low, high in ends) / runs
                 self.assertTrue(0.91 <= held <= 0.985, (count, name, held))
 
-    def test_disturbed_launches_are_left_out_and_one_alone_tells_nothing(self):
-        calm = Levels(launches_of([0.0, 0.01, 0.7], disturbed=[2])).draws("a", "7-12", 1e-6)
-        np.testing.assert_array_equal(calm, Levels(launches_of([0.0, 0.01])).draws("a", "7-12", 1e-6))
-        for levels in (launches_of([0.3]), launches_of([0.3, 0.2], disturbed=[0]), None):
+    def test_flagged_launches_are_left_out_and_one_alone_tells_nothing(self):
+        def draws(levels, off):
+            return Levels(launches_of(levels, flagged=off)).draws("a", "7-12", 1e-6)
+        np.testing.assert_array_equal(draws([0.0, 0.01, 0.0, 0.7], [3]), draws([0.0, 0.01, 0.0], []))
+        np.testing.assert_array_equal(draws([0.0, 0.01, 0.7], [2]), draws([0.0, 0.01, 0.7], []))  # too many to tell
+        for levels in (launches_of([0.3]), None):
             self.assertEqual(Levels(levels).draws("a", "7-12", 1e-6), 0)
 
     def test_solvers_and_campaigns_are_drawn_apart_and_classes_together(self):

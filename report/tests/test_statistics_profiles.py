@@ -64,7 +64,7 @@ class Coverage(unittest.TestCase):
         cells.loc[failed[3:7], ["verdict", "claim"]] = ["excluded", ""]
         cells.loc[failed[7:9], "below_floor"] = True
         table = coverage_table(cells)
-        total = table[["verified", "false_successes", "failed", "excluded"]].sum(axis=1)
+        total = table[["verified", "false_successes", "failed", "out_of_time", "excluded"]].sum(axis=1)
         self.assertEqual(list(total), list(table["problems"]))
         self.assertEqual(table["false_successes"].sum(), 3)
         self.assertEqual(table["excluded"].sum(), 4)

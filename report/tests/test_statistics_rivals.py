@@ -11,10 +11,11 @@ from lcpbench_report.statistics.cells import measured
 from lcpbench_report.statistics.class_times import class_table
 from lcpbench_report.statistics.launches import Levels
 from lcpbench_report.statistics.load import load_campaign
+from lcpbench_report.statistics.portfolio import best_order, portfolio_rows
 from lcpbench_report.statistics.rivals import (DOMINATED, DOMINATES, FASTER, FASTEST, PORTFOLIO, SLOWER, UNDECIDED, flag_table,
                                                pareto_front, relation, rival_table)
 from .cases import SharedFolderCase
-from .synthetic_campaign import AGAIN, FIRST, cells_of, launches_of, write_campaign
+from .synthetic_campaign import AGAIN, COPIES, FAMILIES, FIRST, TIME_LIMIT, cells_of, fail, launches_of, write_campaign
 
 INF, NAN = math.inf, math.nan
 
@@ -35,6 +36,10 @@ class Rivals(unittest.TestCase):
         # 1/2, 3/1, 2/4, 1/1.5, and two failures of ours.
         self.assertAlmostEqual(row["ratio"], (1 / 1.5 + 3.0) / 2)
         self.assertEqual((row["peers"], row["problems"], row["rival_share"], row["own_share"]), (3, 6, 1, 4 / 6))
+        self.assertEqual(row["peer_faster"], 3 / 6)  # on q, t and u
+        self.assertTrue(0 < row["peer_faster_low"] < 0.5 < row["peer_faster_high"] < 1)
+        near = cells_of(pd.DataFrame({"own": [1.0] * 4, "peer": [0.985, 0.97, 1.0, 1.5]}))  # 2 % are none
+        self.assertEqual(rivals(near).loc[(FASTEST, "all"), "peer_faster"], 1 / 4)
         quick = table.loc[("quick", "all")]
         self.assertEqual((quick["front"], quick["rival_s"], quick["rival_share"]), (True, 1.75, 4 / 6))
         self.assertAlmostEqual(quick["ratio"], (1 / 1.5 + 3.0) / 2)  # of 1/2, 3, 1/1.5 and inf: where quick is right
@@ -48,6 +53,78 @@ class Rivals(unittest.TestCase):
         self.assertEqual([table.loc[(PORTFOLIO, origin), "ratio"] for origin in ("own scenes", "engines")], [0.25, 0.5])
         self.assertEqual(table.loc[(PORTFOLIO, "all"), "relation"], DOMINATED)
         self.assertNotIn(("better", "engines"), table.index)
+
+    def test_ratios_are_formed_round_by_round(self):
+        """The machine slows every solver by the same in a round: medians of few launches, and draws of either side's, see
+        that, and ratios within rounds do not. A flagged launch is in no ratio; of the fastest each problem has its own."""
+        rng, names, numbers = np.random.default_rng(4), range(60), range(1, 5)
+        machine = np.exp([0.0, 0.09, -0.09, 0.02])
+        base = np.exp(rng.normal(0, 1, 60))
+        factors = {"own": np.ones(60), "even": np.where(np.arange(60) % 2, 4.0, 2.0), "odd": np.where(np.arange(60) % 2, 2.0, 4.0)}
+        noise = {key: np.exp(rng.normal(0, 0.004, (60, 4))) for key in factors}
+        times = {(key, "7-12", 1e-6): pd.DataFrame(noise[key] * machine * (base * of)[:, np.newaxis], names, numbers)
+                 for key, of in factors.items()}
+        times["own", "7-12", 1e-6][4] *= 1.5  # and flagged
+        launches = pd.concat([launches_of([0.0, 0.09, -0.09, 0.02], key, flagged=[3] * (key == "own")) for key in factors])
+        cells = cells_of(pd.DataFrame({key: base * of * np.exp(rng.normal(0, 0.1, 60)) for key, of in factors.items()}))
+        apart, together = (rivals(cells, Levels(launches, times=of)) for of in (None, times))
+        row, before = together.loc[(FASTEST, "all")], apart.loc[(FASTEST, "all")]
+        self.assertGreater(before["ratio_high"] / before["ratio_low"], 1.15)
+        self.assertAlmostEqual(row["ratio"], 0.5, delta=0.002)
+        self.assertLess(row["ratio_high"] - row["ratio_low"], 0.02)
+        alone = {key: of[[1]] for key, of in times.items()}  # one round is none
+        pd.testing.assert_frame_equal(rivals(cells, Levels(launches, times=alone)), apart)
+
+    def test_intervals_of_few_rounds_hold_the_truth(self):
+        held, runs = 0, 200
+        for seed in range(runs):
+            rng, sides = np.random.default_rng([71, seed]), {}
+            for key in ("own", "peer"):
+                times = np.exp(rng.normal(0, 0.02, (40, 3)) + rng.normal(0, 0.03, 3))
+                sides[key, "7-12", 1e-6] = pd.DataFrame(times, range(40), [1, 2, 3])
+            cells = cells_of(pd.DataFrame({key: of.median(axis=1) for (key, *_), of in sides.items()}))
+            row = rivals(cells, Levels(salt=str(seed), times=sides)).loc[("peer", "all")]
+            held += row["ratio_low"] <= 1 <= row["ratio_high"]
+        self.assertTrue(0.9 <= held / runs <= 0.99, held / runs)
+
+    def test_the_portfolio_asks_codes_in_turn_until_one_is_right(self):
+        times = pd.DataFrame({"own": [1.0] * 5, "quick": [2.0, INF, INF, INF, INF], "sure": [4.0, 4.0, INF, 4.0, 4.0]})
+        cells = cells_of(times, check_s=0.5)
+        failed = (cells["solver"] == "quick") & ~cells["passes"]
+        # Wrong after 3 s; beyond the limit; killed without a time; left out by a rule of time; not taken.
+        cells.loc[failed, "first_s"] = [3.0, 99.0, NAN, NAN]
+        cells.loc[failed, "verdict"] = ["failed:iteration_limit", "out of time", "out of time", "not asked"]
+        cells.loc[failed, "excluded"] = ["", "", "out of time at the looser tier 1e-3", ""]
+        table = rival_table(cells, {"own"}, "own", Levels(), {"7-12": ["quick", "sure", "absent"]}).set_index(["rival", "origin"])
+        row = table.loc[(PORTFOLIO, "all")]
+        expected = [2.5, 3.5 + 4.5, INF, TIME_LIMIT + 4.5, 4.5]
+        self.assertEqual((row["rival_s"], row["rival_share"]), (np.median(expected), 0.8))
+        self.assertAlmostEqual(row["check_share"], np.median([0.5 / 2.5, 1 / 8, 0.5 / 14.5, 0.5 / 4.5]))
+        self.assertAlmostEqual(row["ratio"], np.median([1 / of for of in expected if of < INF]))
+        self.assertNotIn(PORTFOLIO, rival_table(cells, {"own"}, "own", Levels())["rival"].tolist())
+        # By rounds: the sum of the turns' times of a round.
+        rounds = {(key, "7-12", 1e-6): pd.DataFrame(np.outer([1.0] * 5, of), range(5), [1, 2, 3])
+                  for key, of in (("own", [1, 2, 1]), ("quick", [2, 3, 2]), ("sure", [4, 4, 5]))}
+        levels = Levels(times=rounds)
+        rows, found = portfolio_rows(cells, ["quick", "sure"], 1e-6, levels)
+        np.testing.assert_array_equal(found.loc[0], [2.5, 3.5, 2.5])
+        np.testing.assert_array_equal(found.loc[[1, 3]], [[7, 8, 8], [6.5, 7.5, 7.5]])
+        self.assertTrue(found.loc[2].isna().all())
+        np.testing.assert_array_equal(found.loc[4], [4.5, 4.5, 5.5])
+        self.assertEqual(rows["solver"][[0, 1, 4]].tolist(), ["quick", "sure", "sure"])
+
+    def test_the_order_of_the_portfolio_is_the_one_that_takes_least(self):
+        even = np.arange(40) % 2 == 0
+        cells = cells_of(pd.DataFrame({"half": np.where(even, 1.0, INF), "other": np.where(even, INF, 1.2), "sure": [5.0] * 40,
+                                       "worse": [6.0] * 40, "never": [INF] * 40}), check_s=0.01)
+        cells["first_s"] = cells["first_s"].fillna(0.5)
+        keys = ["never", "worse", "sure", "other", "half"]
+        order = best_order(cells, keys)
+        self.assertEqual((sorted(order[:2]), order[2:]), (["half", "other"], ["sure", "worse"]))  # those add nothing here
+        self.assertEqual(best_order(cells[cells["solver"] != "half"], keys[:-1]), ["other", "sure", "worse"])
+        of_one = cells.assign(solver=cells["solver"].replace({"sure": "half-sure", "worse": "half-worse"}))
+        self.assertEqual(sorted(best_order(of_one, list(dict.fromkeys(of_one["solver"])))), ["half", "other"])
+        self.assertEqual(best_order(cells, ["never"]), [])
 
     def test_what_a_peer_does_not_take_is_not_right(self):
         cells = cells_of(pd.DataFrame({"own": [1.0] * 40, "picky": [0.5] * 40, "sure": [2.0] * 40}))
@@ -144,7 +221,7 @@ class Folder(SharedFolderCase):
         super().setUpClass()
         write_campaign(cls.path, cls.FACTORS, tiers=(1e-6,), peers=("peer",), solvers={"auto-v3": {"origin": "external"}})
         cls.campaign, cls.inputs = load_campaign(cls.path), load_inputs([cls.path])
-        cls.cells, launches = measured(cls.campaign)
+        cls.cells, launches = measured(cls.campaign)[:2]
         cls.levels = Levels(launches)
 
     def test_other_builds_of_ours_are_in_no_table_but_of_flags_and_of_all_cells(self):

@@ -12,11 +12,12 @@ import pandas as pd
 
 from lcpbench_report.compact import compact
 from lcpbench_report.statistics import means
-from lcpbench_report.statistics.cells import cell_table
+from lcpbench_report.statistics.cells import CAUSES, cell_table
+from lcpbench_report.statistics.coverage import coverage_table
 from lcpbench_report.statistics.load import load_campaign
 from lcpbench_report.statistics.tables import FOLDER, TABLES
 from .cases import FolderCase, SharedFolderCase, campaign_of, edit_info, edit_lines, run
-from .synthetic_campaign import (COPIES, EXPONENT, FAMILIES, ORACLE_PER_ROW, PARTS, SIZES, TIERS, exclude, fail,
+from .synthetic_campaign import (COPIES, EXPONENT, FAMILIES, ORACLE_PER_ROW, PARTS, SIZES, TIERS, TIME_LIMIT, exclude, fail,
                                 write_campaign)
 
 FACTORS = {"quick": 1.0, "liar": 2.0, "limited": 3.0}
@@ -93,7 +94,7 @@ class Tables(SharedFolderCase):
         verified = cells["verdict"] == "verified"
         self.assertTrue((cells.loc[verified, "time_s"] == cells.loc[verified, "fresh_s"]).all())
         self.assertTrue(np.isinf(cells.loc[~verified, "time_s"]).all())
-        self.assertEqual(set(cells["verdict"]), {"verified", "false success", "failed:time_limit", "excluded", "not asked"})
+        self.assertEqual(set(cells["verdict"]), {"verified", "false success", "out of time", "excluded", "not asked"})
 
     def test_what_does_not_count_has_tables_of_its_own(self):
         for name in ("means", "coverage"):
@@ -102,7 +103,7 @@ class Tables(SharedFolderCase):
 
     def test_what_a_solver_does_not_take_is_neither_failed_nor_in_its_share(self):
         for row in self.tables["coverage"].to_dict("records"):
-            kinds = ("verified", "false_successes", "below_tier", "failed", "excluded", "not_asked")
+            kinds = ("verified", "false_successes", "below_tier", "failed", "out_of_time", "excluded", "not_asked")
             self.assertEqual(sum(row[kind] for kind in kinds), row["problems"])
             self.assertEqual(row["not_asked"], len(FAMILIES) * (row["solver"] == "limited"))
             taken = row["problems"] - row["not_asked"]
@@ -145,15 +146,38 @@ class Verdicts(FolderCase):
     def test_the_time_that_counts(self):
         times = [5e-3, 1e-3, 3e-3, 2e-3, 9e-3]
         for why, record, expected in (
-                ("the median of the launches that were not disturbed", {"fresh_s": times, "disturbed": [4]},
-                 {"time_s": 2.5e-3, "timed": 5, "disturbed": 1}),
-                ("of all where there are no others", {"fresh_s": times, "disturbed": range(5)}, {"time_s": 3e-3}),
+                ("the median of the launches that are not flagged", {"fresh_s": [3e-3, 2.8e-3, 3.1e-3, 9e-3]},
+                 {"time_s": 3e-3, "timed": 4, "flagged": 1}),
+                ("of all where there are no others", {"fresh_s": times[:2]}, {"time_s": 3e-3, "flagged": 2}),
                 ("a pass without a time is none", {"fresh_s": [None, 4e-3, None, 2e-3]}, {"time_s": 3e-3, "timed": 2}),
                 ("of the solve that was judged where no pass has one", {"fresh_s": [None] * 5, "first_s": 7e-3},
                  {"time_s": 7e-3, "timed": 0})):
             found = self.cells(lambda r, record=record: r | record)
             for column, value in expected.items():
                 self.assertEqual(set(found[column]), {value}, why)
+
+    def test_out_of_time_is_what_took_longer_or_was_ended_or_left_out_for_it_and_never_right(self):
+        late, rule = 2 * TIME_LIMIT, "out of time at the looser tier 1e-3"
+        for why, change, out in (("judged", {"first_s": late}, 1), ("timed", {"fresh_s": [late] * 5}, 1), ("at the limit", {"first_s": 1.0}, 0),
+                                 ("ended", {"claim": "time_limit", "passes": False}, 1), ("killed", {"claim": "killed", "passes": False}, 1),
+                                 ("by rule", {"excluded": rule}, 1), ("another rule", {"excluded": "rows > 100"}, 0),
+                                 ("wrong before it is late", {"claim": "solved", "passes": False, "false_success": True, "first_s": late}, 0)):
+            found = self.cells(lambda r, change=change: r | change)
+            row = coverage_table(found.reset_index()).iloc[0]
+            self.assertEqual((row["out_of_time"], row["verified"]), (out * row["problems"], (why == "at the limit") * row["problems"]), why)
+            self.assertTrue(np.isfinite(found["time_s"]).all() if why == "at the limit" else np.isinf(found["time_s"]).all(), why)
+            compact(self.folder, self.folder / why)  # the time that was judged is not kept
+            self.assertEqual(cell_table(load_campaign(self.folder / why))["verdict"].tolist(), found["verdict"].tolist(), why)
+
+    def test_false_successes_have_one_cause_each(self):
+        tier = TIERS[0]
+        for cause, rho, shifted in (("eta", tier, False), ("near", 10 * tier, False), ("far", 10.1 * tier, False), ("far", None, False),
+                                    ("shifted", 10.1 * tier, True), ("shifted", tier, True)):
+            found = self.cells(lambda r, rho=rho: fail(r, "solved") | {"rho": rho}, solvers={"a": {"shifted": shifted}})
+            row = coverage_table(found.reset_index()).iloc[0]
+            self.assertEqual({name: row[f"false_{name}"] for name in CAUSES},
+                             dict.fromkeys(CAUSES, 0) | {cause: row["false_successes"]}, (cause, rho))
+        self.assertEqual(set(self.cells()["cause"]), {""})
 
     def test_what_had_no_turn_is_excluded_by_the_budget(self):
         def edit(line):
@@ -170,7 +194,7 @@ class Verdicts(FolderCase):
             out = {"at": 1, "claim": "excluded", "passes": False, "reason": "out of time at 1e-3"}
             return line | {"exceptions": [out]} if line["kind"] == "judge" and line["size_class"] == "7-12" else line
         row = self.cells(edit=edit).loc["piles-10-1"]
-        self.assertEqual((row["verdict"], row["excluded"], row["claim"]), ("excluded", "out of time at 1e-3", ""))
+        self.assertEqual((row["verdict"], row["excluded"], row["claim"]), ("out of time", "out of time at 1e-3", ""))
 
     def test_an_answer_that_changed_and_is_wrong_in_a_timed_pass_has_failed(self):
         def edit(line):

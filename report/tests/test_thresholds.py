@@ -40,7 +40,7 @@ class Rule(unittest.TestCase):
         for key, verdict in verdicts.items():
             lost = cells["solver"] == key.replace("_", "-")
             cells.loc[lost & (cells["problem"] == times.index[0]), ["verdict", "time_s"]] = verdict, np.inf
-        return thresholds.compare(cells, "auto-try1")
+        return {"differ": 64, "lost": 0} | thresholds.compare(cells, "auto-try1")
 
     def test_a_faster_value_that_is_right_as_often_may_replace_the_default(self):
         row = self._row(0.8)
@@ -53,13 +53,15 @@ class Rule(unittest.TestCase):
         self.assertFalse(thresholds.may_replace(self._row(0.8, auto_try1="failed: time limit")))
         self.assertFalse(thresholds.may_replace(self._row(1.0)))
         self.assertFalse(thresholds.may_replace(self._row(1.2)))
-        self.assertFalse(thresholds.may_replace({"value": "1", "differ": 0}))
+        self.assertFalse(thresholds.may_replace({"value": "1", "differ": 0, "lost": 0}))
+        for of_all in ({"lost": 1}, {"differ": thresholds.LEAST - 1}):
+            self.assertFalse(thresholds.may_replace(self._row(0.8) | of_all))
 
     def test_the_table_names_what_is_chosen(self):
-        rows = [{"limit": "a", "default": "1", "value": "2", "differ": 0, "chosen": False},
-                {"limit": "b", "default": "1", "value": "2", "differ": 9, "timed": 27, "right": 27, "right_default": 26,
+        rows = [{"limit": "a", "default": "1", "value": "2", "differ": 0, "lost": 0, "chosen": False},
+                {"limit": "b", "default": "1", "value": "2", "differ": 9, "lost": 0, "timed": 27, "right": 27, "right_default": 26,
                  "ratio": 0.5, "ratio_low": 0.4, "ratio_high": 0.6, "chosen": True},
-                {"limit": "b", "default": "1", "value": "3", "differ": 9, "timed": 27, "right": 0, "right_default": 26,
+                {"limit": "b", "default": "1", "value": "3", "differ": 9, "lost": 0, "timed": 27, "right": 0, "right_default": 26,
                  "ratio": None, "ratio_low": None, "ratio_high": None, "chosen": False}]
         found = [line.split(" | ") for line in thresholds.table({"trials": rows}).markdown().splitlines()[2:]]
         self.assertEqual([line[-1] for line in found], ["default |", "**this** |", " |"])
@@ -73,7 +75,8 @@ class Asked(FolderCase):
                 if arguments[0] == "run":
                     return "solve/disc-pile-n40-s1/auto/1e-3\nsolve/discs-in-v-n1-s1/auto/1e-3\n"
                 steps = 7 if "--set" in arguments and arguments[arguments.index("--set") + 1] == "mode_steps=9" else 6
-                return json.dumps({"id": "disc-pile-n40-s1", "iterations": steps, "detail": "rows"}) + "\n"
+                return json.dumps({"id": "disc-pile-n40-s1", "iterations": steps, "detail": "rows",
+                                   "verdict": {"passes": steps == 6}}) + "\n"
 
             def run(self, *arguments, output=None):
                 asked.append(arguments[3:])
@@ -83,7 +86,7 @@ class Asked(FolderCase):
         options = type("Options", (), {"data": DATA, "folder": Path(self.folder), "time_limit": 1})
         answers = thresholds.Answers(Command_(Path("lcpbench")), options)
         trial = thresholds.Trial("mode_steps", ["8", "9"], "core", [2, 50])
-        self.assertEqual(answers.differing(trial, "1e-06"), [set(), {"disc-pile-n40-s1"}])
+        self.assertEqual(answers.differing(trial, "1e-06"), [(set(), set()), ({"disc-pile-n40-s1"}, {"disc-pile-n40-s1"})])
         trial.after = "rows|band"
-        self.assertEqual(answers.differing(trial, "1e-06"), [set(), set()])
+        self.assertEqual(answers.differing(trial, "1e-06"), [(set(), set())] * 2)
         self.assertEqual(asked, [("disc-pile-n40-s1",)])  # once, and not what has too few rows

@@ -1,7 +1,6 @@
 """Tuning: what is drawn, what is chosen, and what is told of a space that does not fit."""
 
 import contextlib
-import hashlib
 import json
 import math
 import unittest
@@ -14,9 +13,9 @@ import pandas as pd
 from lcpbench_report.errors import ReportError
 from lcpbench_report.statistics.jsonl import write_object
 from lcpbench_report.tuning import campaign, choice
-from lcpbench_report.tuning.space import Space, draw, load_spaces
-from .cases import FolderCase, campaign_of, json_of
-from .synthetic_campaign import Noise, cells_of, median_times, write_campaign
+from lcpbench_report.tuning.space import Space, draw, hash_of, load_spaces
+from .cases import FolderCase, campaign_of, json_of, run
+from .synthetic_campaign import Noise, cells_of, fail, median_times, only, write_campaign
 
 SPACE = Space("pgs", {"sweep": ["coloured", "forward", "symmetric"], "relaxation": ["1", "1.2", "1.4", "1.6"]})
 SMALL = Space("lemke", {"block_start": ["no", "yes"]})
@@ -211,6 +210,20 @@ class Mistakes(FolderCase):
                 self.assertEqual(campaign.require_disjoint(own / "manifest.json", self.folder), ["standard"])
 
 
+class Portfolio(FolderCase):
+    def test_peers_and_their_order_are_chosen_by_size_class(self):
+        write_campaign(self.folder / "problems", {"auto": 0.1, "quick": 1.0, "sure": 4.0, "peer-portfolio": 0.5}, tiers=(1e-3, 1e-6), copies=1,
+                       peers=("quick", "sure", "peer-portfolio"), change=only("quick", "-50-", fail))
+        status, told, error = run("portfolio", self.folder / "problems", "-o", self.folder / "portfolio.json")
+        self.assertEqual((status, error), (0, ""))
+        found = json_of(self.folder / "portfolio.json")
+        self.assertEqual((found["schema"], found["tier"]), ("lcpbench-portfolio/1", 1e-6))
+        self.assertEqual(found["classes"], dict.fromkeys(found["classes"], ["quick", "sure"]))
+        self.assertIn("7-12: quick\n", told)
+        write_campaign(self.folder / "own", {"auto": 1.0}, tiers=(1e-6,), copies=1)
+        self.assert_refused("portfolio", self.folder / "own", "-o", self.folder / "other.json", told=("peers",))
+
+
 class Record(FolderCase):
     """What is written of a campaign, from its files to the file."""
 
@@ -227,7 +240,7 @@ class Record(FolderCase):
         self.assertEqual(read, json.loads(json.dumps(made)))
         self.assertEqual(read["schema"], "lcpbench-tuned/2")
         self.assertEqual(read["budget"], 8)
-        self.assertEqual(read["space"]["sha256"], hashlib.sha256((DATA / "tuning.json").read_bytes()).hexdigest())
+        self.assertEqual(read["space"]["sha256"], hash_of([load_spaces(DATA / "tuning.json")["lemke"]]))
         solver = read["solvers"][0]
         self.assertEqual(solver["chosen"], {"block_start": "yes"})
         self.assertEqual((solver["space"], solver["configurations"], len(solver["tried"])), (2, 2, 2))
@@ -254,9 +267,8 @@ class Record(FolderCase):
     def test_the_committed_file_is_of_the_committed_space(self):
         tuned = json_of(DATA / "tuned.json")
         spaces = load_spaces(DATA / "tuning.json")
-        # Solvers whose spaces were declared since have no choice yet; the spaces of the others are compared one by one.
-        if {solver["solver"] for solver in tuned["solvers"]} == set(spaces):
-            self.assertEqual(tuned["space"]["sha256"], hashlib.sha256((DATA / "tuning.json").read_bytes()).hexdigest())
+        of_tuned = dict.fromkeys(solver["solver"] for solver in tuned["solvers"])
+        self.assertEqual(tuned["space"]["sha256"], hash_of([spaces[key] for key in of_tuned]))
         for solver in tuned["solvers"]:
             space = spaces[solver["solver"]]
             drawn = draw(space, tuned["budget"], tuned["seed"])

@@ -218,7 +218,7 @@ BlockPivoting::End BlockPivoting::CorrectForces() {
 
 // Where rounding is what is left, and too much for rows whose terms are all tiny: with residuals in extended precision.
 bool BlockPivoting::Refine(double tolerance) {
-  if (task_.problem == nullptr || task_.sink == nullptr || task_.conjugate || !IsNear()) return false;
+  if (task_.problem == nullptr || task_.conjugate || !IsNear()) return false;
   double most = kWorthRefining;
   for (int k = 0; k < kMaxRefinements && tier() > tolerance && !TimeIsUp(); ++k) {
     GiveForces(0, &ray_);
@@ -236,20 +236,6 @@ bool BlockPivoting::Refine(double tolerance) {
   return false;
 }
 
-// Whether w_F = 0 within the tolerance, also if what can be seen of it is rounding.
-bool BlockPivoting::ActiveGapsMeet() const {
-  double gaps_squared = 0;
-  double b_squared = 0;
-  for (Index i = 0; i < f_.size(); ++i) {
-    const double b = task_.scaled->b[i] / GapRoot(i);
-    const double gap = active_[At(i)] != 0 ? w_[i] / GapRoot(i) : 0.0;
-    b_squared += b * b;
-    gaps_squared += gap * gap;
-  }
-  const double rounding = kEpsilon * f_.cwiseAbs().dot(root_);
-  return std::sqrt(gaps_squared) + rounding <= task_.tolerance * std::sqrt(b_squared);
-}
-
 // The problem of A itself from active_, f_, a few exchanges at most. Publishes; kDone if the answer is good enough.
 BlockPivoting::End BlockPivoting::Polish(Index most, double tolerance) {
   Index least = most;
@@ -257,7 +243,6 @@ BlockPivoting::End BlockPivoting::Polish(Index most, double tolerance) {
     if (const End end = CorrectForces(); end != End::kNotMet) return end;
     if (Publish() || Refine(tolerance)) return End::kDone;
     const Index count = FindViolated(false);
-    if (count == 0 && task_.sink == nullptr && ActiveGapsMeet()) return End::kDone;
     if (count == 0 || count >= least) break;
     least = count;
     Exchange(false);
@@ -291,7 +276,6 @@ bool BlockPivoting::IsNear() const { return task_.sink->rho() <= kNear * std::ma
 // Forces that are rounding beside the largest are published as 0 if that is better: where all forces around a row
 // should be 0, the row's backward error is rounding over rounding.
 bool BlockPivoting::Publish() {
-  if (task_.sink == nullptr) return false;
   AnswerSink& sink = *task_.sink;
   const auto publish = [&](double least) {
     GiveForces(least, &sink.candidate());
@@ -374,10 +358,9 @@ BlockPivoting::End BlockPivoting::TakeProximalSteps(const Rules& rules) {
   return End::kNotMet;
 }
 
-void PivotingSetup::Prepare(const LcpProblem& problem, ActiveBlockChoice::Allowed allowed, bool self_checks) {
-  self_check = self_checks;
+void PivotingSetup::Prepare(const LcpProblem& problem, ActiveBlockChoice::Allowed allowed) {
   block = blocks.Analyze(problem, allowed);
-  if (self_check) answer.Reset(problem, blocks.is_dense(block));
+  answer.Reset(problem, blocks.is_dense(block));
   pivoting.Reserve(problem);
   scaled.Reset(problem);
 }
@@ -396,10 +379,9 @@ bool PivotingSetup::Load(const LcpProblem& problem, const LcpOptions& options, c
     return false;
   }
   block->Load(problem, scaled.scale);
-  if (self_check) answer.Start(problem, options.tolerance, result);
+  answer.Start(problem, options.tolerance, result);
   const std::int64_t most = options.max_iterations > 0 ? options.max_iterations : factors;
-  pivoting.SetTask(
-      {&problem, &scaled, block, self_check ? sink : nullptr, deadline, most, options.tolerance, conjugate});
+  pivoting.SetTask({&problem, &scaled, block, sink, deadline, most, options.tolerance, conjugate});
   return true;
 }
 
@@ -425,8 +407,7 @@ bool RowSink::Publish() {
   return is_enough;
 }
 
-void PivotingSetup::PrepareRows(Index size, bool self_checks) {
-  self_check = self_checks;
+void PivotingSetup::PrepareRows(Index size) {
   block = &block_of_rows;
   sink = &row_answer;
   block_of_rows.Reserve(size);
@@ -451,15 +432,12 @@ bool PivotingSetup::LoadRows(const RowTask& task, std::int64_t factors, bool con
   scaled.Load(given_diagonal, given_b);
   block_of_rows.Scale(scaled.scale);
   row_answer.Start(task);
-  pivoting.SetTask({nullptr, &scaled, block, self_check ? sink : nullptr, task.deadline, factors,
-                    task.options.tolerance, conjugate});
+  pivoting.SetTask({nullptr, &scaled, block, sink, task.deadline, factors, task.options.tolerance, conjugate});
   return true;
 }
 
-bool PivotingSetup::ConcludeRows(BlockPivoting::End end, const RowTask& task, LcpResult* result) {
-  const bool is_solved = self_check ? sink->tier() <= task.options.tolerance : end == BlockPivoting::End::kDone;
-  if (!is_solved) return false;
-  if (!self_check) pivoting.GiveForces(0, &row_answer.best());
+bool PivotingSetup::ConcludeRows(const RowTask& task, LcpResult* result) {
+  if (!(row_answer.tier() <= task.options.tolerance)) return false;
   result->f = row_answer.best().head(task.rows.rows);
   result->iterations = pivoting.factors();
   result->status = LcpStatus::kSolved;
@@ -468,12 +446,11 @@ bool PivotingSetup::ConcludeRows(BlockPivoting::End end, const RowTask& task, Lc
 
 void PivotingSetup::Conclude(BlockPivoting::End end, double tolerance, LcpResult* result) {
   using End = BlockPivoting::End;
-  if (!self_check) pivoting.GiveForces(0, &result->f);
   result->iterations = pivoting.factors();
   if (end == End::kInfeasible) {
     result->status = LcpStatus::kInfeasible;
     result->farkas_ray = std::move(pivoting.ray());
-  } else if (self_check ? answer.tier() <= tolerance : end == End::kDone) {
+  } else if (answer.tier() <= tolerance) {
     result->status = LcpStatus::kSolved;
   } else if (end == End::kIterationLimit || end == End::kStopped) {
     result->status = end == End::kStopped ? LcpStatus::kTimeLimit : LcpStatus::kIterationLimit;

@@ -24,7 +24,7 @@ namespace lcpbench {
 class BlockPivoting {
  public:
   enum class End {
-    kDone,            ///< the sink, or without one the signs of all rows, say so
+    kDone,            ///< the sink says so
     kInfeasible,      ///< with a ray
     kNotMet,          ///< the proximal loop ended above the tolerance
     kSingular,        ///< Rules::end_when_singular
@@ -40,7 +40,7 @@ class BlockPivoting {
     const LcpProblem* problem = nullptr;
     const ScaledVectors* scaled = nullptr;
     ActiveBlock* block = nullptr;        ///< loaded
-    AnswerSink* sink = nullptr;          ///< nullptr: an answer is one whose signs and active gaps hold
+    AnswerSink* sink = nullptr;          ///< judges the candidates
     const Deadline* deadline = nullptr;  ///< nullptr for none
     std::int64_t factors = 0;            ///< limit
     double tolerance = 0;
@@ -90,8 +90,6 @@ class BlockPivoting {
   /// change sides while their number falls, from less than `most`; refines to rounding. kNotMet if no candidate was
   /// good enough.
   End Finish(const std::vector<char>& active, const Eigen::VectorXd& f, double weight, Index most);
-  /// Candidate forces, in the problem's units: those up to `least` of the largest D^1/2 f are 0.
-  void GiveForces(double least, Eigen::VectorXd* f) const;
   /// Whether the direction, made a ray by a few corrections, is accepted by VerifyFarkasRay; ray() is it then.
   bool FindRay(const Eigen::VectorXd& direction);
 
@@ -111,10 +109,11 @@ class BlockPivoting {
   bool Refine(double tolerance);
   End Polish(Index most, double tolerance);
   Index FindViolated(bool of_proximal);
-  bool ActiveGapsMeet() const;
   void Exchange(bool least_only);
+  // Candidate forces, in the problem's units: those up to `least` of the largest D^1/2 f are 0.
+  void GiveForces(double least, Eigen::VectorXd* f) const;
   bool Publish();
-  double tier() const { return task_.sink == nullptr ? std::numeric_limits<double>::infinity() : task_.sink->tier(); }
+  double tier() const { return task_.sink->tier(); }
   // Whether rounding may be what keeps the latest candidate from being an answer.
   bool IsNear() const;
   double LargestForce() const { return f_.cwiseAbs().cwiseProduct(root_).maxCoeff(); }
@@ -184,22 +183,21 @@ class RowSink final : public AnswerSink {
 
 /// What `bpp` and `semismooth-newton` have around it: units, a form of the active block and a judge of answers.
 struct PivotingSetup {
-  void Prepare(const LcpProblem& problem, ActiveBlockChoice::Allowed allowed, bool self_checks);
+  void Prepare(const LcpProblem& problem, ActiveBlockChoice::Allowed allowed);
   /// Loads the problem. False where result says already how it ends.
   /// @param factors  limit unless the options have one
   bool Load(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, std::int64_t factors,
             bool conjugate, LcpResult* result);
   /// Prepare for rows of a step, up to `size` of them, filled up by rows that do not act: dense, without a problem.
-  void PrepareRows(Index size, bool self_checks);
+  void PrepareRows(Index size);
   /// The same as Load. False where a row has A_ii = 0.
   bool LoadRows(const RowTask& task, std::int64_t factors, bool conjugate);
   /// Whether the rows are solved. Writes f and iterations then.
-  bool ConcludeRows(BlockPivoting::End end, const RowTask& task, LcpResult* result);
+  bool ConcludeRows(const RowTask& task, LcpResult* result);
   /// The result of a solve that ended so; its detail is left to the solver.
   void Conclude(BlockPivoting::End end, double tolerance, LcpResult* result);
   double StepTime() const { return blocks.StepTime(block, scaled.b.size()); }
 
-  bool self_check = true;
   ActiveBlockChoice blocks;
   ActiveBlock* block = nullptr;
   ScaledVectors scaled;

@@ -78,10 +78,8 @@ std::string BppEngine::WhyUnsupported(const LcpProblem& problem) const {
 void BppEngine::Prepare(const LcpProblem& problem) {
   const Index n = problem.size();
   using Form = BppOptions::Form;
-  setup_.Prepare(problem,
-                 {.sparse = options_.form != Form::kDense,
-                  .dense = options_.form != Form::kSparse && n <= options_.max_dense_rows},
-                 options_.self_check);
+  setup_.Prepare(problem, {.sparse = options_.form != Form::kDense,
+                           .dense = options_.form != Form::kSparse && n <= options_.max_dense_rows});
   for (Eigen::VectorXd* v : {&f_, &w_}) v->setZero(n);
 }
 
@@ -141,10 +139,7 @@ void BppEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
 
 void BppEngine::Continue(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline,
                          LcpResult* result) {
-  if (!newton_) {
-    newton_.emplace(
-        SemismoothNewtonOptions{.continuation_rows = options_.continuation_rows, .self_check = options_.self_check});
-  }
+  if (!newton_) newton_.emplace(SemismoothNewtonOptions{.continuation_rows = options_.continuation_rows});
   if (deadline == nullptr || !deadline->Expired()) newton_->Prepare(problem);
   const std::int64_t done = result->iterations;
   LcpOptions rest = options;
@@ -161,7 +156,7 @@ void BppEngine::Continue(const LcpProblem& problem, const LcpOptions& options, c
 }
 
 void BppEngine::PrepareRows(Index size) {
-  setup_.PrepareRows(size, options_.self_check);
+  setup_.PrepareRows(size);
   for (Eigen::VectorXd* v : {&f_, &w_}) v->setZero(size);
 }
 
@@ -187,7 +182,8 @@ bool BppEngine::SolveFilledUp(const RowTask& task, LcpResult* result) {
   if (SolveFewRows(task, result)) return true;
   const Index n = task.rows.rows;
   if (!setup_.LoadRows(task, kFactorizationsPerRow * n + kExtraFactorizations, /*conjugate=*/true)) return false;
-  if (!setup_.ConcludeRows(Pivot(task.options.initial_f, n), task, result)) return false;
+  Pivot(task.options.initial_f, n);
+  if (!setup_.ConcludeRows(task, result)) return false;
   TellSingleExchanges(result);
   return true;
 }
@@ -208,7 +204,6 @@ void BppOptions::Read(SettingsReader* reader) {
   patience = static_cast<int>(reader->Number("patience", patience, 1, 100));
   end_when_singular = reader->YesOrNo("end_when_singular", end_when_singular);
   end_when_cycling = reader->YesOrNo("end_when_cycling", end_when_cycling);
-  self_check = reader->SelfCheck();
   max_dense_rows = static_cast<Index>(reader->Number("max_dense_rows", static_cast<double>(max_dense_rows), 1, 1e5));
   if (continuation_rows == BppOptions().continuation_rows) return;
   continuation_rows =

@@ -41,15 +41,13 @@ struct BppOptions {
   /// within what is left of the limits, instead of the costly safeguards. By default never.
   Index continuation_rows = std::numeric_limits<Index>::max();
 
-  bool self_check = true;  ///< SettingsReader::SelfCheck; without it signs and active gaps in double decide
-
   /// Larger problems are refused as unsupported where the dense form is used: two n x n arrays besides DenseA(). In [1,
   /// 100000].
   Index max_dense_rows = 10'000;
 
   /// Keys `form` (auto, dense, sparse), `proximal`, `largest_proximal`, `patience`, `end_when_singular` (yes,
-  /// no), `end_when_cycling` (yes, no), `self_check`, `max_dense_rows` and, where it is other than never,
-  /// `continuation_rows`, as of `active-set`, whose default is that of SemismoothNewtonOptions.
+  /// no), `end_when_cycling` (yes, no), `max_dense_rows` and, where it is other than never, `continuation_rows`, as of
+  /// `active-set`, whose default is that of SemismoothNewtonOptions.
   void Read(SettingsReader* reader);
 };
 

@@ -139,7 +139,7 @@ void SemismoothNewtonEngine::Reserve(Index rows) {
 
 void SemismoothNewtonEngine::Prepare(const LcpProblem& problem) {
   Reserve(problem.size());
-  setup_.Prepare(problem, {.dense = n_ <= kMaxDenseRows}, options_.self_check);
+  setup_.Prepare(problem, {.dense = n_ <= kMaxDenseRows});
 }
 
 // True if there is a warm start that is worth trying; else c = 0.
@@ -276,7 +276,6 @@ BlockPivoting::End SemismoothNewtonEngine::FinishFromCenter() {
 }
 
 void SemismoothNewtonEngine::PublishCenter() {
-  if (!options_.self_check) return;
   for (Index p = 0; p < n_; ++p) setup_.sink->candidate()[p] = scaled_.GivenForce(p, c_[p]);
   setup_.sink->Publish();
 }
@@ -357,21 +356,21 @@ void SemismoothNewtonEngine::Solve(const LcpProblem& problem, const LcpOptions& 
 
 void SemismoothNewtonEngine::PrepareRows(Index size) {
   Reserve(size);
-  setup_.PrepareRows(size, options_.self_check);
+  setup_.PrepareRows(size);
 }
 
 bool SemismoothNewtonEngine::SolveFilledUp(const RowTask& task, LcpResult* result) {
   tolerance_ = task.options.tolerance;
   deadline_ = task.deadline;
   if (!setup_.LoadRows(task, kFactorsOfRows, /*conjugate=*/false)) return false;
-  return setup_.ConcludeRows(TakeNewtonSteps(Start(task.options.initial_f)), task, result);
+  TakeNewtonSteps(Start(task.options.initial_f));
+  return setup_.ConcludeRows(task, result);
 }
 
 void SemismoothNewtonOptions::Read(SettingsReader* reader) {
   first_weight = reader->Number("first_weight", first_weight, kLeastAllowedWeight, 1);
   weight_factor = reader->Number("weight_factor", weight_factor, kLeastAllowedWeight, 1);
   least_weight = reader->Number("least_weight", least_weight, kLeastAllowedWeight, 1);
-  self_check = reader->SelfCheck();
   continuation_rows =
       static_cast<Index>(reader->Number("continuation_rows", static_cast<double>(continuation_rows), 1, 1e9));
 }

@@ -17,11 +17,9 @@ struct SemismoothNewtonOptions {
   double least_weight = 1e-8;  ///< see weight_factor
   /// Problems of at least so many rows are solved by continuation instead (below), whatever the three weights.
   Index continuation_rows = 2'000;
-  /// SettingsReader::SelfCheck; without it kSolved is claimed where a finish leaves no row violated.
-  bool self_check = true;
 
-  /// Keys `first_weight`, `weight_factor`, `least_weight`, `continuation_rows` and `self_check`. @throws InputError for
-  /// others, or out of their range
+  /// Keys `first_weight`, `weight_factor`, `least_weight` and `continuation_rows`. @throws InputError for others, or
+  /// out of their range
   void Read(SettingsReader* reader);
 };
 

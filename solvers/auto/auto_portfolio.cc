@@ -81,37 +81,20 @@ bool IsNarrow(const LcpProblem& problem, Index narrow_band) {
 
 AutoPortfolio::AutoPortfolio(const HybridOptions& hybrid) : AutoPortfolio(hybrid, kDefaultLimits, true) {}
 
-AutoPortfolio::AutoPortfolio(const AutoLimits& limits, bool self_check)
+AutoPortfolio::AutoPortfolio(const AutoLimits& limits)
     : AutoPortfolio({.least_iterations = static_cast<int>(limits.hybrid_least_sweeps),
-                     .most_iterations = static_cast<int>(limits.hybrid_most_sweeps),
-                     .self_check = self_check},
+                     .most_iterations = static_cast<int>(limits.hybrid_most_sweeps)},
                     limits, false) {}
 
 AutoPortfolio::AutoPortfolio(const HybridOptions& hybrid, const AutoLimits& limits, bool is_hybrid)
     : hybrid_(hybrid),
       limits_(limits),
       is_hybrid_(is_hybrid),
-      psor_({.relaxation = PgsOptions::kFirstOfAdaptive,
-             .adaptive = true,
-             .end_when_hopeless = true,
-             .self_check = hybrid.self_check}),
-      nncg_({.end_when_hopeless = true, .self_check = hybrid.self_check}),
-      patient_nncg_({.end_when_hopeless = true,
-                     .least_iterations = limits.sparse_nncg_patience,
-                     .self_check = hybrid.self_check}),
-      hybrid_nncg_(
-          {.end_when_hopeless = true, .least_iterations = hybrid.least_iterations, .self_check = hybrid.self_check}),
-      bpp_({.end_when_singular = true, .self_check = hybrid.self_check}),
-      newton_({.self_check = hybrid.self_check}),
-#ifdef LCPBENCH_WITH_SUITESPARSE
-      ipm_({.self_check = hybrid.self_check}),
-#endif
-      dantzig_([&hybrid] {
-        DantzigOptions options;
-        options.self_check = hybrid.self_check;
-        return options;
-      }()) {
-}
+      psor_({.relaxation = PgsOptions::kFirstOfAdaptive, .adaptive = true, .end_when_hopeless = true}),
+      nncg_({.end_when_hopeless = true}),
+      patient_nncg_({.end_when_hopeless = true, .least_iterations = limits.sparse_nncg_patience}),
+      hybrid_nncg_({.end_when_hopeless = true, .least_iterations = hybrid.least_iterations}),
+      bpp_({.end_when_singular = true}) {}
 
 void AutoPortfolio::Classify(const LcpProblem& problem) {
   facts_ = {.limits = &limits_, .rows = problem.size()};
@@ -279,7 +262,6 @@ void HybridOptions::Read(SettingsReader* reader) {
   constexpr double kMost = 100000;
   least_iterations = static_cast<int>(reader->Number("least_iterations", least_iterations, 0, kMost));
   most_iterations = static_cast<int>(reader->Number("most_iterations", most_iterations, 0, kMost));
-  self_check = reader->SelfCheck();
 }
 
 #ifdef LCPBENCH_WITH_SUITESPARSE

@@ -29,7 +29,7 @@ namespace lcpbench {
 class AutoPortfolio {
  public:
   explicit AutoPortfolio(const HybridOptions& hybrid);  ///< the rules of HybridSolver alone
-  AutoPortfolio(const AutoLimits& limits, bool self_check);
+  explicit AutoPortfolio(const AutoLimits& limits);
 
   /// The facts that need no set-up.  O(nnz J log)
   void Classify(const LcpProblem& problem);

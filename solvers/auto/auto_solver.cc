@@ -39,7 +39,6 @@ AutoOptions AutoOptions::FromSettings(const Settings& settings) {
     const double value = limit.Of(options.limits);
     limit.Set(reader.Number(std::string(limit.name), value, limit.least, limit.most), &options.limits);
   }
-  options.self_check = reader.SelfCheck();
   options.instructions = InstructionSetOf(reader.Choice("instructions", "best", {"best", "sse2", "avx2", "avx512"}));
   reader.Finish();
   return options;
@@ -93,7 +92,7 @@ class AutoEngine {
 
   SmallPivoting::Request RequestFor(const LcpOptions& options, const Deadline* deadline) const {
     const double* initial_f = options.initial_f == nullptr ? nullptr : options.initial_f->data();
-    return {tableau::kMargin * std::sqrt(options.tolerance), initial_f, deadline, options_.self_check};
+    return {tableau::kMargin * std::sqrt(options.tolerance), initial_f, deadline};
   }
   static void Refuse(const char* why, LcpResult* result) {
     result->status = LcpStatus::kUnsupported;
@@ -148,7 +147,7 @@ AutoEngine::AutoEngine(const AutoOptions& options)
       tableau_(options.instructions),
       rows_(options.instructions, options.only, options_.limits),
       band_(options.instructions),
-      whole_(options.limits, options.self_check) {
+      whole_(options.limits) {
   for (const AutoLimit& limit : kAutoLimits) {
     const double value = limit.Of(options.limits);
     if (value >= limit.least && value <= limit.most) continue;
@@ -173,7 +172,7 @@ std::string AutoEngine::WhyUnsupported(const LcpProblem& problem) const {
 
 bool AutoEngine::IsReadInPlace(MatrixForm form, Index rows) const {
   const Index most = form == MatrixForm::kDense ? options_.limits.dense_rows : options_.limits.step_rows;
-  return options_.self_check && rows <= most;
+  return rows <= most;
 }
 
 // Arrays that are not taken become an LcpProblem.
@@ -314,7 +313,6 @@ bool AutoEngine::TryIslands(const LcpProblem& problem, const LcpOptions& options
   result->status = LcpStatus::kSolved;
   if (!rest_.empty()) SolveRest(problem, options, deadline, result);
   if (result->status != LcpStatus::kSolved) return result->status != LcpStatus::kNumericalFailure;
-  if (!options_.self_check) return true;
   // All parts passed; what joins them, and rows left out, have not been looked at.
   judge_.Start(problem, options.tolerance, result);
   judge_.candidate() = result->f;
@@ -333,7 +331,7 @@ void AutoEngine::SolveRest(const LcpProblem& problem, const LcpOptions& options,
     rest_start_ = (*options.initial_f)(rest_);
     part_options.initial_f = &rest_start_;
   }
-  AutoPortfolio portfolio(options_.limits, options_.self_check);
+  AutoPortfolio portfolio(options_.limits);
   portfolio.Prepare(part);
   LcpResult answer;
   answer.f.setZero(part.size());

@@ -23,9 +23,6 @@ struct RowsReached {
 /// Options of AutoSolver.
 struct AutoOptions {
   AutoLimits limits = {};  ///< within the ranges of kAutoLimits
-  /// SettingsReader::SelfCheck, of the methods too. Without it nothing is read in place, and a tableau's answer is
-  /// taken as it is.
-  bool self_check = true;
   /// What a caller's own Ladder has reached of the problem that is solved next, as StepSolver's has; or nullptr.
   const RowsReached* reached = nullptr;
   bool asks_exact = true;  ///< whether the exact rule comes last; not of what a solver asks within its own solve
@@ -33,7 +30,7 @@ struct AutoOptions {
   /// One method of AutoStage::kRows or kMatrix that is asked and no other; empty: all.
   std::optional<AutoMethod> only = {};
 
-  /// Keys: the names of kAutoLimits, `self_check` and `instructions` (best, sse2, avx2, avx512).
+  /// Keys: the names of kAutoLimits and `instructions` (best, sse2, avx2, avx512).
   /// @throws InputError for others
   static AutoOptions FromSettings(const Settings& settings);
   /// The options of a solver that is one method of `auto` and no other. @throws InputError for any setting

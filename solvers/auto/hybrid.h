@@ -14,9 +14,8 @@ struct HybridOptions {
   /// Iterations that they may take while their rate of convergence promises an answer within them, in [0, 100000]: at
   /// 10^5 rows of a pile about four factorizations. 0: the interior point at once.
   int most_iterations = static_cast<int>(kDefaultLimits.hybrid_most_sweeps);
-  bool self_check = true;  ///< SettingsReader::SelfCheck
 
-  /// Names: least_iterations, most_iterations, self_check.
+  /// Names: least_iterations, most_iterations.
   void Read(SettingsReader* reader);
 };
 

@@ -13,10 +13,8 @@ namespace lcpbench {
 class ApgdEngine final : public FirstOrderEngine {
  public:
   explicit ApgdEngine(const ApgdOptions& options)
-      : FirstOrderEngine({.form = options.form,
-                          .self_check = options.self_check,
-                          .needs_symmetry = true,
-                          .default_limit = ApgdOptions::kDefaultIterations}),
+      : FirstOrderEngine(
+            {.form = options.form, .needs_symmetry = true, .default_limit = ApgdOptions::kDefaultIterations}),
         restart_(options.restart) {}
   static constexpr bool kSolvesByFaces = true;
 
@@ -52,7 +50,6 @@ double ApgdEngine::Curvature() const {
 void ApgdOptions::Read(SettingsReader* reader) {
   form = ReadRowForm(reader);
   restart = reader->YesOrNo("restart", restart);
-  self_check = reader->SelfCheck();
 }
 
 void ApgdEngine::Prepare(const LcpProblem& problem) {

@@ -24,9 +24,8 @@ struct ApgdOptions {
   /// Give up the momentum where it points uphill. Without it the bound below holds for the iterates of one run, with it
   /// the iterates stop circling the solution: on the scenes a quarter to a tenth of the iterations.
   bool restart = true;
-  bool self_check = true;  ///< SettingsReader::SelfCheck
 
-  /// Options `form` = auto | assembled | matrix-free `restart` = yes | no and `self_check`.
+  /// Options `form` = auto | assembled | matrix-free and `restart` = yes | no.
   void Read(SettingsReader* reader);
 };
 

@@ -32,7 +32,6 @@ class FirstOrderEngine {
   struct Setup {
     RowForm form = RowForm::kAuto;
     bool coloured = true;
-    bool self_check = true;          ///< SettingsReader::SelfCheck; without it rho of the scaled problem decides
     bool needs_symmetry = false;     ///< refuses A that is not numerically symmetric
     bool end_when_hopeless = false;  ///< see NncgOptions
     std::int64_t hopeful_iterations = 0;

@@ -13,7 +13,6 @@ class NncgEngine final : public FirstOrderEngine, public RowEngine {
   explicit NncgEngine(const NncgOptions& options)
       : FirstOrderEngine({.form = options.form,
                           .coloured = options.coloured,
-                          .self_check = options.self_check,
                           .needs_symmetry = true,
                           .end_when_hopeless = options.end_when_hopeless,
                           .hopeful_iterations = options.least_iterations,
@@ -61,7 +60,6 @@ void NncgOptions::Read(SettingsReader* reader) {
   coloured = reader->Choice("sweep", "coloured", {"symmetric", "coloured"}) == "coloured";
   const bool is_optimal = reader->Choice("direction", "optimal", {"optimal", "fletcher-reeves"}) == "optimal";
   direction = is_optimal ? Direction::kOptimal : Direction::kFletcherReeves;
-  self_check = reader->SelfCheck();
 }
 
 template class EngineSolver<NncgOptions, NncgEngine>;

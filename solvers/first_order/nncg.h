@@ -27,10 +27,9 @@ struct NncgOptions {
   bool end_when_hopeless = false;
   /// Iterations that end_when_hopeless waits before it looks at the rate, and leaves out of it.
   std::int64_t least_iterations = 0;
-  bool self_check = true;  ///< SettingsReader::SelfCheck
 
   /// Options `direction` = optimal | fletcher-reeves, `form` = auto | assembled | matrix-free, `sweep` = symmetric |
-  /// coloured, `self_check`.
+  /// coloured.
   void Read(SettingsReader* reader);
 };
 

@@ -72,7 +72,6 @@ void PgsOptions::Read(SettingsReader* reader) {
   if (order == "forward") sweep = SweepOrder::kForward;
   if (order == "symmetric") sweep = SweepOrder::kSymmetric;
   relaxation = reader->Number(adaptive ? "first_relaxation" : "relaxation", relaxation, 0.0, 2.0);
-  self_check = reader->SelfCheck();
 }
 
 class PgsEngine final : public FirstOrderEngine, public RowEngine {
@@ -80,7 +79,6 @@ class PgsEngine final : public FirstOrderEngine, public RowEngine {
   explicit PgsEngine(const PgsOptions& options)
       : FirstOrderEngine({.form = options.form,
                           .coloured = options.sweep == SweepOrder::kColoured,
-                          .self_check = options.self_check,
                           .end_when_hopeless = options.end_when_hopeless,
                           .default_limit = PgsOptions::kDefaultSweeps}),
         options_(options) {
@@ -148,7 +146,7 @@ class PgsEngine final : public FirstOrderEngine, public RowEngine {
       if (options_.adaptive) relaxation.Observe(sums);
       if (std::sqrt(sums.change) > options.tolerance * contacts_.load() || result->iterations < next_check) continue;
       next_check = 2 * result->iterations;
-      if (check() || !options_.self_check) {
+      if (check()) {
         result->status = LcpStatus::kSolved;
         return;
       }

@@ -30,10 +30,9 @@ struct PgsOptions {
   bool adaptive = false;  ///< omega follows the measured rate of convergence: `psor`
   /// As in NncgOptions.
   bool end_when_hopeless = false;
-  bool self_check = true;  ///< SettingsReader::SelfCheck
 
-  /// Options `form` = auto | assembled | matrix-free, `sweep` = forward | symmetric | coloured, `relaxation`, in whose
-  /// place adaptive ones have `first_relaxation`, and `self_check`.
+  /// Options `form` = auto | assembled | matrix-free, `sweep` = forward | symmetric | coloured, and `relaxation`, in
+  /// whose place adaptive ones have `first_relaxation`.
   void Read(SettingsReader* reader);
 };
 

@@ -118,7 +118,7 @@ class IpmRun final : public AnswerSink, public ActiveBlock {
     const double tolerance = kMargin * options_.tolerance;
     const auto rho = static_cast<double>(test_.Rho(f));
     bool meets = rho <= tolerance;
-    for (Index i = 0; meets && own_.self_check && i < f.size(); ++i) meets = test_.RowMeets(tolerance, f, i);
+    for (Index i = 0; meets && i < f.size(); ++i) meets = test_.RowMeets(tolerance, f, i);
     return Note(f, rho, meets);
   }
   // The same for f^ in scaled variables; *w becomes the scaled gaps unless it is nullptr.
@@ -576,10 +576,6 @@ constexpr double kWorthSweeps = 1e6;  // flop; below, going on is as cheap, and 
 //   in some 50 sweeps where redundant contacts leave many rows with f = w = 0. [nncg.h]
 class InteriorFinish {
  public:
-  // @param self_check  of the sweeps
-  explicit InteriorFinish(bool self_check)
-      : sweeps_(NncgOptions{.end_when_hopeless = true, .self_check = self_check}) {}
-
   // Set-up for a problem; the sweeps' own set-up waits until they are first needed.
   // @param factor_work  of one factorization [flop]: sweeps are for where that is much
   void Reserve(Index n, double factor_work);
@@ -608,7 +604,7 @@ class InteriorFinish {
   bool Sweeps(IpmRun* run, const Eigen::VectorXd& start, double tolerance, std::int64_t iterations);
 
   Eigen::VectorXd x_, gap_, right_, correction_;
-  NncgSolver sweeps_;
+  NncgSolver sweeps_{NncgOptions{.end_when_hopeless = true}};
   double wrong_rows_ = 1;
   bool may_sweep_ = false;
   double least_tried_ = 0;  // rho of the last iterate that the sweeps were given
@@ -696,14 +692,13 @@ void IpmOptions::Read(SettingsReader* reader) {
   space = chosen == "contact" ? Space::kContact : chosen == "body" ? Space::kBody : Space::kAutomatic;
   proximal = reader->Number("proximal", proximal, 1e-13, 1e-6);
   correctors = static_cast<int>(reader->Number("correctors", correctors, 0, 10));
-  self_check = reader->SelfCheck();
 }
 
 class IpmEngine {
  public:
   using WarmStart = IpmSolver::WarmStart;
 
-  explicit IpmEngine(const IpmOptions& options) : options_(options), finish_(options.self_check) {}
+  explicit IpmEngine(const IpmOptions& options) : options_(options) {}
   static constexpr bool kSolvesByFaces = true;
 
   std::string WhyUnsupported(const LcpProblem& problem) const;

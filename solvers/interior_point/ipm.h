@@ -28,9 +28,8 @@ struct IpmOptions {
   double proximal = 1e-12;
   /// Centrality correctors per interior-point step, as long as they lengthen it; each costs one solve.
   int correctors = 4;
-  bool self_check = true;  ///< SettingsReader::SelfCheck; without it rho alone, in scaled variables, decides
 
-  /// Names: space (auto, contact, body), proximal [1e-13, 1e-6], correctors [0, 10], self_check.
+  /// Names: space (auto, contact, body), proximal [1e-13, 1e-6], correctors [0, 10].
   void Read(SettingsReader* reader);
 };
 

@@ -58,8 +58,6 @@ constexpr Index kLiftedFill = 25;
 
 // Ipopt takes bounds from nlp_upper_bound_inf = 1e19 on as none.
 constexpr double kNoBound = 2e19;
-// A tolerance that Ipopt does not reach, so that our own test stops it.
-constexpr double kNever = 1e-40;
 
 // Every option that differs from Ipopt's default, in the notation of its options files; docs/solvers/ipopt.md has the
 // reasons.
@@ -71,8 +69,10 @@ constexpr const char* kOptions = R"(
 print_level 0
 # No banner at the first solve of the process.
 sb yes
-# The floor of mu in adaptive mode; its default 1e-11 stops degenerate rows at 3e-6. compl_inf_tol, which Optimize sets,
-# is a floor of it too.
+# What Ipopt does not reach, so that our own test stops it.
+tol 1e-40
+compl_inf_tol 1e-40
+# The floor of mu in adaptive mode; its default 1e-11 stops degenerate rows at 3e-6. compl_inf_tol is a floor of it too.
 mu_min 1e-40
 # Mehrotra mode starts 10 off the bounds. Here |b| = 1 and A has a unit diagonal: forces are of order 1 or less.
 bound_push 0.1
@@ -283,7 +283,7 @@ class Application {
       }
     }
     const auto go_on = [](const Eigen::VectorXd&) { return false; };
-    built_ = Optimize(Start(program), false, 0, kNever, go_on).code == Ipopt::Maximum_Iterations_Exceeded;
+    built_ = Optimize(Start(program), false, 0, go_on).code == Ipopt::Maximum_Iterations_Exceeded;
   }
   ~Application() {
     const std::lock_guard lock(LibraryMutex());
@@ -292,17 +292,15 @@ class Application {
   Application(const Application&) = delete;
   Application& operator=(const Application&) = delete;
 
-  // tolerance: Ipopt's `tol`. warm: `start` is used as it is; else Ipopt moves x off its bounds and sets all
-  // multipliers. Waits for its turn; the wait counts as time of the solve.
-  Ending Optimize(const Start& start, bool warm, std::int64_t max_iterations, double tolerance,
-                  const OnIterate& on_iterate) {
+  // warm: `start` is used as it is; else Ipopt moves x off its bounds and sets all multipliers. Waits for its turn; the
+  // wait counts as time of the solve.
+  Ending Optimize(const Start& start, bool warm, std::int64_t max_iterations, const OnIterate& on_iterate) {
     const std::lock_guard lock(LibraryMutex());
     nlp_->start = &start;
     nlp_->on_iterate = &on_iterate;
     Ipopt::OptionsList& options = *application_->Options();
     constexpr std::int64_t kMost = std::numeric_limits<IpoptIndex>::max();
     options.SetIntegerValue("max_iter", static_cast<IpoptIndex>(std::min(max_iterations, kMost)));
-    for (const char* name : {"tol", "compl_inf_tol"}) options.SetNumericValue(name, tolerance);
     options.SetStringValue("warm_start_init_point", warm ? "yes" : "no");
     const Ipopt::SmartPtr<Ipopt::TNLP> program = Ipopt::GetRawPtr(nlp_);
     Ending ending{built_ ? application_->ReOptimizeTNLP(program) : application_->OptimizeTNLP(program)};
@@ -492,7 +490,6 @@ class IpoptEngine {
   bool Accept(const Eigen::VectorXd& x, double tolerance, LcpResult* result);
   bool AcceptRay(const Eigen::VectorXd& direction, LcpResult* result);
   Start FirstPoint(const Formulation& formulation, const LcpOptions& options);
-  void Take(const Eigen::VectorXd& x);
   bool Run(Formulation* formulation, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
 
   IpoptOptions options_;
@@ -515,8 +512,8 @@ void IpoptEngine::TakeB(const Eigen::VectorXd& b) {
   }
 }
 
-// f of x (scaled; its first n entries), clipped, in the problem's units.
-void IpoptEngine::Take(const Eigen::VectorXd& x) {
+// Whether f of x (scaled; its first n entries), clipped, meets the tier. Keeps the best one in the result.
+bool IpoptEngine::Accept(const Eigen::VectorXd& x, double tolerance, LcpResult* result) {
   const LcpProblem& problem = scaled_->problem;
   const Index n = problem.size();
   f_ = x.head(n);
@@ -524,13 +521,6 @@ void IpoptEngine::Take(const Eigen::VectorXd& x) {
     if (!problem.is_bilateral(i)) f_[i] = std::max(f_[i], 0.0);
     f_[i] *= scaled_->force_unit[i];
   }
-}
-
-// Whether x meets the tier. Keeps the best f_ in the result.
-bool IpoptEngine::Accept(const Eigen::VectorXd& x, double tolerance, LcpResult* result) {
-  const LcpProblem& problem = scaled_->problem;
-  const Index n = problem.size();
-  Take(x);
   const long double rho = given_.Rho(f_);
   if (rho < best_rho_) {
     best_rho_ = rho;
@@ -604,9 +594,8 @@ bool IpoptEngine::Run(Formulation* formulation, const LcpOptions& options, const
   last_x_.setZero(start.x.size());
   const auto on_iterate = [&](const Eigen::VectorXd& x) {
     if (x.size() > 0) {
-      over = options_.self_check && Accept(x, options.tolerance, result);
-      if (!options_.self_check) last_x_ = x;
-      if (!over && symmetric && options_.self_check) {
+      over = Accept(x, options.tolerance, result);
+      if (!over && symmetric) {
         over = AcceptRay(x, result);
         last_x_ = x - last_x_;
         over = over || AcceptRay(last_x_, result);
@@ -619,15 +608,9 @@ bool IpoptEngine::Run(Formulation* formulation, const LcpOptions& options, const
 
   const std::int64_t limit =
       options.max_iterations > 0 ? options.max_iterations - result->iterations : kDefaultIterations;
-  const Application::Ending ending = formulation->Ready().Optimize(
-      start, options.initial_f != nullptr, limit, options_.self_check ? kNever : options.tolerance, on_iterate);
+  const Application::Ending ending =
+      formulation->Ready().Optimize(start, options.initial_f != nullptr, limit, on_iterate);
   result->iterations += ending.iterations;
-  if (!options_.self_check && ending.code == Ipopt::Solve_Succeeded) {
-    Take(last_x_);
-    result->f = f_;
-    result->status = LcpStatus::kSolved;
-    over = true;
-  }
 
   if (!result->detail.empty()) result->detail += "; ";
   result->detail += "Ipopt (" + std::string(formulation->name) + " form): " + std::string(Name(ending.code));
@@ -645,7 +628,6 @@ void IpoptOptions::Read(SettingsReader* reader) {
   const std::string chosen = reader->Choice("form", "auto", {"auto", "contact", "lifted"});
   if (chosen == "contact") form = Form::kContact;
   if (chosen == "lifted") form = Form::kLifted;
-  self_check = reader->SelfCheck();
 }
 
 void IpoptEngine::Prepare(const LcpProblem& problem) {
@@ -676,7 +658,7 @@ void IpoptEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lc
   // The start may be the answer already: an interior point method would walk away from it.
   Eigen::VectorXd first = Eigen::VectorXd::Zero(scaled_->size());
   if (options.initial_f != nullptr) first = options.initial_f->cwiseQuotient(scaled_->force_unit);
-  if (options_.self_check && Accept(first, options.tolerance, result)) return;
+  if (Accept(first, options.tolerance, result)) return;
   for (Formulation& formulation : formulations_) {
     if (Run(&formulation, options, deadline, result)) return;
   }

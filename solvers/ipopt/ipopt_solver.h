@@ -19,10 +19,8 @@ struct IpoptOptions {
   };
   Program program = Program::kQp;  ///< see Program
   Form form = Form::kAuto;         ///< see Form
-  /// SettingsReader::SelfCheck; without it Ipopt stops by its own tests, with the tolerance as its `tol`.
-  bool self_check = true;
 
-  /// Settings `form` = auto | contact | lifted and `self_check`.
+  /// Setting `form` = auto | contact | lifted.
   void Read(SettingsReader* reader);
 };
 

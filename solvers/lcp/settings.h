@@ -25,11 +25,6 @@ class SettingsReader {
                      std::initializer_list<std::string_view> choices);
   /// `yes` or `no`.
   bool YesOrNo(const std::string& name, bool fallback);
-  /// `self_check`, yes where absent, the same word for every own solver. With `no` a solve claims kSolved as soon as
-  /// the method's own stopping rule holds: the answer is not checked by rho and backward error of the given form, nor
-  /// refined, repaired or handed to another method because of that check. For comparison with solvers that do not
-  /// check.
-  bool SelfCheck() { return YesOrNo("self_check", true); }
   /// Must come last.
   void Finish() const;
 

@@ -117,8 +117,7 @@ class Deadline {
 /// prepares by itself where the caller did not. A user with a new problem pays for both.
 ///
 /// Own solvers that check their answer before they claim it do so by rho and backward error, the measures of the
-/// verifier (verify.h), mostly by residual.h, rays by VerifyFarkasRay itself. The
-/// setting `self_check` = no, where a solver has it, leaves the check out.
+/// verifier (verify.h), mostly by residual.h, rays by VerifyFarkasRay itself.
 class LcpSolver {
  public:
   virtual ~LcpSolver() = default;

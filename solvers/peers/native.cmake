@@ -3,9 +3,9 @@
 # place of the library's own.
 set(LCPBENCH_PEERS_SOURCES "${PROJECT_SOURCE_DIR}/build/peers-sources" CACHE PATH "Sources of peers, unpacked")
 
-# lcpbench_add_native_peer(<peer> <function> LIBRARY <target> FILES <file>... [INCLUDE <folder>]): the peer <peer>-native.
-# FILES are below LCPBENCH_PEERS_SOURCES/<peer>; <function>: as of lcpbench_add_linked_peer.
-function(lcpbench_add_native_peer peer function)
+# lcpbench_add_native_peer(<peer> LIBRARY <target> FILES <file>... [INCLUDE <folder>]): the peer <peer>-native. FILES are
+# below LCPBENCH_PEERS_SOURCES/<peer>.
+function(lcpbench_add_native_peer peer)
   cmake_parse_arguments(ARG "" "LIBRARY;INCLUDE" "FILES" ${ARGN})
   list(TRANSFORM ARG_FILES PREPEND "${LCPBENCH_PEERS_SOURCES}/${peer}/")
   list(GET ARG_FILES 0 first)
@@ -18,10 +18,9 @@ function(lcpbench_add_native_peer peer function)
   target_compile_options(lcpbench_${peer}_native PRIVATE -w)
   target_link_libraries(lcpbench_${peer}_native PRIVATE lcpbench_fast ${ARG_LIBRARY})
   lcpbench_add_peer(${peer}-native LIBRARIES lcpbench_${peer}_native lcpbench_linked_${peer})
-  target_compile_definitions(lcpbench_worker_${peer}-native PRIVATE ThisPeerLibrary=${function})
 endfunction()
 
-lcpbench_add_native_peer(bullet BulletLibrary LIBRARY PkgConfig::bullet_float64
+lcpbench_add_native_peer(bullet LIBRARY PkgConfig::bullet_float64
                          FILES src/BulletDynamics/MLCPSolvers/btDantzigLCP.cpp)
 # What its configure script would find out, as far as these files ask.
 file(CONFIGURE OUTPUT "${CMAKE_CURRENT_BINARY_DIR}/ode-native/config.h" CONTENT
@@ -31,6 +30,6 @@ file(CONFIGURE OUTPUT "${CMAKE_CURRENT_BINARY_DIR}/ode-native/config.h" CONTENT
 #include <stdint.h>
 #include <typedefs.h>
 ")
-lcpbench_add_native_peer(ode OdeLibrary LIBRARY PkgConfig::ode
+lcpbench_add_native_peer(ode LIBRARY PkgConfig::ode
                          FILES ode/src/lcp.cpp ode/src/matrix.cpp ode/src/fastdot.cpp
                          INCLUDE "${CMAKE_CURRENT_BINARY_DIR}/ode-native")

@@ -18,7 +18,7 @@
 namespace lcpbench {
 
 /// What one worker executable is built from: an adapter file defines ThisPeerLibrary() and is linked with
-/// worker_main.cc and the one library. For the peers of linked_peers.h the build names their function in its place.
+/// worker_main.cc and the one library.
 struct PeerLibrary {
   std::string version;  ///< as the library itself says, where it does
   /// One of its solvers, by the key in peer_table.h. @throws InputError for impossible settings

@@ -19,7 +19,6 @@ constexpr PeerProject kOde{"ode", "ODE", "LGPL-2.1-or-later OR BSD-3-Clause"};
 // Its Dantzig code is ODE's, with ODE's licence.
 constexpr PeerProject kDart{"dart", "DART", "BSD-2-Clause AND (LGPL-2.1-or-later OR BSD-3-Clause)"};
 constexpr PeerProject kSiconos{"siconos", "Siconos", "Apache-2.0"};
-constexpr PeerProject kPortfolio{"portfolio", "Portfolio of peers", "GPL-2.0-or-later AND Zlib"};
 constexpr PeerProject kPetsc{"petsc", "PETSc", "BSD-2-Clause"};
 constexpr PeerProject kCgal{"cgal", "CGAL", "GPL-3.0-or-later"};
 constexpr PeerProject kClp{"clp", "Clp", "EPL-1.0"};
@@ -76,7 +75,6 @@ constexpr std::string_view kResiduals = "residuals, absolute and relative to the
 constexpr std::string_view kViolationOnly = "the largest violation of a constraint, absolute";
 constexpr std::string_view kViolation =
     "the largest violation of a constraint, absolute; for a singular matrix proximal steps, too";
-constexpr std::string_view kJudged = "the scaled natural residual, by which each answer is judged";
 constexpr std::string_view kFeasibility = "feasibility and complementarity, absolute";
 
 // The values for both builds of ProxQP.
@@ -221,14 +219,12 @@ constexpr PeerEntry kPeers[] = {
                                          TierSettings{{1e-4, 1e-7, 1e-10}, 2e4, kFeasibility}}),
     WithFriction(FrictionLaw::kSpatial, {kPinocchio, "pinocchio-pgs", "projected Gauss-Seidel of its contact solvers",
                                          TierSettings{{1e-4, 1e-7, 1e-10}, 1e6, kFeasibility}}),
-    {kPortfolio, "peer-portfolio", "Bullet's Dantzig, the same with cfm, ALGLIB's QuickQP, until an answer passes",
-     TierSettings{{1e-3, 1e-6, 1e-9}, 0, kJudged}},
 };
 
 // Keys with tiers that have no KEY-default: the library's own options are those of another key.
 constexpr std::string_view kTunedOnly[] = {
-    "peer-portfolio",    "bullet-si",         "bullet-pgs",           "siconos-nsgs-sbm",
-    "petsc-rsls-direct", "petsc-ssls-direct", "proxqp-dual-baseline", "proxqp-primal-baseline"};
+    "bullet-si",         "bullet-pgs",           "siconos-nsgs-sbm",      "petsc-rsls-direct",
+    "petsc-ssls-direct", "proxqp-dual-baseline", "proxqp-primal-baseline"};
 
 // Solvers that know no friction, with a transformation: all else is as of `within`, its tolerances, too.
 struct TransformedPeer {

@@ -78,6 +78,8 @@ struct PeerEntry {
     return law == FrictionLaw::kSweptBounds || law == FrictionLaw::kFrozenBounds ||
            transformation == Transformation::kLaggedBounds;
   }
+  /// With the diagonal shift that engines use (constraint force mixing).
+  bool is_shifted() const { return key.find("-cfm") != std::string_view::npos; }
   /// The library's own options, or a fixed effort: the adapter passes no tolerance.
   bool has_library_defaults() const { return key.ends_with("-default") || fixed_effort; }
 };

@@ -14,7 +14,6 @@
 #include "solvers/peers/peer_library.h"
 #include "solvers/peers/peer_table.h"
 #include "solvers/peers/protocol/worker.h"
-#include "solvers/peers/solvers_in_turn.h"
 #include "support/input_error.h"
 #include "support/printable.h"
 
@@ -34,8 +33,6 @@ Settings ParseSettings(int argc, char** argv) {
   return settings;
 }
 
-constexpr double kShift = 1e-9;  // what the engines' users take
-
 // The relaxed problem gets this part of the tolerance, because the tier measures by other loads.
 constexpr double kOfRelaxed = 0.1;
 
@@ -45,19 +42,13 @@ std::unique_ptr<LcpSolver> Transformed(Transformation transformation, const With
   return std::make_unique<LaggedBoundsSolver>(options);
 }
 
-// Settings of every peer without a transformation: check=yes (default no), a solver with the check that ours have,
-// which is one of plain rows, and where that finds fault one more turn with a shift of `check_shift`.
 std::unique_ptr<LcpSolver> Make(const PeerLibrary& library, const PeerEntry& peer, const Settings& settings) {
   SettingsReader reader(peer.key, settings);
   const bool is_plain = peer.transformation == Transformation::kNone;
-  const bool is_checked = is_plain && reader.Choice("check", "no", {"no", "yes"}) == "yes";
-  const double shift = is_plain ? reader.Number("check_shift", kShift, 0, 1) : 0;
   const auto make = [&] { return library.make(is_plain ? peer.key : peer.within, &reader); };
   std::unique_ptr<LcpSolver> made = is_plain ? make() : Transformed(peer.transformation, {make, kOfRelaxed});
   reader.Finish();
-  if (!is_checked) return made;
-  const std::shared_ptr<LcpSolver> shared = std::move(made);
-  return std::make_unique<SolversInTurn>(std::vector<SolversInTurn::Turn>{{shared}, {shared, shift}});
+  return made;
 }
 
 }  // namespace

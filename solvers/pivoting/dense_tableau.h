@@ -37,14 +37,7 @@ class DenseTableau {
     t_.pivots = 0;
     if (!Scale()) return false;
     ScaleMatrix();
-    if (t_.self_check) {
-      SolveAndCheck();
-      return true;
-    }
-    const bool found = (HasClosedForm() && SolveInClosedForm()) || FindActiveSet();
-    t_.rho = found ? 0 : kInfinity;
-    t_.rounding = 0;
-    t_.rows_meet = t_.rows_are_clear = found;
+    SolveAndCheck();
     return true;
   }
 

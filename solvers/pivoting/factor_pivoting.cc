@@ -88,7 +88,7 @@ class FactorPivoting : public RowEngine {
   virtual void Prepare(const LcpProblem& problem) {
     problem_ = problem;
     Reserve(problem.size());
-    if (pivot_options_.self_check) judge_.Reset(problem, true);
+    judge_.Reset(problem, true);
   }
 
   virtual void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
@@ -191,10 +191,9 @@ class FactorPivoting : public RowEngine {
   void LeaveOutStrongest(Index p);
   bool IsSurplus(Index p) const;
   void ReleaseAll();
-  bool Publish(LcpResult* result);
+  bool Publish();
   void Refine();
-  void DropTinyForces(LcpResult* result);
-  bool MayBeWrong() const;
+  void DropTinyForces();
 
   void GiveForces(Eigen::VectorXd* f) const {
     f->setZero();
@@ -229,7 +228,6 @@ bool FactorPivoting::SolveRows(const RowTask& task, LcpResult* result) {
   tableau_->ReserveRows(task.rows.rows, task.rows.bodies);
   SmallPivoting::Request request;
   request.deadline = task.deadline;
-  request.self_check = pivot_options_.self_check;
   double rho = 0;
   const SmallPivoting::End end = tableau_->SolveRows(task.rows, task.all, task.options.tolerance, request, &task.judge,
                                                      result->f.data(), task.w, &rho);
@@ -254,7 +252,7 @@ PermutedLcp::Loaded FactorPivoting::Load() {
 // coarser one, from nothing active and without blocks. `problem` shares its matrix with the prepared one.
 void FactorPivoting::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   problem_ = problem;
-  if (pivot_options_.self_check) judge_.Start(problem, options.tolerance, result);
+  judge_.Start(problem, options.tolerance, result);
   tolerance_ = options.tolerance;
   proof_tolerance_ = std::min(tolerance_, kProofTolerance);
   deadline_.reset();
@@ -306,34 +304,19 @@ LcpStatus FactorPivoting::Attempt(LcpResult* result) {
     if (end != kSolved) break;
     SolveForces(round == 0 ? Leaving::kAll : Leaving::kOneByOne);
     const double tier_before = judge_.tier();
-    if (Publish(result) || (round > 0 && !(judge_.tier() < tier_before))) break;
+    if (Publish() || (round > 0 && !(judge_.tier() < tier_before))) break;
     Refine();
-    if (Publish(result)) break;
+    if (Publish()) break;
     SolveForces(Leaving::kOneByOne);
   }
   if (end == kTimeLimit) {
     if (!std::isfinite(judge_.tier())) GiveForces(&result->f);
   } else if (end != kSolved) {
-    Publish(result);
+    Publish();
   }
-  if (!pivot_options_.self_check) return end == kSolved && MayBeWrong() ? kNumericalFailure : end;
-  if (end == kSolved && judge_.tier() > tolerance_) DropTinyForces(result);
+  if (end == kSolved && judge_.tier() > tolerance_) DropTinyForces();
   if (judge_.tier() <= (end == kInfeasible ? proof_tolerance_ : tolerance_)) return kSolved;
   return end == kSolved ? kNumericalFailure : end;
-}
-
-// Without a judge: whether a row that was left out or set aside is wrong by more than the tolerance, or any row may be
-// because the rounding of its terms is as large.
-bool FactorPivoting::MayBeWrong() const {
-  double forces = 0;
-  for (Index p = 0; p < m(); ++p) forces += std::abs(lcp_.f[p]) * std::sqrt(lcp_.diagonal[p]);
-  if (std::numeric_limits<double>::epsilon() * forces > tolerance_ * lcp_.b_scale * lcp_.b_norm) return true;
-  for (Index p = open_; p < lcp_.nonzero; ++p) {
-    const double w = lcp_.FreshW(p, m()).value;
-    const double wrong = problem_->is_bilateral(RowAt(p)) ? w : std::min(w, 0.0);
-    if (lcp_.ResidualShare(p, wrong) > tolerance_) return true;
-  }
-  return false;
 }
 
 // A start for the rule: f_F >= 0 on unilateral rows.
@@ -480,21 +463,21 @@ void FactorPivoting::ReleaseAll() {
   lcp_.f.head(lcp_.nonzero).setZero();
 }
 
-// Judges f; true if it is good enough to stop. Without self-check true, unjudged.
-bool FactorPivoting::Publish(LcpResult* result) {
-  GiveForces(pivot_options_.self_check ? &judge_.candidate() : &result->f);
-  return !pivot_options_.self_check || judge_.Publish();
+// Judges f; true if it is good enough to stop.
+bool FactorPivoting::Publish() {
+  GiveForces(&judge_.candidate());
+  return judge_.Publish();
 }
 
 // Forces that are rounding beside the largest may be all that a row has whose forces and b should be 0; its backward
 // error is rounding over rounding then.
-void FactorPivoting::DropTinyForces(LcpResult* result) {
+void FactorPivoting::DropTinyForces() {
   const auto size = [this](Index p) { return std::abs(lcp_.f[p]) * ForceRoot(p); };
   double largest = 0;
   for (Index p = 0; p < lcp_.nonzero; ++p) largest = std::max(largest, size(p));
   for (const double tiny : kTinyForces) {
     for (Index p = 0; p < lcp_.nonzero; ++p) lcp_.f[p] = size(p) <= tiny * largest ? 0.0 : lcp_.f[p];
-    Publish(result);
+    Publish();
   }
 }
 
@@ -557,7 +540,6 @@ void PivotOptions::ReadShared(SettingsReader* reader) {
   rank_tolerance = reader->Number("rank_tolerance", rank_tolerance, std::numeric_limits<double>::epsilon(), 1e-3);
   block_start = reader->YesOrNo("block_start", block_start);
   max_rows = static_cast<Index>(reader->Number("max_rows", static_cast<double>(max_rows), 1, 1e5));
-  self_check = reader->SelfCheck();
 }
 
 // Positions: watched rows [m, q) with w >= 0; the driven row q and the waiting rows behind it. Rates of w along the

@@ -14,12 +14,11 @@ struct PivotOptions {
   double rank_tolerance = 1e-12;
   /// Before the method takes over, blocks of rows enter and leave F at once; after a warm start they always do.
   bool block_start = true;
-  bool self_check = true;  ///< SettingsReader::SelfCheck
   /// Larger problems are refused as unsupported before anything is allocated: three n x n arrays take 2.4 GB at the
   /// default, and pivoting on them minutes. In [1, 100000].
   Index max_rows = 10'000;
 
-  /// Keys `rank_tolerance`, `block_start` (yes, no), `max_rows` and `self_check`.
+  /// Keys `rank_tolerance`, `block_start` (yes, no) and `max_rows`.
   void ReadShared(SettingsReader* reader);
 };
 

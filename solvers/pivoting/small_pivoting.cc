@@ -100,7 +100,6 @@ SmallPivoting::Answer SmallPivoting::SolveLoaded(const Given& given, const Reque
     if (is_joint || request.initial_f[given(i)] > 0) work_.guess[work_.guess_count++] = i;
   }
   work_.row_limit = request.row_limit;
-  work_.self_check = request.self_check;
   work_.clock = work_.n > kRowsWithoutClock ? request.deadline : nullptr;
   if (!kernel_->solve(&work_)) return {kInfinity, kInfinity, false, false};
   const double inverse_b_scale = 1 / work_.b_scale;

@@ -68,8 +68,6 @@ class SmallPivoting {
     const double* initial_f = nullptr;
     /// nullptr for none; Solve gives up when it has expired. Not read up to kRowsWithoutClock.
     const Deadline* deadline = nullptr;
-    /// false: the basic point is the answer, neither measured nor refined, and rho is 0 unless it gave up.
-    bool self_check = true;
   };
   struct Answer {
     double rho;  ///< in double; infinity if it gave up

@@ -28,7 +28,6 @@ struct TableauWork {
   int guess_count = 0;
   TableauRule rule = TableauRule::kMostViolated;
   double row_limit = 0;
-  bool self_check = true;
   bool is_assembled = true;  ///< entries of A are rounded sums, not given numbers
   bool (*is_late)(const void* clock) = nullptr;
   const void* clock = nullptr;  ///< nullptr: no limit

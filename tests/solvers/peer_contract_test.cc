@@ -151,22 +151,6 @@ TEST_P(PeerContract, PartsAreTimedWhereTheyAreWanted) {
   EXPECT_LE(result.own_solve_s + std::max(0.0, result.own_convert_s), result.own_fresh_s);
 }
 
-// With a check, a claim is what the verdict finds.
-TEST_P(PeerContract, ACheckedSolverClaimsWhatHolds) {
-  solver_ = GetParam().make({{"check", "yes"}});
-  for (const TestProblem& test : GeneratedProblems()) {
-    SCOPED_TRACE(test.problem.id());
-    constexpr double kLimit = 0.05;  // s
-    const LcpResult result = Solve(test.problem, 1e-6, kLimit);
-    if (Answers(result)) {
-      // The last digits of rho are not the verifier's.
-      EXPECT_LE(Verify(test.problem, result, 1e-6).metrics.rho, 1.001e-6) << result.detail;
-    }
-  }
-  EXPECT_THROW(GetParam().make({{"check", "maybe"}}), InputError);
-  EXPECT_THROW(GetParam().make({{"check_shift", "2"}}), InputError);
-}
-
 TEST_P(PeerContract, NoRowsIsSolvedAndUnknownSettingsAreRefused) {
   EXPECT_EQ(Solve(LcpProblem::FromDense("empty", Eigen::MatrixXd(0, 0), Eigen::VectorXd(0)), 1e-9).status,
             LcpStatus::kSolved);
@@ -190,26 +174,14 @@ TEST(PeerSettings, AShiftedFactorizationSolvesMoreOfTheSingularProblems) {
   }
 }
 
-TEST(PeerFacts, ToleranceAndAblationAreSaid) {
+TEST(PeerFacts, ToleranceIsSaid) {
   for (const SolverEntry& peer : AllSolvers()) {
     if (peer.origin != SolverOrigin::kPeer || !peer.base.empty()) continue;
-    EXPECT_EQ(peer.ablation, "");
     // So many sweeps are no answer to a tolerance either.
     EXPECT_EQ(peer.tolerance() == "default", peer.key.ends_with("-default") || peer.key.starts_with("bullet-si-"))
         << peer.key;
   }
-  RegisterAblations();
-  RegisterAblations();
-  for (const SolverEntry& peer : PlainSolversOf(SolverOrigin::kPeer)) {
-    if (!peer.base.empty()) continue;
-    const SolverEntry& checked = FindSolver(peer.key + "-checked");
-    EXPECT_EQ(checked.ablation, "checked");
-    EXPECT_EQ(checked.base, peer.key);
-    // Whether it solves once more depends on the tier.
-    EXPECT_EQ(checked.tolerance(), "follows");
-  }
   RegisterExternalSolver("auto-baseline", {"/no/such/build/lcpbench", "serve", "auto"});
-  EXPECT_EQ(FindSolver("auto-baseline").ablation, "baseline");
   EXPECT_EQ(FindSolver("auto-baseline").base, "auto");
   EXPECT_EQ(FindSolver("auto-baseline").origin, SolverOrigin::kExternal);
 }

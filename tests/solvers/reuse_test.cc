@@ -183,39 +183,6 @@ TEST_P(Reuse, NothingIsKeptOfOtherProblemsButWorkspace) {
   }
 }
 
-// The ablation: without the check of its own answer a method gives what it gave before it looked.
-TEST_P(Reuse, WithoutSelfCheckAnswersThatNeedNoRepairAreTheSame) {
-  static const std::set<std::string> kStopElsewhere = {"ipopt-qp", "ipopt-ncp"};  // by Ipopt's tests
-  // Block pivoting looks for a better answer where its measure, unlike the verdict, counts rounding of a row's defect.
-  // auto reads nothing in place then.
-  static const std::set<std::string> kOtherWay = {"bpp", "active-set", "semismooth-newton", "auto"};
-  const bool goes_on = kOtherWay.contains(GetParam().key);
-  constexpr double kRounding = 1e-9;
-  std::unique_ptr<LcpSolver> unchecked;
-  try {
-    unchecked = GetParam().make({{"self_check", "no"}});
-  } catch (const InputError&) {
-    return;  // a method of auto alone has no check to leave out
-  }
-  const std::unique_ptr<LcpSolver> checked = Make();
-  int compared = 0;
-  int same = 0;
-  for (const LcpProblem& problem : SmallProblems()) {
-    const LcpResult expected = Solve(checked.get(), problem);
-    const LcpResult result = Solve(unchecked.get(), problem);
-    if (expected.status != LcpStatus::kSolved || result.status != LcpStatus::kSolved) continue;
-    // A first answer that is as good as rounding leaves nothing to repair.
-    const Metrics metrics = ComputeMetrics(problem, result.f);
-    if (metrics.rho > 1e-15 || metrics.backward_error > 1e-8) continue;
-    ++compared;
-    const double difference = (result.f - expected.f).cwiseAbs().maxCoeff();
-    same += difference <= (goes_on ? kRounding * (1 + expected.f.cwiseAbs().maxCoeff()) : 0) ? 1 : 0;
-  }
-  if (!kStopElsewhere.contains(GetParam().key)) {
-    EXPECT_EQ(same, compared);
-  }
-}
-
 INSTANTIATE_TEST_SUITE_P(Solvers, Reuse, testing::ValuesIn(PlainSolversOf(SolverOrigin::kOwn)), SolverTestName);
 
 }  // namespace

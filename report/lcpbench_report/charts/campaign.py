@@ -18,7 +18,7 @@ from ..formats import power, size_class
 from ..headline_table import ClassRow, headline
 from ..inputs import PATHOLOGICAL, Inputs
 from ..sentences import say
-from ..statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, NOT_ASKED, VERIFIED, within_rounding
+from ..statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, NOT_ASKED, OUT_OF_TIME, VERIFIED, within_rounding
 from ..statistics.groups import common, wide
 from ..statistics.model import ORIGINS
 from ..statistics.rivals import FASTEST, PORTFOLIO
@@ -41,8 +41,8 @@ _METRICS = {"time_s": Axis("fresh time", "seconds"), "again_s": Axis("time of th
 # What becomes of a problem -> colour, safe for colour blindness: blue is good, red is a lie, pale ones are honest failures.
 _OUTCOMES = {VERIFIED: "#2b7bba", "proved infeasible": "#56a3a6", "infeasible within rounding": "#9cc9cb",
              FALSE_SUCCESS: "#b3261e", "false claim of infeasibility": "#d8604f", BELOW_TIER: "#dd9a84",
-             "changed": "#cdb04b", "solved its own model": "#e8a33d", "iteration limit": "#f2cf66", "time limit": "#e3b7a0",
-             "numerical failure": "#c9a0c9", "infeasible": "#f0dca0", "crashed": "#6b4c9a", "killed": "#8d7bb5",
+             "changed": "#cdb04b", "solved its own model": "#e8a33d", "iteration limit": "#f2cf66", OUT_OF_TIME: "#e3b7a0",
+             "numerical failure": "#c9a0c9", "infeasible": "#f0dca0", "crashed": "#6b4c9a",
              "out of memory": "#a58fc9", "other failure": "#c8b8a8", NOT_ASKED: "#cfe0dc", EXCLUDED: "#e4e8ec"}
 
 

@@ -3,6 +3,15 @@
 The time that counts, `time_s`, is the fresh time where the answer was verified, else inf: from the caller's arrays to
 f, the median over the launches. Where a verified problem was not timed, for the task's budget was spent, it is the time
 of the solve that was judged.
+
+One rule of time for all: an answer is right only if the solve that was judged, and the fresh time, took no longer than the
+limit of the size class. OUT_OF_TIME are those that took longer (`late`), that were ended there, and that a rule excludes
+because the solver was out of time at a looser tier.
+
+False successes have a cause: the solver shifts the diagonal on purpose (campaign.json, `shifted`); refused by the backward
+error alone, rho being within the tier (`eta`); rho within NEAR times the tier (`near`): another measure, or a tolerance of
+its own, was reached; or further off (`far`). Those that are far, of solvers that are not shifted, are what sentences call
+false.
 """
 
 import math
@@ -13,32 +22,44 @@ import pandas as pd
 
 from .launches import COLUMNS as LAUNCH_COLUMNS
 from .launches import KEY as KEY_OF_LAUNCHES
-from .model import DEFAULT, FLAGS, JUDGED, LAWS, METRICS, NOT_ASKED, PART_TIMES, UNSUPPORTED, Campaign, Task
+from .model import (DEFAULT, FLAGS, JUDGED, LAWS, METRICS, NOT_ASKED, OUT_OF_TIME_RULE, OVER, PART_TIMES, UNSUPPORTED, Campaign,
+                    Task)
 
 VERIFIED = "verified"
 FALSE_SUCCESS = "false success"
 # For a solver that was not asked for this tier's tolerance: it takes its library's own one.
 BELOW_TIER = "below the tier"
 EXCLUDED = "excluded"
-NOT_RUN = (EXCLUDED, NOT_ASKED)
+OUT_OF_TIME = "out of time"
+CAUSES = SHIFTED, ETA, CLOSE, FAR = ("shifted", "eta", "near", "far")
+NEAR = 10  # tiers
 FAILED = "failed:"  # and the solver's claim
 CHANGED = FAILED + "changed"  # verified by itself, and not in a timed pass
 KEY = ["problem", "solver", "tier"]
 
 _ABOUT = ("set", "counts", "base", "weight", "origin", "fill", "family", "problem", "rows", "friction", "bounded",
-          "size_class", "reference", "reference_status")
+          "size_class", "reference", "reference_status", "sealed")
 _TIMES = ("fresh_s", *PART_TIMES, "again_s")
-COLUMNS = [*_ABOUT, "solver", "tier", "verdict", "asked", "excluded", "claim", *FLAGS, "best_tier", "iterations",
-           *METRICS, *LAWS, "timed", "disturbed", *_TIMES, "first_s", "factor_share", "time_s", "time_limit_s",
-           "oracle_s", "oracle_ratio", "peak_bytes"]
+COLUMNS = [*_ABOUT, "solver", "tier", "verdict", "cause", "asked", "excluded", "claim", *FLAGS, "best_tier", "iterations",
+           *METRICS, *LAWS, "timed", "flagged", *_TIMES, "first_s", "factor_share", "late", "time_s", "time_limit_s",
+           "oracle_s", "oracle_ratio", "check_s", "peak_bytes"]
 # Kind of array -> columns of tasks.
-_KINDS = {bool: (*FLAGS, "changed"), object: ("excluded", "claim"), int: ("timed", "disturbed"),
+_KINDS = {bool: (*FLAGS, "changed", "late"), object: ("excluded", "claim"), int: ("timed", "flagged"),
           float: (*JUDGED, *LAWS, "peak_bytes", *_TIMES)}
+_ABSENT = {bool: False, object: "", int: 0, float: math.nan}
 
 
 class Measured(NamedTuple):
     cells: pd.DataFrame  # COLUMNS
     launches: pd.DataFrame  # launches.COLUMNS
+    # Solver, size class and tier -> problems x numbers of launches: fresh times, NaN where there is none.
+    times: dict[tuple[str, str, float], pd.DataFrame]
+    first_round: int = 1  # the launch from which on those of a number are a round (Campaign.first_round)
+
+    @property
+    def rounds(self) -> dict[tuple[str, str, float], pd.DataFrame]:
+        """Of `times` what is of rounds."""
+        return {key: of.loc[:, of.columns >= self.first_round] for key, of in self.times.items()}
 
 
 def cell_table(campaign: Campaign) -> pd.DataFrame:
@@ -58,21 +79,31 @@ def measured(campaign: Campaign) -> Measured:
     columns["asked"] = np.repeat([solvers[task.solver]["tolerance"] != DEFAULT for task in tasks], counts).astype(bool)
     columns["time_limit_s"] = campaign.time_limit(columns["rows"])
     for kind, names in _KINDS.items():
-        columns |= {name: np.concatenate([np.empty(0, kind), *(task.columns.get(name, np.full(len(task.at), math.nan))
+        columns |= {name: np.concatenate([np.empty(0, kind), *(task.columns.get(name, np.full(len(task.at), _ABSENT[kind]))
                                                                for task in tasks)]) for name in names}
-    lost = columns.pop("changed") & columns["passes"]
-    columns["passes"] &= ~lost
+    taken = np.fmax(columns["first_s"], columns["fresh_s"])
+    columns["late"] = columns["passes"] & (columns["late"] | (taken > columns["time_limit_s"]))
+    lost = columns.pop("changed") & columns["passes"] & ~columns["late"]
+    columns["passes"] &= ~lost & ~columns["late"]
     # Where a solver passes the problem at the tier, no rounding floor of the problem is in the way.
     cells = pd.DataFrame({key: columns[key] for key in ("problem", "tier", "passes")})
     columns["below_floor"] &= ~cells.groupby(["problem", "tier"])["passes"].transform("any").to_numpy(dtype=bool)
     columns["verdict"] = _verdicts(columns)
     columns["verdict"][lost] = CHANGED
+    shifted = np.repeat(np.array([solvers[task.solver].get("shifted", False) for task in tasks], dtype=bool), counts)
+    columns["cause"] = _causes(columns, shifted)
     columns["time_s"] = np.where(columns["passes"], np.where(np.isnan(columns["fresh_s"]), columns["first_s"],
                                                              columns["fresh_s"]), math.inf)
     columns["oracle_ratio"] = columns["time_s"] / columns["oracle_s"]
     launches = [dict(zip(KEY_OF_LAUNCHES, (task.solver, task.size_class, task.tier))) | row
                 for task in tasks for row in task.launches]
-    return Measured(pd.DataFrame(columns, columns=COLUMNS), pd.DataFrame(launches, columns=LAUNCH_COLUMNS))
+    times: dict[tuple, list[pd.DataFrame]] = {}
+    for task in tasks:
+        if task.times is not None:
+            names = np.array(campaign.classes[task.size_class], dtype=object)
+            times.setdefault((task.solver, task.size_class, task.tier), []).append(task.times.set_axis(names[task.at]))
+    return Measured(pd.DataFrame(columns, columns=COLUMNS), pd.DataFrame(launches, columns=LAUNCH_COLUMNS),
+                    {key: pd.concat(parts) for key, parts in times.items()}, campaign.first_round)
 
 
 def _about(campaign: Campaign, tasks: list[Task]) -> dict[str, np.ndarray]:
@@ -87,15 +118,29 @@ def _about(campaign: Campaign, tasks: list[Task]) -> dict[str, np.ndarray]:
         values = [record[key] for record in records]
         texts = bool(values) and isinstance(values[0], str)
         columns[key] = np.array(values, dtype=object if texts else float if key == "weight" else None)[order]
-    columns["oracle_s"] = np.array([record["oracle_s"] for record in records], dtype=float)[order]
+    columns |= {key: np.array([record[key] for record in records], dtype=float)[order] for key in ("oracle_s", "check_s")}
     return columns
 
 
 def _verdicts(columns: dict[str, np.ndarray]) -> np.ndarray:
     failed = np.array([FAILED + claim for claim in columns["claim"]], dtype=object)
-    return np.select([columns["excluded"] != "", columns["passes"], columns["false_success"],
+    by_rule = np.array([rule.startswith(OUT_OF_TIME_RULE) for rule in columns["excluded"]], dtype=bool)
+    over = columns["late"] | by_rule | (np.isin(columns["claim"], OVER) & ~columns["passes"])
+    return np.select([(columns["excluded"] != "") & ~by_rule, columns["passes"], columns["false_success"] & ~by_rule, over,
                       columns["claim"] == UNSUPPORTED],
-                     [EXCLUDED, VERIFIED, np.where(columns["asked"], FALSE_SUCCESS, BELOW_TIER), NOT_ASKED], failed)
+                     [EXCLUDED, VERIFIED, np.where(columns["asked"], FALSE_SUCCESS, BELOW_TIER), OUT_OF_TIME, NOT_ASKED], failed)
+
+
+def _causes(columns: dict[str, np.ndarray], shifted: np.ndarray) -> np.ndarray:
+    """Of FALSE_SUCCESS one of CAUSES, else "". An answer of another model is measured by that, if it is better there."""
+    off = np.fmin(columns["rho"], columns["model_rho"]) / columns["tier"]
+    found = np.select([shifted, off <= 1, off <= NEAR], [SHIFTED, ETA, CLOSE], FAR)
+    return np.where(columns["verdict"] == FALSE_SUCCESS, found, "").astype(object)
+
+
+def ran(cells: pd.DataFrame) -> pd.Series:
+    """What took place: neither excluded by a rule, also by one of time, nor not asked."""
+    return (cells["excluded"] == "") & (cells["verdict"] != NOT_ASKED)
 
 
 def within_rounding(cells: pd.DataFrame) -> pd.Series:

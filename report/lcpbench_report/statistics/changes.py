@@ -25,7 +25,7 @@ from .class_times import ALL, by_solver, class_table, classes, ratio
 from .intervals import Bootstrap
 from .launches import Levels
 from .model import METRICS, TASK_BUDGET, Campaign
-from .rivals import FASTEST, is_own, rival_table
+from .rivals import FASTEST, PORTFOLIO, Portfolios, is_own, rival_table
 
 SIDES = ("old", "new")
 REACH = 0.03  # relative
@@ -35,6 +35,7 @@ _RUN = ("started", "environment_hash")  # keys of campaign.json that differ from
 _OF_PROBLEM = ("set", "family", "base", "weight", "size_class", "rows", "counts", "reference")
 _OF_ANSWER = ("claim", "verdict", "iterations", *METRICS)
 _TASK = ["solver", "size_class", "tier"]
+_MADE = (FASTEST, PORTFOLIO)  # rivals that are made of several solvers
 _MISSING = object()  # the value of a key that is not there
 
 # What differs, and its value in OLD and in NEW.
@@ -74,7 +75,7 @@ def compare(old: Campaign, new: Campaign) -> Comparison:
     only = pd.concat([mine[~_among(mine, cells, KEY)].assign(side=side) for side, mine in zip(SIDES, (first, second))])
     own = {key for key, entry in (old.solvers | new.solvers).items() if is_own(entry)}
     plan, problems = (list(_differences(describe(old), describe(new))) for describe in (_plan, _problems))
-    return Comparison(plan, problems, cells, only, moved_table(runs, own))
+    return Comparison(plan, problems, cells, only, moved_table(runs, own, (old.portfolio, new.portfolio)))
 
 
 # ----- plans
@@ -110,16 +111,18 @@ def _word(value) -> str:
 # ----- how far what is published moved
 
 
-def moved_table(runs: tuple[Measured, Measured], own: set[str]) -> pd.DataFrame:
+def moved_table(runs: tuple[Measured, Measured], own: set[str], portfolios: tuple[Portfolios, Portfolios]) -> pd.DataFrame:
     """A row per value: those that do not agree first, then what moved most.
 
-    @param own  keys of own solvers
+    @param own         keys of own solvers
+    @param portfolios  of each run
     """
     for key in (["problem"], _TASK):
         runs = _shared(runs, key)
     ours = tables.main_own([key for key in dict.fromkeys(runs[0].cells["solver"]) if key in own])
-    rivals = [rival_table(run.cells, own, ours, Levels(run.launches)) for run in runs]
-    front = {(of.tier, of.size_class, of.rival) for table in rivals for of in table.itertuples() if of.rival != FASTEST}
+    rivals = [rival_table(run.cells, own, ours, Levels(run.launches, times=run.rounds), portfolio)
+              for run, portfolio in zip(runs, portfolios)]
+    front = {(of.tier, of.size_class, of.rival) for table in rivals for of in table.itertuples() if of.rival not in _MADE}
     first, second = (_published(run, table, front, ours) for run, table in zip(runs, rivals))
     rows = [_moved(key, first[key], second[key]) for key in first
             if key in second and not (math.isnan(first[key][0]) and math.isnan(second[key][0]))]
@@ -142,7 +145,7 @@ def _among(mine: pd.DataFrame, others: pd.DataFrame, key: list[str]) -> np.ndarr
 def _published(run: Measured, rivals: pd.DataFrame, front: set[tuple], ours: str) -> dict[tuple, tuple]:
     """(tier, size class, what) -> value and interval: medians of every solver, and ratios to the front, the portfolio
     and the fastest peers."""
-    levels, found = Levels(run.launches), {}
+    levels, found = Levels(run.launches, times=run.rounds), {}
     for of in class_table(run.cells, levels).itertuples():
         if of.size_class != ALL:
             found[of.tier, of.size_class, of.solver] = (of.median_s, of.median_low, of.median_high)
@@ -154,7 +157,7 @@ def _published(run: Measured, rivals: pd.DataFrame, front: set[tuple], ours: str
                 found[tier, size_class, f"{ours} / {rival}"] = tuple(
                     ratio(solvers[ours], solvers[rival], tier, bootstrap, levels).values())
     return found | {(of.tier, of.size_class, f"{of.own} / {of.rival}" + f" ({of.origin})" * (of.origin != ALL)):
-                    (of.ratio, of.ratio_low, of.ratio_high) for of in rivals.itertuples() if of.rival == FASTEST}
+                    (of.ratio, of.ratio_low, of.ratio_high) for of in rivals.itertuples() if of.rival in _MADE}
 
 
 def _moved(key: tuple, old: tuple[float, float, float], new: tuple[float, float, float]) -> list:

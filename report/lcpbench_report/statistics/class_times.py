@@ -2,7 +2,10 @@
 
 Medians are of the class's weight, failures infinite: failing on the hard ones cannot lower them. Problems of a class take
 very different times, so that intervals of medians are wide (launches, families, bases: launches.Levels, intervals.
-Bootstrap); a median of ratios, problem by problem, is sharper: what is common to both times cancels. Where the first
+Bootstrap); a median of ratios, problem by problem, is sharper: what is common to both times cancels. Where both solvers
+have launches in the same rounds (launches.py), the ratio of a problem is the median of those of its rounds, the level of a
+round is the weighted median over problems of log(ratio in the round / ratio of the problem), and resamples draw rounds
+instead of the launches of either side: what is common to a round cancels too. Where the first
 solver of a ratio is not verified it is infinite; where the second is not, the problem has none.
 
 What a solver does not take as it is given is in none of its medians and shares here.
@@ -15,20 +18,21 @@ import numpy as np
 import pandas as pd
 
 from .cells import NOT_ASKED
-from .coverage import coverage
+from .coverage import OF_CAUSES, coverage
 from .groups import GROUP, Part, groups
 from .intervals import Bootstrap
-from .launches import MEDIANS, Levels
+from .launches import LEAST_ROUNDS, MEDIANS, Levels, levels_of
 from .model import TASK_BUDGET
 from .weighted import weighted_median
 
 ALL = "all"  # the value of `size_class` for all problems
 LEAST_FOR_P99 = 1000  # problems of a class
+ROUNDS = "rounds"  # of all solvers alike: names their draws
 _ENDS = ("", "_low", "_high")
 _SHARES = [f"{share}{end}" for share in ("taken_share", "attempted_share", "verified_share", "verified_of_attempted") for end in _ENDS]
 RATIO = [f"ratio{end}" for end in _ENDS]
 COLUMNS = [*GROUP, "size_class", "solver", "asked", "problems", "weight", "n_eff", "launches", "not_asked", "attempted",
-           "verified", "false_successes", "below_tier", *_SHARES, "median_s", "median_low", "median_high", "p99_s", *MEDIANS]
+           "verified", "false_successes", *OF_CAUSES, "below_tier", "out_of_time", *_SHARES, "median_s", "median_low", "median_high", "p99_s", *MEDIANS]
 
 
 def classes(cells: pd.DataFrame) -> Iterator[Part]:
@@ -53,17 +57,36 @@ def fastest_of_each(cells: pd.DataFrame) -> pd.DataFrame:
     return cells.sort_values("time_s", kind="stable").drop_duplicates("problem").set_index("problem")
 
 
-def ratio(first: pd.DataFrame, second: pd.DataFrame, tier: float, bootstrap: Bootstrap, levels: Levels) -> dict:
+def ratio(first: pd.DataFrame, second: pd.DataFrame, tier: float, bootstrap: Bootstrap, levels: Levels,
+          of_rounds: pd.DataFrame | None = None) -> dict:
     """RATIO: weighted median of the ratios of times by problem, with its interval, where the second is verified.
 
     @param first, second  rows by problem, with columns solver, size_class, weight and time_s; the second may be of several
                           solvers
+    @param of_rounds  times of the second, where they are not those of its solvers
     """
     both = first.index.intersection(second.index[np.isfinite(second["time_s"])], sort=False)
     first, second = first.loc[both], second.loc[both]
     ratios, weights = first["time_s"] / second["time_s"], first["weight"]
-    over, under = (levels.shift(side["solver"].to_numpy(), side["size_class"], tier, weights) for side in (first, second))
-    return dict(zip(RATIO, (weighted_median(ratios, weights), *bootstrap.median(both, ratios, weights, over - under))))
+    theirs = levels.rounds(second, tier) if of_rounds is None else of_rounds.loc[both]
+    rounds = _rounds(first, levels.rounds(first, tier) / theirs)
+    if rounds is not None:
+        medians = rounds.median(axis=1)
+        ratios = ratios.where(medians.isna() | np.isinf(ratios), medians)
+        shift = levels.spread(levels_of(rounds.to_numpy().T, medians.to_numpy(), weights.to_numpy()), ROUNDS)
+    else:
+        over, under = (levels.shift(side["solver"].to_numpy(), side["size_class"], tier, weights) for side in (first, second))
+        shift = over - under
+    return dict(zip(RATIO, (weighted_median(ratios, weights), *bootstrap.median(both, ratios, weights, shift))))
+
+
+def _rounds(first: pd.DataFrame, ratios: pd.DataFrame) -> pd.DataFrame | None:
+    """Ratios of times, problems x rounds, NaN where a side has no time, or the first is not verified; of rounds in which most
+    of the weight has both. None with fewer than LEAST_ROUNDS of these."""
+    found = ratios.where(np.isfinite(first["time_s"]), axis=0)
+    known = found.notna().mul(first["weight"], axis=0).sum()
+    found = found.loc[:, known > first["weight"].where(np.isfinite(first["time_s"])).sum() / 2]
+    return found if found.shape[1] >= LEAST_ROUNDS else None
 
 
 def class_table(cells: pd.DataFrame, levels: Levels) -> pd.DataFrame:

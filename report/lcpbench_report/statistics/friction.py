@@ -8,15 +8,16 @@ false success.
 import numpy as np
 import pandas as pd
 
-from .cells import FALSE_SUCCESS, NOT_ASKED, VERIFIED
+from .cells import CAUSES, FALSE_SUCCESS, NOT_ASKED, VERIFIED
 from .class_times import RATIO, by_solver, ratio
+from .coverage import OF_CAUSES
 from .groups import GROUP, groups
 from .intervals import Bootstrap
 from .launches import Levels
 from .model import ERROR_PARTS, INFEASIBLE
 from .weighted import weighted_median, weighted_share
 
-COLUMNS = [*GROUP, "solver", "problems", "taken", "solvable", "right", "right_share", "lawful_share", "false_successes",
+COLUMNS = [*GROUP, "solver", "problems", "taken", "solvable", "right", "right_share", "lawful_share", "false_successes", *OF_CAUSES,
            "false_infeasible", "median_s", *RATIO, "wrong", "rho", "model_rho", *(f"{part}_share" for part in ERROR_PARTS)]
 
 
@@ -54,6 +55,7 @@ def _measures(own: pd.DataFrame, tier: float) -> dict:
             "right_share": weighted_share(right, solvable["weight"]),
             "lawful_share": weighted_share(right | (solvable["model_rho"] <= tier), solvable["weight"]),
             "false_successes": int((taken["verdict"] == FALSE_SUCCESS).sum()),
+            **{name: int((taken["cause"] == cause).sum()) for name, cause in zip(OF_CAUSES, CAUSES)},
             "false_infeasible": int(taken["false_infeasible"].astype(bool).sum()),
             "median_s": weighted_median(solvable["time_s"], solvable["weight"]), "wrong": len(answers),
             "rho": _median(answers["rho"]), "model_rho": _median(answers["model_rho"]),

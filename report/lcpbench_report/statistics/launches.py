@@ -10,6 +10,12 @@ compared, because medians of few launches take few values; by simulation 95 % in
 launches, normal or with Student's tails of three degrees (test_statistics_intervals.py).
 
 A single launch tells nothing of others: then an interval is of problems only.
+
+Launch k of all solvers of a size class and tier runs within about a minute: a *round*, whose state of the machine they
+share. So a ratio is formed round by round where two solvers have rounds in common (class_times.ratio), and a resample
+draws rounds instead.
+
+A launch whose level is off by more than OFF is *flagged*, and left out where there are others.
 """
 
 import math
@@ -25,52 +31,76 @@ from .weighted import quantiles, weighted_median
 
 KEY = ["solver", "size_class", "tier"]
 TOGETHER = 0  # the number of the row of all launches together
-_QUANTILES = {"p50_s": 0.5, "p90_s": 0.9, "p99_s": 0.99, "max_s": 1.0}
+QUANTILES = {"p50_s": 0.5, "p90_s": 0.9, "p99_s": 0.99, "max_s": 1.0}
 # Weighted medians of verified answers, in the row of all together.
 MEDIANS = ("again_s", "first_s", *PART_TIMES)
-OF_LAUNCH = ["level", *_QUANTILES, "disturbed"]
+OF_LAUNCH = ["level", *QUANTILES, "flagged", "began_s"]
 COLUMNS = [*KEY, "launch", *OF_LAUNCH, *MEDIANS]
+# Of a launch's level from the median of those of its solver, size class and tier: rounds with such launches are repeated
+# (benchmarks/campaign), by the same rule.
+OFF = math.log(1.1)
+FEW = 0.25  # of the launches; where more are flagged nobody knows which state is the usual one, and draws have all of them
+LEAST_ROUNDS = 2  # in common
 _Z = float(stats.norm.ppf((1 + CONFIDENCE) / 2))
 
 
-def launch_rows(numbers: list[int], fresh: np.ndarray, disturbed: np.ndarray, passes: np.ndarray, weights: np.ndarray,
-                times: dict[str, np.ndarray]) -> list[dict]:
-    """Of a solver, size class and tier a row per launch, after one of all launches together (those that were not
-    disturbed, where there are any). Quantiles are of single solves by the problems' weight, what is not verified infinite.
+def flagged(levels: np.ndarray) -> np.ndarray:
+    """@param levels  of launches, NaN where it is not known, which is no flag"""
+    known = levels[~np.isnan(levels)]
+    return np.abs(levels - np.median(known)) > OFF if len(known) else np.zeros(len(levels), dtype=bool)
 
-    @param numbers  of the launches
-    @param fresh, disturbed  launches x problems that the solver was given and that count (all of a class that has none):
-                             times, NaN where there is none; whether the machine disturbed the launch
-    @param times    columns of the table of cells: fresh_s and MEDIANS
+
+def without(times: np.ndarray, off: np.ndarray) -> np.ndarray:
+    """Launches x problems; those that are flagged are NaN where a problem has others."""
+    calm = ~np.isnan(times) & ~off[:, np.newaxis]
+    return np.where(calm | ~calm.any(axis=0), times, math.nan)
+
+
+def levels_of(times: np.ndarray, medians: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """The level of every launch, NaN of those without times.
+
+    @param times    launches x problems; medians: of every problem, over its launches
     """
-    rows, calm = [], []
-    for number, of_launch, bad_ones in zip(numbers, fresh, disturbed):
-        known = passes & ~np.isnan(of_launch)
-        if known.any():
-            solves = np.where(passes, of_launch, math.inf)
-            bad = bool(bad_ones[known].any())
-            level = weighted_median(np.log(of_launch[known] / times["fresh_s"][known]), weights[known])
-            rows.append({"launch": number, "level": level, "disturbed": bad} | quantiles(solves, weights=weights, levels=_QUANTILES))
-            calm.append((bad, solves))
-    whole = [solves for bad, solves in calm if not bad] or [solves for _, solves in calm]
-    whole = whole or [np.where(passes, math.nan, math.inf)]
-    together = {"launch": TOGETHER, "level": 0.0, "disturbed": False}
-    together |= quantiles(np.concatenate(whole), weights=np.tile(weights, len(whole)), levels=_QUANTILES)
-    for key in MEDIANS:
-        known = passes & ~np.isnan(times[key])
-        together[key] = weighted_median(times[key][known], weights[known])
+    logs = np.log(times / medians)
+    return np.array([weighted_median(of[known], weights[known]) for of in logs for known in [~np.isnan(of)]])
+
+
+def launch_rows(numbers: list[int], fresh: np.ndarray, levels: np.ndarray, off: np.ndarray, passes: np.ndarray, weights: np.ndarray,
+                times: dict[str, np.ndarray], began: dict[int, float]) -> list[dict]:
+    """Of a solver, size class and tier a row per launch, after one of all launches together (those that are not flagged,
+    where there are any). Quantiles are of single solves by the problems' weight, what is not verified infinite.
+
+    @param numbers  of the launches, whose levels and flags and beginnings [s] follow
+    @param fresh    launches x problems that the solver was given and that count (all of a class that has none): times, NaN
+                    where there is none
+    @param times    columns of the table of cells: MEDIANS
+    """
+    solves = np.where(passes, fresh, math.inf)
+    rows = [{"launch": number, "level": level, "flagged": bool(bad), "began_s": began.get(number, math.nan)}
+            | quantiles(of, weights=weights, levels=QUANTILES)
+            for number, level, bad, of in zip(numbers, levels, off, solves) if not math.isnan(level)]
+    known = ~np.isnan(levels)
+    whole = solves[known & ~off] if (known & ~off).any() else solves[known]
+    whole = whole if len(whole) else np.where(passes, math.nan, math.inf)[np.newaxis]
+    together = {"launch": TOGETHER, "level": 0.0, "flagged": False, "began_s": math.nan}
+    together |= quantiles(whole.ravel(), weights=np.tile(weights, len(whole)), levels=QUANTILES)
+    for key, of in times.items():
+        known = passes & ~np.isnan(of)
+        together[key] = weighted_median(of[known], weights[known])
     return [together, *rows]
 
 
 class Levels:
     """Draws of launches: of every solver, size class and tier the same ones each time."""
 
-    def __init__(self, launches: pd.DataFrame | None = None, salt: str = ""):
-        """@param salt  of one of several campaigns, whose launches are drawn independently"""
-        self._salt, self._drawn = salt, {}
+    def __init__(self, launches: pd.DataFrame | None = None, salt: str = "", times: dict[tuple, pd.DataFrame] | None = None):
+        """@param salt  of one of several campaigns, whose launches are drawn independently
+        @param times  of every launch (cells.Measured); without them there are no rounds
+        """
+        self._salt, self._drawn, self._times = salt, {}, times or {}
         table = pd.DataFrame(columns=COLUMNS) if launches is None else launches.drop_duplicates([*KEY, "launch"])
         together = table["launch"] == TOGETHER
-        self._launches = dict(tuple(table[~together].groupby(KEY, sort=False)[["level", "disturbed"]]))
+        self._launches = dict(tuple(table[~together].groupby(KEY, sort=False)[["launch", "level", "flagged"]]))
         self._together = table[together].set_index(KEY).to_dict("index")
 
     def together(self, solver: str, size_class: str, tier: float, key: str) -> float:
@@ -101,14 +131,32 @@ class Levels:
         return sum(sums[at] * self.draws(of_solver[at % len(of_solver)], of_class[at // len(of_solver)], tier)
                    for at in np.flatnonzero(sums))
 
-    def _draw(self, key: tuple) -> np.ndarray | float:
-        table = self._launches[key]
-        calm = ~table["disturbed"].astype(bool)
-        levels = (table[calm] if calm.any() else table)["level"].to_numpy(dtype=float)
+    def rounds(self, side: pd.DataFrame, tier: float) -> pd.DataFrame:
+        """Times of problems x numbers of rounds, NaN where there is none.
+
+        @param side  rows by problem, with columns solver, of every problem its own, and size_class
+        """
+        found = [self._of_rounds((solver, size_class, tier)).reindex(of.index)
+                 for (solver, size_class), of in side.groupby(["solver", "size_class"], observed=True)
+                 if (solver, size_class, tier) in self._times]
+        return pd.concat(found).reindex(side.index) if found else pd.DataFrame(index=side.index)
+
+    def _of_rounds(self, key: tuple) -> pd.DataFrame:
+        times, table = self._times[key], self._launches.get(key)
+        off = times.columns.isin(table["launch"][table["flagged"].astype(bool)] if table is not None else [])
+        return pd.DataFrame(without(times.to_numpy().T, off).T, times.index, times.columns) if off.any() else times
+
+    def spread(self, levels: np.ndarray, whose: str) -> np.ndarray | float:
+        """Draws of launches, or of rounds, of these levels: the shift of logarithms in every resample; 0 of fewer than two."""
         count = len(levels)
         if count < 2:
             return 0.0
-        # The same draws wherever the same number of launches is calm: what a neighbour does may last.
-        rng = np.random.default_rng(zlib.crc32(f"{self._salt}|{key[0]}".encode()))
+        rng = np.random.default_rng(zlib.crc32(f"{self._salt}|{whose}".encode()))
         wider = math.sqrt(count / (count - 1)) * float(stats.t.ppf((1 + CONFIDENCE) / 2, count - 1)) / _Z
         return wider * (levels[rng.integers(0, count, (RESAMPLES, count))].mean(axis=1) - levels.mean())
+
+    def _draw(self, key: tuple) -> np.ndarray | float:
+        table = self._launches[key]
+        calm = ~table["flagged"].astype(bool)
+        # The same draws wherever the same number of launches is calm: what a neighbour does may last.
+        return self.spread((table[calm] if 1 - FEW <= calm.mean() else table)["level"].to_numpy(dtype=float), key[0])

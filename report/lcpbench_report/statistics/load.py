@@ -26,7 +26,7 @@ _LIMITS = {"time_per_row_s": "nonnegative", "least_s": "nonnegative", "most_s": 
 _SIZE_CLASS = {"key": "name", "least": "count", "most": "count?", "stream": "count"}
 _REFERENCES = ("certified", "bounded", "none")
 # What problems of stored campaigns lack -> what it was.
-_LATER = {"friction": 0, "bounded": 0, "reference_status": ""}
+_LATER = {"friction": 0, "bounded": 0, "reference_status": "", "check_s": 0.0}
 
 
 def load_campaign(folder: Path, apart: str = "") -> Campaign:
@@ -70,6 +70,7 @@ def _read_info(path: Path) -> dict:
 def _read_problems(path: Path, campaign: Campaign, apart: str) -> dict[str, dict]:
     problems: dict[str, dict] = {}
     classes = {of["key"]: of for of in campaign.info["size_classes"]}
+    sealed = set(campaign.info.get("sealed", ()))  # families, and engines, whose families begin with their names
     for place, line in read_lines(path, campaign.notes.append):
         record = check_record(place, line, "problem")
         for key, words in (("reference", _REFERENCES), ("origin", ORIGINS), ("size_class", classes)):
@@ -80,5 +81,6 @@ def _read_problems(path: Path, campaign: Campaign, apart: str) -> dict[str, dict
         if record["problem"] in problems:
             raise ReportError(place, f"problem {record['problem']!r} is there twice", "a line per problem")
         problems[record["problem"]] = _LATER | record | {
+            "sealed": record["family"].split(" ")[0] in sealed,
             "counts": record["counts"] and record["origin"] != LITERATURE and record["set"] != apart}
     return problems

@@ -20,7 +20,7 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from .cells import NOT_RUN, VERIFIED
+from .cells import VERIFIED, ran
 from .groups import GROUP, common, groups, with_label
 from .intervals import CONFIDENCE, Bootstrap
 from .launches import Levels
@@ -85,7 +85,7 @@ def delivered_table(cells: pd.DataFrame) -> pd.DataFrame:
     answers are by the common metrics, whether they pass or not. The time of an answer that is not verified is that of
     the solve that was judged, for nothing wrong is timed fresh."""
     rows = []
-    run = with_label(cells[~cells["verdict"].isin(NOT_RUN)])
+    run = with_label(cells[ran(cells)])
     run = run.assign(taken_s=run["fresh_s"].fillna(run["first_s"]).fillna(run["time_limit_s"]))
     shifts = {label: shift_of(own, "taken_s") for label, own in run.groupby("set")}  # one for all tiers: they compare
     for (label, solver, tier), own in run.groupby(["set", "solver", "tier"], sort=False):

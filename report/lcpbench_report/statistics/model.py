@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+import pandas as pd
 
 from ..errors import ReportError
 from .fields import check_tier, check_word
@@ -13,6 +14,8 @@ PROBLEMS_FILE, STREAMS_FILE = "problems.jsonl", "streams.jsonl"
 DEFAULT = "default"
 TOLERANCES = ("direct", "follows", DEFAULT)
 KINDS = JUDGE, FRESH, PARTS, AGAIN = ("judge", "fresh", "parts", "again")
+OUT_OF_TIME_RULE = "out of time"  # how rules begin that exclude what was out of time at a looser tier
+OVER = ("time_limit", "killed")  # claims of what was ended at the time limit
 TASK_BUDGET = "task budget"  # the rule that excludes what had no turn
 # Origins of problems -> in words.
 ORIGINS = {"placed": "own scenes", "motion": "own motions", "recorded": "engines", "literature": "literature"}
@@ -70,8 +73,10 @@ class Task:
     size_class: str
     tier: float
     at: np.ndarray  # of its problems the numbers within the class's order
-    columns: dict[str, np.ndarray] = field(default_factory=dict)  # of the table of cells, and "changed": in a launch
+    # Of the table of cells; "passes" is of the answer, also where it came late; and "changed": in a launch.
+    columns: dict[str, np.ndarray] = field(default_factory=dict)
     launches: list[dict] = field(default_factory=list)  # rows of launches.launch_rows, in one task of a class
+    times: pd.DataFrame | None = None  # of every launch: `at` x numbers of launches; None in old records
     spent_s: float = 0.0  # in all its solves
     details: dict[int, str] = field(default_factory=dict)  # of streams, by such numbers: why it is not plainly verified
 
@@ -90,6 +95,18 @@ class Campaign:
     @property
     def solvers(self) -> dict[str, dict]:
         return {solver["key"]: solver for solver in self.info["solvers"]}
+
+    @property
+    def portfolio(self) -> dict[str, list[str]]:
+        """Size class -> keys of peers, in the order in which a portfolio asks them; empty in stored campaigns."""
+        return self.info.get("portfolio") or {}
+
+    @property
+    def first_round(self) -> int:
+        """The first launches of a class are of all solvers, which takes minutes; those after it go by rounds. Where there are
+        no others, they are the rounds."""
+        others = self.info.get("launches", {}).get("others", 0)
+        return others + 1 if others < self.info.get("passes", 0) else 1
 
     @cached_property
     def available(self) -> list[str]:

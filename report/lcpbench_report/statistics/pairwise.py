@@ -20,7 +20,7 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from .cells import NOT_RUN
+from .cells import ran
 from .groups import COUNTED, GROUP, groups, wide
 from .intervals import MARGIN, Bootstrap, holm
 from .launches import Levels
@@ -79,7 +79,7 @@ def pairwise_table(cells: pd.DataFrame, levels: Levels = Levels()) -> pd.DataFra
         if label["set"] != COUNTED:
             times = times.where(np.isfinite(times))
         about = of_group.drop_duplicates("problem").set_index("problem")[ABOUT].astype({"size_class": "category"})
-        excluded = wide(of_group, "verdict").isin(NOT_RUN)
+        excluded = wide(of_group.assign(out=~ran(of_group)), "out").eq(True)
         table = compare_pairs(times, about, excluded, levels, label["tier"]).assign(**label)[COLUMNS]
         if not table.empty:
             tables.append(table)

@@ -4,12 +4,19 @@ A line begins as those of streams.jsonl do (solver, size_class, tier, first, cou
 of the class) and goes on with
 
     kinds     what is not a number of a cell, each combination once: claim, excluded, the flags of exceptions that hold,
-              timed and disturbed (launches), changed (verified by itself, and not in a launch)
+              timed (launches), changed (verified by itself, and not in a launch), late (verified, but over the time limit)
     kind      a character per problem: '0' is kinds[0], '1' the next one, and on as in Unicode
     time      per problem the median of its fresh times, or of what has none the time of the solve that was judged
     again     the same with another b
     rho, w_error  per problem; where there are friction or bounded rows also model_rho and the parts of the error
     peak_bytes, launches  of the class: what launches.py has of it; all launches together are number 0
+
+Where rounds are known, quantiles of launches are not stored, and after all these lines a line follows for each with all
+times (apart, because they are another kind of text: xz makes a fifth less of it). It begins as that one does and goes on with
+
+    numbers   of the launches that took part
+    fresh     of each problem in turn a character for each of them: ' ' without a time, else U+0023 + c; the time is that
+              of the problem times e^level 1.005^k, with k = c / 2 for even c and -(c + 1) / 2 for odd ones
 
 Times t are whole numbers k >= 0, t = 1 ns 1.005^k, and -1 is infinite; residuals have two digits, m 10^e as 100 e + m with
 10 <= m < 100, and 0; null is not known. Numbers of launches have four digits; what is left out there is infinite.
@@ -27,8 +34,9 @@ from ..formats import short
 from .cells import CHANGED, Measured
 from .fields import check_fields
 from .jsonl import read_lines
-from .launches import KEY, MEDIANS, OF_LAUNCH, TOGETHER
+from .launches import KEY, MEDIANS, QUANTILES, TOGETHER, flagged, launch_rows
 from .model import ERROR_PARTS, FLAGS, Campaign, Task
+from .streams import judged
 
 FILE = "records.jsonl"
 _UNIT, _STEP = 1e-9, math.log(1.005)
@@ -36,31 +44,43 @@ _LAWS = ("model_rho", *ERROR_PARTS)
 _FIRST = ord("0")  # the character of kinds[0]
 # Member of `kinds` -> its value where it is left out, and what it has to be.
 _KIND = {"claim": ("solved", "text"), "excluded": ("", "text"), **{flag: (flag == "passes", "boolean") for flag in FLAGS},
-         "timed": (0, "count"), "disturbed": (0, "count"), "changed": (False, "boolean")}
+         "timed": (0, "count"), "changed": (False, "boolean"),
+         "late": (False, "boolean")}
 _LINE = {"solver": "name", "size_class": "name", "tier": "positive", "first": "count", "count": "count", "kinds": "list",
          "kind": "text", "time": "list", "again": "list", "rho": "list", "w_error": "list", "peak_bytes": "nonnegative?",
          "launches": "list"}
-_LAUNCH = {"launch": "count", "level": "number", "disturbed": "boolean"}
-_QUANTILES = [key for key in OF_LAUNCH if key.endswith("_s")]
+_OF_EVERY = (*KEY, "first", "count")
+_OF_TIMES = {"numbers": "list", "fresh": "text"}
+_LAUNCH = {"launch": "count", "level": "number"}
+_NONE, _FIRST_STEP = " ", 0x23  # of `fresh`
 
 
 def lines(campaign: Campaign, measured: Measured) -> Iterator[dict]:
     """@param measured  the campaign's cells"""
     place = {name: number for names in campaign.classes.values() for number, name in enumerate(names)}
     cells = measured.cells.assign(place=measured.cells["problem"].map(place), changed=measured.cells["verdict"] == CHANGED)
-    cells["passes"] = cells["passes"].astype(bool) | cells["changed"]  # as it was judged by itself: the reader takes it away
+    # As it was judged by itself: the reader takes both away.
+    cells["passes"] = cells["passes"].astype(bool) | cells["changed"] | cells["late"].astype(bool)
     timed = cells["passes"] & (cells["timed"] > 0)
     cells["time"] = times_to_steps(cells["fresh_s"].where(timed, cells["first_s"]))
     cells["again"] = times_to_steps(cells["again_s"])
     for name in ("rho", "w_error", *_LAWS):
         cells[name] = residuals_to_codes(cells[name])
-    launches = dict(tuple(measured.launches.groupby(KEY, sort=False)))
+    launches = {key: of.to_dict("records") for key, of in measured.launches.drop(columns="flagged").groupby(KEY, sort=False)}
     for key, own in cells.groupby(KEY, sort=False):
         own = own.sort_values("place")
-        rows = [{name: value for name, value in row.items() if name not in KEY} for row in launches[key].to_dict("records")]
+        times = measured.times.get(key)
+        left_out = {*KEY, *(QUANTILES if times is not None else ())}
+        rows = [{name: _short(name, value) for name, value in row.items() if name not in left_out and value != math.inf
+                 and not (name in (MEDIANS if row["launch"] != TOGETHER else ("began_s",)))} for row in launches[key]]
+        levels = {row["launch"]: row["level"] for row in rows}
         parts = np.split(np.arange(len(own)), np.flatnonzero(np.diff(own["place"]) != 1) + 1)
         for number, part in enumerate(parts):
-            yield dict(zip(KEY, key)) | _cells(own.iloc[part]) | {"launches": [] if number else list(map(_short, rows))}
+            cells = own.iloc[part]
+            line = dict(zip(KEY, key)) | _cells(cells) | {"launches": [] if number else rows}
+            yield line
+            if times is not None:
+                yield {name: line[name] for name in _OF_EVERY} | _fresh(cells, times, levels)
 
 
 def _cells(own: pd.DataFrame) -> dict:
@@ -74,9 +94,38 @@ def _cells(own: pd.DataFrame) -> dict:
             "peak_bytes": None if math.isnan(peak) else int(peak)}
 
 
-def _short(row: dict) -> dict:
-    return {name: short(value) for name, value in row.items()
-            if value != math.inf and (row["launch"] == TOGETHER or name not in MEDIANS)}
+def _short(name: str, value: object) -> object:
+    return round(value, 1) if name == "began_s" and math.isfinite(value) else short(value)
+
+
+def _fresh(cells: pd.DataFrame, times: pd.DataFrame, levels: dict[int, float]) -> dict:
+    """Members `numbers` and `fresh`, of verified cells."""
+    medians = _times(np.array(cells["time"], dtype=float))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        logs = np.log(times.loc[cells["problem"]].to_numpy() / medians[:, np.newaxis])
+    steps = (logs - [levels.get(number, 0.0) for number in times.columns]) / _STEP
+    known = np.isfinite(steps) & cells["passes"].to_numpy(dtype=bool)[:, np.newaxis]
+    whole = np.rint(np.where(known, steps, 0)).astype(int)
+    codes = np.where(whole >= 0, 2 * whole, -2 * whole - 1) + _FIRST_STEP
+    return {"numbers": list(map(int, times.columns)),
+            "fresh": "".join(chr(code) if there else _NONE for code, there in zip(codes.ravel().tolist(), known.ravel().tolist()))}
+
+
+def has_times(line: dict) -> bool:
+    """It is a line of times of launches."""
+    return "fresh" in line
+
+
+def _times_of_launches(place: str, record: dict, medians: np.ndarray, levels: dict[int, float]) -> pd.DataFrame:
+    """@param medians  of the record's problems"""
+    check_fields(place, record, _OF_TIMES)
+    numbers, count = record["numbers"], len(medians) * len(record["numbers"])
+    codes = np.array([ord(letter) for letter in record["fresh"]], dtype=int) - _FIRST_STEP
+    if len(codes) != count or not all(type(number) is int for number in numbers):
+        raise ReportError(place, f"keys 'numbers' and 'fresh' have {len(numbers)} and {len(codes)}", f"{count} characters")
+    steps = np.where(codes < 0, math.nan, np.where(codes % 2, -(codes + 1) // 2, codes // 2)).reshape(len(medians), len(numbers))
+    shifts = np.array([levels.get(number, 0.0) for number in numbers])
+    return pd.DataFrame(medians[:, np.newaxis] * np.exp(_STEP * steps + shifts), columns=numbers)
 
 
 def times_to_steps(times: pd.Series) -> np.ndarray:
@@ -103,16 +152,53 @@ def _whole(codes: np.ndarray) -> np.ndarray:
 
 def read_records(path: Path, campaign: Campaign) -> list[Task]:
     """@throws ReportError for the first thing that does not fit"""
-    tasks, seen = [], set()
+    tasks: dict[tuple, Task] = {}
+    by_key: dict[tuple, list[Task]] = {}
     for place, line in read_lines(path, campaign.notes.append):
-        record = check_fields(place, line, _LINE)
+        timed = isinstance(line, dict) and has_times(line)
+        record = check_fields(place, line, {name: _LINE[name] for name in _OF_EVERY} if timed else _LINE)
         key, first, count = campaign.run_of(place, record)
-        if (*key, first) in seen:
+        task = tasks.get((*key, first))
+        if timed:
+            if task is None or len(task.at) != count or task.times is not None:
+                raise ReportError(place, "times of launches", "one such line, after another one of these problems")
+            levels = {row["launch"]: row["level"] for row in by_key[key][0].launches}
+            task.times = _times_of_launches(place, record, task.columns["fresh_s"], levels)
+            continue
+        if task is not None:
             raise ReportError(place, "these problems are there twice", "a line per solver, size class and tier")
-        seen.add((*key, first))
-        tasks.append(Task(*key, np.arange(first, first + count), _columns(place, record, count),
-                          [_launch(f"{place}: launches", row) for row in record["launches"]]))
-    return tasks
+        tasks[*key, first] = Task(*key, np.arange(first, first + count), _columns(place, record, count),
+                                  [_launch(f"{place}: launches", row) for row in record["launches"]])
+        by_key.setdefault(key, []).append(tasks[*key, first])
+    for of_key in by_key.values():
+        _complete(of_key, campaign)
+    return list(tasks.values())
+
+
+def _complete(tasks: list[Task], campaign: Campaign) -> None:
+    """What is not stored of launches: flags, and quantiles where the times of all of them are known.
+
+    @param tasks  of a solver, size class and tier; the first one has the launches
+    """
+    rows = tasks[0].launches
+    off = flagged(np.array([row["level"] for row in rows[1:]]))
+    for row, bad in zip(rows[1:], off):
+        row["flagged"] = bool(bad)
+    for task in tasks:
+        flags = [row["launch"] for row in rows if row["flagged"]]
+        task.columns["flagged"] = (np.zeros(len(task.at), dtype=int) if task.times is None else
+                                   task.times[task.times.columns.intersection(flags)].notna().sum(axis=1).to_numpy())
+    if tasks[0].times is None:
+        return
+    names = campaign.classes[tasks[0].size_class]
+    columns = {name: np.concatenate([task.columns[name] for task in tasks])
+               for name in ("passes", "changed", "claim", "false_success", "excluded")}
+    of, weights, passes = judged(columns, [campaign.problems[names[number]] for task in tasks for number in task.at])
+    times = pd.concat([task.times for task in tasks]).reindex(columns=[row["launch"] for row in rows[1:]])
+    found = launch_rows(list(times.columns), times.to_numpy().T[:, of], np.array([row["level"] for row in rows[1:]]), off,
+                        passes[of], weights[of], {}, {})
+    for row, new in zip(rows, found):
+        row |= {name: new[name] for name in QUANTILES}
 
 
 def _columns(place: str, record: dict, count: int) -> dict[str, np.ndarray]:
@@ -153,7 +239,8 @@ def _residuals(codes: np.ndarray) -> np.ndarray:
 def _launch(place: str, row: object) -> dict:
     check_fields(place, row, _LAUNCH)
     absent = math.inf if row["launch"] == TOGETHER else math.nan
-    kinds = dict.fromkeys(_QUANTILES, math.inf) | dict.fromkeys(MEDIANS, absent)
+    kinds = dict.fromkeys(QUANTILES, math.inf) | dict.fromkeys(MEDIANS, absent) | {"began_s": math.nan}
     check_fields(place, row, {name: "nonnegative?" for name in kinds if name in row})
     found = {name: row.get(name, usual) for name, usual in kinds.items()}
-    return {name: row[name] for name in _LAUNCH} | {name: math.nan if of is None else of for name, of in found.items()}
+    return {name: row[name] for name in _LAUNCH} | {"flagged": False} | {
+        name: math.nan if of is None else of for name, of in found.items()}

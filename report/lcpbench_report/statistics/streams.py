@@ -4,11 +4,12 @@ import math
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from ..errors import ReportError
 from .fields import check_fields, check_numbers, check_places, check_record, check_word
 from .jsonl import read_lines
-from .launches import launch_rows
+from .launches import MEDIANS, flagged, launch_rows, levels_of, without
 from .model import (AGAIN, FLAGS, FRESH, JUDGE, JUDGED, KINDS, LAWS, OUT, PART_TIMES, PARTS, TASK_BUDGET, UNSUPPORTED, Campaign,
                     Task)
 
@@ -25,7 +26,7 @@ class _Run:
         self.details: dict[int, str] = {}
         self.seen: set[tuple] = set()  # kind and number of a pass, and its part
         self.times: dict[str, dict[int, np.ndarray]] = {key: {} for key in ("fresh_s", *PART_TIMES, "again_s")}  # by number
-        self.disturbed: dict[int, np.ndarray] = {}  # by the machine, also when run again
+        self.began: dict[int, float] = {}  # number of a launch -> seconds since 1970
         self.failed = {kind: np.zeros(problems, dtype=bool) for kind in (FRESH, AGAIN)}  # the answer changed in a pass
 
     def of_passes(self, key: str, at: np.ndarray) -> np.ndarray:
@@ -116,33 +117,42 @@ def _add_pass(place: str, record: dict, run: _Run, part: tuple[int, int]) -> Non
     run.failed[kind][first + np.array(failed, dtype=int)] = True
     if kind == FRESH:
         check_record(place, record, kind, "disturbance")
-        disturbed = record["disturbance"] is not None and check_record(
-            f"{place}: disturbance", record["disturbance"], "disturbance", "disturbed")["disturbed"]
-        run.disturbed.setdefault(number, np.zeros(problems, dtype=bool))[first:first + count] = disturbed
+        if record["disturbance"] is not None:
+            check_record(f"{place}: disturbance", record["disturbance"], "disturbance", "disturbed")
+        run.began.setdefault(number, record.get("began_s", math.nan))
 
 
 def _task(key: tuple[str, str, float], run: _Run, problems: list[dict]) -> Task:
     """@param problems  of the class"""
     at = np.concatenate([np.arange(first, first + count) for first, count in run.rules])
     columns = {name: values[at] for name, values in run.columns.items()}
-    numbers, fresh = sorted(run.disturbed), run.of_passes("fresh_s", at)
-    disturbed = np.array([run.disturbed[number][at] for number in numbers], dtype=bool).reshape(fresh.shape)
-    known = ~np.isnan(fresh)
-    # Launches that the machine disturbed are left out where there are others.
-    calm = known & ~disturbed
-    columns |= {"timed": known.sum(axis=0), "disturbed": (known & disturbed).sum(axis=0),
-                "fresh_s": median_of_passes(np.where(calm | ~calm.any(axis=0), fresh, math.nan)),
-                **{name: median_of_passes(run.of_passes(name, at)) for name in (*PART_TIMES, "again_s")},
-                "changed": run.failed[FRESH][at]}
+    numbers, fresh = sorted(run.began), run.of_passes("fresh_s", at)
+    columns |= {"timed": (~np.isnan(fresh)).sum(axis=0), "changed": run.failed[FRESH][at],
+                **{name: median_of_passes(run.of_passes(name, at)) for name in (*PART_TIMES, "again_s")}}
     columns["again_s"][run.failed[AGAIN][at]] = math.inf
+    of, weights, passes = judged(columns, [problems[number] for number in at])
+    levels = levels_of(np.where(passes, fresh, math.nan)[:, of], median_of_passes(fresh)[of], weights[of])
+    off = flagged(levels)
+    columns |= {"fresh_s": median_of_passes(without(fresh, off)), "flagged": (~np.isnan(fresh[off])).sum(axis=0)}
+    launches = launch_rows(numbers, fresh[:, of], levels, off, passes[of], weights[of],
+                           {name: columns[name][of] for name in MEDIANS}, run.began)
+    spent = sum(np.nansum(times) for of_key in run.times.values() for times in of_key.values())
+    # Of launches that do not say when they began no two solvers' ones were near to each other.
+    times = None if any(map(math.isnan, run.began.values())) else pd.DataFrame(fresh.T, columns=numbers)
+    return Task(*key, at, columns, launches, times, float(np.nansum(columns["first_s"]) + spent), run.details)
+
+
+def judged(columns: dict[str, np.ndarray], problems: list[dict]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of cells of a solver on a size class: whether it was given the problem and that counts (all of a class that has none),
+    the weight, and whether it is verified.
+
+    @param columns   of the table of cells, and "changed"
+    @param problems  of every cell
+    """
     passes = columns["passes"] & ~columns["changed"]
     unasked = (columns["claim"] == UNSUPPORTED) & ~passes & ~columns["false_success"]
-    counts, weights = (np.array([problems[number][name] for number in at]) for name in ("counts", "weight"))
-    of = (columns["excluded"] == "") & ~unasked & (counts.astype(bool) if counts.any() else True)
-    launches = launch_rows(numbers, fresh[:, of], disturbed[:, of], passes[of], weights[of].astype(float),
-                           {name: columns[name][of] for name in ("fresh_s", "first_s", "again_s", *PART_TIMES)})
-    spent = sum(np.nansum(times) for of_key in run.times.values() for times in of_key.values())
-    return Task(*key, at, columns, launches, float(np.nansum(columns["first_s"]) + spent), run.details)
+    counts, weights = (np.array([problem[name] for problem in problems]) for name in ("counts", "weight"))
+    return ((columns["excluded"] == "") & ~unasked & (counts.astype(bool) if counts.any() else True), weights.astype(float), passes)
 
 
 def median_of_passes(times: np.ndarray) -> np.ndarray:

@@ -18,7 +18,7 @@ from .model import Campaign
 from .means import delivered_table, mean_table, scaling_table
 from .origins import origin_table, rank_table
 from .pairwise import pairwise_table
-from .rivals import OWN_BUILDS, flag_table, is_own, rival_table
+from .rivals import OWN_BUILDS, Portfolios, flag_table, is_own, rival_table
 
 FOLDER = "analysis"
 # Name -> function of a campaign that has passes over sequences.
@@ -40,20 +40,21 @@ class Tables(UserDict):
         return self.data[name]
 
 
-def makers_of(of_all: Measured, solvers: list[dict], ours: str) -> dict[str, Callable[[], pd.DataFrame]]:
+def makers_of(of_all: Measured, solvers: list[dict], ours: str, portfolios: Portfolios) -> dict[str, Callable[[], pd.DataFrame]]:
     """A maker for each of TABLES.
 
     @param solvers  the entries of campaign.json
     @param ours     the solver of the tables `rivals` and `friction`
+    @param portfolios  size class -> keys of peers in their order
     """
     cells, own = without_builds(of_all.cells), {entry["key"] for entry in solvers if is_own(entry)}
-    levels = Levels(of_all.launches)
+    levels = Levels(of_all.launches, times=of_all.rounds)
     return dict(zip(TABLES, (
         lambda: of_all.cells, partial(coverage_table, cells), partial(scaling_table, cells), partial(delivered_table, cells),
         partial(rank_table, cells), partial(class_table, cells, levels), partial(pairwise_table, cells, levels),
         partial(mean_table, cells, levels), partial(origin_table, cells, levels), lambda: of_all.launches,
-        partial(rival_table, cells, own, ours, levels), partial(friction_table, cells, ours, levels),
-        partial(flag_table, of_all.cells, levels))))
+        partial(rival_table, cells, own, ours, levels, portfolios), partial(friction_table, cells, ours, levels),
+        partial(flag_table, of_all.cells, levels, portfolios))))
 
 
 def without_builds(cells: pd.DataFrame) -> pd.DataFrame:
@@ -74,7 +75,7 @@ def write_tables(campaign: Campaign, folder: Path) -> None:
         of_all = measured(campaign)
         ran = dict.fromkeys(of_all.cells["solver"])
         ours = main_own([key for key in ran if is_own(campaign.solvers[key])])
-        found = Tables(makers_of(of_all, campaign.info["solvers"], ours))
+        found = Tables(makers_of(of_all, campaign.info["solvers"], ours, campaign.portfolio))
         for name, table in found.items():
             write_csv(table, folder / f"{name}.csv")
     if campaign.passes:

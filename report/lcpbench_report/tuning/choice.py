@@ -13,7 +13,6 @@ Every size class weighs the same, within it problems as elsewhere. A configurati
 Of those that may, the one with the least mean is chosen. Problems that a rule excludes are left out: nobody solved them.
 """
 
-import hashlib
 import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -29,7 +28,7 @@ from ..statistics.model import Campaign
 from ..statistics.means import penalised, shift_of, shifted_geometric_mean
 from ..statistics.pairwise import ABOUT, LEVEL, compare_two
 from .campaign import TIER, keys_of
-from .space import Configuration, Space
+from .space import Configuration, Space, hash_of
 
 SCHEMA = "lcpbench-tuned/2"
 MACHINE = ("cpu", "cores", "memory_bytes", "os", "compiler", "flags", "solver_flags", "libraries")
@@ -111,14 +110,14 @@ def describe(campaign: Campaign, spaces: dict[str, Space], tried: dict[str, list
     cells = cells[cells["verdict"] != EXCLUDED]
     sizes = cells["rows"].map(lambda rows: nearest(rows, asked.sizes))
     own = {solver: cells["solver"].isin(keys_of(solver, len(configurations))) for solver, configurations in tried.items()}
-    environment, hash_ = info.get("environment", {}), hashlib.sha256(asked.space_file.read_bytes()).hexdigest()
+    environment, hash_ = info.get("environment", {}), hash_of([spaces[solver] for solver in tried])
     return {"schema": SCHEMA, "commit": environment.get("git_commit", ""), "dirty": environment.get("git_dirty", False),
             "date": date, "machine": {key: environment.get(key) for key in MACHINE}, "budget": asked.budget,
             "seed": asked.seed, "space": {"file": asked.space_file.name, "sha256": hash_},
             "tier": TIER, "passes": info.get("passes"),
             "problems": {"manifests": info["manifests"], "count": len(campaign.problems), "sizes": asked.sizes,
                          "seed": asked.problem_seed, "not_in": disjoint_from},
-            "disturbed_share": short(float((cells["disturbed"] > 0).mean())) if len(cells) else 0.0,
+            "disturbed_share": short(float((cells["flagged"] > 0).mean())) if len(cells) else 0.0,
             "measured_s": {solver: short(sum(task.spent_s for task in campaign.tasks
                                              if task.solver in keys_of(solver, len(configurations))))
                            for solver, configurations in tried.items()},  # in solves

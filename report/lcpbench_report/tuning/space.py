@@ -1,5 +1,7 @@
 """The declared space of settings (data/tuning.json) and the configurations that are drawn from it."""
 
+import hashlib
+import json
 import math
 import random
 from dataclasses import dataclass
@@ -36,6 +38,12 @@ class Space:
             if digit:
                 chosen[name] = values[digit]
         return chosen
+
+
+def hash_of(spaces: list[Space]) -> str:
+    """Of what is declared of these solvers, whatever else the file has."""
+    declared = {space.solver: space.settings for space in spaces}
+    return hashlib.sha256(json.dumps(declared, sort_keys=True).encode()).hexdigest()
 
 
 def draw(space: Space, budget: int, seed: int) -> list[Configuration]:

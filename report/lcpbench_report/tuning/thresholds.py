@@ -2,8 +2,9 @@
 
 Every value of a limit is tried alone. Problems on which no value changes the answer (forces, iterations, methods) at a
 tier are not timed: the limit is not reached. Of the others a sample is, in a campaign, and compared with the default as
-`lcpbench tune` does (choice.py), all tiers together. A value takes the default's place only if it is right at least as
-often, and faster by more than MARGIN with its whole interval below 1; of several the fastest.
+`lcpbench tune` does (choice.py), all tiers together. A value takes the default's place only if it loses no answer, also of
+those that are not timed, changes LEAST problems or more, and is faster by more than MARGIN with its whole interval below
+1; of several the fastest.
 """
 
 import hashlib
@@ -31,6 +32,7 @@ from .choice import MACHINE, judge
 
 SCHEMA, TRIALS = "lcpbench-limits/1", "lcpbench-thresholds/1"
 TIERS = ("0.001", "1e-06", "1e-09")
+LEAST = 10  # fewer problems say nothing of others
 OPEN = ("--no-fills", "--without-sealed")
 
 
@@ -64,20 +66,22 @@ class Answers:
         self._default: dict[tuple, dict[str, tuple]] = {}
         self.seconds: dict[str, float] = {}  # the longest solve of a problem
 
-    def differing(self, trial: Trial, tier: str) -> list[set[str]]:
-        """By value: problems whose answer is another one than by default, or all that the trial is on."""
+    def differing(self, trial: Trial, tier: str) -> list[tuple[set[str], set[str]]]:
+        """By value: problems whose answer is another one than by default, or all that the trial is on; and those of them whose
+        answer is no longer right."""
         file = self._file(trial.suite, *trial.rows)
         if (file, tier) not in self._default:
             self._default[file, tier] = self._solve(file, tier)
         asked = {name: said for name, said in self._default[file, tier].items() if not re.fullmatch(trial.after, said[0])}
         if trial.all or not asked:
-            return [set(asked)] * len(trial.values)
+            return [(set(asked), set())] * len(trial.values)
         with tempfile.NamedTemporaryFile("w", suffix=".jsonl", dir=self._options.folder, encoding="utf-8") as some:
             with open(file, encoding="utf-8") as lines:
                 some.writelines(line for line in lines if json.loads(line)["id"] in asked)
             some.flush()
             others = [self._solve(some.name, tier, "--set", f"{trial.limit}={value}") for value in trial.values]
-        return [{name for name in asked if asked[name] != other.get(name)} for other in others]
+        return [({name for name in asked if asked[name] != other.get(name)},
+                 {name for name in asked if asked[name][-1] and not other.get(name, (False,))[-1]}) for other in others]
 
     def _file(self, suite: str, least: int, most: int) -> Path:
         path = self._options.folder / f"{suite}-{least}-{most}.jsonl"
@@ -100,7 +104,8 @@ class Answers:
                                      str(self._options.time_limit), *setting, str(file), statuses=(0, 1)).splitlines()
         said = {}
         for of in map(json.loads, lines):
-            said[of["id"]] = of.get("detail") or "", of.get("status"), of.get("iterations"), hash(str(of.get("f")))
+            said[of["id"]] = (of.get("detail") or "", of.get("status"), of.get("iterations"), hash(str(of.get("f"))),
+                              (of.get("verdict") or {}).get("passes") is True)
             self.seconds[of["id"]] = max(of.get("time_s") or 0, self.seconds.get(of["id"], 0))
         return said
 
@@ -114,11 +119,12 @@ def run_trials(command: Command, trials: list[Trial], options) -> dict:
     answers, rows, environment = Answers(command, options), [], {}
     for trial in trials:
         by_tier = {float(tier): answers.differing(trial, tier) for tier in TIERS}
-        differing = {value: {(name, tier) for tier, found in by_tier.items() for name in found[k]}
+        differing = {value: {(name, tier) for tier, found in by_tier.items() for name in found[k][0]}
                      for k, value in enumerate(trial.values)}
+        lost = {value: sum(len(found[k][1]) for found in by_tier.values()) for k, value in enumerate(trial.values)}
         folder = options.folder / trial.limit
         rows += [{"limit": trial.limit, "default": defaults[trial.limit]} | row
-                 for row in _time(command, trial, differing, answers.seconds, folder, options)]
+                 for row in _time(command, trial, differing, lost, answers.seconds, folder, options)]
         if (folder / "campaign.json").is_file():
             environment = json.loads((folder / "campaign.json").read_text(encoding="utf-8"))["environment"]
         print(f"{trial.limit}: {[row['differ'] for row in rows[-len(trial.values):]]} problems differ", file=sys.stderr)
@@ -126,11 +132,11 @@ def run_trials(command: Command, trials: list[Trial], options) -> dict:
             "machine": {key: environment.get(key) for key in MACHINE}, "trials": rows}
 
 
-def _time(command: Command, trial: Trial, differing: dict[str, set], seconds: dict[str, float], folder: Path,
-          options) -> list[dict]:
-    """@param differing  of every value the problems and tiers on which it changes something"""
+def _time(command: Command, trial: Trial, differing: dict[str, set], lost: dict[str, int], seconds: dict[str, float],
+          folder: Path, options) -> list[dict]:
+    """@param differing  of every value the problems and tiers on which it changes something; `lost`: how many answers"""
     names = {value: {name for name, _ in pairs} for value, pairs in differing.items()}
-    rows = [{"value": value, "differ": len(names[value])} for value in trial.values]
+    rows = [{"value": value, "differ": len(names[value]), "lost": lost[value]} for value in trial.values]
     if union := set().union(*names.values()):
         keys, drawn = keys_of("auto", 1 + len(trial.values)), []
         left = options.seconds / (len(keys) * len(TIERS) * (options.launches + 3))  # judged, timed by parts, warm-up
@@ -163,7 +169,8 @@ def compare(cells: pd.DataFrame, key: str) -> dict:
 
 def may_replace(row: dict) -> bool:
     """Whether a value may take the default's place."""
-    return "ratio" in row and row["right"] >= row["right_default"] and row["ratio"] < 1 / MARGIN and row["ratio_high"] < 1
+    is_sure = row["differ"] >= LEAST and row["lost"] == 0 and row.get("right", 0) >= row.get("right_default", math.inf)
+    return is_sure and row["ratio"] < 1 / MARGIN and row["ratio_high"] < 1
 
 
 def table(found: dict) -> Table:
@@ -172,7 +179,8 @@ def table(found: dict) -> Table:
     for row in found["trials"]:
         ratios = [row.get(name, math.nan) for name in ("ratio", "ratio_low", "ratio_high")]
         right = f"{row['right']} of {row['timed']}, default {row['right_default']}" if "right" in row else formats.DASH
-        lines.append([code(row["limit"]), row["default"], row["value"], row["differ"], right,
+        lines.append([code(row["limit"]), row["default"], row["value"], row["differ"], row["lost"], right,
                       formats.with_interval(*(math.nan if of is None else of for of in ratios)),
                       "**this**" if row["chosen"] else "" if row["limit"] in changed else "default"])
-    return Table(["limit", "default", "value", "problems that differ", "right", "time over the default's", "chosen"], lines, "lrrrrrl")
+    return Table(["limit", "default", "value", "problems that differ", "answers lost", "right of those timed", "time over the default's",
+                  "chosen"], lines, "lrrrrrrl")

@@ -19,7 +19,6 @@
 #include <vector>
 
 #include "solvers/lcp/memory_budget.h"
-#include "solvers/peers/linked_peers.h"
 #include "solvers/peers/peer_library.h"
 
 namespace lcpbench {
@@ -199,6 +198,6 @@ class Alglib : public LcpSolver {
 
 }  // namespace
 
-PeerLibrary AlglibLibrary() { return {LCPBENCH_ALGLIB_VERSION, &MakePeer<Alglib>}; }
+PeerLibrary ThisPeerLibrary() { return {LCPBENCH_ALGLIB_VERSION, &MakePeer<Alglib>}; }
 
 }  // namespace lcpbench

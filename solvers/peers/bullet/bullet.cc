@@ -23,7 +23,6 @@
 
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/peers/dantzig_peer.h"
-#include "solvers/peers/linked_peers.h"
 #include "solvers/peers/peer_library.h"
 
 namespace lcpbench {
@@ -514,7 +513,7 @@ std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
 
 }  // namespace
 
-PeerLibrary BulletLibrary() {
+PeerLibrary ThisPeerLibrary() {
   // 324 is 3.24.
   constexpr int kHundred = 100;
   return {std::to_string(btGetVersion() / kHundred) + "." + std::to_string(btGetVersion() % kHundred), &Make};

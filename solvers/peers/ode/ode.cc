@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "solvers/peers/dantzig_peer.h"
-#include "solvers/peers/linked_peers.h"
 #include "solvers/peers/peer_library.h"
 
 /// Hands out memory from `next` on. Its owner sets `next` back to `begin` before each use.
@@ -94,7 +93,7 @@ std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
 
 }  // namespace
 
-PeerLibrary OdeLibrary() {
+PeerLibrary ThisPeerLibrary() {
   dSetMessageHandler(&NoteFailure);
   // The library does not tell its version at run time; that of its header, which the build demands to be 0.16.2.
   return {dODE_VERSION, &Make};

@@ -2,8 +2,15 @@
 
 #include "benchmarks/campaign/campaign_plan.h"
 
+#include <unistd.h>
+
+#include <filesystem>
+#include <set>
+
+#include "benchmarks/campaign/journal.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/plan.h"
+#include "model/scenes/random.h"
 #include "tests/support/test.h"
 
 namespace lcpbench {
@@ -138,6 +145,84 @@ TEST_P(CampaignProblems, OfClassesWithALimitAreTheFirstOfEverySide) {
   }
   EXPECT_EQ(kept, all);
   ExpectFairWeights(problems);
+}
+
+// All of a class and tier follow each other; who has one launch for all tiers is with the usual one.
+TEST(OrderOfRound, TakesAClassTierByTier) {
+  CampaignPlan plan;
+  const std::vector<std::string> solvers = {"a", "b", "c", "d"};
+  std::vector<Task> tasks;
+  for (const std::size_t begin : {0U, 7U}) {
+    for (const std::string& solver : solvers) {
+      Task task;
+      task.begin = begin;
+      task.end = begin + 3;
+      task.about = std::to_string(begin);
+      task.solver = solver;
+      task.tier = plan.tiers.back();
+      task.judged = plan.tiers;
+      if (solver == "d") tasks.push_back(task);
+      for (const double tier : solver == "d" ? std::vector<double>() : plan.tiers) {
+        task.tier = tier;
+        task.judged = {tier};
+        tasks.push_back(task);
+      }
+    }
+  }
+  std::set<std::string> orders;
+  for (int round = 1; round < 6; ++round) {
+    std::vector<std::pair<std::size_t, double>> rounds;
+    std::map<std::pair<std::size_t, double>, std::set<std::string>> met;
+    std::string order;
+    for (const std::size_t k : OrderOfRound(plan, tasks, round)) {
+      const auto of = RoundOf(plan, tasks[k]);
+      if (rounds.empty() || rounds.back() != of) rounds.push_back(of);
+      met[of].insert(tasks[k].solver);
+      order += tasks[k].solver;
+    }
+    EXPECT_EQ(rounds.size(), 6U);  // none begins twice
+    for (const auto& [of, solvers_of_round] : met) {
+      EXPECT_EQ(solvers_of_round.contains("d"), of.second == -1e-6);
+      EXPECT_EQ(solvers_of_round.size(), of.second == -1e-6 ? 4U : 3U);
+    }
+    orders.insert(order);
+  }
+  EXPECT_GT(orders.size(), 1U);
+}
+
+class JournalOfLaunches : public testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::create_directories(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  const std::string folder_ = testing::TempDir() + "lcpbench-launches-" + std::to_string(getpid());
+};
+
+TEST_F(JournalOfLaunches, OneIsOffByItsLevelAgainstTheOthers) {
+  Task task;
+  task.solver = "dantzig";
+  task.about = "2-3";
+  task.end = 9;
+  task.tier = 1e-6;
+  task.judged = {1e-6};
+  const Launches launches{.near = 6, .others = 2};
+  Journal journal(folder_, {task}, {}, launches, 1, "here");
+  Random random(1);
+  const double slower[] = {1.02, 0.98, 1.0, 1.3, 0.8, 1.01};
+  for (int launch = 1; launch <= launches.near; ++launch) {
+    TimedRun run;
+    std::vector<std::optional<double>>& times = run.reply.times["fresh_s"];
+    for (std::size_t place = 0; place < task.end; ++place) {
+      const double alone = place == 3 ? 5 : random.Uniform(0.99, 1.01);  // a single problem says nothing of the launch
+      times.emplace_back(slower[launch - 1] * alone * 1e-6 * static_cast<double>(place + 1));
+    }
+    times[static_cast<std::size_t>(launch)].reset();  // it warmed the launch up
+    journal.WriteTimed(task, PassKind::kFresh, launch, run);
+  }
+  const Journal::Judgement& found = *journal.Find(TaskKey(task, 1e-6));
+  for (int launch = 1; launch <= launches.near; ++launch) {
+    EXPECT_EQ(journal.IsOff(found, launch), std::abs(slower[launch - 1] - 1) > Journal::kOff) << launch;
+  }
+  EXPECT_FALSE(journal.IsOff(found, launches.near + 1));  // was not run
 }
 
 TEST(NotTaken, IsWhatASolverOfTheKeyRefuses) {

@@ -148,6 +148,35 @@ TEST_F(Campaign, StricterTiersAreNotTriedAfterTheTimeRanOut) {
   EXPECT_EQ(Cells(), cells);
 }
 
+TEST_F(Campaign, WhoRunsOutOfTimeOnHalfOfTheFirstProblemsIsNotGivenTheOthers) {
+  Succeed(Data("smoke") + " --filter n8- --tiers 1e-6 --time-limit 0.05 --launches 1 --no-fills --solvers hanging,pgs" +
+          External("hanging", "hang") + " -o " + Path("r"));
+  const std::size_t most = SolveLimits().most_late;
+  std::map<std::string, std::size_t> tried, left_out;
+  for (const Json& cell : Cells()) {
+    const std::string solver = cell["solver"];
+    ++(cell["excluded"] == "" ? tried : left_out)[solver];
+    if (cell["excluded"] != "") {
+      EXPECT_EQ(cell["excluded"], OutOfTimeRule(SolveLimits())) << cell.dump();
+    }
+  }
+  EXPECT_EQ(tried["hanging"], most);
+  EXPECT_GT(left_out["hanging"], 0U);
+  EXPECT_EQ(left_out["pgs"], 0U);
+}
+
+// Whoever takes longer than the limit is out of time, also with an answer: it is not timed, nor tried at stricter
+// tiers.
+TEST_F(Campaign, AnAnswerBeyondTheLimitIsOutOfTime) {
+  Succeed(Data("smoke") + " --filter disc-pile-n40- --tiers 1e-3,1e-6 --time-limit 1e-5 --launches 1 --no-fills " +
+          "--solvers late --variant late=lemke,slowdown=1000 -o " + Path("r"));
+  const std::vector<Json> cells = Cells();
+  ASSERT_EQ(cells.size(), 2U);
+  EXPECT_TRUE(cells[0]["claim"] == "time_limit" || cells[0]["first_s"] > 1e-5) << cells[0].dump();
+  EXPECT_TRUE(cells[0]["fresh_s"].empty()) << cells[0].dump();
+  EXPECT_EQ(cells[1]["excluded"], OutOfTimeRule(1e-3)) << cells[1].dump();
+}
+
 TEST_F(Campaign, SolversThatAreNotInTheBuildAreNamedAndHaveNoCells) {
   const CommandOutcome run =
       Succeed(Data("smoke") + " --filter disc-pile-n8- --tiers 1e-3 --launches 1 -o " + Path("r"));

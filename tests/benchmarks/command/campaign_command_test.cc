@@ -61,7 +61,7 @@ class CampaignCommand : public CommandTest {
       for (Json line : JsonLines(folder_ / folder / file)) {
         for (const char* field :
              {"first_s", "fresh_s", "problem_s", "prepare_s", "convert_s", "solve_s", "again_s", "group",
-              "factor_share", "peak_bytes", "disturbance", "environment", "latency_s", "preempted"}) {
+              "factor_share", "peak_bytes", "disturbance", "began_s", "environment", "latency_s", "preempted"}) {
           line.erase(field);
         }
         if (line.value("mode", "").starts_with("deadline")) {

@@ -120,10 +120,10 @@ TEST(AutoSolver, SolvesIslandsOneByOne) {
 }
 
 // Above AutoLimits::large_rows: one island or one that dominates stays whole, many are taken one by one, and a few
-// large ones go to the portfolio together. Without its own check auto asks Ladder for nothing.
+// large ones go to the portfolio together. Ladder takes none of them in place.
 TEST(AutoSolver, DividesLargeProblemsWhereTheirColumnsDo) {
   const auto check = [](const LcpProblem& problem, bool divides) {
-    AutoSolver solver({.self_check = false});
+    AutoSolver solver({.limits = {.step_rows = 0}});
     const LcpResult result = SolveWith(&solver, problem, {});
     ExpectSolved(problem, result);
     EXPECT_EQ(result.detail.find(" islands, largest ") != std::string::npos, divides) << result.detail;
