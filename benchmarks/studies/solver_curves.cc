@@ -91,8 +91,7 @@ std::vector<std::string> SolversOf(const Options& options) {
   std::vector<std::string> keys;
   for (const SolverEntry& entry : AllSolvers()) {
     // The same code compiled otherwise is another speed, not another curve.
-    if (entry.available && entry.takes_plain && !entry.key.ends_with("-baseline"))
-      keys.push_back(entry.key);
+    if (entry.available && entry.takes_plain && !entry.key.ends_with("-baseline")) keys.push_back(entry.key);
   }
   return keys;
 }
