@@ -67,7 +67,7 @@ class Campaign {
     if (!VisitAll(tasks_, 0, "judging", [&](const Task& task) { Judge(task); })) return false;
     std::vector<Task> timed = tasks_;
     for (int launch = 1; launch <= launches.near + launches.repeats; ++launch) {
-      if (launch == launches.others + 1) timed = NearTasks();
+      if (launch == launches.others + 1 && launch <= launches.near) timed = NearTasks();
       const std::vector<Task> repeated = launch > launches.near ? TasksToRepeat(timed, launch) : std::vector<Task>();
       const auto time = [&](const Task& task) { Time(task, PassKind::kFresh, launch); };
       const std::string title = (launch > launches.near ? "repeated round " : "launch ") + std::to_string(launch);
@@ -162,8 +162,7 @@ class Campaign {
       if (one.excluded.empty() && late >= plan_.limits.most_late && 2 * late >= tried)
         one.excluded = OutOfTimeRule(plan_.limits);
       if (one.excluded.empty()) {
-        one.reply =
-            worker_->Run(JudgeRequest{NameOf(task, place), task.runs, task.tier, task.judged, LimitOf(task, place)});
+        one.reply = RunJudged({NameOf(task, place), task.runs, task.tier, task.judged, LimitOf(task, place)});
         const std::vector<nlohmann::json>& records = one.reply.records;
         // A job scheduler that has asked for the end and waited kills all processes at once: no outcome of the
         // solver's.
@@ -189,10 +188,28 @@ class Campaign {
       if (!is_before || other.solver != task.solver || other.tier != task.tier) continue;
       const Journal::Judgement* found = journal_.Find(TaskKey(other, other.judged.back()));
       if (found == nullptr) continue;
-      tried += found->attempted;
-      for (std::size_t place = 0; place < found->attempted; ++place) late += RanOutOfTime(other, place, *found) ? 1 : 0;
+      for (std::size_t place = 0; place < found->attempted; ++place) {
+        if (found->not_run.contains(place)) continue;
+        ++tried;
+        if (RanOutOfTime(other, place, *found)) ++late;
+      }
     }
     return {tried, late};
+  }
+
+  // Once more where the answer passes and came late: the machine may have been elsewhere.
+  JudgeReply RunJudged(const JudgeRequest& request) {
+    const auto late_s = [&](const JudgeReply& reply) {
+      if (reply.records.empty() || reply.records.front()["passes"] != true) return 0.0;
+      const nlohmann::json& first_s = reply.records.front()["first_s"];
+      return first_s.is_number() && first_s.get<double>() > request.time_limit_s ? first_s.get<double>() : 0.0;
+    };
+    JudgeReply reply = worker_->Run(request);
+    const double took_s = late_s(reply);
+    if (took_s == 0 || Interruption::Requested()) return reply;
+    JudgeReply again = worker_->Run(request);
+    const bool is_better = !again.records.empty() && again.records.front()["passes"] == true && late_s(again) < took_s;
+    return is_better ? again : reply;
   }
 
   bool EndedLate(const Task& task, std::size_t place, const JudgeReply& reply) const {
@@ -220,7 +237,7 @@ class Campaign {
   }
 
   struct Standing {
-    double median_s = 0;  // by weight, failures infinite
+    double median_s = std::numeric_limits<double>::infinity();  // by weight, failures infinite
     double weight = 0;
     double right = 0;  // of the weight
   };
@@ -259,6 +276,9 @@ class Campaign {
       }
     }
     for (auto& [standing, of_problems] : times) standing->median_s = WeightedQuantile(std::move(of_problems), 0.5);
+    // Who takes none of the problems has no place among the others.
+    for (auto& [of, solvers] : standings)
+      std::erase_if(solvers, [](const auto& one) { return one.second.weight == 0; });
     return standings;
   }
 

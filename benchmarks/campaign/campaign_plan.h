@@ -40,7 +40,8 @@ struct SolveLimits {
   double least_s = 0.05;
   double most_s = 10;
   /// A solver that has run out of time on so many problems of a size class, and on half of those that it was given, is
-  /// not given the others of the class: they count as out of time. The order of a class is drawn (PlanProblems).
+  /// not given the others of the class: they count as out of time. The order of a class is drawn (PlanProblems); above
+  /// 10^4 rows it is that of the shard.
   std::size_t most_late = 4;
 
   /// [s]

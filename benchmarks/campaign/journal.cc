@@ -197,7 +197,9 @@ void Journal::Note(const nlohmann::json& line) {
       const auto at = exception.at("at").get<std::size_t>();
       const auto claim = exception.at("claim").get<std::string>();
       if (!exception.at("passes").get<bool>()) judged.unverified.insert(at);
-      if (claim == "time_limit" || claim == "killed" || claim == "excluded") judged.out_of_time.insert(at);
+      if (claim == "excluded" || claim == ToString(LcpStatus::kUnsupported)) judged.not_run.insert(at);
+      const bool is_over = claim == "time_limit" && !exception.at("passes").get<bool>();
+      if (is_over || claim == "killed" || claim == "excluded") judged.out_of_time.insert(at);
     }
     return;
   }

@@ -68,6 +68,7 @@ class Journal {
     std::size_t attempted = 0;
     std::set<std::size_t> unverified;   ///< of those that were attempted
     std::set<std::size_t> changed;      ///< not verified in one of the first launches (Launches::others)
+    std::set<std::size_t> not_run;      ///< by a rule, or because the solver does not take the problem
     std::set<std::size_t> out_of_time;  ///< stopped, or killed, at the time limit; of a sequence 0 where that ended it
     std::vector<double> first_s;        ///< what each took when it was judged; infinite where that is not known
     std::vector<double> quickest_s;     ///< the least time of each place in the first launches; infinite without one

@@ -60,7 +60,7 @@ std::vector<std::string> Words(const char* text) {
 
 const std::vector<CampaignPlan>& NamedCampaigns() {
   // Problems of a side in the large classes of `core`, `survey` and `friction`, where a solve may take its whole limit.
-  static const std::map<std::string, int> few_large = {{"101-300", 75}, {"301-1000", 40}, {"1001-1e4", 40}};
+  static const std::map<std::string, int> few_large = {{"101-300", 75}, {"301-1000", 48}, {"1001-1e4", 40}};
   static const std::vector<CampaignPlan> campaigns{
       {.name = "quick",
        .manifests = {"engine", "standard", "pathological", "sequences"},

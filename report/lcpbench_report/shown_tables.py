@@ -83,13 +83,13 @@ def equal_flags(inputs: Inputs) -> Table | None:
 
 
 def short_equal_flags(inputs: Inputs) -> Table | None:
-    """The front page's: a row per instruction set, ours over the faster of the codes that are compiled for no less."""
+    """The front page's: a row per instruction set, the greater of the ratios of ours to codes that are compiled for no less."""
     table = choice.table(inputs, "equal_flags", choice.main_tier(inputs))
     if table.empty:
         return None
     sizes = choice.size_classes(inputs, table)
-    most = table[table["rival"] != PORTFOLIO].groupby(["flags", "size_class"])["ratio"].max()
-    rows = [[flags, *(times(most[flags, one]) if (flags, one) in most.index else DASH for one in sizes)]
+    most = table.sort_values("ratio").groupby(["flags", "size_class"])[RATIO].last()
+    rows = [[flags, *(with_interval(*most.loc[(flags, one)]) if (flags, one) in most.index else DASH for one in sizes)]
             for flags in FLAGS if flags in most.index.get_level_values(0)]
     return _table(["ours compiled for", *map(size_class, sizes)], rows, "l" + "r" * len(sizes))
 
@@ -100,13 +100,13 @@ def short(found: Headline) -> Table | None:
     for row in found.classes:
         own, single, portfolio, fastest = row.entries.get(found.own), row.single, *map(row.rivals.get, (PORTFOLIO, FASTEST))
         if own and row.rivals:
-            rows.append([size_class(row.size_class), seconds(own.time_s),
+            rows.append([size_class(row.size_class), seconds(own.time_s), share_of(own.share),
                          *((f"{key(single.key)} ({seconds(single.time_s)})", with_interval(*single.ratio), share_of(single.share))
                            if single else (DASH,) * 3),
                          *((with_interval(*portfolio.ratio), share_of(portfolio.share)) if portfolio else (DASH,) * 2),
                          formats.share_interval(*fastest.peer_faster) if fastest else DASH])
-    return _table(["rows", key(found.own), "fastest single peer", "ours / it", "it is right", "ours / portfolio", "it is right",
-                   "a peer is faster on"], rows, "lrlrrrrr")
+    return _table(["rows", key(found.own), "right", "fastest single peer", "ours / it", "it is right", "ours / portfolio", "it is right",
+                   "a peer is faster on"], rows, "lrrlrrrrr")
 
 
 def by_solver(found: Headline) -> Table:

@@ -46,6 +46,7 @@ COLUMNS = [*_ABOUT, "solver", "tier", "verdict", "cause", "asked", "excluded", "
 # Kind of array -> columns of tasks.
 _KINDS = {bool: (*FLAGS, "changed", "late"), object: ("excluded", "claim"), int: ("timed", "flagged"),
           float: (*JUDGED, *LAWS, "peak_bytes", *_TIMES)}
+_ROUNDED = 1.0025  # of times: compact records have steps of half a per cent
 _ABSENT = {bool: False, object: "", int: 0, float: math.nan}
 
 
@@ -82,15 +83,16 @@ def measured(campaign: Campaign) -> Measured:
         columns |= {name: np.concatenate([np.empty(0, kind), *(task.columns.get(name, np.full(len(task.at), _ABSENT[kind]))
                                                                for task in tasks)]) for name in names}
     taken = np.fmax(columns["first_s"], columns["fresh_s"])
-    columns["late"] = columns["passes"] & (columns["late"] | (taken > columns["time_limit_s"]))
+    over = columns["late"] | (taken > _ROUNDED * columns["time_limit_s"])
+    columns["late"] = columns["passes"] & over
     lost = columns.pop("changed") & columns["passes"] & ~columns["late"]
     columns["passes"] &= ~lost & ~columns["late"]
     # Where a solver passes the problem at the tier, no rounding floor of the problem is in the way.
     cells = pd.DataFrame({key: columns[key] for key in ("problem", "tier", "passes")})
     columns["below_floor"] &= ~cells.groupby(["problem", "tier"])["passes"].transform("any").to_numpy(dtype=bool)
-    columns["verdict"] = _verdicts(columns)
+    columns["verdict"] = _verdicts(columns, over)
     columns["verdict"][lost] = CHANGED
-    shifted = np.repeat(np.array([solvers[task.solver].get("shifted", False) for task in tasks], dtype=bool), counts)
+    shifted = np.repeat(np.array([_is_shifted(solvers[task.solver]) for task in tasks], dtype=bool), counts)
     columns["cause"] = _causes(columns, shifted)
     columns["time_s"] = np.where(columns["passes"], np.where(np.isnan(columns["fresh_s"]), columns["first_s"],
                                                              columns["fresh_s"]), math.inf)
@@ -122,10 +124,16 @@ def _about(campaign: Campaign, tasks: list[Task]) -> dict[str, np.ndarray]:
     return columns
 
 
-def _verdicts(columns: dict[str, np.ndarray]) -> np.ndarray:
+def _is_shifted(entry: dict) -> bool:
+    """Stored campaigns do not say so: there the key does."""
+    return entry.get("shifted", entry["key"].endswith("-cfm"))
+
+
+def _verdicts(columns: dict[str, np.ndarray], late: np.ndarray) -> np.ndarray:
+    """@param late  what took longer than the limit, right or not"""
     failed = np.array([FAILED + claim for claim in columns["claim"]], dtype=object)
     by_rule = np.array([rule.startswith(OUT_OF_TIME_RULE) for rule in columns["excluded"]], dtype=bool)
-    over = columns["late"] | by_rule | (np.isin(columns["claim"], OVER) & ~columns["passes"])
+    over = late | by_rule | (np.isin(columns["claim"], OVER) & ~columns["passes"])
     return np.select([(columns["excluded"] != "") & ~by_rule, columns["passes"], columns["false_success"] & ~by_rule, over,
                       columns["claim"] == UNSUPPORTED],
                      [EXCLUDED, VERIFIED, np.where(columns["asked"], FALSE_SUCCESS, BELOW_TIER), OUT_OF_TIME, NOT_ASKED], failed)

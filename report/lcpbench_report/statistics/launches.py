@@ -11,7 +11,7 @@ launches, normal or with Student's tails of three degrees (test_statistics_inter
 
 A single launch tells nothing of others: then an interval is of problems only.
 
-Launch k of all solvers of a size class and tier runs within about a minute: a *round*, whose state of the machine they
+Launch k of all solvers of a size class and tier follows those of the others: a *round*, whose state of the machine they
 share. So a ratio is formed round by round where two solvers have rounds in common (class_times.ratio), and a resample
 draws rounds instead.
 
@@ -37,7 +37,7 @@ MEDIANS = ("again_s", "first_s", *PART_TIMES)
 OF_LAUNCH = ["level", *QUANTILES, "flagged", "began_s"]
 COLUMNS = [*KEY, "launch", *OF_LAUNCH, *MEDIANS]
 # Of a launch's level from the median of those of its solver, size class and tier: rounds with such launches are repeated
-# (benchmarks/campaign), by the same rule.
+# (benchmarks/campaign), by nearly the same rule: without weights.
 OFF = math.log(1.1)
 FEW = 0.25  # of the launches; where more are flagged nobody knows which state is the usual one, and draws have all of them
 LEAST_ROUNDS = 2  # in common

@@ -4,7 +4,7 @@ answer is checked, until one is verified.
 It is no solver of its own but made of the records of its codes. Its time on a problem is that of all turns that it takes,
 with their checks (`check_s` of problems.jsonl). A turn takes the fresh time, or that of the solve that was judged where the
 answer was not timed, at most the time limit; what ran out of time is ended there. A code has no turn on what it does not
-take as it is given, or is not given by a rule: a user knows that beforehand.
+take as it is given, or is not given by a rule, also one of time: that costs nothing, and is not right.
 
 The codes and their order are chosen on tuning problems (`report.py portfolio`), for the least shifted geometric mean, in
 which failures have the time limit: the measure of means.py, so that a few large problems do not choose alone.
@@ -16,9 +16,10 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from .cells import OUT_OF_TIME, ran
+from .cells import ran
 from .launches import Levels
 from .means import shift_of, shifted_geometric_mean
+from .model import OVER
 
 MOST = 5  # codes of an order
 _OF_PROBLEM = ["size_class", "origin", "base", "weight", "time_limit_s"]
@@ -41,9 +42,11 @@ def turns(cells: pd.DataFrame, keys: list[str]) -> Turns:
     """@param cells  of a tier and size class, a row per problem and solver"""
     own = cells[cells["solver"].isin(keys)]
     took_place = ran(own)
-    time = own["fresh_s"].fillna(own["first_s"]).fillna(math.inf).clip(upper=own["time_limit_s"])
+    # Who was stopped took all the time that there was; what a crash took is not known.
+    ended = own["time_limit_s"].where(own["claim"].isin(OVER), 0.0)
+    time = own["fresh_s"].fillna(own["first_s"]).fillna(ended).clip(upper=own["time_limit_s"])
     check = own["check_s"].fillna(0.0).where(took_place, 0.0)
-    turn = (time + check).where(took_place | (own["verdict"] == OUT_OF_TIME), 0.0)
+    turn = (time + check).where(took_place, 0.0)
     problems = cells["problem"].unique()
     return Turns(*(own.assign(of=of).pivot(index="problem", columns="solver", values="of").reindex(index=problems, columns=keys)
                    .fillna(absent).astype(type(absent))

@@ -37,7 +37,7 @@ FASTEST = "fastest"  # the value of `rival` for the fastest peer of each problem
 # Instruction set -> ours as it is built for that, and the peers that are built for it or for more.
 _LCP_CODES = ("ode-dantzig", "bullet-dantzig")
 _NATIVE = tuple(f"{key}-native" for key in _LCP_CODES)
-FLAGS = {"any x86-64": ("auto-baseline", (PORTFOLIO, *_LCP_CODES)), "x86-64-v3": ("auto-v3", _NATIVE),
+FLAGS = {"any x86-64": ("auto-baseline", _LCP_CODES), "x86-64-v3": ("auto-v3", _NATIVE),
          "the machine's": ("auto", _NATIVE)}
 OWN_BUILDS = ("auto-baseline", "auto-v3")  # external programs by their origin, and ours: in no other table
 LEAST_TURNS = 20  # problems of a class that a peer must have had its turn at, where budgets ended some
