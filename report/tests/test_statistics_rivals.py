@@ -97,9 +97,9 @@ class Rivals(unittest.TestCase):
         cells.loc[failed, "excluded"] = ["", "", "out of time at the looser tier 1e-3", ""]
         table = rival_table(cells, {"own"}, "own", Levels(), {"7-12": ["quick", "sure", "absent"]}).set_index(["rival", "origin"])
         row = table.loc[(PORTFOLIO, "all")]
-        expected = [2.5, 3.5 + 4.5, INF, TIME_LIMIT + 4.5, 4.5]
+        expected = [2.5, 3.5 + 4.5, INF, 4.5, 4.5]
         self.assertEqual((row["rival_s"], row["rival_share"]), (np.median(expected), 0.8))
-        self.assertAlmostEqual(row["check_share"], np.median([0.5 / 2.5, 1 / 8, 0.5 / 14.5, 0.5 / 4.5]))
+        self.assertAlmostEqual(row["check_share"], np.median([0.5 / 2.5, 1 / 8, 0.5 / 4.5, 0.5 / 4.5]))
         self.assertAlmostEqual(row["ratio"], np.median([1 / of for of in expected if of < INF]))
         self.assertNotIn(PORTFOLIO, rival_table(cells, {"own"}, "own", Levels())["rival"].tolist())
         # By rounds: the sum of the turns' times of a round.
@@ -108,7 +108,7 @@ class Rivals(unittest.TestCase):
         levels = Levels(times=rounds)
         rows, found = portfolio_rows(cells, ["quick", "sure"], 1e-6, levels)
         np.testing.assert_array_equal(found.loc[0], [2.5, 3.5, 2.5])
-        np.testing.assert_array_equal(found.loc[[1, 3]], [[7, 8, 8], [6.5, 7.5, 7.5]])
+        np.testing.assert_array_equal(found.loc[[1, 3]], [[7, 8, 8], [4.5, 4.5, 5.5]])
         self.assertTrue(found.loc[2].isna().all())
         np.testing.assert_array_equal(found.loc[4], [4.5, 4.5, 5.5])
         self.assertEqual(rows["solver"][[0, 1, 4]].tolist(), ["quick", "sure", "sure"])

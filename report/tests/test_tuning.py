@@ -219,7 +219,7 @@ class Portfolio(FolderCase):
         found = json_of(self.folder / "portfolio.json")
         self.assertEqual((found["schema"], found["tier"]), ("lcpbench-portfolio/1", 1e-6))
         self.assertEqual(found["classes"], dict.fromkeys(found["classes"], ["quick", "sure"]))
-        self.assertIn("7-12: quick\n", told)
+        self.assertIn("7-12: quick, sure\n", told)
         write_campaign(self.folder / "own", {"auto": 1.0}, tiers=(1e-6,), copies=1)
         self.assert_refused("portfolio", self.folder / "own", "-o", self.folder / "other.json", told=("peers",))
 
