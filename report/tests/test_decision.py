@@ -4,13 +4,13 @@ import unittest
 
 import pandas as pd
 
-from lcpbench_report import choice, fairness, shown_tables, summary
+from lcpbench_report import choice, fairness, summary
 from lcpbench_report.compact import compact
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
 from .cases import FolderCase, edit_lines, inputs_of
 from .synthetic_campaign import Noise as NoiseOf
-from .synthetic_campaign import cells_of, fail, only, write_campaign
+from .synthetic_campaign import cells_of, fail, write_campaign
 from .synthetic_report import whole_inputs, write_all
 from .synthetic_steps import STEPS
 

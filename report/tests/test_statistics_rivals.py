@@ -15,7 +15,7 @@ from lcpbench_report.statistics.portfolio import best_order, portfolio_rows
 from lcpbench_report.statistics.rivals import (DOMINATED, DOMINATES, FASTER, FASTEST, PORTFOLIO, SLOWER, UNDECIDED, flag_table,
                                                pareto_front, relation, rival_table)
 from .cases import SharedFolderCase
-from .synthetic_campaign import AGAIN, COPIES, FAMILIES, FIRST, TIME_LIMIT, cells_of, fail, launches_of, write_campaign
+from .synthetic_campaign import AGAIN, FIRST, cells_of, launches_of, write_campaign
 
 INF, NAN = math.inf, math.nan
 
