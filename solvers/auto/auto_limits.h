@@ -15,6 +15,7 @@ namespace lcpbench {
 struct AutoLimits {
   static constexpr Index kTableau = 128;  ///< SmallPivoting::kMaxRows
 
+  /// \cond  what each is says kAutoLimits
   // What is read in place, and what is divided.
   Index step_rows = 20000;
   Index dense_rows = 1000;
@@ -70,6 +71,7 @@ struct AutoLimits {
   Index exact_contacts = 8;
   Index exact_mode_rows = 32;
   Index exact_modes = 256;
+  /// \endcond
 };
 
 inline constexpr AutoLimits kDefaultLimits{};
