@@ -74,16 +74,19 @@ struct AutoLimits {
   /// \endcond
 };
 
+/// What `auto` has without settings.
 inline constexpr AutoLimits kDefaultLimits{};
 
 /// One of them.
 struct AutoLimit {
-  std::string_view name;
-  std::variant<Index AutoLimits::*, double AutoLimits::*> member;
-  double least, most;  ///< the range of its values, bounds included
-  std::string_view unit;
-  std::string_view meaning;
+  std::string_view name;                                           ///< of the setting
+  std::variant<Index AutoLimits::*, double AutoLimits::*> member;  ///< that has it
+  double least;                                                    ///< of its values, itself included
+  double most;                                                     ///< the same
+  std::string_view unit;                                           ///< of its values
+  std::string_view meaning;                                        ///< in words
 
+  /// Its value.
   double Of(const AutoLimits& limits) const {
     return std::visit([&](const auto of) { return static_cast<double>(limits.*of); }, member);
   }
