@@ -117,7 +117,7 @@ class Campaign {
     return plan_.limits.Of(ProblemOf(task, place).entry->properties.rows);
   }
 
-  // Its measured time is beyond its limit, whatever the answer is.
+  // The measured time is beyond the limit, whatever the answer is.
   bool IsLate(const Task& task, std::size_t place, double seconds) const {
     return std::isfinite(seconds) && seconds > LimitOf(task, place);
   }
@@ -126,7 +126,7 @@ class Campaign {
            (place < found.first_s.size() && IsLate(task, place, found.first_s[place]));
   }
 
-  // Its judged time stands (Launches::longest_s).
+  // The judged solve took so long that no launch times the problem (Launches::longest_s).
   bool IsLong(const Journal::Judgement& found, std::size_t place) const {
     return std::isfinite(found.first_s.at(place)) && found.first_s[place] > plan_.launches.longest_s;
   }
@@ -179,7 +179,7 @@ class Campaign {
     journal_.WriteJudged(task, judged);
   }
 
-  // Of problems of the class in tasks before this one how many had their turn, and on how many the time ran out.
+  // How many problems of the class the earlier tasks of this solver tried, and how many of these ran out of time.
   std::pair<std::size_t, std::size_t> LateBefore(const Task& task) const {
     std::size_t tried = 0;
     std::size_t late = 0;

@@ -36,7 +36,7 @@ void AddRetry(const Reply& reply, const Json& at, Json* line) {
   if (!reply.retried.empty()) (*line)["retried"].push_back({{"at", at}, {"detail", reply.retried}});
 }
 
-// Of a list of times: infinite where there is none.
+// The times of a list; a missing one becomes infinity.
 std::vector<double> Times(const nlohmann::json& list) {
   std::vector<double> times;
   for (const nlohmann::json& time : list) {

@@ -36,8 +36,8 @@ QUANTILES = {"p50_s": 0.5, "p90_s": 0.9, "p99_s": 0.99, "max_s": 1.0}
 MEDIANS = ("again_s", "first_s", *PART_TIMES)
 OF_LAUNCH = ["level", *QUANTILES, "flagged", "began_s"]
 COLUMNS = [*KEY, "launch", *OF_LAUNCH, *MEDIANS]
-# Of a launch's level from the median of those of its solver, size class and tier: rounds with such launches are repeated
-# (benchmarks/campaign), by nearly the same rule: without weights.
+# How far a launch's level may lie from the median of its solver, size class and tier. Campaigns repeat the round of such a
+# launch, by nearly the same rule: theirs has no weights.
 OFF = math.log(1.1)
 FEW = 0.25  # of the launches; where more are flagged nobody knows which state is the usual one, and draws have all of them
 LEAST_ROUNDS = 2  # in common
@@ -94,7 +94,7 @@ class Levels:
     """Draws of launches: of every solver, size class and tier the same ones each time."""
 
     def __init__(self, launches: pd.DataFrame | None = None, salt: str = "", times: dict[tuple, pd.DataFrame] | None = None):
-        """@param salt  of one of several campaigns, whose launches are drawn independently
+        """@param salt  names the draws: those of another name are independent
         @param times  of every launch (cells.Measured); without them there are no rounds
         """
         self._salt, self._drawn, self._times = salt, {}, times or {}

@@ -73,7 +73,7 @@ class Task:
     size_class: str
     tier: float
     at: np.ndarray  # of its problems the numbers within the class's order
-    # Of the table of cells; "passes" is of the answer, also where it came late; and "changed": in a launch.
+    # Columns of the table of cells; here a late answer still "passes". "changed": the answer of a launch is not verified.
     columns: dict[str, np.ndarray] = field(default_factory=dict)
     launches: list[dict] = field(default_factory=list)  # rows of launches.launch_rows, in one task of a class
     times: pd.DataFrame | None = None  # of every launch: `at` x numbers of launches; None in old records

@@ -137,7 +137,7 @@ def _task(key: tuple[str, str, float], run: _Run, problems: list[dict]) -> Task:
     launches = launch_rows(numbers, fresh[:, of], levels, off, passes[of], weights[of],
                            {name: columns[name][of] for name in MEDIANS}, run.began)
     spent = sum(np.nansum(times) for of_key in run.times.values() for times in of_key.values())
-    # Of launches that do not say when they began no two solvers' ones were near to each other.
+    # Launches that do not say when they began form no rounds.
     times = None if any(map(math.isnan, run.began.values())) else pd.DataFrame(fresh.T, columns=numbers)
     return Task(*key, at, columns, launches, times, float(np.nansum(columns["first_s"]) + spent), run.details)
 
