@@ -57,20 +57,14 @@ FUZZ_FLAGS    = -max_total_time=$(FUZZ_SECONDS) -max_len=8192 -timeout=20 -rss_l
 ATTACK_PROBLEMS ?= 10000
 ATTACK_SEED     ?= 100000
 
-
-# Curves that users ask authors of engines for: which (all), and where their files go.
-CURVES         ?=
-CURVES_RESULTS ?= build/results/curves
-
 # The campaigns and studies whose results are committed (report/reference/README.md).
 REFERENCE         := report/reference
-REFERENCE_RESULTS := $(REFERENCE)/core $(REFERENCE)/sequences --motion $(REFERENCE)/motion \
-                     --curves $(REFERENCE)/curves --pictures $(PICTURES)
+REFERENCE_RESULTS := $(REFERENCE)/core $(REFERENCE)/sequences --motion $(REFERENCE)/motion --pictures $(PICTURES)
 REFERENCE_OTHERS  := pathological large friction
 # Of a report: folders besides that of its name, and studies.
 MORE_friction     := $(REFERENCE)/friction-pathological --motion $(REFERENCE)/friction-motion $(REFERENCE)/curved-friction-motion --pictures $(PICTURES)
 
-.PHONY: $(BASELINE) $(V3) core reference help deps peers configure command build test test-long python-test report run pictures benchmark solver-curves doc reference-report check format fuzz attack install clean
+.PHONY: $(BASELINE) $(V3) core reference help deps peers configure command build test test-long python-test report run pictures benchmark doc reference-report check format fuzz attack install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
@@ -79,9 +73,8 @@ help:
 	@echo "make python-test   install the Python package into build/python-venv, on the libraries of the build, and run its tests"
 	@echo "make build    install what is missing, configure and build"
 	@echo "make core       the campaign behind the published numbers, on two processors (AGAIN=FOLDER compares with that one)"
-	@echo "make reference  that campaign twice, those with friction, sequences, large and pathological problems, motions and curves: what report/reference has (hours; goes on where it was)"
+	@echo "make reference  that campaign twice, those with friction, sequences, large and pathological problems and motions: what report/reference has (hours; goes on where it was)"
 	@echo "make benchmark       fresh times of our solvers, ODE and Bullet, by size class and origin; of batches, derivatives and scenes (OPTIONS=--benchmark_filter=scene/)"
-	@echo "make solver-curves        residual against mass ratio, regularization, sweeps and precision, for the report (CURVES=sweeps; a minute or two)"
 	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, numbers in README.md and docs/"
 	@echo "make peers    install the libraries of the peer solvers (cmake/packages/) and reconfigure"
 	@echo "make doc      reference of the public headers, build/doc/html/index.html"
@@ -182,9 +175,8 @@ core: $(BASELINE) $(V3) part-core
 reference: command $(BASELINE) $(V3)
 	@$(foreach part,$(PARTS),$(MAKE) --no-print-directory part-$(part) &&) true
 	@$(foreach study,$(MOTIONS),$(BUILD)/lcpbench motion $(MOTION_$(study)) --output build/results/$(study) &&) true
-	@$(MAKE) --no-print-directory solver-curves
 	@rm -rf $(REFERENCE)/*/
-	@$(foreach folder,$(filter-out core-again,$(PARTS)) $(MOTIONS) curves, \
+	@$(foreach folder,$(filter-out core-again,$(PARTS)) $(MOTIONS), \
 	  $(PYTHON) report/report.py compact build/results/$(folder) -o $(REFERENCE)/$(folder) &&) true
 	@$(PYTHON) report/report.py compare build/results/core build/results/core-again -o $(REFERENCE)/core/moved.md; [ $$? -le 1 ]
 	@$(MAKE) --no-print-directory reference-report
@@ -192,11 +184,6 @@ reference: command $(BASELINE) $(V3)
 benchmark: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target lcpbench_benchmark
 	@$(BUILD)/lcpbench_benchmark $(OPTIONS)
-
-# Files of curves that are not named stay.
-solver-curves: configure
-	@cmake --build --preset $(PRESET) -j $(JOBS) --target solver_curves
-	@$(BUILD)/solver_curves $(CURVES) $(OPTIONS) --output $(CURVES_RESULTS)
 
 doc: configure
 	@cmake --build --preset $(PRESET) --target doc > build/doc.log || { cat build/doc.log; exit 1; }

@@ -146,7 +146,6 @@ def _compare(options: argparse.Namespace) -> int:
 
 @_command("report", _file("campaigns", nargs="+", metavar="FOLDER", help="written by `lcpbench run`"),
           _file("--motion", nargs="+", default=[], help="folders written by `lcpbench motion`"),
-          _file("--curves", help="a folder written by `make solver-curves`"),
           _file("--pictures", help="pictures of the scene families (make pictures)"),
           _file("-o", "--output", metavar="OUT.html", default=Path("build/report/index.html"),
                 help="the page [%(default)s]; figures, tables and summary.md go beside it"))
@@ -158,7 +157,7 @@ def _report(options: argparse.Namespace) -> None:
     from lcpbench_report.web import gallery
     from lcpbench_report.web.page import render
 
-    inputs = load_inputs(options.campaigns, options.motion, options.curves)
+    inputs = load_inputs(options.campaigns, options.motion)
     for note in inputs.notes:
         _tell(f"report: note: {note}")
     folder = options.output.parent
@@ -287,10 +286,10 @@ def _headline(options: argparse.Namespace) -> None:
         write_text(path, text)
 
 
-@_command("compact", _file("campaign", metavar="FOLDER", help="of a campaign, of `lcpbench motion`, or of `make solver-curves`"),
+@_command("compact", _file("campaign", metavar="FOLDER", help="of a campaign, or of `lcpbench motion`"),
           _file("-o", "--output", metavar="OUT", required=True, help="the folder to write"))
 def _compact(options: argparse.Namespace) -> None:
-    """Make a small folder of that of a campaign, of motions or of curves, to be kept: a record per solver, class and tier."""
+    """Make a small folder of that of a campaign or of motions, to be kept: a record per solver, class and tier."""
     from lcpbench_report.compact import compact
 
     for name, size in compact(options.campaign, options.output).items():

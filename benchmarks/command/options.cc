@@ -54,57 +54,6 @@ void RequireProgram(const std::string& key, const std::string& command) {
     throw InputError("--external " + key + ": '" + program + "' cannot be run: there is no such executable file");
 }
 
-constexpr const char* kSlowdown = "slowdown";
-constexpr double kMostSlowdown = 100;
-
-// Takes `factor` times as long as another solver: after set-up and solve it keeps the processor busy.
-class SlowedSolver : public LcpSolver {
- public:
-  SlowedSolver(std::unique_ptr<LcpSolver> solver, double factor) : solver_(std::move(solver)), factor_(factor) {}
-  std::string WhyUnsupported(const LcpProblem& problem) const override { return solver_->WhyUnsupported(problem); }
-  void Reserve(Index max_rows) override { solver_->Reserve(max_rows); }
-
- protected:
-  void DoPrepare(const LcpProblem& problem) override {
-    const double start = SteadyNow();
-    solver_->Prepare(problem);
-    WaitSince(start);
-  }
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
-    const double start = SteadyNow();
-    solver_->Solve(problem, options, result);
-    WaitSince(start);
-  }
-
- private:
-  void WaitSince(double start) const {
-    const double end = start + factor_ * (SteadyNow() - start);
-    while (SteadyNow() < end) {
-    }
-  }
-
-  std::unique_ptr<LcpSolver> solver_;
-  double factor_;
-};
-
-// Registers a solver that is `base`, slowed.
-void RegisterSlowed(const std::string& key, const std::string& base, const std::string& slowdown) {
-  const Settings settings{{kSlowdown, slowdown}};
-  const double factor = SettingsReader(key, settings).Number(kSlowdown, 1, 1, kMostSlowdown);
-  SolverEntry entry = FindSolver(base);
-  if (!entry.available) throw InputError("solver '" + base + "' is not in this build");
-  if (entry.origin != SolverOrigin::kOwn) {
-    throw InputError("--variant " + key + ": expected one of our own solvers to slow down, found '" + base + "'");
-  }
-  entry.base = entry.base.empty() ? entry.key : entry.base;
-  entry.key = key;
-  entry.settings[kSlowdown] = slowdown;
-  entry.make = [make = entry.make, factor](const Settings& more) -> std::unique_ptr<LcpSolver> {
-    return std::make_unique<SlowedSolver>(make(more), factor);
-  };
-  RegisterSolver(std::move(entry));
-}
-
 }  // namespace
 
 CLI::Validator Expect(const std::string& expected, const std::function<bool(double)>& holds) {
@@ -241,8 +190,7 @@ void NamedSolvers::Declare(CLI::App& command) {
               "A solver of your own: KEY=COMMAND, a program that speaks the protocol of "
               "solvers/peers/protocol/protocol.h; may be repeated");
   AddRepeated(command, "--variant", &variants,
-              "KEY=SOLVER[,NAME=VALUE]...: a solver with other settings, or one of ours slowed on purpose "
-              "(slowdown=1.1), under a key of its own; may be repeated");
+              "KEY=SOLVER[,NAME=VALUE]...: a solver with other settings under a key of its own; may be repeated");
 }
 
 void NamedSolvers::Register() const {
@@ -268,16 +216,7 @@ void RegisterVariants(const std::vector<std::string>& variants) {
     std::vector<std::string> pairs = CLI::detail::split(rest, ',');
     const std::string base = pairs.front();
     pairs.erase(pairs.begin());
-    Settings settings = ParseSettings(pairs);
-    const auto slowdown = settings.extract(kSlowdown);
-    if (slowdown.empty()) {
-      RegisterSolverVariant(key, base, settings);
-    } else if (settings.empty()) {
-      RegisterSlowed(key, base, slowdown.mapped());
-    } else {
-      throw InputError("--variant " + key +
-                       ": slowdown cannot be combined with other settings; make it a variant of that variant");
-    }
+    RegisterSolverVariant(key, base, ParseSettings(pairs));
   }
 }
 

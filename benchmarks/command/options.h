@@ -66,8 +66,7 @@ Settings ParseSettings(const std::vector<std::string>& pairs);
 struct NamedSolvers {
   /// KEY=COMMAND; the shell splits the command, settings (--set) follow it as NAME=VALUE.
   std::vector<std::string> externals;
-  /// KEY=SOLVER[,NAME=VALUE]...: a solver with other settings under a key of its own. The name `slowdown` is ours: the
-  /// solve then takes that many times as long, which shows whether a campaign finds a difference of known size.
+  /// KEY=SOLVER[,NAME=VALUE]...: a solver with other settings under a key of its own.
   std::vector<std::string> variants;
   double start_limit_s = kStartLimit;  ///< for an external solver to greet [s]
 

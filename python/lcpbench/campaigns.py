@@ -42,8 +42,8 @@ class Campaign:
              (median over the launches; inf where the answer is not verified), first_s of the first solve; of functions
              call_s, what a call that does nothing takes of time_s
     summary  a row per solver and tier: problems, how many of them are verified, false successes, below the tier (of
-             solvers that take their library's own tolerance), failed, not asked; the median of time_s, of call_s, and
-             of rho over the verified ones
+             solvers that take their library's own tolerance), failed, out of time, not asked; the median of time_s, of
+             call_s, and of rho over the verified ones
     tables   the tables of statistics by name, made when they are asked for: `tables`
     """
 
@@ -61,7 +61,7 @@ class Campaign:
 
 def tables(*folders: str | os.PathLike) -> Mapping[str, pd.DataFrame]:
     """The tables of campaigns' folders whose problems do not overlap, by name: cells (a row per result), coverage,
-    class_times, means, pairwise and the others that benchmarks/RESULTS.md describes. Each is made when it is first
+    class_times, means and the others that benchmarks/RESULTS.md describes. Each is made when it is first
     asked for.
 
     Raises ValueError naming the first file, line and key that does not fit.
@@ -219,11 +219,12 @@ def _summary(tasks: pd.DataFrame, solvers: list[str]) -> pd.DataFrame:
         return pd.Series({
             "problems": len(of), "verified": verified.sum(), "false_successes": (verdicts == "false success").sum(),
             "below_tier": (verdicts == "below the tier").sum(), "failed": verdicts.str.startswith("failed").sum(),
-            "not_asked": (~asked).sum(), "median_s": of.loc[asked, "time_s"].median(), "call_s": of["call_s"].median(),
+            "out_of_time": (verdicts == "out of time").sum(), "not_asked": (~asked).sum(),
+            "median_s": of.loc[asked, "time_s"].median(), "call_s": of["call_s"].median(),
             "median_rho": of.loc[verified, "rho"].median()})
 
     found = dict(list(tasks.groupby(["solver", "tier"])))
     rows = [{"solver": solver, "tier": tier, **describe(found[solver, tier])}
             for solver, tier in sorted(found, key=lambda key: (solvers.index(key[0]), -key[1]))]
-    counts = ["problems", "verified", "false_successes", "below_tier", "failed", "not_asked"]
+    counts = ["problems", "verified", "false_successes", "below_tier", "failed", "out_of_time", "not_asked"]
     return pd.DataFrame(rows).astype({name: int for name in counts})

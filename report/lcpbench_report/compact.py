@@ -1,4 +1,4 @@
-"""Makes of a campaign's folder, of a study of motion, or of curves, one that is small enough to be kept with the source.
+"""Makes of a campaign's folder, or of a study of motion, one that is small enough to be kept with the source.
 
 campaign.json as it is; problems and steps of sequences with few digits; of streams a record per solver, size class and
 tier (statistics/records.py), which has every verdict, residual and time;
@@ -29,7 +29,6 @@ _FILES: dict[str, tuple[Callable[[dict], tuple], int, int]] = {
     PROBLEMS_FILE: (lambda line: (), 4, 3),
     STEPS_FILE: (lambda step: (step["sequence"], step["solver"], -step["tier"], step["mode"], step["round"]), 3, 2),
 }
-_TABLES = (studies.MOTION_FILE, *map(studies.file_of, studies.CURVES))  # of studies
 _AS_IT_IS = ("tier", "weight", "deadline_s")
 
 
@@ -37,10 +36,10 @@ def compact(folder: Path, output: Path) -> dict[str, int]:
     """@returns bytes of every file written
     @throws ReportError where `folder` is none of these, or `output` has files already
     """
-    tables = [name for name in _TABLES if (folder / name).is_file()]
+    tables = [studies.MOTION_FILE] if (folder / studies.MOTION_FILE).is_file() else []
     if not tables and not (folder / CAMPAIGN).is_file():
         raise ReportError(str(folder), f"has no {CAMPAIGN} and no {studies.MOTION_FILE}",
-                          "the folder of a campaign, of motions or of curves")
+                          "the folder of a campaign or of motions")
     if output.exists() and any(output.iterdir()):
         raise ReportError(str(output), "has files already", "a new folder")
     campaign = None if tables else load_campaign(folder)

@@ -32,7 +32,6 @@ class Inputs:
     motion: pd.DataFrame | None = None  # studies.read_motion, of scenes without friction
     friction_motion: pd.DataFrame | None = None  # of those with friction
     notes: list[str] = field(default_factory=list)
-    curves: dict[str, pd.DataFrame] = field(default_factory=dict)  # studies.CURVES, those that there are
 
     @cached_property
     def cells(self) -> pd.DataFrame:
@@ -128,9 +127,8 @@ class Inputs:
         return tables.Tables(makers)
 
 
-def load_inputs(folders: list[Path], motion: Sequence[Path] = (), curves: Path | None = None) -> Inputs:
+def load_inputs(folders: list[Path], motion: Sequence[Path] = ()) -> Inputs:
     """@param motion  folders of `lcpbench motion`
-    @param curves  a folder of `make solver-curves`
     @throws ReportError for the first thing that does not fit
     """
     moved = _by_friction(studies.read_motion(*motion)) if motion else (None, None)
@@ -146,8 +144,7 @@ def load_inputs(folders: list[Path], motion: Sequence[Path] = (), curves: Path |
     if sum(bool(campaign.sequences) for campaign in campaigns) > 1:
         raise ReportError(str(folders[-1]), "a second campaign of sequences", "at most one")
     notes = [f"{folder.name}: {note}" for folder, campaign in zip(folders, campaigns) for note in campaign.notes]
-    return Inputs([folder.resolve().name for folder in folders], campaigns, _joined([*map(measured, campaigns)]), *moved,
-                  notes, studies.read_curves(curves) if curves is not None else {})
+    return Inputs([folder.resolve().name for folder in folders], campaigns, _joined([*map(measured, campaigns)]), *moved, notes)
 
 
 def _by_friction(motion: pd.DataFrame) -> tuple[pd.DataFrame | None, pd.DataFrame | None]:

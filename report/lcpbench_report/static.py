@@ -33,8 +33,7 @@ def write_static(inputs: Inputs, folder: Path) -> list[Path]:
 
 def write_tables(inputs: Inputs, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
-    tables = {**inputs.analysis, "motion": inputs.motion, "friction-motion": inputs.friction_motion,
-              **{f"curve-{name}": table for name, table in inputs.curves.items()}}
+    tables = {**inputs.analysis, "motion": inputs.motion, "friction-motion": inputs.friction_motion}
     written = [_write_csv(table, folder / f"{name}.csv") for name, table in tables.items() if table is not None]
     for name, make in shown_tables.PAPERS.items():
         if (table := make(inputs)) is not None:

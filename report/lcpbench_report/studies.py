@@ -1,6 +1,4 @@
-"""Files of studies, read and checked column by column: motion.csv of `lcpbench motion`, what a solver's error does to
-motion; and of `solver_curves` (make solver-curves), curves that users ask authors of engines for.
-"""
+"""motion.csv of `lcpbench motion`, what a solver's error does to motion, read and checked column by column."""
 
 from pathlib import Path
 
@@ -21,29 +19,11 @@ MOTION_COLUMNS = {
 # Columns that files of earlier versions lack -> what their cells would be.
 _LATER = {"lost_gap": "", "creep": "", "created": "", "max_iterations": "0", "start": "warm", "width": ""}
 DRIVER = "driver"  # a column that is made here: how the command names solver, max_iterations and start
-MASS_RATIO, REGULARIZATION, SWEEPS, PRECISION = "mass-ratio", "regularization", "sweeps", "precision"
-# Curve -> columns of its file, <curve>.csv.
-CURVES = {
-    MASS_RATIO: {"scene": "text", "rows": "integer", "mass_ratio": "number", "budget_s": "number", "solver": "text",
-                 "origin": "text", "asked": "number", "rho": "number?", "seconds": "number?", "status": "text"},
-    REGULARIZATION: {"scene": "text", "rows": "integer", "solver": "text", "origin": "text",
-                     "regularization": "number?", "rho": "number?", "violation": "number?", "seconds": "number",
-                     "status": "text"},
-    SWEEPS: {"scene": "text", "rows": "integer", "step_s": "number", "solver": "text", "sweeps": "number?",
-             "rho": "number?", "penetration": "number", "joint_error": "number", "seconds_per_step": "number",
-             "steps": "integer", "stopped": "text?"},
-    PRECISION: {"scene": "text", "rows": "integer", "method": "text", "precision": "text", "sweeps": "number?",
-                "mass_ratio": "number", "rho": "number?", "seconds": "number"},
-}
 # Kind of a column -> what a cell of it looks like, and is in words; "?" marks those that may be empty: "" or NaN after
 # reading.
 _NUMBER = r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"
 _KINDS = {"text": (r".+", "a word"), "text?": (r".*", "anything"), "integer": (r"[+-]?\d+", "a whole number"),
           "number": (_NUMBER, "a number"), "number?": (rf"({_NUMBER}|[+-]?(inf|nan))?", "a number, inf, nan or nothing")}
-
-
-def file_of(curve: str) -> str:
-    return f"{curve}.csv"
 
 
 def read_motion(*folders: Path) -> pd.DataFrame:
@@ -60,19 +40,6 @@ def read_motion(*folders: Path) -> pd.DataFrame:
         limits = table["max_iterations"].map(lambda limit: f"@{limit}" if limit else "")
         tables.append(table.assign(**{DRIVER: table["solver"] + limits + table["start"].map(lambda start: "@cold" * (start == "cold"))}))
     return pd.concat(tables, ignore_index=True)
-
-
-def read_curves(folder: Path) -> dict[str, pd.DataFrame]:
-    """Those that the folder has, by name.
-
-    @throws ReportError as _read, and where there is none at all
-    """
-    found = {curve: _read(folder, file_of(curve), columns, "`make solver-curves`")
-             for curve, columns in CURVES.items() if is_there(folder / file_of(curve))}
-    if not found:
-        raise ReportError(str(folder), f"has none of {', '.join(map(file_of, CURVES))}",
-                          "a folder written by `make solver-curves`")
-    return found
 
 
 def _read(folder: Path, file: str, columns: dict[str, str], writer: str) -> pd.DataFrame:

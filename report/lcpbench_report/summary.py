@@ -9,7 +9,6 @@ from .inputs import Inputs
 from .sentences import say, told
 from .statistics.cells import BELOW_TIER, FAR, FALSE_SUCCESS, VERIFIED, ran, within_rounding
 from .statistics.class_times import RATIO
-from .statistics.model import ORIGINS
 from .statistics.rivals import DOMINATED, DOMINATES, FASTER, FASTEST, PORTFOLIO
 
 MOST_LINES = 14
@@ -20,7 +19,7 @@ _KINDS = {DOMINATES: "that are faster and at least as often right", FASTER: "tha
 
 def summary_lines(inputs: Inputs) -> list[str]:
     """Plain text; solver keys in backticks."""
-    of_cells = (_what, lambda of: peers(headline(of)), _coverage, false_successes, _fastest, _by_size, origins,
+    of_cells = (_what, lambda of: peers(headline(of)), _coverage, false_successes, _fastest, _by_size,
                 _accuracy, _robustness, friction)
     of_motions = (_sequences, _motion, friction_motion)
     rules = (*of_cells, *of_motions, _scaling) if len(inputs.cells) else of_motions
@@ -63,10 +62,7 @@ def _fastest(inputs: Inputs) -> str:
     means = choice.table(inputs, "means", tier).sort_values("mean").to_dict("records")
     if len(means) < 2:
         return ""
-    pairs = choice.table(inputs, "pairwise", tier)
-    pairs = pairs[pairs["a"] == means[0]["solver"]]
-    return say("fastest", tier=tier, first=means[0], second=means[1], won=(pairs["verdict"] == "A faster").sum(),
-               others=len(pairs))
+    return say("fastest", tier=tier, first=means[0], second=means[1])
 
 
 def _by_size(inputs: Inputs) -> str:
@@ -74,15 +70,6 @@ def _by_size(inputs: Inputs) -> str:
     parts = [(size_class, ranked[0]) for size_class in choice.size_classes(inputs, cells)
              if (ranked := choice.contenders(cells[cells["size_class"] == size_class], inputs.own))]
     return say("by_size", parts=parts) if len(parts) > 1 else ""
-
-
-def origins(inputs: Inputs) -> str:
-    """Whether the ranking of solvers changes with where problems come from."""
-    table = choice.table(inputs, "rank_correlation", main_tier(inputs))
-    if table.empty:
-        return ""
-    return say("origins", pairs=table.to_dict("records"), least=table.loc[table["correlation"].idxmin()],
-               lowest=table["correlation_low"].min(), names=ORIGINS, tier=main_tier(inputs))
 
 
 def peers(found: Headline) -> str:

@@ -7,11 +7,10 @@ import unittest
 import numpy as np
 import pandas as pd
 
-from lcpbench_report import summary
 from lcpbench_report.shown_tables import origins, sealed, sealed_apart
-from lcpbench_report.statistics.origins import LARGEST_LOSS, origin_table, rank_table
+from lcpbench_report.statistics.origins import origin_table
 from .cases import inputs_of
-from .synthetic_campaign import cells_of, fail, slower, write_campaign
+from .synthetic_campaign import cells_of, fail, write_campaign
 
 FACTORS = {"first": 1.0, "second": 2.0, "third": 4.0, "fourth": 8.0}
 
@@ -25,37 +24,6 @@ def _cells(of_placed: dict[str, float], of_recorded: dict[str, float], problems:
                              index=[f"{origin}-{k}" for k in range(problems)], columns=list(factors))
         parts.append(cells_of(times, origin=origin, family=f"{origin} scenes"))
     return pd.concat(parts, ignore_index=True)
-
-
-class Rankings(unittest.TestCase):
-    def test_the_same_ranking_has_correlation_1_and_a_reversed_one_minus_1(self):
-        reversed_factors = dict(zip(FACTORS, reversed(FACTORS.values())))
-        for other, expected in ((FACTORS, 1.0), (reversed_factors, -1.0)):
-            row = rank_table(_cells(FACTORS, other)).iloc[0]
-            self.assertEqual((row["origin"], row["other"], row["solvers"]), ("placed", "recorded", 4))
-            for column in ("correlation", "correlation_low", "correlation_high"):
-                self.assertAlmostEqual(row[column], expected, msg=column)
-
-    def test_a_failure_costs_the_largest_loss(self):
-        fails = FACTORS | {"first": math.inf}
-        row = rank_table(_cells(FACTORS, fails)).iloc[0]
-        self.assertAlmostEqual(row["correlation"], -0.2)  # the first of four is the last there
-        self.assertGreater(LARGEST_LOSS, math.log(FACTORS["fourth"]))
-
-    def test_classes_that_one_origin_lacks_are_not_compared(self):
-        cells = _cells(FACTORS, FACTORS)
-        cells.loc[cells["origin"] == "recorded", "size_class"] = "13-30"
-        for some in (cells, _cells(FACTORS, FACTORS, problems=9)):  # nor are few problems a ranking
-            self.assertTrue(rank_table(some).empty)
-
-    def test_a_noisy_ranking_has_an_interval_that_holds_its_correlation(self):
-        rng = np.random.default_rng(1)
-        cells = _cells(FACTORS, FACTORS)
-        cells["time_s"] *= np.exp(rng.normal(0, 1.5, len(cells)))
-        row = rank_table(cells).iloc[0]
-        self.assertLess(row["correlation_low"], row["correlation_high"])
-        self.assertLessEqual(row["correlation_low"], row["correlation"])
-        self.assertLessEqual(row["correlation"], row["correlation_high"])
 
 
 class Shares(unittest.TestCase):
@@ -107,15 +75,6 @@ class Said(unittest.TestCase):
         self.assertIsNone(sealed(self._inputs()))
         self.assertEqual(sealed_apart(self._inputs()), "")
 
-    def test_equal_rankings_are_said_to_hardly_change(self):
-        line = summary.origins(self._inputs())
-        self.assertIn("hardly changes", line)
-        self.assertIn("own scenes and engines 1.00 (1.00–1.00)", line)
-
-    def test_a_solver_that_is_slow_on_engines_changes_the_ranking(self):
-        line = summary.origins(self._inputs(of_engines("first", lambda record: slower(record, 100))))
-        self.assertIn("changes, most between own scenes and engines", line)
-
     def test_the_table_has_a_column_for_every_origin(self):
         text = origins(self._inputs(of_engines("second", fail))).markdown()
         self.assertIn("own scenes (24)", text)
@@ -125,4 +84,3 @@ class Said(unittest.TestCase):
     def test_one_origin_has_no_such_table(self):
         inputs = inputs_of(write_campaign, FACTORS, tiers=(1e-6,))
         self.assertIsNone(origins(inputs))
-        self.assertEqual(summary.origins(inputs), "")

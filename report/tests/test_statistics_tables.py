@@ -64,7 +64,7 @@ class Tables(SharedFolderCase):
     def test_all_is_written_without_a_word(self):
         self.assertEqual((self.status, self.error), (0, ""))
         for name, table in self.tables.items():
-            self.assertEqual(table.empty, name in ("rank_correlation", "rivals", "equal_flags", "friction"), name)
+            self.assertEqual(table.empty, name in ("rivals", "equal_flags", "friction"), name)
         line = (self.folder / FOLDER / "cells.csv").read_text(encoding="utf-8").splitlines()[1]
         self.assertEqual(("true" in line.split(","), "True" in line), (True, False))  # booleans are words
 
@@ -99,7 +99,6 @@ class Tables(SharedFolderCase):
     def test_what_does_not_count_has_tables_of_its_own(self):
         for name in ("means", "coverage"):
             self.assertEqual(set(self.tables[name]["set"]), {"counted"}, name)
-        self.assertEqual(set(self.tables["pairwise"]["set"]), {"counted", "engine"})
 
     def test_what_a_solver_does_not_take_is_neither_failed_nor_in_its_share(self):
         for row in self.tables["coverage"].to_dict("records"):

@@ -7,7 +7,7 @@
     launches              one row per launch: levels and quantiles; their part in intervals
     groups                what is compared with what
     intervals             confidence intervals and multiple comparisons
-    coverage, class_times, rivals, means, origins, pairwise
+    coverage, class_times, rivals, means, origins
                           tables, from the tables of cells and launches
     latency               the tables of sequences: steps of motions, warm starts, deadlines
     tables                all tables, by name

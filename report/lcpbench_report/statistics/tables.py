@@ -16,8 +16,7 @@ from .latency import deadline_table, latency_by_solver_table
 from .launches import Levels
 from .model import Campaign
 from .means import delivered_table, mean_table, scaling_table
-from .origins import origin_table, rank_table
-from .pairwise import pairwise_table
+from .origins import origin_table
 from .rivals import OWN_BUILDS, Portfolios, flag_table, is_own, rival_table
 
 FOLDER = "analysis"
@@ -25,8 +24,8 @@ FOLDER = "analysis"
 STEP_TABLES: dict[str, Callable[[Campaign], pd.DataFrame]] = {
     "latency_by_solver": latency_by_solver_table, "deadline": deadline_table,
 }
-TABLES = ("cells", "coverage", "scaling", "delivered", "rank_correlation", "class_times", "pairwise", "means", "origins",
-          "launches", "rivals", "friction", "equal_flags")
+TABLES = ("cells", "coverage", "scaling", "delivered", "class_times", "means", "origins", "launches",
+          "rivals", "friction", "equal_flags")
 MAIN = "auto"  # the solver of ours that users start with
 _DIGITS = "%.9g"
 
@@ -51,8 +50,8 @@ def makers_of(of_all: Measured, solvers: list[dict], ours: str, portfolios: Port
     levels = Levels(of_all.launches, times=of_all.rounds)
     return dict(zip(TABLES, (
         lambda: of_all.cells, partial(coverage_table, cells), partial(scaling_table, cells), partial(delivered_table, cells),
-        partial(rank_table, cells), partial(class_table, cells, levels), partial(pairwise_table, cells, levels),
-        partial(mean_table, cells, levels), partial(origin_table, cells, levels), lambda: of_all.launches,
+        partial(class_table, cells, levels), partial(mean_table, cells, levels), partial(origin_table, cells, levels),
+        lambda: of_all.launches,
         partial(rival_table, cells, own, ours, levels, portfolios), partial(friction_table, cells, ours, levels),
         partial(flag_table, of_all.cells, levels, portfolios))))
 

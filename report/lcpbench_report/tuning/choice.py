@@ -20,17 +20,18 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from scipy import stats
 
 from ..formats import short
 from ..statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, cell_table
 from ..statistics.intervals import MARGIN, Bootstrap, holm
 from ..statistics.model import Campaign
 from ..statistics.means import penalised, shift_of, shifted_geometric_mean
-from ..statistics.pairwise import ABOUT, LEVEL, compare_two
 from .campaign import TIER, keys_of
 from .space import Configuration, Space, hash_of
 
 SCHEMA = "lcpbench-tuned/2"
+LEVEL = 0.05  # of a false alarm among all configurations of a solver
 MACHINE = ("cpu", "cores", "memory_bytes", "os", "compiler", "flags", "solver_flags", "libraries")
 
 
@@ -58,19 +59,25 @@ def judge(cells: pd.DataFrame, keys: list[str]) -> tuple[float, list[Outcome]]:
     shift = shift_of(cells[cells["solver"].isin(keys)])
     shift = 0.0 if math.isnan(shift) else shift  # none was verified: all are limits
     weights, bootstrap = about["weight"].to_numpy(), Bootstrap(about.assign(problem=about.index))
-    pairs = [compare_two(times, about, bootstrap, key, keys[0]) for key in keys[1:]]
-    adjusted = [math.nan, *holm([pair["wilcoxon_p"] for pair in pairs])]
-    directions = [0, *(pair["direction"] for pair in pairs)]
+    over = np.log(times.div(times[keys[0]], axis=0))
+    adjusted = [math.nan, *holm([_signed_rank_test(bootstrap.base_means(times.index, over[key].to_numpy(), weights))
+                                 for key in keys[1:]])]
     means, logs = times.apply(shifted_geometric_mean, shift=shift, weights=weights), np.log(times + shift)
     outcomes = []
-    for key, p, direction in zip(keys, adjusted, directions):
+    for key, p in zip(keys, adjusted):
         low, high = bootstrap.mean(times.index, logs[key], weights, lambda mean: np.exp(mean) - shift, logs[keys[0]])
         ratio = means[key] / means[keys[0]]
-        faster = p < LEVEL and direction < 0 and ratio < 1 / MARGIN
+        faster = p < LEVEL and ratio < 1 / MARGIN
         no_worse = all(count[key] <= count[keys[0]] for count in (failures, false))
         outcomes.append(Outcome(len(times), len(times) - failures[key], false[key], means[key], ratio, low, high,
                                 float(p), bool(faster and no_worse)))
     return shift, outcomes
+
+
+def _signed_rank_test(differences: np.ndarray) -> float:
+    """Wilcoxon's p-value (1945), two-sided, where they are smaller than 0; NaN where all are 0."""
+    moved = differences[differences != 0]
+    return min(1.0, 2 * float(stats.wilcoxon(moved, alternative="less").pvalue)) if len(moved) else math.nan
 
 
 def choose(outcomes: list[Outcome]) -> int:
@@ -87,7 +94,7 @@ def _times(cells: pd.DataFrame, keys: list[str]) -> tuple[pd.DataFrame, pd.DataF
     failures, false = (holds.groupby(own["solver"]).sum().reindex(keys, fill_value=0) for holds in
                        (~np.isfinite(own["time_s"]), own["verdict"].isin((FALSE_SUCCESS, BELOW_TIER))))
     times = own.assign(time_s=penalised(own)).pivot(index="problem", columns="solver", values="time_s").reindex(columns=keys)
-    about = own.drop_duplicates("problem").set_index("problem").loc[times.index, ABOUT]
+    about = own.drop_duplicates("problem").set_index("problem").loc[times.index, ["origin", "family", "base", "weight", "size_class"]]
     about["weight"] /= about.groupby("size_class")["weight"].transform("sum")
     return times, about, failures, false
 
