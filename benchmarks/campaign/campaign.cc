@@ -48,8 +48,8 @@ class Campaign {
       : plan_(plan),
         options_(options),
         problems_(problems),
-        tasks_(TasksOfShard(PlanTasks(plan, problems), options.shard, options.shards)),
-        passes_(TasksOfShard(PlanPasses(plan, manifests), options.shard, options.shards)),
+        tasks_(TasksOfShard(PlanTasks(plan, problems), options.shard)),
+        passes_(TasksOfShard(PlanPasses(plan, manifests), options.shard)),
         journal_(options.folder, PlanTasks(plan, problems), PlanPasses(plan, manifests), plan.launches, plan.rounds,
                  environment_hash) {}
 
@@ -620,12 +620,12 @@ Planned ReadPlanned(const CampaignPlan& plan) {
 std::vector<std::string> CampaignCells(const CampaignPlan& plan, const CampaignOptions& options) {
   const auto [manifests, problems] = ReadPlanned(plan);
   std::vector<std::string> names;
-  for (const Task& task : TasksOfShard(PlanTasks(plan, problems), options.shard, options.shards)) {
+  for (const Task& task : TasksOfShard(PlanTasks(plan, problems), options.shard)) {
     for (std::size_t k = task.begin; k < task.end; ++k) {
       names.push_back(CellName(problems[k].entry->id, task.solver, task.tier));
     }
   }
-  for (const Task& pass : TasksOfShard(PlanPasses(plan, manifests), options.shard, options.shards)) {
+  for (const Task& pass : TasksOfShard(PlanPasses(plan, manifests), options.shard)) {
     names.push_back(PassName(pass));
   }
   return names;

@@ -10,8 +10,7 @@ namespace lcpbench {
 struct CampaignOptions {
   std::string folder;
   bool resume = false;  ///< go on in a folder that has a campaign of the same plan
-  int shard = 1;        ///< of `shards`, from 1
-  int shards = 1;
+  Shard shard = {};
   int cpu = -1;                               ///< the processor that solves are kept on; -1: any
   std::vector<std::string> solver_arguments;  ///< of the command line, by which the user named solvers
 };

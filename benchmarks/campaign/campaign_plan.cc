@@ -374,11 +374,12 @@ std::vector<std::size_t> OrderOfRound(const CampaignPlan& plan, const std::vecto
   return order;
 }
 
-std::vector<Task> TasksOfShard(std::vector<Task> tasks, int k, int n) {
+std::vector<Task> TasksOfShard(std::vector<Task> tasks, const Shard& shard) {
   std::map<std::pair<std::string, std::size_t>, int> places;
   std::erase_if(tasks, [&](const Task& task) {
     const int place = places.try_emplace({task.about, task.first}, static_cast<int>(places.size())).first->second;
-    return place % n != k - 1;
+    const int part = place % shard.parts + 1;
+    return part < shard.first || part > shard.last;
   });
   return tasks;
 }

@@ -178,9 +178,14 @@ std::pair<std::size_t, double> RoundOf(const CampaignPlan& plan, const Task& tas
 /// is made before its first use, and so the first solve waits for one that is made quickly.
 std::vector<std::size_t> OrderOfRound(const CampaignPlan& plan, const std::vector<Task>& tasks, int round);
 
-/// Tasks of shard k of n (k from 1): every n-th size class, or sequence, so that all solvers of one run in turn on one
-/// processor.
-std::vector<Task> TasksOfShard(std::vector<Task> tasks, int k, int n);
+/// Some of the parts into which a campaign is divided, from 1: part k has every n-th size class, or sequence, from the
+/// k-th on, so that all solvers of one run in turn on one processor.
+struct Shard {
+  int first = 1;
+  int last = 1;
+  int parts = 1;
+};
+std::vector<Task> TasksOfShard(std::vector<Task> tasks, const Shard& shard);
 
 /// What is timed in a pass, and what the solver object and the processor are warmed with before: other problems than
 /// those that are timed, other ones in every pass. Tolerance and limits are the caller's.

@@ -151,7 +151,7 @@ struct RunCampaigns {
                    "A folder of the same campaign, or of one with more solvers or classes: when all is run, prints how "
                    "far its times and ratios moved")
         ->check(CLI::ExistingDirectory);
-    app.add_option("--shard", shard, "k/N, the k-th of N parts; see lcpbench merge");
+    app.add_option("--shard", shard, "k/N, the k-th of N parts, or k-m/N, the k-th to the m-th; see lcpbench merge");
     app.add_option(
         "--tuned", tuned,
         "Adds KEY-tuned for every solver that `lcpbench tune` chose settings for [default of core and standard: "
@@ -205,15 +205,15 @@ struct RunCampaigns {
     return app.add_option_function<Value>(names, add, description);
   }
 
-  // "k/N"
+  // "k/N" or "k-m/N"
   void ParseShard() {
     std::smatch parts;
-    if (std::regex_match(shard, parts, std::regex("([0-9]{1,6})/([0-9]{1,6})"))) {
-      options.shard = std::stoi(parts[1]);
-      options.shards = std::stoi(parts[2]);
-      if (1 <= options.shard && options.shard <= options.shards) return;
+    if (std::regex_match(shard, parts, std::regex("([0-9]{1,6})(?:-([0-9]{1,6}))?/([0-9]{1,6})"))) {
+      const int first = std::stoi(parts[1]);
+      options.shard = {first, parts[2].matched ? std::stoi(parts[2]) : first, std::stoi(parts[3])};
+      if (1 <= first && first <= options.shard.last && options.shard.last <= options.shard.parts) return;
     }
-    throw InputError("--shard: expected k/N with k from 1 to N, found '" + shard + "'");
+    throw InputError("--shard: expected k/N, or k-m/N, with 1 <= k <= m <= N, found '" + shard + "'");
   }
 };
 

@@ -40,8 +40,8 @@ def described(folder: str) -> SimpleNamespace:
 
 def check_tables(case: unittest.TestCase, name: str) -> None:
     """The summary has the tables that the code makes of its folders today: times by class, the front, all solvers by size,
-    coverage, origins, literature, problems that break something, sequences, friction. Not compared, because they take
-    minutes: which backend (means of every class), and the sentences, of which one needs all pairs of solvers."""
+    coverage, origins, literature, problems that break something, sequences, friction. Not compared, because it takes
+    minutes: which backend (means of every class)."""
     text = (FOLDER / name).read_text(encoding="utf-8")
     inputs = inputs_of(*SUMMARIES[name])
     tables = [make(inputs) for make in _TABLES if len(inputs.cells) or make is shown_tables.sequences]
