@@ -20,7 +20,7 @@ def text(title: str, found: Comparison, most: int) -> str:
               f"{len(found.plan)} differences of plan, builds and machine:": _table(["key", "old", "new"], found.plan),
               f"{len(found.problems)} differences of problems:": _table(["key", "old", "new"], found.problems)}
     return render("comparison.md.j2", title=title, found=found, listed=listed, most=most, reach=REACH,
-                  values=_values(found.values), near=near.sum(), inside=(found.values["agrees"] & ~near).sum(),
+                  values=values_table(found.values), near=near.sum(), inside=(found.values["agrees"] & ~near).sum(),
                   beyond=(~found.values["agrees"]).sum())
 
 
@@ -41,7 +41,8 @@ def _verdict(of: dict, side: str) -> str:
     return of[f"verdict_{side}"].replace("_", " ").replace(":", ": ") + (f": {rule}" if rule else "")
 
 
-def _values(table: pd.DataFrame) -> Table:
+def values_table(table: pd.DataFrame) -> Table:
+    """@param table  rows of Comparison.values"""
     return Table(["tier", "rows", "median, or ratio", "old", "new", "moved", "agrees"],
                  [[formats.power(of.tier), formats.size_class(of.size_class), code(of.what), _value(of, "old"), _value(of, "new"),
                    f"{100 * of.moved:+.1f} %", "yes" if of.agrees else "**no**"] for of in table.itertuples()], "lllrrrl")

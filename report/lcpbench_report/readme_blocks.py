@@ -13,16 +13,20 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import formats, markdown, peers, shown_tables, summary
+from . import choice, comparison, formats, markdown, peers, shown_tables, summary
 from .errors import ReportError
 from .headline_table import Headline, not_won
 from .inputs import Inputs
 from .sentences import say
+from .statistics import changes
+from .statistics.load import load_campaign
 from .statistics.rivals import PORTFOLIO
+from .statistics.tables import MAIN
 from .table import Table, code
 
 BLOCK = re.compile(r"<!-- numbers:([a-z-]+) -->(.*?)<!-- end -->", re.DOTALL)
 FIGURE = Path("report/reference/headline.svg")  # below the repository
+AGAIN = Path("report/reference/core-again")  # the same campaign, run once more
 _ALT = "Median fresh time against rows: own solvers, the best of each peer library, the oracle"
 
 
@@ -73,6 +77,16 @@ def _headline(page: Page) -> str:
                       *(["", say("short_flag_words"), "", flags.markdown()] if flags else [])])
 
 
+def _moved(page: Page) -> str:
+    """How far what is published of MAIN moved from the campaign to its repetition; "" without one."""
+    if not (page.root / AGAIN).is_dir():
+        return ""
+    found = changes.compare(page.inputs.campaigns[0], load_campaign(page.root / AGAIN))
+    values = found.values[(found.values["tier"] == choice.main_tier(page.inputs)) & (found.values["what"].str.split().str[0] == MAIN)]
+    return "\n".join([say("run_twice", found=found, values=values, reach=changes.REACH), "",
+                      comparison.values_table(values).markdown()])
+
+
 def _tuning(page: Page) -> str:
     """What data/tuned.json says of how settings were chosen."""
     tuned = page.data("tuned")
@@ -116,6 +130,7 @@ BLOCKS: dict[str, Callable[[Page], str]] = {
     "headline": _headline,
     # The conventions, the table by size class, false successes, and the table of all solvers.
     "headline-details": lambda page: markdown.full_headline(page.inputs, page.found),
+    "moved": _moved,
     "sealed": lambda page: shown_tables.sealed_apart(page.inputs),
     "streams": lambda page: say("streams", classes={of["stream"]: of["most"] for of in page.info["size_classes"] if of["stream"]}),
     "limits": lambda page: say("limits", rules=Counter((of["reason"], of["largest"]) for of in page.info.get("size_limits", []))),
