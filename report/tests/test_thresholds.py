@@ -54,7 +54,7 @@ class Rule(unittest.TestCase):
         self.assertFalse(thresholds.may_replace(self._row(1.0)))
         self.assertFalse(thresholds.may_replace(self._row(1.2)))
         self.assertFalse(thresholds.may_replace({"value": "1", "differ": 0, "lost": 0}))
-        for of_all in ({"lost": 1}, {"differ": thresholds.LEAST - 1}):
+        for of_all in ({"lost": 1}, {"timed": thresholds.LEAST - 1}):
             self.assertFalse(thresholds.may_replace(self._row(0.8) | of_all))
 
     def test_the_table_names_what_is_chosen(self):

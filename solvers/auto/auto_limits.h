@@ -59,7 +59,7 @@ struct AutoLimits {
   double sweeps_per_root = 40;
   Index last_sweeps = 20000;
   double newton_rho = 1e-5;
-  Index shift_rounds = 4;
+  Index shift_rounds = 2;
   Index path_steps = 2000;
   Index bounds_rounds = 4;
   double bounds_time_share = 0.2;

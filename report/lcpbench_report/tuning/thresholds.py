@@ -3,8 +3,8 @@
 Every value of a limit is tried alone. Problems on which no value changes the answer (forces, iterations, methods) at a
 tier are not timed: the limit is not reached. Of the others a sample is, in a campaign, and compared with the default as
 `lcpbench tune` does (choice.py), all tiers together. A value takes the default's place only if it loses no answer, also of
-those that are not timed, changes LEAST problems or more, and is faster by more than MARGIN with its whole interval below
-1; of several the fastest.
+those that are not timed, LEAST or more are timed, and it is faster by more than MARGIN with its whole interval below 1; of
+several the fastest.
 """
 
 import hashlib
@@ -169,7 +169,7 @@ def compare(cells: pd.DataFrame, key: str) -> dict:
 
 def may_replace(row: dict) -> bool:
     """Whether a value may take the default's place."""
-    is_sure = row["differ"] >= LEAST and row["lost"] == 0 and row.get("right", 0) >= row.get("right_default", math.inf)
+    is_sure = row.get("timed", 0) >= LEAST and row["lost"] == 0 and row.get("right", 0) >= row.get("right_default", math.inf)
     return is_sure and row["ratio"] < 1 / MARGIN and row["ratio_high"] < 1
 
 
