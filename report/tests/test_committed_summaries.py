@@ -1,9 +1,20 @@
 """Every committed summary has the tables that the code makes of its folder today. That of the campaign `core`, which
 takes a minute, is in long_committed_results.py."""
 
+import json
+import re
 import unittest
 
-from .reference import FOLDER, SUMMARIES, check_tables
+from .reference import FOLDER, PAGES, ROOT, SUMMARIES, check_tables
+
+_COMMIT = re.compile(r"\bcommit ([0-9a-f]{12})\b")
+
+
+def _commits(*folders: str) -> set[str]:
+    """Of the records of campaigns."""
+    environments = [json.loads((FOLDER / name / "campaign.json").read_text(encoding="utf-8"))["environment"] for name in folders]
+    assert not any(of["git_dirty"] for of in environments), folders
+    return {of["git_commit"][:12] for of in environments}
 
 
 class CommittedSummaries(unittest.TestCase):
@@ -14,3 +25,12 @@ class CommittedSummaries(unittest.TestCase):
         for name in SUMMARIES:
             if name != "summary.md":
                 check_tables(self, name)
+
+    def test_what_is_published_names_the_commit_of_its_records(self):
+        for name, folders in SUMMARIES.items():
+            named = set(_COMMIT.findall((FOLDER / name).read_text(encoding="utf-8")))
+            self.assertEqual(named, _commits(*folders), name)
+        for path, text in PAGES.items():
+            named = set(_COMMIT.findall(text))
+            self.assertLessEqual(named, _commits("core"), path.relative_to(ROOT))
+        self.assertIn(*_commits("core"), PAGES[ROOT / "README.md"])
