@@ -222,7 +222,8 @@ TEST_F(CampaignCommand, VariantsAreSolversOfTheirOwn) {
   const auto campaign = ReadJson(folder_ / "c" / "campaign.json");
   for (const auto& solver : campaign["solvers"]) {
     EXPECT_EQ(solver["base"], solver["key"] == "pgs" ? "" : "pgs");
-    EXPECT_EQ(solver["settings"], solver["key"] == "over" ? Json{{"relaxation", "1.3"}} : Json::object());
+    const Json settings = solver["key"] == "over" ? Json{{"relaxation", "1.3"}} : Json::object();
+    EXPECT_EQ(solver["settings"], settings);
   }
   for (const auto& [variant, text] : {std::pair("pgs=dantzig", "taken"), std::pair("x=pgs,nonsense=1", "nonsense"),
                                       std::pair("x=nobody", "unknown solver"), std::pair("x", "KEY=SOLVER")}) {
