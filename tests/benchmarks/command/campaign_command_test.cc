@@ -227,7 +227,7 @@ TEST_F(CampaignCommand, VariantsAreSolversOfTheirOwn) {
   }
   for (const auto& [variant, text] : {std::pair("pgs=dantzig", "taken"), std::pair("x=pgs,nonsense=1", "nonsense"),
                                       std::pair("x=nobody", "unknown solver"), std::pair("x", "KEY=SOLVER")}) {
-    ExpectMistake(arguments + "2 --variant " + variant, text);
+    ExpectMistake(arguments + " --variant " + variant, text);
   }
 }
 
