@@ -22,6 +22,7 @@
 #include "benchmarks/measure/quantile.h"
 #include "benchmarks/measure/text_table.h"
 #include "solvers/registry.h"
+#include "support/clock.h"
 #include "support/file_lock.h"
 #include "support/input_error.h"
 #include "support/number_text.h"
@@ -143,13 +144,21 @@ class Campaign {
     return {};
   }
 
+  // Whether the solver has a place in the portfolio of the task's size class.
+  bool IsInPortfolio(const Task& task) const {
+    const auto codes = plan_.portfolio.find(task.about);
+    return codes != plan_.portfolio.end() && std::ranges::find(codes->second, task.solver) != codes->second.end();
+  }
+
   // Pass 0: every problem by itself, with its limits.
   void Judge(const Task& task) {
     if (journal_.Has(TaskKey(task, task.judged.back()), "judge", 0)) return;
     if (!task.excluded.empty()) return journal_.WriteExcluded(task);
     std::vector<Judged> judged;
     auto [tried, late] = LateBefore(task);
+    const double start = SteadyNow();
     for (std::size_t place = 0; place < task.count(); ++place) {
+      if (SteadyNow() - start > plan_.limits.class_s && !IsInPortfolio(task)) break;
       const ProblemProperties& properties = ProblemOf(task, place).entry->properties;
       Judged one;
       one.not_taken = NotTaken(FindSolver(task.solver), properties);
@@ -259,7 +268,7 @@ class Campaign {
         const Journal::Judgement* found = journal_.Find(TaskKey(task, tier));
         if (found == nullptr || found->first_s.empty()) continue;
         Standing& standing = standings[{tier, task.begin - (whole ? task.first : 0)}][task.solver];
-        for (std::size_t place = 0; place < task.count(); ++place) {
+        for (std::size_t place = 0; place < found->attempted; ++place) {
           const ManifestEntry& entry = *ProblemOf(task, place).entry;
           const bool has_solution = entry.reference.status != "infeasible";
           if (!has_solution || !NotTaken(FindSolver(task.solver), entry.properties).empty()) continue;
@@ -320,12 +329,11 @@ class Campaign {
         if (is_near) near.emplace(of.second, solver);
       }
       for (const std::string& peer : FrontOfPeers(solvers)) near.emplace(of.second, peer);
-      const auto portfolio = plan_.portfolio.find(std::string(problems_[of.second].size_class->key));
-      if (portfolio == plan_.portfolio.end()) continue;
-      for (const std::string& peer : portfolio->second) near.emplace(of.second, peer);
     }
     std::vector<Task> tasks = tasks_;
-    std::erase_if(tasks, [&](const Task& task) { return !near.contains({task.begin, task.solver}); });
+    std::erase_if(tasks, [&](const Task& task) {
+      return !near.contains({task.begin, task.solver}) && !IsInPortfolio(task);
+    });
     return tasks;
   }
 

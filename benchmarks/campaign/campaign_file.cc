@@ -138,6 +138,7 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
                     {"least_s", plan.limits.least_s},
                     {"most_s", plan.limits.most_s},
                     {"most_late", plan.limits.most_late},
+                    {"class_s", plan.limits.class_s},
                     {"memory_bytes", plan.memory_bytes}};
   json["noise"] = {{"slower_clock", plan.noise.slower_clock},
                    {"least_cpu_share", plan.noise.least_cpu_share},

@@ -176,7 +176,7 @@ void RequireValid(const CampaignPlan& plan) {
     require(is_class && most >= 1, "a size class and problems of a side >= 1");
   }
   const SolveLimits& limits = plan.limits;
-  require(limits.time_per_row_s >= 0 && limits.least_s > 0 && limits.most_s >= limits.least_s,
+  require(limits.time_per_row_s >= 0 && limits.least_s > 0 && limits.most_s >= limits.least_s && limits.class_s > 0,
           "time limits > 0 s, in order");
   for (const double deadline : plan.deadlines_s) require(deadline > 0, "deadlines > 0 s");
   require(plan.pass_budget_s > 0, "a pass's budget > 0 s");

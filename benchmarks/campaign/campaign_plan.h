@@ -43,6 +43,9 @@ struct SolveLimits {
   /// not given the others of the class: they count as out of time. The order of a class is drawn (PlanProblems); above
   /// 10^4 rows it is that of the shard.
   std::size_t most_late = 4;
+  /// A solver that has been judged for so long on a size class at a tier is not judged on the others of the class,
+  /// which count neither for nor against it; codes of the portfolio are, for it takes all their turns [s].
+  double class_s = 60;
 
   /// [s]
   double Of(Index rows) const {

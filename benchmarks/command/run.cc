@@ -129,6 +129,13 @@ struct RunCampaigns {
            },
            "Seconds per solve, whatever its size")
         ->check(PositiveSeconds());
+    app.add_option_function<double>(
+           "--class-limit",
+           [this](double limit_s) {
+             changes.emplace_back([limit_s](CampaignPlan& plan) { plan.limits.class_s = limit_s; });
+           },
+           "Seconds that a solver is judged for, at most, on a size class at a tier")
+        ->check(PositiveSeconds());
     app.add_option_function<int>(
            "--launches,--benchmark_repetitions",
            [this](int count) {

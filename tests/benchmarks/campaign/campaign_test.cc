@@ -165,6 +165,16 @@ TEST_F(Campaign, WhoRunsOutOfTimeOnHalfOfTheFirstProblemsIsNotGivenTheOthers) {
   EXPECT_EQ(left_out["pgs"], 0U);
 }
 
+// Of a class at least one problem is judged; what has no turn is neither right nor wrong.
+TEST_F(Campaign, WhoHasHadHisTimeForAClassHasNoTurnAtItsOtherProblems) {
+  Succeed(Data("smoke") +
+          " --filter n8- --tiers 1e-6 --launches 1 --no-fills --solvers dantzig,pgs --class-limit 1e-9 -o " +
+          Path("r"));
+  std::set<std::string> judged;
+  for (const Json& cell : Cells()) EXPECT_TRUE(judged.insert(cell["solver"]).second) << cell.dump();
+  EXPECT_EQ(judged.size(), 2U);
+}
+
 // Whoever takes longer than the limit is out of time, also with an answer: it is not timed, nor tried at stricter
 // tiers.
 TEST_F(Campaign, AnAnswerBeyondTheLimitIsOutOfTime) {
