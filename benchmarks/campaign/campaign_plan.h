@@ -45,7 +45,7 @@ struct SolveLimits {
   std::size_t most_late = 4;
   /// A solver that has been judged for so long on a size class at a tier is not judged on the others of the class,
   /// which count neither for nor against it; codes of the portfolio are, for it takes all their turns [s].
-  double class_s = 60;
+  double class_s = 30;
 
   /// [s]
   double Of(Index rows) const {

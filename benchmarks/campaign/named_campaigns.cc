@@ -20,15 +20,14 @@ constexpr const char* kQuickProblems =
     "^steps/boxes-and-discs-n40-s1-motion/"
     "(?!ipopt|siconos|petsc|tao|cgal|clp|alglib|simbody|drake|pinocchio|[a-z]+-(dual|primal))";
 
-// The better of the default and the tuned settings of each method, without methods that nobody would choose.
+// The better of the default and the tuned settings of each method, and of what a library has for the same problems the
+// best one, without methods that nobody would choose; `survey` has all.
 constexpr const char* kCoreSolvers =
-    "auto dantzig lemke lemke-tuned semismooth-newton bpp active-set pgs psor nncg apgd ipopt-qp ipopt-ncp ipm "
-    "hybrid bullet-dantzig bullet-dantzig-cfm bullet-dantzig-native bullet-si ode-dantzig ode-dantzig-cfm "
-    "ode-dantzig-native dart-dantzig-cfm siconos-lexicolemke siconos-newton-fb-tuned "
-    "siconos-pgs-tuned siconos-nsgs-sbm petsc-rsls-tuned petsc-ssls-direct tao-tron-tuned tao-bntr-tuned "
-    "clp-default mujoco-newton alglib-quickqp alglib-bleic proxqp-primal piqp-dual daqp-primal osqp-dual-tuned "
-    "clarabel-dual highs-dual-tuned qpoases-dual-tuned qpalm-primal quadprog-primal pinocchio-pgs dart-pgs "
-    "daqp-avi";
+    "auto dantzig lemke-tuned semismooth-newton bpp active-set pgs psor nncg apgd ipopt-qp ipopt-ncp ipm hybrid "
+    "bullet-dantzig bullet-dantzig-cfm bullet-dantzig-native bullet-si ode-dantzig ode-dantzig-cfm "
+    "ode-dantzig-native dart-dantzig-cfm siconos-lexicolemke petsc-rsls-tuned petsc-ssls-direct tao-tron-tuned "
+    "clp-default mujoco-newton alglib-quickqp proxqp-primal piqp-dual daqp-primal osqp-dual-tuned "
+    "clarabel-dual highs-dual-tuned qpoases-dual-tuned qpalm-primal quadprog-primal pinocchio-pgs daqp-avi";
 
 // Our solvers that take friction, and 24 keys of peers, some for every law and project. Left to `lcpbench run
 // --solvers`: Bullet's and DART's copies of ODE's pivoting code, MuJoCo's second method for the same program,
