@@ -158,7 +158,7 @@ class Campaign {
     auto [tried, late] = LateBefore(task);
     const double start = SteadyNow();
     for (std::size_t place = 0; place < task.count(); ++place) {
-      if (SteadyNow() - start > plan_.limits.class_s && !IsInPortfolio(task)) break;
+      if (place > 0 && SteadyNow() - start > plan_.limits.class_s && !IsInPortfolio(task)) break;
       const ProblemProperties& properties = ProblemOf(task, place).entry->properties;
       Judged one;
       one.not_taken = NotTaken(FindSolver(task.solver), properties);
