@@ -83,7 +83,7 @@ def _moved(page: Page) -> str:
         return ""
     found = changes.compare(page.inputs.campaigns[0], load_campaign(page.root / AGAIN))
     values = found.values[(found.values["tier"] == choice.main_tier(page.inputs)) & (found.values["what"].str.split().str[0] == MAIN)]
-    return "\n".join([say("run_twice", found=found, values=values, reach=changes.REACH), "",
+    return "\n".join(["## Run twice", "", say("run_twice", found=found, values=values, reach=changes.REACH), "",
                       comparison.values_table(values).markdown()])
 
 
