@@ -141,7 +141,8 @@ def _verdicts(columns: dict[str, np.ndarray], late: np.ndarray) -> np.ndarray:
 
 def _causes(columns: dict[str, np.ndarray], shifted: np.ndarray) -> np.ndarray:
     """Of FALSE_SUCCESS one of CAUSES, else "". An answer of another model is measured by that, if it is better there."""
-    off = np.fmin(columns["rho"], columns["model_rho"]) / columns["tier"]
+    with np.errstate(over="ignore"):  # forces of 1e300 are far off
+        off = np.fmin(columns["rho"], columns["model_rho"]) / columns["tier"]
     found = np.select([shifted, off <= 1, off <= NEAR], [SHIFTED, ETA, CLOSE], FAR)
     return np.where(columns["verdict"] == FALSE_SUCCESS, found, "").astype(object)
 

@@ -47,7 +47,8 @@ def _measures(own: pd.DataFrame, tier: float) -> dict:
     solvable = taken[taken["reference_status"] != INFEASIBLE]
     right = solvable["verdict"] == VERIFIED
     answers = solvable[~right]
-    squares = np.square(answers[list(ERROR_PARTS)].to_numpy(dtype=float))
+    with np.errstate(over="ignore"):  # what is infinite has no shares
+        squares = np.square(answers[list(ERROR_PARTS)].to_numpy(dtype=float))
     sums = squares.sum(axis=1, keepdims=True)
     shares = squares[np.isfinite(sums[:, 0]) & (sums[:, 0] > 0)]
     shares = (shares / shares.sum(axis=1, keepdims=True)).mean(axis=0) if len(shares) else np.full(len(ERROR_PARTS), np.nan)
