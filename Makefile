@@ -179,9 +179,8 @@ reference: command $(BASELINE) $(V3)
 	@$(foreach part,$(PARTS),$(MAKE) --no-print-directory part-$(part) &&) true
 	@$(foreach study,$(MOTIONS),$(BUILD)/lcpbench motion $(MOTION_$(study)) --output build/results/$(study) &&) true
 	@rm -rf $(REFERENCE)/*/
-	@$(foreach folder,$(filter-out core-again,$(PARTS)) $(MOTIONS), \
+	@$(foreach folder,$(PARTS) $(MOTIONS), \
 	  $(PYTHON) report/report.py compact build/results/$(folder) -o $(REFERENCE)/$(folder) &&) true
-	@$(PYTHON) report/report.py compare build/results/core build/results/core-again -o $(REFERENCE)/core/moved.md; [ $$? -le 1 ]
 	@$(MAKE) --no-print-directory reference-report
 
 benchmark: configure

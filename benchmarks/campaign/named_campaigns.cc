@@ -20,8 +20,8 @@ constexpr const char* kQuickProblems =
     "^steps/boxes-and-discs-n40-s1-motion/"
     "(?!ipopt|siconos|petsc|tao|cgal|clp|alglib|simbody|drake|pinocchio|[a-z]+-(dual|primal))";
 
-// The better of the default and the tuned settings of each method, and of what a library has for the same problems the
-// best one, without methods that nobody would choose; `survey` has all.
+// The better of the default and the tuned settings of each method, and the best codes of each library for these
+// problems. Methods that nobody would choose are left to `survey`.
 constexpr const char* kCoreSolvers =
     "auto dantzig lemke-tuned semismooth-newton bpp active-set pgs psor nncg apgd ipopt-qp ipopt-ncp ipm hybrid "
     "bullet-dantzig bullet-dantzig-cfm bullet-dantzig-native bullet-si ode-dantzig ode-dantzig-cfm "

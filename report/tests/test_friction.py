@@ -9,7 +9,7 @@ from lcpbench_report.inputs import load_inputs
 from lcpbench_report.statistics.cells import EXCLUDED, VERIFIED
 from lcpbench_report.statistics.coverage import coverage_table
 from lcpbench_report.statistics.friction import friction_table, refusers
-from lcpbench_report.statistics.model import ERROR_PARTS
+from lcpbench_report.statistics.model import ERROR_PARTS, TASK_BUDGET
 from lcpbench_report.statistics.means import mean_table
 from .cases import SharedFolderCase, inputs_of, page_of
 from .synthetic_campaign import TIERS, fail, write_campaign
@@ -78,6 +78,13 @@ class Friction(SharedFolderCase):
             pgs = table.loc[("pgs", tier)]
             self.assertEqual((pgs["solvable"], pgs["right"], pgs["wrong"]), (OF_FRICTION - 1, OF_FRICTION - 4, 3))
             self.assertLess(pgs["right_share"], self.table.loc[("pgs", tier)]["right_share"])
+
+    def test_what_had_no_turn_is_neither_right_nor_wrong(self):
+        cells = self.inputs.cells.copy()
+        without = (cells["problem"] == "piles-20-2") & (cells["solver"] == "pgs")
+        found = friction_table(cells[~without])
+        cells.loc[without, "verdict"], cells.loc[without, "time_s"], cells.loc[without, "excluded"] = EXCLUDED, np.inf, TASK_BUDGET
+        pd.testing.assert_frame_equal(friction_table(cells), found)
 
     def test_a_relaxed_answer_has_both_residuals(self):
         relaxed = self.table.loc[("relaxation", min(TIERS))]

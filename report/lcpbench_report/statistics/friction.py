@@ -14,7 +14,7 @@ from .coverage import OF_CAUSES
 from .groups import GROUP, groups
 from .intervals import Bootstrap
 from .launches import Levels
-from .model import ERROR_PARTS, INFEASIBLE
+from .model import ERROR_PARTS, INFEASIBLE, TASK_BUDGET
 from .weighted import weighted_median, weighted_share
 
 COLUMNS = [*GROUP, "solver", "problems", "taken", "solvable", "right", "right_share", "lawful_share", "false_successes", *OF_CAUSES,
@@ -27,13 +27,13 @@ def with_friction(cells: pd.DataFrame) -> pd.DataFrame:
 
 def friction_table(cells: pd.DataFrame, ours: str = "", levels: Levels = Levels()) -> pd.DataFrame:
     """A row per set, tier and solver. `taken`: problems that it takes, also those that a rule excludes because it was out
-    of time at a looser tier, which are not right; `solvable`: of these, those that are not known to have no solution; of
+    of time at a looser tier, which are not right (what had no turn is left out); `solvable`: of these, those that are not known to have no solution; of
     them `right` (verified), its share of the weight (`lawful_share`: of what obeys the solver's own law) and the median
     time, in which what is not verified is infinite. RATIO: the time of `ours` over its, where it is verified. `wrong`: the
     others of them; of these the medians of rho and model_rho, and of each part of the error the mean share of the sum of
     squares."""
     rows = []
-    for label, of_group in groups(with_friction(cells)):
+    for label, of_group in groups(with_friction(cells[cells["excluded"] != TASK_BUDGET])):
         asked, bootstrap = by_solver(of_group), Bootstrap(of_group)
         for solver, own in of_group.groupby("solver", sort=False):
             rows.append(label | {"solver": solver} | _measures(own, label["tier"]))

@@ -165,7 +165,7 @@ TEST_F(Campaign, WhoRunsOutOfTimeOnHalfOfTheFirstProblemsIsNotGivenTheOthers) {
   EXPECT_EQ(left_out["pgs"], 0U);
 }
 
-// Of a class at least one problem is judged; what has no turn is neither right nor wrong.
+// A solver whose time is over has been judged on one problem of the class; the others have no cell.
 TEST_F(Campaign, WhoHasHadHisTimeForAClassHasNoTurnAtItsOtherProblems) {
   Succeed(Data("smoke") +
           " --filter n8- --tiers 1e-6 --launches 1 --no-fills --solvers dantzig,pgs --class-limit 1e-9 -o " +
