@@ -36,7 +36,7 @@ struct MotionCommand {
     start.AddStep(app);
     start.AddFriction(app);
     app.add_option("--budget", study.budget_s, "Seconds per motion; longer ones are stopped")->check(PositiveSeconds());
-    app.add_option("-o,--output", output, "Folder of motion.csv");
+    app.add_option("-o,--output", output, "Folder of motion.csv and motion.json");
     app.footer(
         "Drift: change of energy over the motion. Energy error and distance: largest deviation from the reference, "
         "the\nsame motion driven by auto at 1e-12. Energies over its largest kinetic energy, or what its loads "

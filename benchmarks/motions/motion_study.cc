@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "benchmarks/measure/budget_clock.h"
+#include "benchmarks/measure/environment.h"
 #include "benchmarks/measure/progress.h"
 #include "model/contact/loads.h"
 #include "model/motion/contact_finder.h"
@@ -19,6 +20,7 @@
 #include "solvers/registry.h"
 #include "support/csv.h"
 #include "support/input_error.h"
+#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
@@ -285,6 +287,18 @@ void RequireValid(const MotionStudy& study) {
   if (!(study.budget_s > 0)) throw InputError("motion: budget: expected seconds > 0");
 }
 
+// What the rows of motion.csv do not say of themselves.
+void Describe(const MotionStudy& study, const std::string& folder) {
+  nlohmann::ordered_json json = {{"schema", "lcpbench-motion/1"}, {"steps", study.steps}, {"budget_s", study.budget_s}};
+  for (const MovingScene& scene : study.scenes) {
+    json["scenes"].push_back({{"scene", scene.name}, {"level", ToString(scene.level)}, {"step_s", scene.step}});
+  }
+  json["environment"] = DescribeEnvironment();
+  TextOutput file((std::filesystem::path(folder) / "motion.json").string());
+  file.Write(json.dump(1) + "\n");
+  file.Close();
+}
+
 // The table.
 
 std::string Text(const char* format, double value) {
@@ -379,6 +393,7 @@ std::vector<MotionOutcome> RunMotionStudy(const MotionStudy& study, const std::s
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw InputError(folder + ": cannot be created: " + error.message());
+  Describe(study, folder);
   std::size_t motions = 1;  // the reference
   for (const MotionDriver& driver : study.drivers) motions += TolerancesOf(study, driver).size();
 

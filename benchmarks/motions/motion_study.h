@@ -89,8 +89,8 @@ struct MotionOutcome : WorstFigures {
 /// differences are the solver's and not those of the discretisation.
 inline constexpr double kReferenceTolerance = 1e-12;
 
-/// Runs the study and writes `folder`/motion.csv (RESULTS.md) as it goes. Stops early, with what there is, when an
-/// Interruption is requested.
+/// Runs the study and writes `folder`/motion.json, and motion.csv as it goes (RESULTS.md). Stops early, with what there
+/// is, when an Interruption is requested.
 /// @throws InputError for unknown solvers, impossible numbers, and a folder that cannot be written
 std::vector<MotionOutcome> RunMotionStudy(const MotionStudy& study, const std::string& folder);
 

@@ -1,8 +1,8 @@
 """Makes of a campaign's folder, or of a study of motion, one that is small enough to be kept with the source.
 
-campaign.json as it is; problems and steps of sequences with few digits; of streams a record per solver, size class and
+campaign.json and motion.json as they are; problems and steps of sequences with few digits; of streams a record per solver, size class and
 tier (statistics/records.py), which has every verdict, residual and time;
-CSV files as they are. All but campaign.json is compressed by xz.
+CSV files as they are. All but those two are compressed by xz.
 """
 
 import json
@@ -22,6 +22,7 @@ from .statistics.model import PROBLEMS_FILE, STREAMS_FILE
 from .statistics.steps import FILE as STEPS_FILE
 
 CAMPAIGN = "campaign.json"
+_DESCRIPTIONS = (CAMPAIGN, "motion.json")
 # File -> what its lines are sorted by; significant digits of times and of other numbers. Problems keep their order,
 # which is that of tables and figures. A residual's magnitude is what counts, and a single step is timed once, where the
 # clock has hardly two digits of a microsecond.
@@ -44,10 +45,12 @@ def compact(folder: Path, output: Path) -> dict[str, int]:
         raise ReportError(str(output), "has files already", "a new folder")
     campaign = None if tables else load_campaign(folder)
     output.mkdir(parents=True, exist_ok=True)
+    for name in _DESCRIPTIONS:
+        if (folder / name).is_file():
+            with replaced(output / name) as beside:
+                shutil.copyfile(folder / name, beside)
     written = {name: (folder / name).read_bytes() for name in tables}
     if campaign is not None:
-        with replaced(output / CAMPAIGN) as beside:
-            shutil.copyfile(folder / CAMPAIGN, beside)
         for name, (order, *digits) in _FILES.items():
             if is_there(folder / name):
                 lines = sorted((line for _, line in read_lines(folder / name, lambda note: None)), key=order)

@@ -123,8 +123,10 @@ class Compact(SharedFolderCase):
 
     def test_motions_are_kept_as_they_are(self):
         folder, kept = write_motion(self.path / "motion"), self.path / "kept-motion"
+        (folder / "motion.json").write_text('{"steps": 7}')
         compact(folder, kept)
         self.assertTrue(studies.read_motion(kept).equals(studies.read_motion(folder)))
+        self.assertEqual((kept / "motion.json").read_text(), '{"steps": 7}')
         self.assertFalse((kept / studies.MOTION_FILE).exists())
 
     def test_the_same_campaign_gives_the_same_bytes(self):

@@ -1,6 +1,7 @@
 // lcpbench sequence, lcpbench motion and lcpbench scene as their users meet them.
 
 #include <csignal>
+#include <nlohmann/json.hpp>
 
 #include "benchmarks/motions/scene_source.h"
 #include "model/contact/assembly.h"
@@ -172,6 +173,10 @@ TEST_F(SequenceCommand, MotionComparesEverySolverWithTheReference) {
   for (const char* scene : {"disc-pile, velocity level", "boxes-and-discs, velocity level", "disc-track, velocity"}) {
     ExpectPart(outcome.out, scene);
   }
+  const nlohmann::json about = nlohmann::json::parse(ReadFile(Path("m") + "/motion.json"));
+  EXPECT_EQ(about["scenes"].size(), 3u);
+  EXPECT_EQ(about["steps"], 30);
+  EXPECT_TRUE(about["environment"].contains("git_commit"));
   // dantzig at 1e-9 is the reference itself but for what it is told.
   std::size_t exact = 0;
   for (const std::string& row : rows) {
