@@ -36,14 +36,14 @@ PART_pathological          = --suite pathological --tuned data/tuned.json
 PART_large                 = --suite large
 PART_sequences             = --suite sequences
 PART_core-again            = $(PART_core)
-# The two largest size classes take as long as the others together.
-SHARDS_core := 1-7/9 8-9/9
-SHARDS_core-again := $(SHARDS_core)
+# The two largest size classes take as long as the others together. Each processor has each half once.
+SHARDS_core       := 1-7/9 8-9/9
+SHARDS_core-again := 8-9/9 1-7/9
 
 # Motions without friction driven by own solvers; with it by codes of every law, on straight and on curved edges.
 DRIVERS := auto@1e-9,relaxation@1e-9,daqp-relaxed@1e-9,ode-dantzig@1e-9,ode-dantzig-loop@1e-9,siconos-fc2d-nsgs@1e-6,pgs@1e-6,pgs@1e-3,pgs@10,pgs@50,pgs@200,pgs@10@cold,bullet-si-10@1e-6,bullet-si-50@1e-6,bullet-si-1000@1e-6
 MOTIONS := motion friction-motion curved-friction-motion
-MOTION_motion = --budget 4 --steps 200
+MOTION_motion = --budget 2 --steps 200
 MOTION_friction-motion = --scenes data/scenes/slabs_on_slope.json,data/scenes/arch_of_stones.json,data/scenes/sliding_block.json \
                          --solvers $(DRIVERS) --steps 120 --budget 6
 MOTION_curved-friction-motion = --scenes drum@velocity,cam-follower@velocity,ovals-in-bowl@velocity --friction 0.5 --size 30 \
@@ -67,7 +67,7 @@ REFERENCE_OTHERS  := pathological large friction
 # Of a report: folders besides that of its name, and studies.
 MORE_friction     := $(REFERENCE)/friction-pathological --motion $(REFERENCE)/friction-motion $(REFERENCE)/curved-friction-motion --pictures $(PICTURES)
 
-.PHONY: $(BASELINE) $(V3) core reference help deps peers configure command build test test-long python-test report run pictures benchmark doc reference-report check format fuzz attack install clean
+.PHONY: $(BASELINE) $(V3) shards-0 shards-1 parts core reference help deps peers configure command build test test-long python-test report run pictures benchmark doc reference-report check format fuzz attack install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
@@ -162,21 +162,24 @@ $(BASELINE) $(V3): deps
 	@cmake --preset $(@F) > build/configure-$(@F).log 2>&1 || { cat build/configure-$(@F).log; exit 1; }
 	@cmake --build --preset $(@F) -j $(JOBS)
 
-# A campaign on two processors; goes on where it was.
-part-%: command
-	@started=; cpu=0; for shard in $(or $(SHARDS_$*),1/2 2/2); do \
-	  $(BUILD)/lcpbench run $(PART_$*) $(RUN_OPTIONS) --shard $$shard --cpu $$cpu --resume --output build/results/$*-$$cpu & \
-	  started="$$started $$!"; cpu=$$((cpu + 1)); \
-	done; failed=0; for one in $$started; do wait $$one || failed=1; done; exit $$failed
-	@rm -rf build/results/$*
-	@$(BUILD)/lcpbench merge build/results/$*-0 build/results/$*-1 --output build/results/$*
+# One processor's shards of all PARTS, one after the other; goes on where it was.
+shards-0 shards-1: shards-%: command
+	@$(foreach part,$(PARTS),$(BUILD)/lcpbench run $(PART_$(part)) $(RUN_OPTIONS) --resume --cpu $* \
+	  --shard $(if $(filter 0,$*),$(firstword $(SHARDS_$(part)) 1/2),$(lastword 2/2 $(SHARDS_$(part)))) \
+	  --output build/results/$(part)-$* &&) true
 
-core: $(BASELINE) $(V3) part-core
+# PARTS on two processors.
+parts: shards-0 shards-1
+	@$(foreach part,$(PARTS),rm -rf build/results/$(part) && \
+	  $(BUILD)/lcpbench merge build/results/$(part)-0 build/results/$(part)-1 --output build/results/$(part) &&) true
+
+core: $(BASELINE) $(V3)
+	@$(MAKE) --no-print-directory -j 2 parts PARTS=core
 	@$(if $(AGAIN),$(BUILD)/lcpbench compare $(AGAIN) build/results/core)
 
 # Everything that is committed below report/reference, at one commit, and the pages made of it. Goes on where it was.
 reference: command $(BASELINE) $(V3)
-	@$(foreach part,$(PARTS),$(MAKE) --no-print-directory part-$(part) &&) true
+	@$(MAKE) --no-print-directory -j 2 parts
 	@$(foreach study,$(MOTIONS),$(BUILD)/lcpbench motion $(MOTION_$(study)) --output build/results/$(study) &&) true
 	@rm -rf $(REFERENCE)/*/
 	@$(foreach folder,$(PARTS) $(MOTIONS), \

@@ -232,15 +232,18 @@ class Campaign {
   PassRequest PassOf(const Task& task, PassKind kind, int launch) const {
     std::vector<std::size_t> verified;
     double time_limit_s = 0;
+    double longest_s = 0;
     const Journal::Judgement& loosest = *journal_.Find(TaskKey(task, task.judged.front()));
     for (std::size_t place = 0; place < loosest.attempted; ++place) {
       if (loosest.unverified.contains(place) || IsLong(loosest, place) || RanOutOfTime(task, place, loosest)) continue;
       verified.push_back(place);
       time_limit_s = std::max(time_limit_s, LimitOf(task, place));
+      if (std::isfinite(loosest.first_s[place])) longest_s = std::max(longest_s, loosest.first_s[place]);
     }
     PassRequest request = PlanPass(verified, kind, plan_.seed + task.first, launch);
     request.tolerance = task.tier;
     request.time_limit_s = time_limit_s;
+    request.longest_s = longest_s;
     if (kind == PassKind::kFresh) request.settle_s = plan_.launches.settle_s;
     return request;
   }
@@ -430,7 +433,7 @@ class Campaign {
   }
 
   // A process that ended in a pass does not say at which problem: each half of them gets a process of its own, and so
-  // on down to single problems. A half that completes counts.
+  // on down to single problems. A half that completes counts. What only explains is not asked for again.
   TimedReply RunHalves(const TimedRequest& request, const TimedReply& ended) {
     TimedReply all;
     all.outcome = ended.outcome;
@@ -441,7 +444,12 @@ class Campaign {
       if (field.kind == request.pass.kind) all.times[field.name].resize(request.stream.size());
     }
     using Places = std::vector<std::uint32_t>;
-    std::vector<Places> open = {request.pass.order};
+    std::vector<Places> open;
+    if (request.pass.kind == PassKind::kFresh) {
+      open.push_back(request.pass.order);
+    } else {
+      for (const std::uint32_t place : request.pass.order) Take(ended, place, &all);
+    }
     while (!open.empty() && !Interruption::Requested()) {
       const Places places = std::move(open.back());
       open.pop_back();

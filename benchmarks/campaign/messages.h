@@ -97,7 +97,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Disturbance, probe_s, cpu_share, switches)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SolveLimits, time_per_row_s, least_s, most_s)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProblemName, manifest, id)
 // Without other_b, which the worker makes.
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PassRequest, kind, tolerance, time_limit_s, warm_up, settle_s, order)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PassRequest, kind, tolerance, time_limit_s, longest_s, warm_up, settle_s, order)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(JudgeRequest, problem, solver, tier, judged, time_limit_s)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TimedRequest, stream, solver, launch, run, pass, judged, other_b_seed)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SequenceRequest, file, sha256, solver, tier, judged, warm, deadline_s, limits,

@@ -74,7 +74,9 @@ void TimeParts(LcpSolver* solver, const ProblemArrays& arrays, const LcpOptions&
 double PassLimit(const PassRequest& request) {
   constexpr double kGrace = 5;  // s
   const auto solves = static_cast<double>(request.order.size() + 2 * request.warm_up.size());
-  return kGrace + 2 * solves * request.time_limit_s + request.settle_s;
+  const double limit_s = 2 * request.time_limit_s;
+  const double each_s = request.longest_s > 0 ? std::min(limit_s, 4 * request.longest_s) : limit_s;
+  return kGrace + limit_s + solves * each_s + request.settle_s;
 }
 
 PassReply RunPass(const SolverFactory& make, std::span<const ProblemArrays> problems, const PassRequest& request) {

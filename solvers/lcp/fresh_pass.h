@@ -33,6 +33,7 @@ struct PassRequest {
   /// On rho, LcpOptions::tolerance.
   double tolerance = 1e-9;
   double time_limit_s = 0;  ///< of one solve [s]
+  double longest_s = 0;     ///< that a solve of these problems took before [s]; 0: not known
   /// Solved first and not timed, so that the solver object has its workspace and the processor knows the code: once,
   /// and again until what they take settles.
   std::vector<std::uint32_t> warm_up;
@@ -66,7 +67,8 @@ struct PassReply {
 /// Makes the solver object of a pass.
 using SolverFactory = std::function<std::unique_ptr<LcpSolver>()>;
 
-/// What a pass may take in all [s]: every solve twice its limit, and some more for what surrounds it.
+/// What a pass may take in all [s]: every solve twice its limit or, where that is less, four times longest_s, and some
+/// more for what surrounds it. A process that hangs is not waited for longer.
 double PassLimit(const PassRequest& request);
 
 /// Runs one pass in this thread. The solver object is made for it, warmed up, and meets every problem once. The stream
