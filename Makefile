@@ -36,9 +36,10 @@ PART_pathological          = --suite pathological --tuned data/tuned.json
 PART_large                 = --suite large
 PART_sequences             = --suite sequences
 PART_core-again            = $(PART_core)
-# The two largest size classes take as long as the others together. Each processor has each half once.
+# Largest size classes take about as long as the others together. Each processor has each half of core once.
 SHARDS_core       := 1-7/9 8-9/9
 SHARDS_core-again := 8-9/9 1-7/9
+SHARDS_friction   := 8/8 1-7/8
 
 # Motions without friction driven by own solvers; with it by codes of every law, on straight and on curved edges.
 DRIVERS := auto@1e-9,relaxation@1e-9,daqp-relaxed@1e-9,ode-dantzig@1e-9,ode-dantzig-loop@1e-9,siconos-fc2d-nsgs@1e-6,pgs@1e-6,pgs@1e-3,pgs@10,pgs@50,pgs@200,pgs@10@cold,bullet-si-10@1e-6,bullet-si-50@1e-6,bullet-si-1000@1e-6

@@ -93,6 +93,20 @@ TEST_F(Campaign, GoesOnAfterAWorkerThatCrashesHangsOrExhaustsMemory) {
   }
 }
 
+// What only explains is given up at once: its halves are not tried.
+TEST_F(Campaign, AProcessThatHangsOnAnotherBIsWaitedForOnce) {
+  const CommandOutcome outcome =
+      Succeed(Data("smoke") + " --filter 'n8-' --tiers 1e-6 --time-limit 1 --launches 1 --no-fills --solvers again" +
+              External("again", "again-hangs") + " -o " + Path("r"));
+  std::map<std::string, Json> lines;
+  for (const Json& line : JsonLines(folder_ / "r/streams.jsonl")) lines[line["kind"]] = line;
+  EXPECT_EQ(lines.at("parts")["outcome"], "completed");
+  EXPECT_EQ(lines.at("again")["outcome"], "crashed");
+  EXPECT_GT(lines.at("again")["failed"].size(), 1U) << lines.at("again").dump();
+  EXPECT_EQ(std::ranges::count(Lines(outcome.error), "hangs"), 1) << outcome.error;
+  for (const Json& cell : Cells()) EXPECT_TRUE(cell["passes"]) << cell.dump();
+}
+
 // What a line has in arrays is of the problems in their order.
 TEST_F(Campaign, EveryProblemHasItsOwnNumbers) {
   Succeed(Data("smoke") + " --filter 'n(8|40)-' --tiers 1e-6 --launches 1 --no-fills --solvers pgs -o " + Path("r"));

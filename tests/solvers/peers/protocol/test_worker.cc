@@ -65,6 +65,21 @@ class SlowSolver : public LcpSolver {
   }
 };
 
+// Right, unless it is given the matrix of its last problem with another b.
+class HangingAgainSolver : public LcpSolver {
+  void DoPrepare(const LcpProblem& /*problem*/) override {}
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
+    const Eigen::VectorXd& diagonal = problem.DiagonalA();
+    const bool again = diagonal.size() == diagonal_.size() && diagonal == diagonal_ && problem.b() != b_;
+    diagonal_ = diagonal;
+    b_ = problem.b();
+    if (again) std::fputs("hangs\n", stderr);
+    while (again) pause();
+    MakeSolver("dantzig")->Solve(problem, options, result);
+  }
+  Eigen::VectorXd diagonal_, b_;
+};
+
 // What a program must do at the least, by an older version of the protocol.
 // @param form  of problems, for version 1
 int ServeVersion(std::uint32_t version, WantedForm form) {
@@ -140,6 +155,7 @@ int main(int argc, char** argv) {
   return RunWorker(hello, [&]() -> std::unique_ptr<LcpSolver> {
     if (manner == "dantzig") return MakeSolver("dantzig");
     if (manner == "slow") return std::make_unique<SlowSolver>();
+    if (manner == "again-hangs") return std::make_unique<HangingAgainSolver>();
     return std::make_unique<BadSolver>(manner);
   });
 }
