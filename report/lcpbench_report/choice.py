@@ -24,7 +24,6 @@ from .solver_facts import library, method
 TIER = 1e-6  # that every solver here is meant for
 # Columns of tables that are not there.
 _ASKED_FOR = ["solver", "tier", "mean", "a", "problems"]
-TIERS = (1e-3, 1e-6, 1e-9)  # of the collection
 
 
 def main_tier(inputs: Inputs) -> float:
@@ -35,14 +34,6 @@ def main_tier(inputs: Inputs) -> float:
 def nearest(tiers, wanted: float = TIER) -> float:
     """The tier next to `wanted`; that one without any."""
     return min(dict.fromkeys(tiers), key=lambda tier: abs(math.log10(tier / wanted)), default=wanted)
-
-
-def shown_tiers(inputs: Inputs) -> list[float]:
-    """All tiers; the collection's three where a campaign has many. Loosest first."""
-    if len(inputs.tiers) <= 4:
-        return inputs.tiers
-    usual = [tier for tier in inputs.tiers if any(math.isclose(tier, t, rel_tol=1e-6) for t in TIERS)]
-    return usual or [main_tier(inputs)]
 
 
 def main_cells(inputs: Inputs) -> pd.DataFrame:

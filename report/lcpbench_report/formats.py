@@ -44,13 +44,6 @@ def power(value: float, digits: int = 0) -> str:
     return f"{mantissa}e{int(exponent)}"
 
 
-def ratio(value: float) -> str:
-    """1.23, 45, 6789"""
-    if value is None or not math.isfinite(value):
-        return DASH
-    return f"{value:.2f}" if value < 10 else f"{value:.0f}" if value < 1e5 else power(value)
-
-
 def percent(value: float) -> str:
     if value is None or not math.isfinite(value):
         return DASH

@@ -36,8 +36,7 @@ ENVIRONMENT = Environment(loader=FileSystemLoader(Path(__file__).resolve().paren
                           autoescape=lambda name: name.endswith(".html.j2"), trim_blocks=True, lstrip_blocks=True)
 ENVIRONMENT.filters |= {of.__name__: of for of in (
     formats.power, formats.seconds, formats.share_of, formats.percent, formats.signed_percent,
-    formats.residual, formats.ratio, formats.times,
-    formats.size_class, formats.plural, formats.words, rows_of, told, few, solvers, code, html, markdown)}
+    formats.residual, formats.times, formats.size_class, formats.plural, formats.words, rows_of, told, few, solvers, code, html, markdown)}
 ENVIRONMENT.filters["interval"] = lambda of: formats.with_interval(*of)
 ENVIRONMENT.filters["split"] = str.split
 ENVIRONMENT.globals |= {"DASH": formats.DASH, "PORTFOLIO": PORTFOLIO}

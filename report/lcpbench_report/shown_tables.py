@@ -143,16 +143,16 @@ def choices(inputs: Inputs, detailed: bool = False) -> Table | None:
 
     @param detailed  with numbers of problems and shares, and the peers that are faster
     """
-    tiers = choice.shown_tiers(inputs)
+    tiers = inputs.tiers
     rows: dict[tuple, dict] = {}
     for found in choice.by_class(inputs):
         ranked = found.own or found.everyone
         best, peer = ranked[0], next((rival for rival in found.everyone if not rival.own), None)
-        after = [f"next {key(ranked[1].solver)} {formats.ratio(ranked[1].mean / best.mean)}×"] if ranked[1:] else []
+        after = [f"next {key(ranked[1].solver)} {times(ranked[1].mean / best.mean)}×"] if ranked[1:] else []
         if detailed:
             after.insert(0, f"{formats.percent(best.share)} verified")
             if peer is not None and peer.mean < best.mean:
-                after.append(f"faster: {key(peer.solver)} {formats.ratio(peer.mean / best.mean)}×")
+                after.append(f"faster: {key(peer.solver)} {times(peer.mean / best.mean)}×")
         row = rows.setdefault((found.size_class, found.redundant), {"problems": found.problems})
         name = f"**{key(best.solver)}**" if detailed else key(best.solver)
         row[found.tier] = "\n".join(filter(None, [f"{name} {seconds(best.mean)}", "; ".join(after)]))
@@ -192,7 +192,7 @@ def coverage(inputs: Inputs) -> Table | None:
         share = [share_of(of["verified_share"])] if of["not_asked"] < of["problems"] else []
         return " · ".join(share + _marked(of, _MARKS))
 
-    found = {tier: choice.table(inputs, "coverage", tier).set_index("solver") for tier in choice.shown_tiers(inputs)}
+    found = {tier: choice.table(inputs, "coverage", tier).set_index("solver") for tier in inputs.tiers}
     found = {tier: table for tier, table in found.items() if len(table)}
     return _table(["solver", *(f"tier {power(tier)}" for tier in found)],
                   [[key(solver), *(words(table.loc[solver]) if solver in table.index else DASH for table in found.values())]
@@ -314,7 +314,7 @@ def friction_classes(inputs: Inputs) -> Table | None:
     if inputs.friction is None:
         return None
     of, found = inputs.friction, headline(inputs.friction)
-    ours, tiers = key(found.own), choice.shown_tiers(of)
+    ours, tiers = key(found.own), of.tiers
     shares = {tier: choice.table(of, "class_times", tier).set_index(["size_class", "solver"])["verified_share"] for tier in tiers}
     plain, against = plain_times(inputs), any(FASTEST in row.rivals for row in found.classes)
     rows = []
@@ -344,7 +344,7 @@ def friction(inputs: Inputs) -> Table | None:
     of ours over its."""
     found = _friction(inputs)
     ours = key(inputs.ours)
-    tiers = [tier for tier in choice.shown_tiers(inputs) if len(found) and (found["tier"] == tier).any()]
+    tiers = [tier for tier in inputs.tiers if len(found) and (found["tier"] == tier).any()]
     of_sets = _where_several(found)
     rows = []
     for (of_set, solver), own in found.groupby(["set", "solver"], sort=False):

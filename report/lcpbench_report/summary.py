@@ -111,7 +111,7 @@ def friction(inputs: Inputs) -> str:
     of = inputs.friction
     if of is None or of.ours not in set(of.cells["solver"]):
         return ""
-    shares = {tier: choice.table(of, "friction", tier).set_index("solver") for tier in choice.shown_tiers(of)}
+    shares = {tier: choice.table(of, "friction", tier).set_index("solver") for tier in of.tiers}
     main, plain = shares[main_tier(of)], shown_tables.plain_times(inputs)
     over = [row.entries[of.ours].time_s / plain[row.size_class] for row in headline(of).classes
             if row.size_class in plain and of.ours in row.entries and math.isfinite(row.entries[of.ours].time_s)]

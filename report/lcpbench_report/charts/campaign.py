@@ -50,7 +50,7 @@ def figures(inputs: Inputs) -> Iterable[Figure]:
     """Those that the inputs have something for, in the page's order."""
     if not len(inputs.cells):
         return
-    tiers = {power(tier): tier for tier in sorted(choice.shown_tiers(inputs), key=lambda tier: tier != choice.main_tier(inputs))}
+    tiers = {power(tier): tier for tier in sorted(inputs.tiers, key=lambda tier: tier != choice.main_tier(inputs))}
     parts = _parts(inputs)
     yield Figure("time-by-size", "Fresh time by size", say("times_figure"),
                  {(words, name): partial(by_size, inputs, tier, cells=cells) for name, cells in parts.items()
@@ -160,7 +160,7 @@ def profiles(inputs: Inputs, cells: pd.DataFrame) -> Chart | None:
     """A panel per tier [Dolan, Moré 2002]; problems that every solver had its turn at."""
     solvers = choice.best_own(inputs, 10) + choice.best_peers(inputs, 4)
     panels = []
-    for tier in choice.shown_tiers(inputs):
+    for tier in inputs.tiers:
         chosen = common(cells[(cells["tier"] == tier) & cells["solver"].isin(solvers)])
         if chosen.empty:
             continue

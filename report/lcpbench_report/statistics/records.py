@@ -16,7 +16,7 @@ times (apart, because they are another kind of text: xz makes a fifth less of it
 
     numbers   of the launches that took part
     fresh     of each problem in turn a character for each of them: ' ' without a time, else U+0023 + c; the time is that
-              of the problem times e^level 1.005^k, with k = c / 2 for even c and -(c + 1) / 2 for odd ones
+              of the problem times e^level 1.02^k, with k = c / 2 for even c and -(c + 1) / 2 for odd ones
 
 Times t are whole numbers k >= 0, t = 1 ns 1.005^k, and -1 is infinite; residuals have two digits, m 10^e as 100 e + m with
 10 <= m < 100, and 0; null is not known. Numbers of launches have four digits; what is left out there is infinite.
@@ -40,6 +40,7 @@ from .streams import judged
 
 FILE = "records.jsonl"
 _UNIT, _STEP = 1e-9, math.log(1.005)
+SINGLE_STEP = math.log(1.02)  # of times of single solves, which differ by more from launch to launch
 _LAWS = ("model_rho", *ERROR_PARTS)
 _FIRST = ord("0")  # the character of kinds[0]
 # Member of `kinds` -> its value where it is left out, and what it has to be.
@@ -103,7 +104,7 @@ def _fresh(cells: pd.DataFrame, times: pd.DataFrame, levels: dict[int, float]) -
     medians = _times(np.array(cells["time"], dtype=float))
     with np.errstate(divide="ignore", invalid="ignore"):
         logs = np.log(times.loc[cells["problem"]].to_numpy() / medians[:, np.newaxis])
-    steps = (logs - [levels.get(number, 0.0) for number in times.columns]) / _STEP
+    steps = (logs - [levels.get(number, 0.0) for number in times.columns]) / SINGLE_STEP
     known = np.isfinite(steps) & cells["passes"].to_numpy(dtype=bool)[:, np.newaxis]
     whole = np.rint(np.where(known, steps, 0)).astype(int)
     codes = np.where(whole >= 0, 2 * whole, -2 * whole - 1) + _FIRST_STEP
@@ -125,7 +126,7 @@ def _times_of_launches(place: str, record: dict, medians: np.ndarray, levels: di
         raise ReportError(place, f"keys 'numbers' and 'fresh' have {len(numbers)} and {len(codes)}", f"{count} characters")
     steps = np.where(codes < 0, math.nan, np.where(codes % 2, -(codes + 1) // 2, codes // 2)).reshape(len(medians), len(numbers))
     shifts = np.array([levels.get(number, 0.0) for number in numbers])
-    return pd.DataFrame(medians[:, np.newaxis] * np.exp(_STEP * steps + shifts), columns=numbers)
+    return pd.DataFrame(medians[:, np.newaxis] * np.exp(SINGLE_STEP * steps + shifts), columns=numbers)
 
 
 def times_to_steps(times: pd.Series) -> np.ndarray:
