@@ -88,8 +88,9 @@ def _rounded(value: object, digits: int, key: str = "") -> object:
 
 
 def _step(step: dict) -> dict:
-    """Latencies are in few steps, for the same digits to come again."""
+    """Latencies and residuals are in few steps, for the same digits to come again."""
     if step["excluded"]:
         return step
     latency = [time and math.exp(round(math.log(time) / records.SINGLE_STEP) * records.SINGLE_STEP) for time in step["latency_s"]]
-    return _rounded(step | {"iterations": [], "backward_error": [], "latency_s": latency}, 2)
+    residuals = {key: [value and records.rounded_up(value) for value in step[key]] for key in ("rho", "w_error")}
+    return _rounded(step | residuals | {"iterations": [], "backward_error": [], "latency_s": latency}, 2)

@@ -20,7 +20,6 @@ from .inputs import Inputs
 from .sentences import say
 from .statistics import changes
 from .statistics.load import load_campaign
-from .statistics.rivals import PORTFOLIO
 from .statistics.tables import MAIN
 from .table import Table, code
 
@@ -137,8 +136,7 @@ BLOCKS: dict[str, Callable[[Page], str]] = {
     "manifests": lambda page: formats.words([f"`{of['name']}` {of['version']}" for of in page.info.get("manifests", [])]),
     "tuning": _tuning,
     "own-keys": lambda page: ", ".join(code(of["key"]) for of in peers.facts()["own"]),
-    "peer-projects": lambda page: formats.words(list(dict.fromkeys(of["library"] for of in peers.facts()["peers"]
-                                                               if of["key"] != PORTFOLIO))),
+    "peer-projects": lambda page: formats.words(list(dict.fromkeys(of["library"] for of in peers.facts()["peers"]))),
     "own-solvers": lambda page: _solver_table(page, peers.facts()["own"]),
     "peer-criteria": lambda page: peers.criteria().markdown(), "peers-left-out": lambda page: peers.left_out().markdown(),
     "peer-solvers": lambda page: _solver_table(page, _peers(page), "library_version", "licence"),

@@ -16,8 +16,6 @@ MOTION_COLUMNS = {
     "lost_gap": "number?", "creep": "number?", "created": "number?", "max_iterations": "integer", "start": "text",
     "width": "number?",
 }
-# Columns that files of earlier versions lack -> what their cells would be.
-_LATER = {"lost_gap": "", "creep": "", "created": "", "max_iterations": "0", "start": "warm", "width": ""}
 DRIVER = "driver"  # a column that is made here: how the command names solver, max_iterations and start
 # Kind of a column -> what a cell of it looks like, and is in words; "?" marks those that may be empty: "" or NaN after
 # reading.
@@ -57,8 +55,6 @@ def _read(folder: Path, file: str, columns: dict[str, str], writer: str) -> pd.D
     except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
         raise ReportError(path.name, str(error), "comma-separated rows under a header") from error
     for column in columns:
-        if column in _LATER and column not in raw.columns:
-            raw[column] = _LATER[column]
         if column not in raw.columns:
             raise ReportError(path.name, f"column '{column}' is missing", "columns " + ", ".join(columns))
     if raw.empty:

@@ -207,14 +207,14 @@ def _is_plain(cell: dict) -> bool:
 
 def solver_entry(key: str, available: bool = True, origin: str = "own") -> dict:
     return {"key": key, "setting": "tuned", "origin": origin, "uses_tolerance": True, "available": available,
-            "tolerance": "follows", "base": "", "settings": {}, "licence": "", "library_version": ""}
+            "tolerance": "follows", "shifted": False, "base": "", "settings": {}, "licence": "", "library_version": ""}
 
 
 def _problem(name: str, chosen_set: str, family: str, rows: int) -> dict:
     return {"problem": name, "set": chosen_set, "family": family, "grid": "", "base": name, "weight": 1.0,
             "origin": "placed", "fill": False, "size_class": size_class(rows), "rows": rows, "bilateral": 0,
-            "redundancy": 0, "condition": None, "mass_ratio": 1, "fraction_active": 0.5, "reference": "certified",
-            "counts": True, "oracle_s": ORACLE_PER_ROW * rows, "floor": None}
+            "friction": 0, "bounded": 0, "redundancy": 0, "condition": None, "mass_ratio": 1, "fraction_active": 0.5, "reference": "certified",
+            "reference_status": "", "counts": True, "oracle_s": ORACLE_PER_ROW * rows, "check_s": None, "floor": None}
 
 
 def _cell(problem: str, solver: str, tier: float, times: list[float]) -> dict:

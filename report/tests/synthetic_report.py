@@ -66,15 +66,16 @@ def _moved(scene: str, solver: str, tolerance: float, step: int) -> dict:
 
 
 def write_motion(folder: Path) -> Path:
-    """Without friction, in the columns of the time when there was none."""
+    """Without friction."""
     folder.mkdir(parents=True, exist_ok=True)
     rows = []
     for solver, tolerance, error in (("auto", 1e-6, 1e-9), ("pgs", 1e-3, 1e-4), ("pgs", 1e-6, 1e-7)):
         stopped = "not finite" if tolerance == 1e-3 else ""
         for step in range(50 if stopped else 100):
             rows.append(_moved(SCENE, solver, tolerance, step) | {
-                "energy_error": error * step, "penetration": error * (step % 7), "distance": error, "rho": error, "stopped": stopped})
-    pd.DataFrame(rows).to_csv(folder / studies.MOTION_FILE, index=False)
+                "energy_error": error * step, "penetration": error * (step % 7), "distance": error, "rho": error, "stopped": stopped,
+                "max_iterations": 0, "start": "warm"})
+    pd.DataFrame(rows, columns=list(studies.MOTION_COLUMNS)).to_csv(folder / studies.MOTION_FILE, index=False)
     return folder
 
 

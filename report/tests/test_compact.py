@@ -56,10 +56,10 @@ class Compact(SharedFolderCase):
         if one.dtype.kind in "biO" or column in ("weight", "tier"):
             self.assertEqual(one.tolist(), two.tolist(), column)
             return
-        residual = column.startswith(("rho", "w_error"))
-        rough = residual or column.endswith(("_low", "_high"))  # ends of intervals are times of single problems
+        residual = column.startswith(("rho", "w_error"))  # a tenth of a decade more at most
+        rough = column.endswith(("_low", "_high"))  # ends of intervals are times of single problems
         # p-values depend on ranks, and exponents on logarithms.
-        reach = {"atol": 0.15} if "wilcoxon" in column else {"rtol": 6e-2 if rough else 3 * _STEP, "atol": 5e-3}
+        reach = {"atol": 0.15} if "wilcoxon" in column else {"rtol": 0.27 if residual else 6e-2 if rough else 3 * _STEP, "atol": 5e-3}
         if column.endswith("_s"):
             reach["atol"] = 0
         np.testing.assert_allclose(two, one, **{"rtol": 0} | reach, err_msg=column)
@@ -96,18 +96,18 @@ class Compact(SharedFolderCase):
         steps = np.array(records.times_to_steps(times), dtype=float)
         self.assertTrue(all(type(step) is int for step in records.times_to_steps(times)[:4]))
         np.testing.assert_allclose(records._times(steps), times, rtol=0.0026)
-        values = pd.Series([1.0, 9.96e-13, 0.0, 3.349e-7, 123.0, 1e-300, np.nan, np.inf])
+        values = pd.Series([1.0, 9.96e-13, 0.0, 3.349e-7, 123.0, 1e-6, 1.0000001e-6, 1e-300, np.nan, np.inf])
         codes = np.array(records.residuals_to_codes(values), dtype=float)
-        np.testing.assert_allclose(records._residuals(codes)[:7], values[:7], rtol=0.051)
-        self.assertEqual(records._residuals(codes)[3], 33e-8)
-        self.assertTrue(np.isnan(records._residuals(codes)[7]))
+        np.testing.assert_array_equal(records._residuals(codes),
+                                      [1.0, 1e-12, 0.0, 4e-7, 125.0, 1e-6, 1.25e-6, 1e-40, np.nan, np.nan])
+        np.testing.assert_array_equal(records.residuals_to_codes(pd.Series(records._residuals(codes))).astype(float), codes)
 
     def test_times_of_launches_are_kept_to_half_a_step_and_refused_where_they_do_not_fit(self):
         one, two = (measured(load_campaign(folder)).times for folder in (self.campaign, self.kept))
-        self.assertEqual(one.keys(), two.keys())
-        for key, times in one.items():
-            verified = two[key].notna().any(axis=1)
-            np.testing.assert_allclose(two[key][verified], times.loc[two[key].index][verified], rtol=_STEP)
+        self.assertEqual({key for key, of in one.items() if len(of.columns)}, set(two))  # all took part in rounds
+        for key, times in two.items():
+            verified = times.notna().any(axis=1)
+            np.testing.assert_allclose(times[verified], one[key].loc[times.index][verified], rtol=_STEP)
         self.assertTrue(any(times.notna().any(axis=None) for times in two.values()))
         lines = lzma.decompress((self.kept / "records.jsonl.xz").read_bytes()).decode("utf-8").splitlines(keepends=True)
         folder = self.path / "misfit"

@@ -20,8 +20,8 @@ from .synthetic_campaign import AGAIN, FIRST, cells_of, launches_of, write_campa
 INF, NAN = math.inf, math.nan
 
 
-def rivals(cells: pd.DataFrame, levels: Levels = Levels()) -> pd.DataFrame:
-    return rival_table(cells, {"own"}, "own", levels).set_index(["rival", "origin"]).sort_index()
+def rivals(cells: pd.DataFrame, levels: Levels = Levels(), portfolio: dict[str, list[str]] = {}) -> pd.DataFrame:
+    return rival_table(cells, {"own"}, "own", levels, portfolio).set_index(["rival", "origin"]).sort_index()
 
 
 class Rivals(unittest.TestCase):
@@ -45,10 +45,10 @@ class Rivals(unittest.TestCase):
         self.assertAlmostEqual(quick["ratio"], (1 / 1.5 + 3.0) / 2)  # of 1/2, 3, 1/1.5 and inf: where quick is right
 
     def test_the_portfolio_is_a_rival_whether_on_the_front_or_not_and_by_origin(self):
-        times = pd.DataFrame({"own": [1.0] * 40, PORTFOLIO: [4.0] * 20 + [2.0] * 20, "better": [1.5] * 40})
+        times = pd.DataFrame({"own": [1.0] * 40, "slow": [4.0] * 20 + [2.0] * 20, "better": [1.5] * 40})
         cells = cells_of(times)
         cells["origin"] = np.where(cells["problem"] < 20, "motion", "recorded")
-        table = rivals(cells)
+        table = rivals(cells, portfolio={"7-12": ["slow"]})
         self.assertFalse(table.loc[(PORTFOLIO, "all"), "front"])
         self.assertEqual([table.loc[(PORTFOLIO, origin), "ratio"] for origin in ("own scenes", "engines")], [0.25, 0.5])
         self.assertEqual(table.loc[(PORTFOLIO, "all"), "relation"], DOMINATED)

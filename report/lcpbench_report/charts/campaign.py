@@ -21,7 +21,7 @@ from ..sentences import say
 from ..statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, NOT_ASKED, OUT_OF_TIME, VERIFIED, within_rounding
 from ..statistics.groups import common, wide
 from ..statistics.model import ORIGINS
-from ..statistics.rivals import FASTEST, PORTFOLIO
+from ..statistics.rivals import FASTEST
 from ..statistics.weighted import weighted_median
 from ..style import ORACLE_COLOUR, Look
 from .chart import NAMES, Axis, Chart, Figure, Panel, Trace
@@ -147,7 +147,7 @@ def front(inputs: Inputs) -> Chart | None:
 def _front_of(inputs: Inputs, ours: str, row: ClassRow) -> list[Trace]:
     points = {key: (entry.time_s, entry.share * entry.taken) for key, entry in row.entries.items()
               if math.isfinite(entry.time_s) and (key in inputs.peers or key == ours)}
-    named = [key for key in points if key in (ours, PORTFOLIO) or (key in row.rivals and row.rivals[key].front)]
+    named = [key for key in points if key == ours or (key in row.rivals and row.rivals[key].front)]
     steps = [points[key] for key, rival in row.rivals.items() if rival.front and key != FASTEST]
     others = [points[key] for key in points if key not in named]
     return [Trace("other peers", [x for x, _ in others], [y for _, y in others], _GREY),

@@ -92,7 +92,7 @@ def measured(campaign: Campaign) -> Measured:
     columns["below_floor"] &= ~cells.groupby(["problem", "tier"])["passes"].transform("any").to_numpy(dtype=bool)
     columns["verdict"] = _verdicts(columns, over)
     columns["verdict"][lost] = CHANGED
-    shifted = np.repeat(np.array([_is_shifted(solvers[task.solver]) for task in tasks], dtype=bool), counts)
+    shifted = np.repeat(np.array([solvers[task.solver]["shifted"] for task in tasks], dtype=bool), counts)
     columns["cause"] = _causes(columns, shifted)
     columns["time_s"] = np.where(columns["passes"], np.where(np.isnan(columns["fresh_s"]), columns["first_s"],
                                                              columns["fresh_s"]), math.inf)
@@ -124,11 +124,6 @@ def _about(campaign: Campaign, tasks: list[Task]) -> dict[str, np.ndarray]:
     return columns
 
 
-def _is_shifted(entry: dict) -> bool:
-    """Stored campaigns do not say so: there the key does."""
-    return entry.get("shifted", entry["key"].endswith("-cfm"))
-
-
 def _verdicts(columns: dict[str, np.ndarray], late: np.ndarray) -> np.ndarray:
     """@param late  what took longer than the limit, right or not"""
     failed = np.array([FAILED + claim for claim in columns["claim"]], dtype=object)
@@ -141,8 +136,8 @@ def _verdicts(columns: dict[str, np.ndarray], late: np.ndarray) -> np.ndarray:
 
 def _causes(columns: dict[str, np.ndarray], shifted: np.ndarray) -> np.ndarray:
     """Of FALSE_SUCCESS one of CAUSES, else "". An answer of another model is measured by that, if it is better there."""
-    with np.errstate(over="ignore"):  # forces of 1e300 are far off
-        off = np.fmin(columns["rho"], columns["model_rho"]) / columns["tier"]
+    with np.errstate(over="ignore"):  # forces of 1e300 are far off, and 1e-5 / 1e-6 is above 10
+        off = np.round(np.fmin(columns["rho"], columns["model_rho"]) / columns["tier"], 9)
     found = np.select([shifted, off <= 1, off <= NEAR], [SHIFTED, ETA, CLOSE], FAR)
     return np.where(columns["verdict"] == FALSE_SUCCESS, found, "").astype(object)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from ..errors import ReportError
 from .fields import check_fields, check_record, check_word
 from .jsonl import is_there, read_lines, read_object
-from .model import LITERATURE, ORIGINS, PROBLEMS_FILE, STREAMS_FILE, TOLERANCES, Campaign
+from .model import ORIGINS, PROBLEMS_FILE, STREAMS_FILE, TOLERANCES, Campaign
 from .records import FILE as RECORDS_FILE
 from .records import read_records
 from .steps import FILE as STEPS_FILE
@@ -25,8 +25,6 @@ _SOLVER = {"key": "name", "setting": "text", "origin": "text", "uses_tolerance":
 _LIMITS = {"time_per_row_s": "nonnegative", "least_s": "nonnegative", "most_s": "positive"}
 _SIZE_CLASS = {"key": "name", "least": "count", "most": "count?", "stream": "count"}
 _REFERENCES = ("certified", "bounded", "none")
-# What problems of stored campaigns lack -> what it was.
-_LATER = {"friction": 0, "bounded": 0, "reference_status": "", "check_s": 0.0}
 
 
 def load_campaign(folder: Path, apart: str = "") -> Campaign:
@@ -80,7 +78,7 @@ def _read_problems(path: Path, campaign: Campaign, apart: str) -> dict[str, dict
             raise ReportError(place, f"key 'rows' is {record['rows']}", f"a number of size class {own['key']}")
         if record["problem"] in problems:
             raise ReportError(place, f"problem {record['problem']!r} is there twice", "a line per problem")
-        problems[record["problem"]] = _LATER | record | {
+        problems[record["problem"]] = record | {
             "sealed": record["family"].split(" ")[0] in sealed,
-            "counts": record["counts"] and record["origin"] != LITERATURE and record["set"] != apart}
+            "counts": record["counts"] and record["set"] != apart}
     return problems

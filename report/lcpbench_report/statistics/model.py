@@ -21,7 +21,7 @@ TASK_BUDGET = "task budget"  # the rule that excludes what had no turn
 ORIGINS = {"placed": "own scenes", "motion": "own motions", "recorded": "engines", "literature": "literature"}
 # The parts of the headline, which every resample has as much of: where problems come from.
 ORIGIN_GROUPS = {"placed": "own scenes", "motion": "own scenes", "recorded": "engines", "literature": "literature"}
-LITERATURE = "literature"  # counts in nothing, also in campaigns that were stored when it did
+LITERATURE = "literature"
 METRICS = ("rho", "backward_error", "w_error", "f_error")
 # Arrays of a judge line, a number for every problem that had its turn.
 JUDGED = (*METRICS, "best_tier", "iterations", "first_s", "factor_share")
@@ -98,8 +98,8 @@ class Campaign:
 
     @property
     def portfolio(self) -> dict[str, list[str]]:
-        """Size class -> keys of peers, in the order in which a portfolio asks them; empty in stored campaigns."""
-        return self.info.get("portfolio") or {}
+        """Size class -> keys of peers, in the order in which a portfolio asks them."""
+        return self.info.get("portfolio", {})
 
     @property
     def first_round(self) -> int:
@@ -122,12 +122,11 @@ class Campaign:
         return found
 
     def time_limit(self, rows):
-        """The limit of one solve of a problem with so many rows, or of an array of them [s]."""
+        """The limit of one solve of a problem with so many rows, or of an array of them [s]: by the most rows of its size class."""
         limits = self.info["limits"]
-        if "launches" in self.info:  # of its size class, by the most rows of that
-            most = np.array([one["most"] or np.inf for one in self.info["size_classes"]])
-            rows = most[np.searchsorted(most, rows)]
-        return np.minimum(np.maximum(limits["time_per_row_s"] * rows, limits["least_s"]), limits["most_s"])
+        most = np.array([one["most"] or np.inf for one in self.info["size_classes"]])
+        by_rows = limits["time_per_row_s"] * most[np.searchsorted(most, rows)]
+        return np.minimum(np.maximum(by_rows, limits["least_s"]), limits["most_s"])
 
     def run_of(self, place: str, record: dict) -> tuple[tuple[str, str, float], int, int]:
         """Solver, size class and tier of a line; the first of its problems in the class, and how many they are.

@@ -11,15 +11,17 @@ of the class) and goes on with
     rho, w_error  per problem; where there are friction or bounded rows also model_rho and the parts of the error
     peak_bytes, launches  of the class: what launches.py has of it; all launches together are number 0
 
-Where rounds are known, quantiles of launches are not stored, and after all these lines a line follows for each with all
-times (apart, because they are another kind of text: xz makes a fifth less of it). It begins as that one does and goes on with
+Of solvers that took part in rounds quantiles of launches are not stored, and after all these lines a line follows for each
+with all times (apart, because they are another kind of text: xz makes a fifth less of it). It begins as that one does and
+goes on with
 
     numbers   of the launches that took part
     fresh     of each problem in turn a character for each of them: ' ' without a time, else U+0023 + c; the time is that
               of the problem times e^level 1.02^k, with k = c / 2 for even c and -(c + 1) / 2 for odd ones
 
-Times t are whole numbers k >= 0, t = 1 ns 1.005^k, and -1 is infinite; residuals have two digits, m 10^e as 100 e + m with
-10 <= m < 100, and 0; null is not known. Numbers of launches have four digits; what is left out there is infinite.
+Times t are whole numbers k >= 0, t = 1 ns 1.005^k, and -1 is infinite. Residuals are rounded up to one of ten preferred
+numbers in a decade (ISO 3, R10), so that what is within a tier stays so: k is the k-th one from 1e-40 on, and 0 is 0. null
+is not known. Numbers of launches have four digits; what is left out there is infinite.
 """
 
 import math
@@ -41,6 +43,8 @@ from .streams import judged
 FILE = "records.jsonl"
 _UNIT, _STEP = 1e-9, math.log(1.005)
 SINGLE_STEP = math.log(1.02)  # of times of single solves, which differ by more from launch to launch
+_RESIDUALS = np.array([0.0, *(float(f"{of}e{power}") for power in range(-40, 308)
+                             for of in (1, 1.25, 1.6, 2, 2.5, 3.15, 4, 5, 6.3, 8))])
 _LAWS = ("model_rho", *ERROR_PARTS)
 _FIRST = ord("0")  # the character of kinds[0]
 # Member of `kinds` -> its value where it is left out, and what it has to be.
@@ -68,9 +72,10 @@ def lines(campaign: Campaign, measured: Measured) -> Iterator[dict]:
     for name in ("rho", "w_error", *_LAWS):
         cells[name] = residuals_to_codes(cells[name])
     launches = {key: of.to_dict("records") for key, of in measured.launches.drop(columns="flagged").groupby(KEY, sort=False)}
+    in_rounds = {key for key, of in measured.rounds.items() if len(of.columns)}
     for key, own in cells.groupby(KEY, sort=False):
         own = own.sort_values("place")
-        times = measured.times.get(key)
+        times = measured.times[key] if key in in_rounds else None
         left_out = {*KEY, *(QUANTILES if times is not None else ())}
         rows = [{name: _short(name, value) for name, value in row.items() if name not in left_out and value != math.inf
                  and not (name in (MEDIANS if row["launch"] != TOGETHER else ("began_s",)))} for row in launches[key]]
@@ -137,12 +142,17 @@ def times_to_steps(times: pd.Series) -> np.ndarray:
 
 
 def residuals_to_codes(values: pd.Series) -> np.ndarray:
+    """None where it is not finite."""
     given = values.to_numpy(dtype=float)
-    known = np.isfinite(given) & (given > 0)
-    power = np.floor(np.log10(given, where=known, out=np.zeros(len(given)))) - 1
-    digits = np.rint(given / 10.0 ** power)
-    power, digits = np.where(digits >= 100, power + 1, power), np.where(digits >= 100, 10, digits)
-    return _whole(np.where(known, 100 * power + digits, np.where(given == 0, 0, math.nan)))
+    return _whole(np.where(np.isfinite(given), _code(given), math.nan))
+
+
+def _code(residuals: np.ndarray) -> np.ndarray:
+    return np.minimum(np.searchsorted(_RESIDUALS, residuals), len(_RESIDUALS) - 1)
+
+
+def rounded_up(residual: float) -> float:
+    return float(_RESIDUALS[_code(residual)])
 
 
 def _whole(codes: np.ndarray) -> np.ndarray:
@@ -233,8 +243,7 @@ def _times(steps: np.ndarray) -> np.ndarray:
 
 
 def _residuals(codes: np.ndarray) -> np.ndarray:
-    digits = codes % 100
-    return digits * 10.0 ** ((codes - digits) / 100)
+    return np.where(np.isnan(codes), math.nan, _RESIDUALS[np.nan_to_num(codes).astype(int).clip(0, len(_RESIDUALS) - 1)])
 
 
 def _launch(place: str, row: object) -> dict:

@@ -32,7 +32,7 @@ from .model import ORIGIN_GROUPS
 from .portfolio import portfolio_rows
 from .weighted import effective_number, weighted_median, weighted_share
 
-PORTFOLIO = "peer-portfolio"  # the value of `rival` for it; in stored campaigns the key of a solver
+PORTFOLIO = "peer-portfolio"  # the value of `rival` for it
 FASTEST = "fastest"  # the value of `rival` for the fastest peer of each problem
 # Instruction set -> ours as it is built for that, and the peers that are built for it or for more.
 _LCP_CODES = ("ode-dantzig", "bullet-dantzig")
@@ -128,9 +128,9 @@ def _rows(cells: pd.DataFrame, own: Collection[str], ours: str, tier: float, lev
     tried = {key: of for key, of in peers.groupby("solver", sort=False) if (of["excluded"] == "").any()}
     problems = cells["problem"].nunique()
     points = {key: (weighted_median(of["time_s"], of["weight"]), weighted_share(np.isfinite(of["time_s"]), of["weight"]))
-              for key, of in tried.items() if key != PORTFOLIO and len(of) >= min(LEAST_TURNS, problems)}
+              for key, of in tried.items() if len(of) >= min(LEAST_TURNS, problems)}
     front = pareto_front(points)
-    rivals = {key: tried[key].set_index("problem") for key in dict.fromkeys([*front, PORTFOLIO]) if key in tried}
+    rivals = {key: tried[key].set_index("problem") for key in front}
     made, rounds = _portfolio(peers, order, tier, levels)
     rivals |= made
     rivals[FASTEST] = fastest_of_each(peers)

@@ -8,7 +8,7 @@ from ..statistics.cells import cell_table
 from ..statistics.class_times import ALL, classes
 from ..statistics.model import Campaign
 from ..statistics.portfolio import best_order
-from ..statistics.rivals import PORTFOLIO, is_own
+from ..statistics.rivals import is_own
 from .choice import MACHINE
 
 SCHEMA = "lcpbench-portfolio/1"
@@ -18,7 +18,7 @@ def describe(campaigns: list[Campaign]) -> dict:
     """@param campaigns  on tuning problems, which nothing is compared on
     @throws ReportError where no peer was run
     """
-    peers = [key for campaign in campaigns for key, entry in campaign.solvers.items() if not is_own(entry) and key != PORTFOLIO]
+    peers = [key for campaign in campaigns for key, entry in campaign.solvers.items() if not is_own(entry)]
     cells = pd.concat([cell_table(campaign) for campaign in campaigns], ignore_index=True)
     cells = cells[cells["solver"].isin(peers)]
     tier = nearest(sorted(set(cells["tier"])))
