@@ -1,10 +1,12 @@
 """Makes of a campaign's folder, or of a study of motion, one that is small enough to be kept with the source.
 
-campaign.json and motion.json as they are; problems with few digits; steps of sequences, too, without iterations and backward
-errors; of streams a record per solver, size class and tier (statistics/records.py), which has every verdict, residual and
-time; CSV files as they are. All but those two are compressed by xz.
+campaign.json and motion.json as they are; problems and motions with few digits; steps of sequences, too, without iterations
+and backward errors; of streams a record per solver, size class and tier (statistics/records.py), which has every verdict,
+residual and time. All but those two are compressed by xz.
 """
 
+import csv
+import io
 import json
 import lzma
 import math
@@ -54,7 +56,7 @@ def compact(folder: Path, output: Path, tier: float | None = None) -> dict[str, 
         if (folder / name).is_file():
             with replaced(output / name) as beside:
                 shutil.copyfile(folder / name, beside)
-    written = {name: (folder / name).read_bytes() for name in tables}
+    written = {name: _motion((folder / name).read_text(encoding="utf-8")) for name in tables}
     if campaign is not None:
         for name, (order, kept) in _FILES.items():
             if is_there(folder / name):
@@ -74,6 +76,16 @@ def compact(folder: Path, output: Path, tier: float | None = None) -> dict[str, 
 
 def _bytes(lines: Iterable[dict]) -> bytes:
     return "".join(json.dumps(line, separators=(",", ":"), ensure_ascii=False) + "\n" for line in lines).encode("utf-8")
+
+
+def _motion(table: str) -> bytes:
+    """What is measured in three digits, times in five."""
+    columns, *rows = csv.reader(table.splitlines())
+    digits = [{"number": 5, "number?": 3}.get(studies.MOTION_COLUMNS.get(column)) for column in columns]
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(
+        [columns, *([f"{float(cell):.{of}g}" if of and cell else cell for of, cell in zip(digits, row)] for row in rows)])
+    return text.getvalue().encode("utf-8")
 
 
 def _rounded(value: object, digits: int, key: str = "") -> object:

@@ -70,7 +70,7 @@ def write_motion(folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     rows = []
     for solver, tolerance, error in (("auto", 1e-6, 1e-9), ("pgs", 1e-3, 1e-4), ("pgs", 1e-6, 1e-7)):
-        stopped = "not finite" if tolerance == 1e-3 else ""
+        stopped = "not finite, too late" if tolerance == 1e-3 else ""
         for step in range(50 if stopped else 100):
             rows.append(_moved(SCENE, solver, tolerance, step) | {
                 "energy_error": error * step, "penetration": error * (step % 7), "distance": error, "rho": error, "stopped": stopped,

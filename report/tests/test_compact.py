@@ -128,11 +128,11 @@ class Compact(SharedFolderCase):
             for index, once in runs.rounds.items():
                 self.assertLess(abs(after[key].rounds[index].latency_s / once.latency_s - 1).max(), 1.5e-2)
 
-    def test_motions_are_kept_as_they_are(self):
+    def test_motions_are_kept_in_few_digits(self):
         folder, kept = write_motion(self.path / "motion"), self.path / "kept-motion"
         (folder / "motion.json").write_text('{"steps": 7}')
         compact(folder, kept)
-        self.assertTrue(studies.read_motion(kept).equals(studies.read_motion(folder)))
+        pd.testing.assert_frame_equal(studies.read_motion(kept), studies.read_motion(folder), rtol=5e-3)
         self.assertEqual((kept / "motion.json").read_text(), '{"steps": 7}')
         self.assertFalse((kept / studies.MOTION_FILE).exists())
 

@@ -19,7 +19,7 @@ class Motion(FolderCase):
         rows = {tuple(row[:2]): dict(zip(table.columns, row)) for row in table.rows}
         full, stopped = rows["`auto`", "1e-6"], rows["`pgs`", "1e-3"]
         self.assertEqual((full["energy error"], full["penetration [m]"], full["solves"]), ("9.9e-8", "6.0e-9", 99))
-        self.assertEqual((stopped["energy error"], stopped["solves"], stopped["stopped"]), ("4.9e-3", 49, "not finite"))
+        self.assertEqual((stopped["energy error"], stopped["solves"], stopped["stopped"]), ("4.9e-3", 49, "not finite, too late"))
 
     def test_drivers_of_scenes_with_friction_are_told_apart(self):
         motion = studies.read_motion(write_friction_motion(self.folder / "slipping"))
