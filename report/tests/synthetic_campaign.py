@@ -81,8 +81,7 @@ def cells_of(times: pd.DataFrame, tier: float = 1e-6, **columns) -> pd.DataFrame
 def write_campaign(folder: Path, factors: dict[str, float], seed: int = 1, tiers=TIERS, noise: Noise | None = None,
                    copies: int = COPIES, change: Callable[[dict], dict] = lambda record: record, run: int = 0,
                    solvers: dict[str, dict] | None = None, peers: Collection[str] = (),
-                   change_problem: Callable[[dict], dict] = lambda record: record, info: dict | None = None,
-                   rounds: bool = False) -> Path:
+                   change_problem: Callable[[dict], dict] = lambda record: record, info: dict | None = None) -> Path:
     """Fills `folder` and returns it. Besides `copies` problems for every family and size there is an engine's problem,
     which does not count.
 
@@ -93,7 +92,6 @@ def write_campaign(folder: Path, factors: dict[str, float], seed: int = 1, tiers
     @param peers    solvers of other projects
     @param change_problem  what becomes of a problem's record
     @param info  what campaign.json has besides
-    @param rounds  whether launches tell when they began
     """
     noise = noise or Noise()
     folder.mkdir(parents=True, exist_ok=True)
@@ -115,7 +113,7 @@ def write_campaign(folder: Path, factors: dict[str, float], seed: int = 1, tiers
                 median *= 1 - np.log10(tier)
                 cells.append(change(_cell(problem["problem"], solver, tier, times_of_passes(rng, median, noise))))
     write_lines(folder / "problems.jsonl", problems)
-    write_lines(folder / "streams.jsonl", stream_lines(problems, cells, rounds))
+    write_lines(folder / "streams.jsonl", stream_lines(problems, cells))
     return folder
 
 
@@ -128,7 +126,7 @@ def campaign_info(tiers: list[float], seed: int, solvers: list[dict], passes: in
             "size_classes": [dict(zip(("key", "least", "most", "stream"), of)) for of in CLASSES], "solvers": solvers}
 
 
-def stream_lines(problems: list[dict], cells: list[dict], rounds: bool = False) -> list[dict]:
+def stream_lines(problems: list[dict], cells: list[dict]) -> list[dict]:
     """The lines of streams.jsonl. A task ends where a rule begins or ends to exclude the solver, and where a problem of
     the class has no cell; classes without a stream have tasks of single problems."""
     numbers = {key: itertools.count() for key, *_ in CLASSES}
@@ -145,10 +143,10 @@ def stream_lines(problems: list[dict], cells: list[dict], rounds: bool = False) 
         for cell in run:
             if task and (not streams[size] or cell["excluded"] != task[-1]["excluded"]
                          or cell["number"] != task[-1]["number"] + 1):
-                lines += _task_lines(solver, size, tier, task, rounds)
+                lines += _task_lines(solver, size, tier, task)
                 task = []
             task.append(cell)
-        lines += _task_lines(solver, size, tier, task, rounds)
+        lines += _task_lines(solver, size, tier, task)
     return lines
 
 
@@ -177,7 +175,7 @@ def slower(record: dict, factor: float) -> dict:
                      "first_s": factor * record["first_s"]}
 
 
-def _task_lines(solver: str, size: str, tier: float, task: list[dict], rounds: bool) -> list[dict]:
+def _task_lines(solver: str, size: str, tier: float, task: list[dict]) -> list[dict]:
     common = {"solver": solver, "size_class": size, "tier": tier, "first": task[0]["number"], "count": len(task),
               "excluded": task[0]["excluded"], "environment": "0"}
     judge = common | {"kind": "judge", "pass": 0}
@@ -191,7 +189,7 @@ def _task_lines(solver: str, size: str, tier: float, task: list[dict], rounds: b
     lines = [judge]
     for index in range(max(len(cell["fresh_s"]) for cell in task)):
         lines.append(common | {"kind": "fresh", "pass": index + 1, "fresh_s": [c["fresh_s"][index] for c in task],
-                               "failed": [], **({"began_s": BEGAN + 60 * index} if rounds else {}),
+                               "failed": [], "began_s": BEGAN + 60 * index,
                                "disturbance": {"probe_s": 1e-3, "cpu_share": 1.0, "switches": 0, "reruns": 0, "disturbed": False}})
     lines.append(common | {"kind": "parts", "pass": 1} | {
         key: [None if c["fresh_s"][0] is None else share * c["fresh_s"][0] for c in task]

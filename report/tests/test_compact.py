@@ -35,7 +35,7 @@ class Compact(SharedFolderCase):
         super().setUpClass()
         cls.campaign, cls.kept = cls.path / "campaign", cls.path / "kept"
         write_campaign(cls.campaign, MANY, copies=2, tiers=(1e-6, 1e-9), change=fail_some, change_problem=_of_engines, noise=Noise(level=0.02),
-                       peers=set(MANY) - set(OWN), rounds=True)
+                       peers=set(MANY) - set(OWN))
         first = iter([True])
         edit_lines(cls.campaign / "streams.jsonl", lambda line: line | (
             {"failed": [1]} if line["kind"] == "fresh" and line["solver"] == "auto" and next(first, False) else {}))

@@ -99,7 +99,7 @@ class Noise(FolderCase):
             return record | {"fresh_s": [first, second, third * (1.3 if record["solver"] == "auto" else 1), fourth]}
 
         write_campaign(self.folder, {"auto": 1.0, "clp": 2.0}, tiers=(1e-6,), copies=10, change=change, noise=NoiseOf(0.001, passes=4),
-                       rounds=True, peers=("clp",), info={"passes": 3})
+                       peers=("clp",), info={"passes": 3})
         edit_lines(self.folder / "streams.jsonl", lambda line: line | (
             {"began_s": line["began_s"] + 40} if line["kind"] == "fresh" and line["solver"] == "clp" else {}))
         for folder in (self.folder, self.folder / "kept"):

@@ -98,7 +98,7 @@ class Headline(SharedFolderCase):
     def test_the_portfolio_is_made_of_the_records_of_its_codes(self):
         """Half of the problems cost both turns; the codes have shares and times of their own beside it."""
         def write(folder, change=lambda of: of):
-            return write_campaign(folder, {"auto": 1.0, "quick": 2.0, "sure": 4.0}, tiers=(1e-6,), peers=("quick", "sure"), rounds=True,
+            return write_campaign(folder, {"auto": 1.0, "quick": 2.0, "sure": 4.0}, tiers=(1e-6,), peers=("quick", "sure"),
                                   change=lambda of: change(only("quick", "piles", lambda of: fail(of) | {"first_s": 3e-4})(of)),
                                   change_problem=lambda of: of | {"check_s": 1e-4},
                                   info={"portfolio": {"31-100": ["quick", "sure"], "7-12": ["sure"]}})

@@ -76,7 +76,7 @@ class Task:
     # Columns of the table of cells; here a late answer still "passes". "changed": the answer of a launch is not verified.
     columns: dict[str, np.ndarray] = field(default_factory=dict)
     launches: list[dict] = field(default_factory=list)  # rows of launches.launch_rows, in one task of a class
-    times: pd.DataFrame | None = None  # of every launch: `at` x numbers of launches; None in old records
+    times: pd.DataFrame | None = None  # of every launch: `at` x numbers of launches; None: records of what took part in no rounds
     spent_s: float = 0.0  # in all its solves
     details: dict[int, str] = field(default_factory=dict)  # of streams, by such numbers: why it is not plainly verified
 

@@ -116,10 +116,10 @@ def _add_pass(place: str, record: dict, run: _Run, part: tuple[int, int]) -> Non
     failed = check_places(f"{place}: failed", record["failed"], count)
     run.failed[kind][first + np.array(failed, dtype=int)] = True
     if kind == FRESH:
-        check_record(place, record, kind, "disturbance")
+        check_record(place, record, kind, "disturbance", "began_s")
         if record["disturbance"] is not None:
             check_record(f"{place}: disturbance", record["disturbance"], "disturbance", "disturbed")
-        run.began.setdefault(number, record.get("began_s", math.nan))
+        run.began.setdefault(number, record["began_s"])
 
 
 def _task(key: tuple[str, str, float], run: _Run, problems: list[dict]) -> Task:
@@ -137,8 +137,7 @@ def _task(key: tuple[str, str, float], run: _Run, problems: list[dict]) -> Task:
     launches = launch_rows(numbers, fresh[:, of], levels, off, passes[of], weights[of],
                            {name: columns[name][of] for name in MEDIANS}, run.began)
     spent = sum(np.nansum(times) for of_key in run.times.values() for times in of_key.values())
-    # Launches that do not say when they began form no rounds.
-    times = None if any(map(math.isnan, run.began.values())) else pd.DataFrame(fresh.T, columns=numbers)
+    times = pd.DataFrame(fresh.T, columns=numbers)
     return Task(*key, at, columns, launches, times, float(np.nansum(columns["first_s"]) + spent), run.details)
 
 
