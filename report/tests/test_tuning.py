@@ -212,8 +212,8 @@ class Mistakes(FolderCase):
 
 class Portfolio(FolderCase):
     def test_peers_and_their_order_are_chosen_by_size_class(self):
-        write_campaign(self.folder / "problems", {"auto": 0.1, "quick": 1.0, "sure": 4.0, "peer-portfolio": 0.5}, tiers=(1e-3, 1e-6), copies=1,
-                       peers=("quick", "sure", "peer-portfolio"), change=only("quick", "-50-", fail))
+        write_campaign(self.folder / "problems", {"auto": 0.1, "quick": 1.0, "sure": 4.0}, tiers=(1e-3, 1e-6), copies=1,
+                       peers=("quick", "sure"), change=only("quick", "-50-", fail))
         status, told, error = run("portfolio", self.folder / "problems", "-o", self.folder / "portfolio.json")
         self.assertEqual((status, error), (0, ""))
         found = json_of(self.folder / "portfolio.json")

@@ -20,8 +20,8 @@ goes on with
               of the problem times e^level 1.02^k, with k = c / 2 for even c and -(c + 1) / 2 for odd ones
 
 Times t are whole numbers k >= 0, t = 1 ns 1.005^k, and -1 is infinite. Residuals are rounded up to one of ten preferred
-numbers in a decade (ISO 3, R10), so that what is within a tier stays so: k is the k-th one from 1e-40 on, and 0 is 0. null
-is not known. Numbers of launches have four digits; what is left out there is infinite.
+numbers in a decade (ISO 3, R10), so that what is within a tier stays so: k is the k-th one from 1e-40 on, and 0 is 0; parts
+of the error, whose shares are told, to one of eighty. null is not known. Numbers of launches have four digits; what is left out there is infinite.
 """
 
 import math
@@ -45,6 +45,7 @@ _UNIT, _STEP = 1e-9, math.log(1.005)
 SINGLE_STEP = math.log(1.02)  # of times of single solves, which differ by more from launch to launch
 _RESIDUALS = np.array([0.0, *(float(f"{of}e{power}") for power in range(-40, 308)
                              for of in (1, 1.25, 1.6, 2, 2.5, 3.15, 4, 5, 6.3, 8))])
+_OF_PARTS = np.concatenate([[0.0], 10.0 ** (np.arange(-3200, 24640) / 80)])
 _LAWS = ("model_rho", *ERROR_PARTS)
 _FIRST = ord("0")  # the character of kinds[0]
 # Member of `kinds` -> its value where it is left out, and what it has to be.
@@ -70,7 +71,7 @@ def lines(campaign: Campaign, measured: Measured) -> Iterator[dict]:
     cells["time"] = times_to_steps(cells["fresh_s"].where(timed, cells["first_s"]))
     cells["again"] = times_to_steps(cells["again_s"])
     for name in ("rho", "w_error", *_LAWS):
-        cells[name] = residuals_to_codes(cells[name])
+        cells[name] = residuals_to_codes(cells[name], _grid(name))
     launches = {key: of.to_dict("records") for key, of in measured.launches.drop(columns="flagged").groupby(KEY, sort=False)}
     in_rounds = {key for key, of in measured.rounds.items() if len(of.columns)}
     for key, own in cells.groupby(KEY, sort=False):
@@ -141,18 +142,18 @@ def times_to_steps(times: pd.Series) -> np.ndarray:
     return _whole(np.where(np.isposinf(steps), -1, steps))
 
 
-def residuals_to_codes(values: pd.Series) -> np.ndarray:
+def _grid(name: str) -> np.ndarray:
+    return _OF_PARTS if name in ERROR_PARTS else _RESIDUALS
+
+
+def residuals_to_codes(values: pd.Series, grid: np.ndarray = _RESIDUALS) -> np.ndarray:
     """None where it is not finite."""
     given = values.to_numpy(dtype=float)
-    return _whole(np.where(np.isfinite(given), _code(given), math.nan))
-
-
-def _code(residuals: np.ndarray) -> np.ndarray:
-    return np.minimum(np.searchsorted(_RESIDUALS, residuals), len(_RESIDUALS) - 1)
+    return _whole(np.where(np.isfinite(given), np.searchsorted(grid[:-1], given), math.nan))
 
 
 def rounded_up(residual: float) -> float:
-    return float(_RESIDUALS[_code(residual)])
+    return float(_RESIDUALS[np.searchsorted(_RESIDUALS[:-1], residual)])
 
 
 def _whole(codes: np.ndarray) -> np.ndarray:
@@ -227,7 +228,7 @@ def _columns(place: str, record: dict, count: int) -> dict[str, np.ndarray]:
     timed = columns["passes"] & (columns["timed"] > 0)
     columns |= {"fresh_s": np.where(timed, _times(steps), math.nan), "first_s": np.where(timed, math.nan, _times(steps)),
                 "again_s": _times(again), "rho": _residuals(rho), "w_error": _residuals(w_error)}
-    columns |= {name: _residuals(_numbers(place, record, name, count)) for name in _LAWS if name in record}
+    columns |= {name: _residuals(_numbers(place, record, name, count), _grid(name)) for name in _LAWS if name in record}
     return columns
 
 
@@ -242,8 +243,8 @@ def _times(steps: np.ndarray) -> np.ndarray:
     return np.where(steps < 0, math.inf, _UNIT * np.exp(_STEP * steps))
 
 
-def _residuals(codes: np.ndarray) -> np.ndarray:
-    return np.where(np.isnan(codes), math.nan, _RESIDUALS[np.nan_to_num(codes).astype(int).clip(0, len(_RESIDUALS) - 1)])
+def _residuals(codes: np.ndarray, grid: np.ndarray = _RESIDUALS) -> np.ndarray:
+    return np.where(np.isnan(codes), math.nan, grid[np.nan_to_num(codes).astype(int).clip(0, len(grid) - 1)])
 
 
 def _launch(place: str, row: object) -> dict:
