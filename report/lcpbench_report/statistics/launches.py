@@ -15,7 +15,9 @@ Launch k of all solvers of a size class and tier follows those of the others: a 
 share. So a ratio is formed round by round where two solvers have rounds in common (class_times.ratio), and a resample
 draws rounds instead.
 
-A launch whose level is off by more than OFF is *flagged*, and left out where there are others.
+A launch whose level is off by more than OFF from that of calm ones, the lower quartile, is *flagged*, and left out where there
+are others: what disturbs a launch makes it slower, and of two states of a machine the faster one is the calm one, though it
+may be the rarer.
 """
 
 import math
@@ -36,9 +38,9 @@ QUANTILES = {"p50_s": 0.5, "p90_s": 0.9, "p99_s": 0.99, "max_s": 1.0}
 MEDIANS = ("again_s", "first_s", *PART_TIMES)
 OF_LAUNCH = ["level", *QUANTILES, "flagged", "began_s"]
 COLUMNS = [*KEY, "launch", *OF_LAUNCH, *MEDIANS]
-# How far a launch's level may lie from the median of its solver, size class and tier. Campaigns repeat the round of such a
-# launch, by nearly the same rule: theirs has no weights.
-OFF = math.log(1.1)
+# How far a launch's level may lie from this quantile of those of its solver, size class and tier. Campaigns repeat the round
+# of a launch that is as far from their median, without weights.
+OFF, CALM = math.log(1.1), 0.25
 FEW = 0.25  # of the launches; where more are flagged nobody knows which state is the usual one, and draws have all of them
 LEAST_ROUNDS = 2  # in common
 _Z = float(stats.norm.ppf((1 + CONFIDENCE) / 2))
@@ -47,7 +49,7 @@ _Z = float(stats.norm.ppf((1 + CONFIDENCE) / 2))
 def flagged(levels: np.ndarray) -> np.ndarray:
     """@param levels  of launches, NaN where it is not known, which is no flag"""
     known = levels[~np.isnan(levels)]
-    return np.abs(levels - np.median(known)) > OFF if len(known) else np.zeros(len(levels), dtype=bool)
+    return np.abs(levels - np.quantile(known, CALM)) > OFF if len(known) else np.zeros(len(levels), dtype=bool)
 
 
 def without(times: np.ndarray, off: np.ndarray) -> np.ndarray:
