@@ -11,7 +11,7 @@ from lcpbench_report.statistics import intervals
 from lcpbench_report.statistics.cells import measured
 from lcpbench_report.statistics.streams import median_of_passes
 from lcpbench_report.statistics.intervals import Bootstrap, interval_of, share_interval
-from lcpbench_report.statistics.launches import Levels
+from lcpbench_report.statistics.launches import Levels, flagged
 from lcpbench_report.statistics.weighted import quantiles, weighted_median, weighted_quantiles
 from .cases import campaign_of
 from .synthetic_campaign import Noise, fail, launches_of, write_campaign
@@ -155,6 +155,13 @@ class Launches(unittest.TestCase):
         np.testing.assert_array_equal(draws([0.0, 0.01, 0.7], [2]), draws([0.0, 0.01, 0.7], []))  # too many to tell
         for levels in (launches_of([0.3]), None):
             self.assertEqual(Levels(levels).draws("a", "7-12", 1e-6), 0)
+
+    def test_of_two_states_of_a_machine_the_faster_is_the_calm_one_also_where_it_is_the_rarer(self):
+        rng = np.random.default_rng(11)
+        for slow in range(9):  # of 13 launches
+            levels = rng.permutation(np.repeat([math.log(1.5), 0.0], [slow, 13 - slow])) + rng.normal(0, 0.01, 13)
+            levels -= np.median(levels)
+            np.testing.assert_array_equal(flagged(levels), levels > np.sort(levels)[12 - slow] + 0.2)
 
     def test_solvers_and_campaigns_are_drawn_apart_and_classes_together(self):
         table = pd.concat([launches_of([-0.1, 0.0, 0.1], solver) for solver in "ab"])
