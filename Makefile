@@ -26,7 +26,7 @@ BASELINE := build/baseline
 V3       := build/v3
 
 # The campaigns of the reference by name, and their options. `core`, which has `auto` at the flags of Debian's peers and
-# with AVX2, too, is run twice, the other campaigns between its two runs.
+# with AVX2, too, is run twice, the second time at the tier of what is published, the other campaigns between its two runs.
 PARTS := core friction friction-pathological pathological large sequences core-again
 PART_core = --suite core --external "auto-baseline=$(CURDIR)/$(BASELINE)/lcpbench serve auto instructions=sse2" \
             --external "auto-v3=$(CURDIR)/$(V3)/lcpbench serve auto instructions=avx2"
@@ -35,13 +35,11 @@ PART_friction-pathological = --suite friction-pathological
 PART_pathological          = --suite pathological --tuned data/tuned.json
 PART_large                 = --suite large
 PART_sequences             = --suite sequences
-PART_core-again            = $(PART_core)
+PART_core-again            = $(PART_core) --tiers 1e-6
 # Largest size classes take about as long as the others together. Each processor has each half of core once.
 SHARDS_core       := 1-7/9 8-9/9
 SHARDS_core-again := 8-9/9 1-7/9
 SHARDS_friction   := 8/8 1-7/8
-# The repetition is kept at the tier of what is published.
-COMPACT_core-again := --tier 1e-6
 
 # Motions without friction driven by own solvers; with it by codes of every law, on straight and on curved edges.
 DRIVERS := auto@1e-9,relaxation@1e-9,daqp-relaxed@1e-9,ode-dantzig@1e-9,ode-dantzig-loop@1e-9,siconos-fc2d-nsgs@1e-6,pgs@1e-6,pgs@1e-3,pgs@10,pgs@50,pgs@200,pgs@10@cold,bullet-si-10@1e-6,bullet-si-50@1e-6,bullet-si-1000@1e-6
@@ -78,7 +76,7 @@ help:
 	@echo "make test-long     with more cases what make test proves with few: after changes of solvers or of the report"
 	@echo "make python-test   install the Python package into build/python-venv, on the libraries of the build, and run its tests"
 	@echo "make build    install what is missing, configure and build"
-	@echo "make core       the campaign behind the published numbers, on two processors (AGAIN=FOLDER compares with that one)"
+	@echo "make core       the campaign behind the published numbers, on two processors"
 	@echo "make reference  that campaign twice, those with friction, sequences, large and pathological problems and motions: what report/reference has (hours; goes on where it was)"
 	@echo "make benchmark       fresh times of our solvers, ODE and Bullet, by size class and origin; of batches, derivatives and scenes (OPTIONS=--benchmark_filter=scene/)"
 	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, numbers in README.md and docs/"
@@ -178,7 +176,6 @@ parts: shards-0 shards-1
 
 core: $(BASELINE) $(V3)
 	@$(MAKE) --no-print-directory -j 2 parts PARTS=core
-	@$(if $(AGAIN),$(BUILD)/lcpbench compare $(AGAIN) build/results/core)
 
 # Everything that is committed below report/reference, at one commit, and the pages made of it. Goes on where it was.
 reference: command $(BASELINE) $(V3)
@@ -186,7 +183,7 @@ reference: command $(BASELINE) $(V3)
 	@$(foreach study,$(MOTIONS),$(BUILD)/lcpbench motion $(MOTION_$(study)) --output build/results/$(study) &&) true
 	@rm -rf $(REFERENCE)/*/
 	@$(foreach folder,$(PARTS) $(MOTIONS), \
-	  $(PYTHON) report/report.py compact build/results/$(folder) $(COMPACT_$(folder)) -o $(REFERENCE)/$(folder) &&) true
+	  $(PYTHON) report/report.py compact build/results/$(folder) -o $(REFERENCE)/$(folder) &&) true
 	@$(MAKE) --no-print-directory reference-report
 
 benchmark: configure

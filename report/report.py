@@ -287,13 +287,12 @@ def _headline(options: argparse.Namespace) -> None:
 
 
 @_command("compact", _file("campaign", metavar="FOLDER", help="of a campaign, or of `lcpbench motion`"),
-          _word("--tier", type=float, help="of problems, where no other one is to be kept [all]"),
           _file("-o", "--output", metavar="OUT", required=True, help="the folder to write"))
 def _compact(options: argparse.Namespace) -> None:
     """Make a small folder of that of a campaign or of motions, to be kept: a record per solver, class and tier."""
     from lcpbench_report.compact import compact
 
-    for name, size in compact(options.campaign, options.output, options.tier).items():
+    for name, size in compact(options.campaign, options.output).items():
         print(f"{options.output / name}: {size / 1e6:.2f} MB")
 
 

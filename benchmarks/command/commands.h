@@ -4,7 +4,6 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "solvers/lcp/settings.h"
 #include "support/exit_status.h"
@@ -27,9 +26,6 @@ void AddCommand(CLI::App& parent, CommandRun& run, const std::string& name, cons
 /// Serves a solver of this build on standard input and output (RunWorker). @return exit status
 /// @throws InputError for an unknown key, and for wrong settings where nobody listens
 int ServeSolver(const std::string& key, const Settings& settings);
-
-/// Goes on as a command of report/report.py, in the place of this program. @throws InputError where it does not start
-int RunReportCommand(const std::string& name, const std::vector<std::string>& words);
 
 void AddListCommand(CLI::App& app, CommandRun& run);
 void AddGenerateCommand(CLI::App& app, CommandRun& run);

@@ -28,8 +28,7 @@ constexpr ReportCommand kCommands[] = {
     {"tune", "Tunes all solvers with one budget, for lcpbench run --tuned"},
 };
 
-}  // namespace
-
+// Goes on as a command of report/report.py, in the place of this program. @throws InputError where it does not start
 int RunReportCommand(const std::string& name, const std::vector<std::string>& words) {
   std::vector<std::string> command = PythonCommand(kReportScriptFromProgram, kReportScript);
   command.push_back(name);
@@ -45,6 +44,8 @@ int RunReportCommand(const std::string& name, const std::vector<std::string>& wo
   throw InputError(name + ": '" + command[0] + "' cannot be started: " + std::strerror(errno) +
                    " (set LCPBENCH_PYTHON to a Python 3 interpreter)");
 }
+
+}  // namespace
 
 void AddReportCommands(CLI::App& app, CommandRun& run) {
   for (const ReportCommand& of : kCommands) {

@@ -103,7 +103,6 @@ struct RunCampaigns {
   std::string filter;
   std::string shard = "1/1";
   std::string tuned;
-  std::string again;
   bool list = false;
   CampaignOptions options;
   NamedSolvers named;
@@ -154,10 +153,6 @@ struct RunCampaigns {
         "--without-sealed", [this] { changes.emplace_back([](CampaignPlan& plan) { plan.without_sealed = true; }); },
         "Leaves out the families and engines that are for measuring only (data/sealed.json)");
     AddCpuOption(app, &options.cpu);
-    app.add_option("--again", again,
-                   "A folder of the same campaign, or of one with more solvers or classes: when all is run, prints how "
-                   "far its times and ratios moved")
-        ->check(CLI::ExistingDirectory);
     app.add_option("--shard", shard, "k/N, the k-th of N parts, or k-m/N, the k-th to the m-th; see lcpbench merge");
     app.add_option(
         "--tuned", tuned,
@@ -197,7 +192,6 @@ struct RunCampaigns {
     }
     const int status = RunCampaign(plan, options);
     std::cout << "results: " << options.folder << (status == 0 ? "" : " (interrupted; --resume goes on)") << std::endl;
-    if (status == 0 && !again.empty()) return RunReportCommand("compare", {again, options.folder});
     return status;
   }
 

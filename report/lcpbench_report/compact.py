@@ -19,7 +19,6 @@ from .errors import ReportError
 from .files import replaced
 from .statistics import records
 from .statistics.cells import measured
-from .statistics.fields import check_tier
 from .statistics.jsonl import is_there, packed, read_lines
 from .statistics.load import load_campaign
 from .statistics.model import PROBLEMS_FILE, STREAMS_FILE
@@ -36,10 +35,9 @@ _FILES: dict[str, tuple[Callable[[dict], tuple], Callable[[dict], dict]]] = {
 _AS_IT_IS = ("tier", "weight", "deadline_s")
 
 
-def compact(folder: Path, output: Path, tier: float | None = None) -> dict[str, int]:
-    """@param tier  of problems, where no other one is to be kept
-    @returns bytes of every file written
-    @throws ReportError where `folder` is none of these, has no such tier, or `output` has files already
+def compact(folder: Path, output: Path) -> dict[str, int]:
+    """@returns bytes of every file written
+    @throws ReportError where `folder` is none of these, or `output` has files already
     """
     tables = [studies.MOTION_FILE] if (folder / studies.MOTION_FILE).is_file() else []
     if not tables and not (folder / CAMPAIGN).is_file():
@@ -48,9 +46,6 @@ def compact(folder: Path, output: Path, tier: float | None = None) -> dict[str, 
     if output.exists() and any(output.iterdir()):
         raise ReportError(str(output), "has files already", "a new folder")
     campaign = None if tables else load_campaign(folder)
-    if campaign is not None and tier is not None:
-        tier = check_tier("--tier", campaign.info["tiers"], tier)
-        campaign.tasks = [task for task in campaign.tasks if task.tier == tier]
     output.mkdir(parents=True, exist_ok=True)
     for name in _DESCRIPTIONS:
         if (folder / name).is_file():

@@ -81,13 +81,6 @@ class Compact(SharedFolderCase):
         one, two = (cell_table(load_campaign(folder)).sort_values(key, ignore_index=True) for folder in (self.kept, self.path / "twice"))
         pd.testing.assert_frame_equal(one, two)
 
-    def test_one_tier_is_kept_alone(self):
-        self.assertEqual(run("compact", self.campaign, "--tier", "1e-6", "-o", self.path / "tier")[0], 0)
-        kept, whole = (load_campaign(folder).tasks for folder in (self.path / "tier", self.kept))
-        self.assertEqual([(task.solver, task.size_class, task.tier) for task in kept],
-                         [(task.solver, task.size_class, task.tier) for task in whole if task.tier == 1e-6])
-        self.assert_refused("compact", self.campaign, "--tier", "1e-5", "-o", self.path / "other", told=("1e-05", "campaign.json"))
-
     def test_it_is_smaller(self):
         self.assertLess(10 * sum(self.written.values()), sum(path.stat().st_size for path in self.campaign.iterdir()))
 
