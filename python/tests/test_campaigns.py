@@ -92,7 +92,7 @@ def test_tables_are_those_of_the_folder(campaign):
     tables = lcpbench.tables(campaign.folder)
     assert len(tables["cells"]) == len(campaign.tasks)
     assert set(tables["coverage"]["solver"]) == set(campaign.summary["solver"])
-    with pytest.raises(ValueError, match="no such folder"):
+    with pytest.raises(ValueError, match="not a folder"):
         lcpbench.tables("/no/such/folder")["cells"]
 
 

@@ -34,7 +34,7 @@ def load_campaign(folder: Path, apart: str = "") -> Campaign:
     @throws ReportError for the first thing that does not fit
     """
     if not folder.is_dir():
-        raise ReportError(str(folder), "no such folder", "a campaign's folder")
+        raise ReportError(str(folder), "not a folder", "a campaign's folder")
     campaign = Campaign(_read_info(folder / "campaign.json"))
     has_problems = any(is_there(folder / name) for name in (PROBLEMS_FILE, STREAMS_FILE))
     if has_problems or not is_there(folder / STEPS_FILE):
