@@ -11,6 +11,7 @@ import re
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache, partial
 from pathlib import Path
 
 from . import choice, comparison, formats, markdown, peers, shown_tables, summary
@@ -76,14 +77,19 @@ def _headline(page: Page) -> str:
                       *(["", say("short_flag_words"), "", flags.markdown()] if flags else [])])
 
 
-def _moved(page: Page) -> str:
+def _moved(page: Page, table: bool = True) -> str:
     """How far what is published of MAIN moved from the campaign to its repetition; "" without one."""
     if not (page.root / AGAIN).is_dir():
         return ""
-    found = changes.compare(page.inputs.campaigns[0], load_campaign(page.root / AGAIN))
+    found = _repetition(page.inputs, page.root / AGAIN)
     values = found.values[(found.values["tier"] == choice.main_tier(page.inputs)) & (found.values["what"].str.split().str[0] == MAIN)]
-    return "\n".join(["## Run twice", "", say("run_twice", found=found, values=values, reach=changes.REACH), "",
-                      comparison.values_table(values).markdown()])
+    words = say("run_twice", found=found, values=values, reach=changes.REACH)
+    return "\n".join(["## Run twice", "", words, "", comparison.values_table(values).markdown()]) if table else words
+
+
+@cache
+def _repetition(inputs: Inputs, again: Path) -> changes.Comparison:
+    return changes.compare(inputs.campaigns[0], load_campaign(again))
 
 
 def _tuning(page: Page) -> str:
@@ -130,6 +136,7 @@ BLOCKS: dict[str, Callable[[Page], str]] = {
     # The conventions, the table by size class, false successes, and the table of all solvers.
     "headline-details": lambda page: markdown.full_headline(page.inputs, page.found),
     "moved": _moved,
+    "moved-words": partial(_moved, table=False),
     "sealed": lambda page: shown_tables.sealed_apart(page.inputs),
     "streams": lambda page: say("streams", classes={of["stream"]: of["most"] for of in page.info["size_classes"] if of["stream"]}),
     "limits": lambda page: say("limits", rules=Counter((of["reason"], of["largest"]) for of in page.info.get("size_limits", []))),
