@@ -8,7 +8,7 @@ import unittest
 from lcpbench_report import readme_blocks
 from .reference import FOLDER, PAGES, ROOT, described
 
-_OF_TIMES = {"headline", "headline-details", "moved", "sealed"}
+_OF_TIMES = {"headline", "headline-details", "moved", "moved-words", "sealed"}
 
 
 class Readme(unittest.TestCase):
@@ -35,6 +35,7 @@ class Readme(unittest.TestCase):
         rows = [line for line in blocks["headline-details"].splitlines() if line.startswith("|")]
         self.assertGreater(len(rows), 10)
         self.assertEqual([line for line in rows if line not in summary], [])
+        self.assertIn(dict(readme_blocks.BLOCK.findall(PAGES[ROOT / "README.md"]))["moved-words"], blocks["moved"].splitlines())
 
     def test_every_solver_and_scene_is_spoken_of_on_its_page(self):
         core = described("core")
