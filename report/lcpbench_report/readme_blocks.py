@@ -83,7 +83,7 @@ def _moved(page: Page, table: bool = True) -> str:
         return ""
     found = _repetition(page.inputs, page.root / AGAIN)
     values = found.values[(found.values["tier"] == choice.main_tier(page.inputs)) & (found.values["what"].str.split().str[0] == MAIN)]
-    words = say("run_twice", found=found, values=values, reach=changes.REACH)
+    words = say("run_twice", found=found, values=values, reach=changes.REACH, own=page.inputs.own)
     return "\n".join(["## Run twice", "", words, "", comparison.values_table(values).markdown()]) if table else words
 
 
